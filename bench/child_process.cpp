@@ -1,0 +1,76 @@
+/// Starts a program with posix_spawn, reads its output through a pipe and asks wait4 for its use of memory.
+#include "bench/child_process.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <stdexcept>
+
+extern char** environ;
+
+namespace verisq::bench {
+namespace {
+
+struct Pipe {
+  Pipe() {
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("cannot make a pipe");
+  }
+  ~Pipe() {
+    close(ends[0]);
+    close_writing_end();
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+
+  void close_writing_end() {
+    if (ends[1] >= 0) close(ends[1]);
+    ends[1] = -1;
+  }
+
+  std::array<int, 2> ends{};
+};
+
+pid_t start(const std::vector<std::string>& command, int standard_output) {
+  std::vector<char*> arguments;
+  for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, standard_output, STDOUT_FILENO);
+  pid_t child = 0;
+  const int failed = posix_spawn(&child, arguments.front(), &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) throw std::runtime_error("cannot start " + command.front());
+  return child;
+}
+
+std::string read_all(int descriptor) {
+  std::string text;
+  std::array<char, 4096> block{};
+  for (ssize_t got = 0; (got = read(descriptor, block.data(), block.size())) > 0;)
+    text.append(block.data(), static_cast<std::size_t>(got));
+  return text;
+}
+
+}  // namespace
+
+ChildReport run_child(const std::vector<std::string>& command) {
+  Pipe pipe;
+  const auto begin = std::chrono::steady_clock::now();
+  const pid_t child = start(command, pipe.ends[1]);
+  pipe.close_writing_end();
+  std::string output = read_all(pipe.ends[0]);
+  int status = 0;
+  rusage usage{};
+  if (wait4(child, &status, 0, &usage) != child || !WIFEXITED(status))
+    throw std::runtime_error(command.front() + " did not end by itself");
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  return {WEXITSTATUS(status), elapsed.count(), 1024.0 * static_cast<double>(usage.ru_maxrss), std::move(output)};
+}
+
+}  // namespace verisq::bench

@@ -1,0 +1,32 @@
+/// The numerator of `peak_fraction`: how many FP64 operations one point costs the point_distance kernel.
+#pragma once
+
+#include <string_view>
+
+namespace verisq::bench {
+
+/// Counted along kernels/projection.clh and kernels/superquadric.clh: + - * / sqrt are one operation, fma two;
+/// comparisons, min, max, selections and integer work are none. Change these when the kernels change.
+namespace operations {
+inline constexpr double a_newton_step = 408;  ///< 5 log-sum-exp of 63 (exp 29, log 28), 93 for the linear system
+inline constexpr double start_and_end = 568;  ///< pose, logarithms, radial start, the point from its logarithms
+inline constexpr double proof = 696;          ///< both bounds, every operation rounded outward
+}  // namespace operations
+
+/// Steps that one point needs, on average over points_outside(); a vector of eight runs as many as its slowest lane
+/// (4.9, 7.1, 7.0), which counts as loss, not as achievement.
+[[nodiscard]] constexpr double mean_newton_steps(std::string_view object) {
+  if (object == "capsule") return 4.26;
+  if (object == "gem") return 6.01;
+  return 6.03;  // soap
+}
+
+[[nodiscard]] constexpr double solver_operations(std::string_view object) {
+  return operations::start_and_end + operations::a_newton_step * mean_newton_steps(object);
+}
+
+[[nodiscard]] constexpr double verified_operations(std::string_view object) {
+  return solver_operations(object) + operations::proof;
+}
+
+}  // namespace verisq::bench

@@ -1,0 +1,201 @@
+/// Distance of points to the objects of Table 5: verisq on each device, on the host, and FCL's libccd GJK, in one
+/// process on the same points. Prints the paper's Table 6 beside ours.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <functional>
+#include <numeric>
+#include <vector>
+
+#include "bench/benchmark_rows.hpp"
+#include "bench/operation_count.hpp"
+#include "bench/paper_tables.hpp"
+#include "bench/peak_rate.hpp"
+#include "bench/peer_fcl_libccd.hpp"
+#include "bench/point_distance_kernel.hpp"
+#include "bench/point_distance_table.hpp"
+#include "bench/points.hpp"
+#include "bench/tools.hpp"
+
+namespace verisq::bench {
+namespace {
+
+constexpr std::size_t outside_count = 1'000'000;
+constexpr std::size_t inside_count = 100'000;
+constexpr std::size_t host_count = 1'000;  // the host's own proofs take their time
+// Of the largest semi-axis. Outside, tolerance 0 would ask the host to improve on every enclosure that is not exact;
+// this is what the design expects of nearly all points.
+constexpr double outside_tolerance = 1e-12;
+constexpr double inside_tolerance = 1e-6;
+constexpr int repetitions = 5;
+
+struct Task {
+  explicit Task(const BenchmarkObject& of)
+      : object(of),
+        model{"", {{std::string(of.name), of.solid, {}}}},
+        outside(points_outside(of.solid, outside_count)),
+        inside(points_inside(of.solid, inside_count)) {}
+
+  BenchmarkObject object;
+  Model model;
+  std::vector<Point> outside;
+  std::vector<Point> inside;
+};
+
+/// Registers a row timed by the clock: work that runs on other threads or devices is no processor time of ours.
+void add_row(std::string_view tool, std::string_view what, std::string_view object,
+             const std::function<void(benchmark::State&)>& run) {
+  benchmark::RegisterBenchmark(fmt::format("{}/{}/{}", tool, what, object).c_str(), run)
+      ->UseRealTime()
+      ->Unit(benchmark::kMillisecond);
+}
+
+benchmark::Counter per_second(double amount_an_iteration) {
+  return {amount_an_iteration, benchmark::Counter::kIsIterationInvariantRate};
+}
+
+void set_rate(benchmark::State& state, std::size_t points) {
+  state.counters["points_per_second"] = per_second(static_cast<double>(points));
+}
+
+/// Against the rate of FMAs measured right after the row, so that both saw the machine in the same mood.
+void set_peak_fraction(benchmark::State& state, double operations, const DeviceReport& device) {
+  const double peak_rate = measured_peak_rate(device.name);
+  state.counters["fp64_fma_rate"] = peak_rate;
+  state.counters["peak_fraction"] = per_second(operations / peak_rate);
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+void set_widths(benchmark::State& state, const std::vector<Enclosure>& enclosures, double tolerance) {
+  std::vector<double> widths;
+  std::vector<double> relative_widths;
+  for (const Enclosure& e : enclosures) {
+    widths.push_back(e.width());
+    relative_widths.push_back(e.width() / std::abs(0.5 * (e.lo + e.hi)));
+  }
+  const auto narrow = std::ranges::count_if(enclosures, [=](const Enclosure& e) { return verified(e, tolerance); });
+  state.counters["width_median"] = median(widths);
+  state.counters["width_mean"] = mean(widths);
+  state.counters["width_largest"] = std::ranges::max(widths);
+  state.counters["relative_width_median"] = median(relative_widths);
+  state.counters["relative_width_mean"] = mean(relative_widths);
+  state.counters["verified_fraction"] = static_cast<double>(narrow) / static_cast<double>(enclosures.size());
+}
+
+/// The public interface: everything that a user of the library waits for.
+void map_row(benchmark::State& state, const Task& task, std::span<const Point> points, const MapOptions& options) {
+  std::vector<Enclosure> enclosures;
+  for (auto _ : state) enclosures = map_all(task.model, points, options);
+  set_rate(state, points.size());
+  set_widths(state, enclosures, options.tolerance);
+}
+
+void kernel_row(benchmark::State& state, const Task& task, const DeviceReport& device, KernelVariant variant,
+                double operations_a_point) {
+  PointDistanceKernel kernel(device, variant, task.object.solid, task.outside);
+  for (auto _ : state) kernel.run();
+  set_rate(state, kernel.points());
+  set_peak_fraction(state, operations_a_point * static_cast<double>(kernel.points()), device);
+}
+
+/// How the peer's answers lie to the enclosures of the same points: what is outside one is certainly wrong.
+void set_errors(benchmark::State& state, const std::vector<double>& answers, const std::vector<Enclosure>& enclosures) {
+  double above = 0.0;
+  double below = 0.0;
+  double largest_above = 0.0;
+  double largest_below = 0.0;
+  for (std::size_t i = 0; i < enclosures.size(); ++i) {
+    above += answers[i] > enclosures[i].hi ? 1.0 : 0.0;
+    below += answers[i] < enclosures[i].lo ? 1.0 : 0.0;
+    largest_above = std::max(largest_above, answers[i] - enclosures[i].hi);
+    largest_below = std::max(largest_below, enclosures[i].lo - answers[i]);
+  }
+  const auto count = static_cast<double>(enclosures.size());
+  state.counters["outside_enclosure"] = (above + below) / count;
+  state.counters["errs_upwards"] = above / count;
+  state.counters["errs_downwards"] = below / count;
+  state.counters["largest_error_upwards"] = largest_above;
+  state.counters["largest_error_downwards"] = largest_below;
+}
+
+/// Compared with the enclosures of `options.device`: all points on a device, a few on the host.
+void peer_row(benchmark::State& state, const Task& task, const MapOptions& options) {
+  const LibccdPointDistance distance(task.object.solid);
+  std::vector<double> answers(task.outside.size());
+  for (auto _ : state) std::ranges::transform(task.outside, answers.begin(), std::cref(distance));
+  set_rate(state, answers.size());
+  const std::size_t compared = options.device == "host" ? host_count : task.outside.size();
+  set_errors(state, answers, map_all(task.model, std::span(task.outside).first(compared), options));
+}
+
+void add_device_rows(const Task& task, const DeviceReport& device) {
+  const std::string tool = tool_name(device);
+  const std::string index = std::to_string(device.index);
+  const std::string_view name = task.object.name;
+  const double verified = verified_operations(name);
+  const double solver = solver_operations(name);
+  const double size = size_of(task.object.solid);
+  add_row(tool, "point_outside", name, [=, &task](benchmark::State& state) {
+    map_row(state, task, task.outside, {outside_tolerance * size, index});
+    set_peak_fraction(state, verified * static_cast<double>(task.outside.size()), device);
+  });
+  add_row(tool, "point_outside_kernel", name,
+          [=, &task](benchmark::State& state) { kernel_row(state, task, device, KernelVariant::verified, verified); });
+  add_row(tool, "point_outside_solver_only", name,
+          [=, &task](benchmark::State& state) { kernel_row(state, task, device, KernelVariant::solver_only, solver); });
+  // The work of an inside point varies with its cells: no operation count, no peak fraction.
+  add_row(tool, "point_inside", name, [=, &task](benchmark::State& state) {
+    map_row(state, task, task.inside, {inside_tolerance * size, index});
+  });
+}
+
+void add_host_rows(const Task& task, const MapOptions& judge) {
+  const std::string_view name = task.object.name;
+  add_row("fcl_libccd", "point_outside", name,
+          [&task, judge](benchmark::State& state) { peer_row(state, task, judge); });
+  add_row("verisq_host", "point_outside", name, [&task](benchmark::State& state) {
+    map_row(state, task, std::span(task.outside).first(host_count), {0.0, "host"});
+  });
+}
+
+void run(int argc, char** argv) {
+  const std::vector<DeviceReport> devices = usable_devices();
+  if (devices.empty())
+    fmt::print(stderr, "no OpenCL device passed its self-test: rows of the host and the peer only\n");
+  std::vector<std::string> tools;
+  for (const DeviceReport& device : devices) {
+    tools.push_back(tool_name(device));
+    benchmark::AddCustomContext(tools.back() + "_device", device.name);
+  }
+  const std::string judge = devices.empty() ? "host" : std::to_string(devices.front().index);
+  const std::vector<Task> tasks(table5_objects.begin(), table5_objects.end());
+  for (const Task& task : tasks) {
+    for (const DeviceReport& device : devices) add_device_rows(task, device);
+    add_host_rows(task, {outside_tolerance * size_of(task.object.solid), judge});
+  }
+  const Rows rows = run_benchmarks(argc, argv, repetitions);
+  fmt::print("{}", point_distance_tables(rows, tools));
+}
+
+}  // namespace
+}  // namespace verisq::bench
+
+int main(int argc, char** argv) {
+  try {
+    verisq::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "point_distance_bench: {}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,53 @@
+/// What the benchmark programs agree on: how a device's rows are called, and how a whole set of points is mapped.
+#pragma once
+
+#include <algorithm>
+#include <cctype>
+#include <span>
+#include <string>
+#include <vector>
+#include <verisq/device.hpp>
+#include <verisq/distance_map.hpp>
+
+namespace verisq::bench {
+
+/// "verisq_pocl", "verisq_nvidia_cuda": the first part of the names of a platform's rows.
+[[nodiscard]] inline std::string tool_name(const DeviceReport& device) {
+  if (device.platform == "Portable Computing Language") return "verisq_pocl";
+  std::string name = "verisq_" + device.platform;
+  std::ranges::transform(name, name.begin(), [](unsigned char c) {
+    return std::isalnum(c) != 0 ? static_cast<char>(std::tolower(c)) : '_';
+  });
+  return name;
+}
+
+/// The first device of each platform that passed its self-test.
+[[nodiscard]] inline std::vector<DeviceReport> usable_devices() {
+  std::vector<DeviceReport> usable;
+  for (const DeviceReport& device : test_devices()) {
+    const bool is_new =
+        std::ranges::none_of(usable, [&](const DeviceReport& other) { return other.platform == device.platform; });
+    if (device.passed && is_new) usable.push_back(device);
+  }
+  return usable;
+}
+
+/// The enclosures of all points, by the public interface: transfers, the host's fallback and delivery included.
+[[nodiscard]] inline std::vector<Enclosure> map_all(const Model& model, std::span<const Point> points,
+                                                    const MapOptions& options) {
+  std::vector<Enclosure> enclosures;
+  enclosures.reserve(points.size());
+  const auto next = [&points](std::span<Point> chunk) {
+    const std::size_t count = std::min(chunk.size(), points.size());
+    std::copy_n(points.begin(), count, chunk.begin());
+    points = points.subspan(count);
+    return count;
+  };
+  const auto keep = [&enclosures](std::span<const Point>, std::span<const MapResult> results) {
+    for (const MapResult& result : results) enclosures.push_back(result.distance);
+  };
+  map_points(model, next, keep, options);
+  return enclosures;
+}
+
+}  // namespace verisq::bench

@@ -1,0 +1,13 @@
+# Install and export rules: the package `verisq` with the target verisq::verisq, and the program.
+include(CMakePackageConfigHelpers)
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/verisq")
+
+install(TARGETS verisq_verify verisq EXPORT verisqTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS verisq_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(DIRECTORY include/verisq DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT verisqTargets NAMESPACE verisq:: DESTINATION ${package_dir})
+configure_package_config_file(cmake/verisqConfig.cmake.in verisqConfig.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(verisqConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/verisqConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/verisqConfigVersion.cmake
+              cmake/FindMPFR.cmake
+        DESTINATION ${package_dir})

@@ -1,0 +1,14 @@
+/// The exit status of every command: what a script may rely on.
+#pragma once
+
+namespace verisq::command_line {
+
+enum class ExitStatus {
+  verified = 0,       ///< every enclosure is at most the tolerance wide
+  failed = 1,         ///< the program, a device or the file system failed
+  bad_input = 2,      ///< bad usage or input
+  some_wide = 3,      ///< finished; some enclosures are valid but wider than the tolerance
+  interrupted = 130,  ///< ended early by Ctrl-C: 128 + SIGINT, as shells report it
+};
+
+}  // namespace verisq::command_line

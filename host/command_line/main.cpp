@@ -1,0 +1,62 @@
+/// The program `verisq`: reads the command line, runs one command, turns errors into one line and an exit status.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <verisq/error.hpp>
+
+#include "host/command_line/devices_command.hpp"
+#include "host/command_line/exit_status.hpp"
+#include "host/command_line/map_command.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+constexpr const char* closing_words =
+    "Exit status: 0 every enclosure verified, 1 the program failed, 2 bad usage or input, 3 finished, some enclosures\n"
+    "wide, 130 interrupted by Ctrl-C. `verisq COMMAND --help` explains a command.";
+
+int report(const char* message, ExitStatus status) {
+  fmt::print(stderr, "verisq: {}\n", message);
+  return static_cast<int>(status);
+}
+
+int run(int argc, char** argv) {
+  CLI::App program(
+      "verisq: guaranteed distances for whole meshes.\n"
+      "Every answer is an interval of binary64 numbers that contains the exact result.",
+      "verisq");
+  program.set_version_flag("--version", "verisq " VERISQ_VERSION, "Print the version and exit");
+  program.footer(closing_words);
+  MapArguments map_arguments;
+  const CLI::App& map = declare_map(program, map_arguments);
+  declare_devices(program);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // `--help` and `--version` arrive as errors of status 0, whose text CLI11 prints.
+    if (error.get_exit_code() == 0) return program.exit(error);
+    return report(fmt::format("{} (see verisq --help)", error.what()).c_str(), ExitStatus::bad_input);
+  }
+  if (program.get_subcommands().empty()) return report("give a command (see verisq --help)", ExitStatus::bad_input);
+  const ExitStatus status = map.parsed() ? run_map(map_arguments) : run_devices();
+  if (std::fflush(stdout) != 0) return report("cannot write to the standard output", ExitStatus::failed);
+  return static_cast<int>(status);
+}
+
+}  // namespace
+}  // namespace verisq::command_line
+
+int main(int argc, char** argv) {
+  using namespace verisq::command_line;
+  try {
+    return run(argc, argv);
+  } catch (const verisq::Error& error) {
+    return report(error.what(), error.kind() == verisq::ErrorKind::input ? ExitStatus::bad_input : ExitStatus::failed);
+  } catch (const std::bad_alloc&) {
+    return report("out of memory", ExitStatus::failed);
+  } catch (const std::exception& error) {
+    return report(error.what(), ExitStatus::failed);
+  }
+}

@@ -1,0 +1,202 @@
+#include "host/command_line/map_command.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <system_error>
+#include <verisq/distance_map.hpp>
+#include <verisq/error.hpp>
+#include <verisq/map_file.hpp>
+#include <verisq/mesh_file.hpp>
+#include <verisq/model_file.hpp>
+#include <verisq/point_file.hpp>
+#include <verisq/signed_distance.hpp>
+
+#include "host/command_line/interruption.hpp"
+#include "host/command_line/map_summary.hpp"
+#include "host/command_line/progress_bar.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+constexpr double default_relative_tolerance = 1e-6;  // of the radius of the model's bounding sphere
+
+constexpr const char* closing_words =
+    "Each row of the map is [lo, hi], which contains the exact signed distance from the point to the model: positive\n"
+    "outside, negative inside. \"Verified\" rows are at most the tolerance wide; \"wide\" ones are valid all the "
+    "same.\n"
+    "Ctrl-C keeps the finished rows of a .csv under OUT.partial; a second Ctrl-C stops at once.\n"
+    "\n"
+    "Examples:\n"
+    "  verisq map --model stem.json --mesh femur.off -o clearance.vtp\n"
+    "  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json";
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorKind::input, message);
+}
+
+double parse_tolerance(const std::string& text) {
+  double value = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  const bool is_number = error == std::errc() && rest == end;
+  if (!is_number || !std::isfinite(value) || value < 0.0) {
+    refuse(fmt::format("--tol: {} is not a finite number of at least 0", text));
+  }
+  return value;
+}
+
+double default_tolerance(const Model& model) {
+  const double tolerance = default_relative_tolerance * bounding_radius(model);
+  // An infinite tolerance would call every enclosure verified.
+  if (!std::isfinite(tolerance)) refuse("--tol: give one, because the size of the model overflows");
+  return tolerance;
+}
+
+/// Everything that the options alone tell, before any file is opened.
+void check_usage(const MapArguments& arguments) {
+  if (arguments.mesh.empty() == arguments.points.empty()) refuse("map: give either --mesh or --points");
+  if (arguments.on == "triangles") refuse("--on triangles: not supported yet, only vertices");
+  if (arguments.on != "vertices") refuse(fmt::format("--on: {} is not one of vertices, triangles", arguments.on));
+  if (arguments.certificates) refuse("--certificates: not supported yet");
+  for (const auto& input : {arguments.model, arguments.mesh, arguments.points}) {
+    std::error_code missing;  // a file that does not exist is not overwritten
+    if (!input.empty() && std::filesystem::equivalent(input, arguments.output, missing)) {
+      refuse(fmt::format("-o {}: would overwrite an input of the map", arguments.output));
+    }
+  }
+}
+
+/// The points in order, and the fraction of them that `done` finished ones make up.
+struct PointStream {
+  PointSource next;
+  std::function<double(std::uint64_t done)> fraction;
+};
+
+PointStream stream_of(const Mesh& mesh) {
+  auto next = [&mesh, position = std::size_t{0}](std::span<Point> points) mutable {
+    const auto count = std::min(points.size(), mesh.vertices.size() - position);
+    std::copy_n(mesh.vertices.begin() + static_cast<std::ptrdiff_t>(position), count, points.begin());
+    position += count;
+    return count;
+  };
+  auto fraction = [&mesh](std::uint64_t done) {
+    return static_cast<double>(done) / static_cast<double>(mesh.vertices.size());
+  };
+  return {next, fraction};
+}
+
+/// The number of points is unknown until the end: reading runs ahead of the map by a few chunks.
+PointStream stream_of(PointFile& file) {
+  auto next = [&file](std::span<Point> points) { return file.read(points); };
+  auto fraction = [&file](std::uint64_t) {
+    const auto total = static_cast<double>(file.bytes_total());  // 0 for a pipe
+    return total > 0.0 ? static_cast<double>(file.bytes_read()) / total : 0.0;
+  };
+  return {next, fraction};
+}
+
+MapSummary map_stream(const Model& model, const PointStream& stream, MapWriter& writer, const MapOptions& options,
+                      bool show_progress) {
+  ProgressBar bar(show_progress);
+  std::uint64_t done = 0;
+  const auto sink = [&](std::span<const Point> points, std::span<const MapResult> results) {
+    writer.append(points, results);
+    done += points.size();
+    bar.update(done, stream.fraction(done));
+  };
+  return map_points(model, stream.next, sink, options);
+}
+
+/// Returns the name of the file that holds the map; empty when an interrupted map left none.
+std::string end_map(MapWriter& writer, const MapSummary& summary, const std::string& output) {
+  if (!summary.interrupted) {
+    writer.finish();
+    return output;
+  }
+  const auto partial = writer.keep_partial().string();
+  if (partial.empty()) {
+    fmt::print(stderr, "verisq: interrupted; {} is not written, because only .csv can hold a part of a map\n", output);
+  } else {
+    fmt::print(stderr, "verisq: interrupted; the first {} rows are kept in {}\n", summary.points, partial);
+  }
+  return partial;
+}
+
+ExitStatus status_of(const MapSummary& summary) {
+  if (summary.interrupted) return ExitStatus::interrupted;
+  return summary.wide > 0 ? ExitStatus::some_wide : ExitStatus::verified;
+}
+
+}  // namespace
+
+const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
+  CLI::App& map = *program.add_subcommand("map", "Enclose the signed distance of each vertex or point to a model");
+  map.footer(closing_words);
+  map.add_option("--model", arguments.model, "Model of posed superquadrics (verisq-model/1, JSON)")
+      ->required()
+      ->option_text("FILE REQUIRED");
+  map.add_option("--mesh", arguments.mesh, "Mesh whose vertices are mapped: .stl .obj .ply .off")->option_text("FILE");
+  map.add_option("--points", arguments.points, "Points to map instead of a mesh: .csv with x,y,z a line")
+      ->option_text("FILE");
+  map.add_option("--on", arguments.on, "What of the mesh is mapped: vertices (triangles: not supported yet)")
+      ->option_text("WHAT");
+  map.add_option("--tol", arguments.tolerance,
+                 "Largest width of a verified enclosure, in model units; 0 asks for the tightest.\n"
+                 "Default: 1e-6 times the radius of the model's bounding sphere")
+      ->option_text("NUMBER");
+  map.add_option("--device", arguments.device,
+                 "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
+      ->option_text("DEVICE");
+  map.add_option("-o,--output", arguments.output, "The map, by extension: .csv .vtp .ply .json")
+      ->required()
+      ->option_text("FILE REQUIRED");
+  map.add_flag("--certificates", arguments.certificates, "Write the proofs too (not supported yet)");
+  map.add_flag("--json", arguments.json, "Print the summary as one JSON object");
+  map.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
+  return map;
+}
+
+ExitStatus run_map(const MapArguments& arguments) {
+  check_usage(arguments);
+  std::optional<double> tolerance;
+  if (arguments.tolerance) tolerance = parse_tolerance(*arguments.tolerance);
+
+  const Model model = read_model(arguments.model);
+  Mesh mesh;
+  std::optional<PointFile> points;
+  if (arguments.points.empty()) {
+    mesh = read_mesh(arguments.mesh);
+  } else {
+    points.emplace(arguments.points);
+  }
+  const MapOptions options{.tolerance = tolerance ? *tolerance : default_tolerance(model),
+                           .device = arguments.device,
+                           .interrupted = interrupted};
+
+  watch_for_interruption();
+  MapWriter writer(arguments.output, points ? nullptr : &mesh);
+  const auto start = std::chrono::steady_clock::now();
+  const auto summary =
+      map_stream(model, points ? stream_of(*points) : stream_of(mesh), writer, options, !arguments.no_progress);
+  const auto written = end_map(writer, summary, arguments.output);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+
+  if (!summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", summary.notice);
+  const MapReport report{.summary = summary,
+                         .output = written,
+                         .units = model.units,
+                         .tolerance = options.tolerance,
+                         .seconds = elapsed.count()};
+  fmt::print("{}", arguments.json ? json(report) : readable(report));
+  return status_of(summary);
+}
+
+}  // namespace verisq::command_line

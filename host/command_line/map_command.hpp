@@ -1,0 +1,36 @@
+/// `verisq map`: an enclosure of the signed distance for each vertex of a mesh or point of a file.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "host/command_line/exit_status.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace verisq::command_line {
+
+/// As typed; `run_map` checks what depends on the files or on several options.
+struct MapArguments {
+  std::string model;
+  std::string mesh;    ///< empty when `points` is given
+  std::string points;  ///< empty when `mesh` is given
+  std::string on = "vertices";
+  std::optional<std::string> tolerance;  ///< text, so that it is read to the nearest binary64
+  std::string device = "auto";
+  std::string output;
+  bool certificates = false;
+  bool json = false;
+  bool no_progress = false;
+};
+
+/// Adds the command to `program`; parsing fills `arguments`, which must outlive `program`.
+const CLI::App& declare_map(CLI::App& program, MapArguments& arguments);
+
+/// Throws Error(input) for whatever the user can correct, before the first distance is computed (a file of points is
+/// a stream: its later lines are checked as they come).
+ExitStatus run_map(const MapArguments& arguments);
+
+}  // namespace verisq::command_line

@@ -1,0 +1,62 @@
+#include "host/command_line/map_summary.hpp"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "host/command_line/progress_bar.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+double points_per_second(const MapReport& report) {
+  return report.seconds > 0.0 ? static_cast<double>(report.summary.points) / report.seconds : 0.0;
+}
+
+}  // namespace
+
+std::string readable(const MapReport& report) {
+  const auto& summary = report.summary;
+  const auto units = report.units.empty() ? std::string() : " " + report.units;
+  auto text = fmt::format("points             {}\n", summary.points);
+  text += fmt::format("  device-verified  {}\n", summary.device_verified);
+  text += fmt::format("  host-verified    {}\n", summary.host_verified);
+  text += fmt::format("  wide             {}\n", summary.wide);
+  text += fmt::format("device             {}\n", summary.device);
+  text += fmt::format("tolerance          {:.3g}{}\n", report.tolerance, units);
+  if (summary.points > 0) {
+    text += fmt::format("smallest distance  [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
+    text += fmt::format("largest width      {:.3g}{}\n", summary.largest_width, units);
+  }
+  text +=
+      fmt::format("time               {:.3g} s (device {:.3g} s, host proofs {:.3g} s), {} points/s\n", report.seconds,
+                  summary.device_seconds, summary.host_seconds, with_prefix(points_per_second(report)));
+  text += fmt::format("map                {}\n", report.output.empty() ? "not kept" : report.output);
+  return text;
+}
+
+std::string json(const MapReport& report) {
+  const auto& summary = report.summary;
+  auto object = nlohmann::ordered_json{
+      {"points", summary.points},
+      {"device_verified", summary.device_verified},
+      {"host_verified", summary.host_verified},
+      {"wide", summary.wide},
+      {"device", summary.device},
+      {"notice", summary.notice},
+      {"units", report.units},
+      {"tolerance", report.tolerance},
+      {"largest_width", summary.largest_width},
+      {"device_seconds", summary.device_seconds},
+      {"host_seconds", summary.host_seconds},
+      {"seconds", report.seconds},
+      {"points_per_second", points_per_second(report)},
+      {"interrupted", summary.interrupted},
+      {"output", report.output},
+  };
+  if (summary.points > 0) object["smallest_distance"] = {{"lo", summary.minimum_lo}, {"hi", summary.minimum_hi}};
+  // Names of devices and files are bytes of the system, not always UTF-8: replaced rather than refused.
+  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace verisq::command_line

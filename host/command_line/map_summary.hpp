@@ -1,0 +1,22 @@
+/// The summary of a finished map on the standard output: for people, or as one JSON object.
+#pragma once
+
+#include <string>
+#include <verisq/distance_map.hpp>
+
+namespace verisq::command_line {
+
+struct MapReport {
+  MapSummary summary;
+  std::string output;  ///< the file that holds the map; empty when none was kept
+  std::string units;   ///< of the model; empty when not given
+  double tolerance;
+  double seconds;  ///< wall time from the first point to the last row written
+};
+
+[[nodiscard]] std::string readable(const MapReport& report);
+
+/// One line. JSON has no infinity: an unbounded end of an enclosure is null.
+[[nodiscard]] std::string json(const MapReport& report);
+
+}  // namespace verisq::command_line

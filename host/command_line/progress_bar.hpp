@@ -1,0 +1,34 @@
+/// A bar with rate and remaining time on a terminal's standard error; nothing at all elsewhere.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace verisq::command_line {
+
+/// "13.2M", "850k", "12": three significant digits with an SI prefix.
+[[nodiscard]] std::string with_prefix(double number);
+
+/// Redraws one line at most ten times a second; the destructor clears it.
+class ProgressBar {
+ public:
+  /// `wanted` false, or a standard error that is no terminal, makes every call do nothing.
+  explicit ProgressBar(bool wanted);
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  /// `done` points so far; `fraction` of the whole in [0, 1].
+  void update(std::uint64_t done, double fraction);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool shown_;
+  bool drawn_ = false;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point next_draw_ = start_;
+};
+
+}  // namespace verisq::command_line

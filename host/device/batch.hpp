@@ -1,0 +1,46 @@
+/// Points in, enclosures out, a chunk at a time, while the next chunk is prepared.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "host/device/device.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::device {
+
+/// Largest magnitudes, in units of the model's largest semi-axis, that the kernels' arithmetic is made for; a model
+/// beyond is the host's.
+[[nodiscard]] bool within_device_range(const Model& model);
+
+/// Two chunks in flight at most: `submit` starts work and returns, `collect` waits for the oldest. Device memory is
+/// bounded by two chunks. All calls from one thread.
+class Batch {
+ public:
+  /// `tolerance` as in MapOptions. Throws Error(failure) with the name of a failed OpenCL call.
+  Batch(const Device& device, const Model& model, double tolerance);
+  ~Batch();
+  Batch(const Batch&) = delete;
+  Batch& operator=(const Batch&) = delete;
+
+  /// Points a chunk may hold.
+  [[nodiscard]] std::size_t capacity() const;
+
+  /// Precondition: at most `capacity()` finite points; fewer than two chunks in flight.
+  void submit(std::span<const Point> points);
+
+  /// Enclosures of the oldest chunk in flight, in the order of its points; an end is infinite where nothing was proven.
+  /// Precondition: a chunk is in flight.
+  [[nodiscard]] std::vector<Enclosure> collect();
+
+  /// Kernel time of all chunks collected.
+  [[nodiscard]] double device_seconds() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace verisq::device

@@ -1,0 +1,161 @@
+/// This file implements the choice of a device and the cache of self-test outcomes.
+#include "host/device/device.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "host/device/cache.hpp"
+#include "host/device/program.hpp"
+#include "host/device/self_test.hpp"
+#include "kernels/embedded_sources.hpp"
+#include "verisq/device.hpp"
+#include "verisq/error.hpp"
+
+namespace verisq::device {
+namespace {
+
+std::vector<cl::Device> all_devices() {
+  std::vector<cl::Platform> platforms;
+  try {
+    cl::Platform::get(&platforms);
+  } catch (const cl::Error&) {
+    return {};  // the loader reports "no platform" as an error
+  }
+  std::vector<cl::Device> devices;
+  for (const cl::Platform& platform : platforms) {
+    std::vector<cl::Device> own;
+    try {
+      platform.getDevices(CL_DEVICE_TYPE_ALL, &own);
+    } catch (const cl::Error&) {
+      continue;  // a platform without devices
+    }
+    devices.insert(devices.end(), own.begin(), own.end());
+  }
+  return devices;
+}
+
+// Processors vectorise explicit vector types only; two registers a value hide the latency of the long dependency
+// chains (measured: 1.2 times the speed of one register for interior_depth). Others vectorise across work-items.
+int vector_width(const cl::Device& device) {
+  if ((device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) == 0) return 1;
+  const auto native = static_cast<int>(device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE>());
+  return native >= 8 ? 16 : native >= 4 ? 8 : native >= 2 ? 4 : 1;
+}
+
+// Device with its program; throws where it cannot be used at all.
+Device open(const cl::Device& device) {
+  if (device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0)
+    throw Error(ErrorKind::failure, "no binary64 arithmetic (cl_khr_fp64)");
+  const cl::Context context(device);
+  const int width = vector_width(device);
+  return {device.getInfo<CL_DEVICE_NAME>(), device, context, build_program(context, device, width), width};
+}
+
+// The first failure of the self-test, or an empty string; from the cache where the same build, device and driver were
+// tested before.
+std::string self_test_outcome(const Device& opened) {
+  const std::string key = fmt::format("self-test\n{}\n{}\n{}", identity(opened.device), opened.vector_width,
+                                      kernels::embedded_sources());
+  if (const auto outcome = cached(key)) return *outcome;
+  const std::string outcome = self_test(opened.context, opened.device, opened.program, opened.vector_width);
+  store_in_cache(key, outcome);
+  return outcome;
+}
+
+struct Tested {
+  std::optional<Device> device;  // nothing when it failed
+  std::string failure;
+};
+
+Tested test(const cl::Device& device) {
+  try {
+    const Device opened = open(device);
+    std::string failure = self_test_outcome(opened);
+    if (failure.empty()) return {opened, {}};
+    return {std::nullopt, std::move(failure)};
+  } catch (const cl::Error& error) {
+    return {std::nullopt, fmt::format("{} failed with OpenCL error {}", error.what(), error.err())};
+  } catch (const Error& error) {
+    return {std::nullopt, error.what()};
+  }
+}
+
+Selection select_automatically(std::vector<cl::Device> devices) {
+  if (devices.empty()) return {std::nullopt, "no OpenCL device found"};
+  const auto is_gpu = [](const cl::Device& device) {
+    return (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU) != 0;
+  };
+  std::stable_partition(devices.begin(), devices.end(), is_gpu);
+  Selection selection;
+  for (const cl::Device& device : devices) {
+    Tested tested = test(device);
+    if (tested.device) {
+      selection.device = std::move(tested.device);
+      return selection;
+    }
+    selection.notice += fmt::format("{}refused {}: {}", selection.notice.empty() ? "" : "; ",
+                                    device.getInfo<CL_DEVICE_NAME>(), tested.failure);
+  }
+  return selection;
+}
+
+std::optional<std::size_t> as_index(std::string_view text) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return index;
+}
+
+const cl::Device* find(const std::vector<cl::Device>& devices, std::string_view request) {
+  if (const auto index = as_index(request)) return *index < devices.size() ? &devices[*index] : nullptr;
+  const auto match = std::find_if(devices.begin(), devices.end(), [request](const cl::Device& device) {
+    return device.getInfo<CL_DEVICE_NAME>().find(request) != std::string::npos;
+  });
+  return match == devices.end() ? nullptr : &*match;
+}
+
+std::string known_devices(const std::vector<cl::Device>& devices) {
+  std::vector<std::string> known;
+  for (std::size_t i = 0; i < devices.size(); ++i)
+    known.push_back(fmt::format("{} = {}", i, devices[i].getInfo<CL_DEVICE_NAME>()));
+  known.emplace_back("auto");
+  known.emplace_back("host");
+  return fmt::format("{}", fmt::join(known, ", "));
+}
+
+}  // namespace
+
+Selection select_device(std::string_view request) {
+  const std::vector<cl::Device> devices = all_devices();
+  if (request == "auto") return select_automatically(devices);
+  const cl::Device* const chosen = find(devices, request);
+  if (chosen == nullptr)
+    throw Error(ErrorKind::input,
+                fmt::format("--device {}: no such device (known: {})", request, known_devices(devices)));
+  Tested tested = test(*chosen);
+  if (!tested.device)
+    throw Error(ErrorKind::input, fmt::format("--device {}: {} failed its self-test: {}", request,
+                                              chosen->getInfo<CL_DEVICE_NAME>(), tested.failure));
+  return {std::move(tested.device), {}};
+}
+
+}  // namespace verisq::device
+
+namespace verisq {
+
+std::vector<DeviceReport> test_devices() {
+  std::vector<DeviceReport> reports;
+  for (const cl::Device& device : device::all_devices()) {
+    const device::Tested tested = device::test(device);
+    const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
+    reports.push_back({reports.size(), device.getInfo<CL_DEVICE_NAME>(), platform.getInfo<CL_PLATFORM_NAME>(),
+                       device.getInfo<CL_DRIVER_VERSION>(), device::vector_width(device), tested.device.has_value(),
+                       tested.failure});
+  }
+  return reports;
+}
+
+}  // namespace verisq

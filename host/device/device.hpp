@@ -1,0 +1,32 @@
+/// An OpenCL device that passed its self-test, with the kernels compiled for it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/device/opencl.hpp"
+
+namespace verisq::device {
+
+/// Copies share the OpenCL objects, which release themselves.
+struct Device {
+  std::string name;
+  cl::Device device;
+  cl::Context context;
+  cl::Program program;
+  int vector_width;  ///< points a work-item
+};
+
+/// The device that `request` asks for ("auto", an index or a part of a name; see `test_devices`), or nothing when
+/// "auto" finds none that passes; `notice` then says why. Throws Error(input) when a request matches no device, or one
+/// that failed its self-test.
+struct Selection {
+  std::optional<Device> device;
+  std::string notice;
+};
+[[nodiscard]] Selection select_device(std::string_view request);
+
+}  // namespace verisq::device

@@ -1,0 +1,59 @@
+/// This file implements the compilation of the kernels and the cache of their binaries.
+#include "host/device/program.hpp"
+
+#include <fmt/format.h>
+
+#include "host/device/cache.hpp"
+#include "kernels/embedded_sources.hpp"
+#include "verisq/error.hpp"
+
+namespace verisq::device {
+namespace {
+
+std::optional<cl::Program> from_binary(const cl::Context& context, const cl::Device& device, const std::string& binary,
+                                       const std::string& options) {
+  try {
+    const cl::Program::Binaries binaries{std::vector<unsigned char>(binary.begin(), binary.end())};
+    cl::Program program(context, {device}, binaries);
+    program.build({device}, options.c_str());
+    return program;
+  } catch (const cl::Error&) {
+    return std::nullopt;  // a stale or damaged binary: compile again
+  }
+}
+
+cl::Program from_sources(const cl::Context& context, const cl::Device& device, const std::string& options) {
+  cl::Program program(context, std::string(kernels::embedded_sources()));
+  try {
+    program.build({device}, options.c_str());
+  } catch (const cl::Error& error) {
+    throw Error(ErrorKind::failure, fmt::format("{}: kernels do not compile ({}, {}): {}", identity(device),
+                                                error.what(), error.err(),
+                                                program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device)));
+  }
+  return program;
+}
+
+}  // namespace
+
+std::string identity(const cl::Device& device) {
+  const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
+  return fmt::format("{} / {} / {}", device.getInfo<CL_DEVICE_NAME>(), platform.getInfo<CL_PLATFORM_VERSION>(),
+                     device.getInfo<CL_DRIVER_VERSION>());
+}
+
+cl::Program build_program(const cl::Context& context, const cl::Device& device, int vector_width,
+                          const std::string& extra_options) {
+  // Never -cl-unsafe-math-optimizations, -cl-mad-enable, -cl-denorms-are-zero: design 3.
+  std::string options = fmt::format("-cl-std=CL1.2 -DVECTOR_WIDTH={}", vector_width);
+  if (!extra_options.empty()) options += " " + extra_options;
+  const std::string key = fmt::format("program\n{}\n{}\n{}", identity(device), options, kernels::embedded_sources());
+  if (const auto binary = cached(key))
+    if (auto program = from_binary(context, device, *binary, options)) return *program;
+  cl::Program program = from_sources(context, device, options);
+  const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
+  if (!binaries.empty()) store_in_cache(key, std::string(binaries.front().begin(), binaries.front().end()));
+  return program;
+}
+
+}  // namespace verisq::device

@@ -1,0 +1,19 @@
+/// The kernels, compiled for one device.
+#pragma once
+
+#include <string>
+
+#include "host/device/opencl.hpp"
+
+namespace verisq::device {
+
+/// Identifies a device with its driver, for caches and messages.
+[[nodiscard]] std::string identity(const cl::Device& device);
+
+/// Compiles the embedded sources for `vector_width` points a work-item (16, 8, 4 or 1), or takes the binary of an
+/// earlier run. `extra_options` are further compiler options (the benchmarks use them). Throws Error(failure) with the
+/// compiler's log.
+[[nodiscard]] cl::Program build_program(const cl::Context& context, const cl::Device& device, int vector_width,
+                                        const std::string& extra_options = {});
+
+}  // namespace verisq::device

@@ -1,0 +1,188 @@
+/// This file implements the map: source -> device (or host) -> host for what stays open -> sink.
+#include "verisq/distance_map.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "host/device/batch.hpp"
+#include "verisq/error.hpp"
+#include "verisq/signed_distance.hpp"
+
+namespace verisq {
+namespace {
+
+constexpr std::size_t host_chunk = 4096;
+
+// With a tolerance below these widths the host is asked only for what is wider than them: the device's certificates
+// outside, and its branch and bound inside, are then as good as the methods are (design 2, §2, §5).
+constexpr double outside_limit = 1e-12;  // of max(|point|, radius of the model)
+constexpr double inside_limit = 2e-9;    // of the radius of the model
+
+double length(const Point& p) { return std::hypot(p[0], p[1], p[2]); }
+
+double worthwhile_width(const Point& point, const Enclosure& found, double tolerance, double radius) {
+  const double limit = found.lo < 0.0 ? inside_limit * radius : outside_limit * std::max(length(point), radius);
+  return std::max(tolerance, limit);
+}
+
+// Both contain the exact value; if they have nothing in common one of them is wrong, which must never pass silently.
+Enclosure intersect(const Enclosure& a, const Enclosure& b, const Point& point) {
+  const Enclosure both{std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
+  if (both.lo <= both.hi) return both;
+  throw Error(ErrorKind::failure,
+              fmt::format("device and host contradict each other at ({}, {}, {}): [{}, {}] and [{}, {}]; please report",
+                          point[0], point[1], point[2], a.lo, a.hi, b.lo, b.hi));
+}
+
+// Calls work(i) for all i below count on all processors; the first exception is passed on.
+template <typename Work>
+void in_parallel(std::size_t count, const Work& work) {
+  const std::size_t workers = std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto loop = [&] {
+    try {
+      for (std::size_t i = next++; i < count; i = next++) work(i);
+    } catch (...) {
+      const std::lock_guard lock(failure_mutex);
+      if (!failure) failure = std::current_exception();
+      next = count;
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 1; i < workers; ++i) threads.emplace_back(loop);
+    loop();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+class Map {
+ public:
+  Map(const Model& model, const MapSink& sink, const MapOptions& options)
+      : sink_(sink), tolerance_(options.tolerance), radius_(bounding_radius(model)), host_(model) {
+    summary_.minimum_lo = summary_.minimum_hi = std::numeric_limits<double>::infinity();
+  }
+
+  // Proves on the host what `found` leaves wide, and hands the rows on.
+  void finish_chunk(std::span<const Point> points, std::vector<Enclosure> found) {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<std::size_t> open;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (!(found[i].width() <= worthwhile_width(points[i], found[i], tolerance_, radius_))) open.push_back(i);
+    std::vector<bool> from_host(points.size(), false);
+    for (const std::size_t i : open) from_host[i] = true;
+    in_parallel(open.size(), [&](std::size_t n) {
+      const std::size_t i = open[n];
+      found[i] = intersect(found[i], host_(points[i], tolerance_), points[i]);
+    });
+    summary_.host_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+    std::vector<MapResult> rows(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      rows[i] = {found[i], status_of(found[i], from_host[i])};
+      count(rows[i]);
+    }
+    sink_(points, rows);
+  }
+
+  [[nodiscard]] MapSummary& summary() { return summary_; }
+
+ private:
+  [[nodiscard]] Status status_of(const Enclosure& e, bool from_host) const {
+    if (!verified(e, tolerance_)) return Status::wide;
+    return from_host ? Status::host_verified : Status::device_verified;
+  }
+
+  void count(const MapResult& row) {
+    ++summary_.points;
+    switch (row.status) {
+      case Status::device_verified: ++summary_.device_verified; break;
+      case Status::host_verified: ++summary_.host_verified; break;
+      case Status::wide: ++summary_.wide; break;
+    }
+    summary_.minimum_lo = std::min(summary_.minimum_lo, row.distance.lo);
+    summary_.minimum_hi = std::min(summary_.minimum_hi, row.distance.hi);
+    summary_.largest_width = std::max(summary_.largest_width, row.distance.width());
+  }
+
+  const MapSink& sink_;
+  double tolerance_;
+  double radius_;
+  SignedDistance host_;
+  MapSummary summary_;
+};
+
+// Reads up to `capacity` points; checks what every kernel and proof relies on.
+std::vector<Point> read_chunk(const PointSource& source, std::size_t capacity) {
+  std::vector<Point> points(capacity);
+  points.resize(source(points));
+  for (const Point& p : points)
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
+      throw Error(ErrorKind::input, fmt::format("point ({}, {}, {}) is not finite", p[0], p[1], p[2]));
+  return points;
+}
+
+void map_on_host(Map& map, const PointSource& source, const MapOptions& options) {
+  const Enclosure nothing{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  while (!options.interrupted()) {
+    const std::vector<Point> points = read_chunk(source, host_chunk);
+    if (points.empty()) return;
+    map.finish_chunk(points, std::vector<Enclosure>(points.size(), nothing));
+  }
+  map.summary().interrupted = true;
+}
+
+// While the device works on one chunk, the next is read and the last is finished and written.
+void map_on_device(Map& map, device::Batch& batch, const PointSource& source, const MapOptions& options) {
+  std::vector<Point> current = read_chunk(source, batch.capacity());
+  if (!current.empty()) batch.submit(current);
+  while (!current.empty()) {
+    std::vector<Point> next;
+    if (options.interrupted())
+      map.summary().interrupted = true;
+    else
+      next = read_chunk(source, batch.capacity());
+    if (!next.empty()) batch.submit(next);
+    map.finish_chunk(current, batch.collect());
+    current = std::move(next);
+  }
+  map.summary().device_seconds = batch.device_seconds();
+}
+
+}  // namespace
+
+MapSummary map_points(const Model& model, const PointSource& source, const MapSink& sink, const MapOptions& options) {
+  Map map(model, sink, options);
+  device::Selection selection;
+  if (options.device != "host") {
+    selection = device::select_device(options.device);
+    if (selection.device && !device::within_device_range(model)) {
+      selection.device.reset();
+      selection.notice = "the model's sizes span more than the device's kernels are made for";
+    }
+  }
+  map.summary().notice = selection.notice;
+  map.summary().device = selection.device ? selection.device->name : "host";
+  if (selection.device) {
+    device::Batch batch(*selection.device, model, options.tolerance);
+    map_on_device(map, batch, source, options);
+  } else {
+    map_on_host(map, source, options);
+  }
+  return map.summary();
+}
+
+}  // namespace verisq

@@ -1,0 +1,47 @@
+/// Rows of a map, stored by column.
+#include "host/files/collected_map.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+namespace verisq {
+
+CollectedMap::CollectedMap(const Mesh* mesh) : mesh_(mesh) {
+  if (mesh_ == nullptr) return;
+  lo_.reserve(mesh_->vertices.size());
+  hi_.reserve(mesh_->vertices.size());
+  statuses_.reserve(mesh_->vertices.size());
+}
+
+void CollectedMap::append(std::span<const Point> points, std::span<const MapResult> results) {
+  if (mesh_ == nullptr) points_.insert(points_.end(), points.begin(), points.end());
+  for (const MapResult& result : results) {
+    lo_.push_back(result.distance.lo);
+    hi_.push_back(result.distance.hi);
+    statuses_.push_back(static_cast<std::uint8_t>(result.status));
+  }
+}
+
+void CollectedMap::check_complete(const OutputFile& output) const {
+  if (vertices().size() == statuses_.size()) return;
+  output.fail(fmt::format("{} results for {} vertices", statuses_.size(), vertices().size()));
+}
+
+std::span<const Point> CollectedMap::vertices() const {
+  return mesh_ == nullptr ? points_ : mesh_->vertices;
+}
+
+std::span<const std::array<std::uint32_t, 3>> CollectedMap::triangles() const {
+  if (mesh_ == nullptr) return {};
+  return mesh_->triangles;
+}
+
+double finite_middle(double lo, double hi) {
+  if (std::isfinite(lo) && std::isfinite(hi)) return std::midpoint(lo, hi);
+  if (std::isfinite(lo)) return lo;
+  return std::isfinite(hi) ? hi : 0.0;
+}
+
+}  // namespace verisq

@@ -1,0 +1,43 @@
+/// A map kept in memory until all of it is known: what the mesh formats write at the end.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+#include <verisq/map_result.hpp>
+#include <verisq/mesh.hpp>
+
+#include "host/files/output_file.hpp"
+
+namespace verisq {
+
+class CollectedMap {
+ public:
+  /// `mesh` may be null: then the appended points are the vertices. It must outlive this.
+  explicit CollectedMap(const Mesh* mesh);
+
+  void append(std::span<const Point> points, std::span<const MapResult> results);
+
+  /// Throws Error(failure) naming `output`'s file unless there is exactly one result for each vertex: a mesh whose map
+  /// was ended early has no place for what is unknown.
+  void check_complete(const OutputFile& output) const;
+
+  [[nodiscard]] std::span<const Point> vertices() const;
+  [[nodiscard]] std::span<const std::array<std::uint32_t, 3>> triangles() const;
+  [[nodiscard]] std::span<const double> lo() const { return lo_; }
+  [[nodiscard]] std::span<const double> hi() const { return hi_; }
+  [[nodiscard]] std::span<const std::uint8_t> statuses() const { return statuses_; }
+
+ private:
+  const Mesh* mesh_;
+  std::vector<Point> points_;  // empty where there is a mesh
+  std::vector<double> lo_;
+  std::vector<double> hi_;
+  std::vector<std::uint8_t> statuses_;
+};
+
+/// A finite number inside the enclosure, for colours: the middle; where one end is infinite the other end; where both
+/// are, 0. Never NaN.
+[[nodiscard]] double finite_middle(double lo, double hi);
+
+}  // namespace verisq

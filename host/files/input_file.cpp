@@ -1,0 +1,108 @@
+/// Blocks, lines and positions of a file that is read front to back.
+#include "host/files/input_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <verisq/error.hpp>
+
+namespace verisq {
+namespace {
+
+constexpr std::size_t block_size = std::size_t{1} << 20;
+
+[[noreturn]] void refuse(std::string_view name, std::string_view message) {
+  throw Error(ErrorKind::input, fmt::format("{}: {}", name, message));
+}
+
+}  // namespace
+
+InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()), buffer_(block_size) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) refuse(name_, "no such file");
+  if (std::filesystem::is_directory(status)) refuse(name_, "is a directory, not a file");
+  file_.reset(std::fopen(name_.c_str(), "rb"));
+  if (!file_) refuse(name_, fmt::format("cannot be read: {}", std::strerror(errno)));
+  std::setvbuf(file_.get(), nullptr, _IONBF, 0);  // the block is the buffer
+  if (std::filesystem::is_regular_file(status)) size_ = std::filesystem::file_size(path, error);
+  if (error) refuse(name_, fmt::format("cannot be read: {}", error.message()));
+  if (!read_more()) refuse(name_, "the file is empty");
+}
+
+/// Moves what is unread to the front of the buffer and appends to it; false at the end of the file.
+bool InputFile::read_more() {
+  std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(next_), buffer_.begin() + static_cast<std::ptrdiff_t>(end_),
+            buffer_.begin());
+  block_start_ += next_;
+  end_ -= next_;
+  next_ = 0;
+  if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
+  const std::size_t count = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_.get());
+  if (count == 0 && std::ferror(file_.get()) != 0) {
+    throw Error(ErrorKind::failure,
+                fmt::format("{}: byte {}: cannot be read: {}", name_, block_start_ + end_, std::strerror(errno)));
+  }
+  end_ += count;
+  return count > 0;
+}
+
+std::optional<std::string_view> InputFile::next_line() {
+  std::size_t searched = 0;
+  std::size_t line_end = std::string_view::npos;
+  while ((line_end = unread().find('\n', searched)) == std::string_view::npos) {
+    searched = unread().size();
+    if (searched > longest_line || !read_more()) break;
+  }
+  const std::string_view rest = unread();
+  if (rest.empty()) return std::nullopt;
+  ++line_number_;
+  last_read_ = Unit::line;
+  std::string_view line = rest.substr(0, line_end);
+  if (line.size() > longest_line) fail(fmt::format("longer than {} characters", longest_line));
+  next_ += std::min(line.size() + 1, rest.size());
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+std::optional<std::string_view> InputFile::next_line_with_text() {
+  while (const std::optional<std::string_view> line = next_line()) {
+    if (line->find_first_not_of(" \t\r\v\f") != std::string_view::npos) return line;
+  }
+  return std::nullopt;
+}
+
+std::string_view InputFile::take(std::size_t count, std::string_view what) {
+  bytes_start_ = position();
+  last_read_ = Unit::bytes;
+  while (end_ - next_ < count) {
+    if (!read_more())
+      fail(fmt::format("truncated: the file ends after {} bytes, inside {}", block_start_ + end_, what));
+  }
+  next_ += count;
+  return {buffer_.data() + next_ - count, count};
+}
+
+std::string_view InputFile::peek(std::size_t count) {
+  while (end_ - next_ < count && read_more()) {
+  }
+  return unread().substr(0, count);
+}
+
+void InputFile::fail(std::string_view message) const {
+  switch (last_read_) {
+    case Unit::line: refuse(name_, fmt::format("line {}: {}", line_number_, message));
+    case Unit::bytes: refuse(name_, fmt::format("byte {}: {}", bytes_start_, message));
+    case Unit::nothing: break;
+  }
+  refuse(name_, message);
+}
+
+void InputFile::fail_whole(std::string_view message) const {
+  refuse(name_, message);
+}
+
+}  // namespace verisq

@@ -1,0 +1,55 @@
+/// Strict reading of JSON: every value can be named in a message, every key appears once, every number is finite.
+#pragma once
+
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace verisq {
+
+/// Parses a whole document. Throws Error(input), one line that starts with `name`: with line and column for syntax
+/// errors; with the path of the key for duplicate keys, numbers beyond binary64 and nesting deeper than 100 levels
+/// (so that readers may recurse).
+[[nodiscard]] nlohmann::json parse_json(std::string_view text, std::string_view name);
+
+/// A value of a parsed document and the path that leads to it, like "primitives[2].superquadric.exponents[0]".
+/// Every check throws Error(input): "NAME: PATH = VALUE: what is wrong". The document and its name must outlive it.
+class JsonValue {
+ public:
+  JsonValue(const nlohmann::json& document, std::string_view name) : value_(&document), name_(name) {}
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] const nlohmann::json& json() const { return *value_; }
+
+  /// Fails unless this is an object that has no other keys.
+  void check_keys(std::initializer_list<std::string_view> known) const;
+
+  /// The value of a key of this object; fails when it is missing.
+  [[nodiscard]] JsonValue at(std::string_view key) const;
+  /// Nothing when it is missing.
+  [[nodiscard]] std::optional<JsonValue> find(std::string_view key) const;
+  /// Fails unless this is an array.
+  [[nodiscard]] std::vector<JsonValue> elements() const;
+
+  [[nodiscard]] std::string text() const;  ///< fails unless this is a string
+  [[nodiscard]] double number() const;     ///< fails unless this is a number
+
+  [[noreturn]] void fail(std::string_view what) const;
+  /// Without the value: for what is wrong with the key itself.
+  [[noreturn]] void fail_key(std::string_view what) const;
+
+ private:
+  JsonValue(const nlohmann::json& value, std::string_view name, std::string path)
+      : value_(&value), name_(name), path_(std::move(path)) {}
+
+  [[nodiscard]] JsonValue member(std::string_view key, const nlohmann::json& value) const;
+
+  const nlohmann::json* value_;
+  std::string_view name_;
+  std::string path_;  // empty for the document
+};
+
+}  // namespace verisq

@@ -1,0 +1,73 @@
+/// Picks the format of a map by the extension of its file.
+#include <fmt/format.h>
+
+#include <optional>
+#include <verisq/error.hpp>
+#include <verisq/map_file.hpp>
+
+#include "host/files/map_format.hpp"
+#include "host/files/output_file.hpp"
+#include "host/files/words.hpp"
+
+namespace verisq {
+namespace {
+
+using Maker = std::unique_ptr<MapFormat> (*)(OutputFile&, const Mesh*);
+
+Maker maker_for(const std::filesystem::path& path) {
+  const std::string extension = lower_case(path.extension().string());
+  if (extension == ".csv") return make_csv_map;
+  if (extension == ".vtp") return make_vtp_map;
+  if (extension == ".ply") return make_ply_map;
+  if (extension == ".json") return make_json_map;
+  throw Error(ErrorKind::input, fmt::format("{}: unknown map format {}: known are .csv, .vtp, .ply, .json",
+                                            path.string(), in_quotes(path.extension().string())));
+}
+
+}  // namespace
+
+/// The file and the format that fills it.
+class MapWriter::Format {
+ public:
+  Format(const std::filesystem::path& path, const Mesh* mesh)
+      : target_(path), make_(maker_for(path)), output_(path), rows_(make_(output_, mesh)) {}
+
+  void append(std::span<const Point> points, std::span<const MapResult> results) { rows_->append(points, results); }
+  void finish() {
+    rows_->finish();
+    output_.finish();
+  }
+  std::filesystem::path keep_partial() {
+    if (!rows_->valid_after_any_row()) return {};
+    std::filesystem::path kept = target_;
+    kept += ".partial";
+    output_.finish_as(kept);
+    return kept;
+  }
+
+ private:
+  std::filesystem::path target_;
+  Maker make_;  // before the file: an unknown extension must not leave a file
+  OutputFile output_;
+  std::unique_ptr<MapFormat> rows_;
+};
+
+MapWriter::MapWriter(const std::filesystem::path& path, const Mesh* mesh)
+    : format_(std::make_unique<Format>(path, mesh)) {}
+MapWriter::~MapWriter() = default;
+MapWriter::MapWriter(MapWriter&&) noexcept = default;
+MapWriter& MapWriter::operator=(MapWriter&&) noexcept = default;
+
+void MapWriter::append(std::span<const Point> points, std::span<const MapResult> results) {
+  format_->append(points, results);
+}
+
+void MapWriter::finish() {
+  format_->finish();
+}
+
+std::filesystem::path MapWriter::keep_partial() {
+  return format_->keep_partial();
+}
+
+}  // namespace verisq

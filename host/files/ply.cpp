@@ -1,0 +1,219 @@
+/// PLY (Stanford), ASCII and binary of both byte orders: elements `vertex` and `face`; others are read past.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <vector>
+
+#include "host/files/byte_order.hpp"
+#include "host/files/mesh_builder.hpp"
+#include "host/files/mesh_formats.hpp"
+#include "host/files/ply_header.hpp"
+#include "host/files/words.hpp"
+
+namespace verisq {
+namespace {
+
+/// One row a line, values as decimal text.
+class AsciiRows {
+ public:
+  explicit AsciiRows(InputFile& file) : file_(file) {}
+
+  void begin_row(const PlyElement& element) {
+    const auto line = file_.next_line_with_text();
+    if (!line) file_.fail(fmt::format("truncated: the file ends inside element {}", in_quotes(element.name)));
+    words_ = Words(*line);
+  }
+  double finite(PlyType /*any*/, std::string_view name) { return finite_number(file_, words_.next(), name); }
+  std::int64_t whole(PlyType /*any*/, std::string_view name) { return integer(file_, words_.next(), name); }
+  void skip(PlyType /*any*/, std::string_view name) {
+    if (words_.next().empty()) file_.fail(fmt::format("{} is missing", name));
+  }
+  void end_row() {
+    if (!words_.empty()) file_.fail(fmt::format("unexpected {} after the last property", in_quotes(words_.rest())));
+  }
+  void end_file() {
+    if (const auto line = file_.next_line_with_text()) {
+      file_.fail(fmt::format("unexpected {} after the last element", in_quotes(trimmed(*line))));
+    }
+  }
+  [[nodiscard]] static std::size_t smallest(PlyType /*any*/) { return 2; }  // a digit, a blank
+
+ private:
+  InputFile& file_;
+  Words words_{""};
+};
+
+/// Values as bytes, one after the other.
+class BinaryRows {
+ public:
+  BinaryRows(InputFile& file, std::endian order) : file_(file), order_(order) {}
+
+  void begin_row(const PlyElement& /*any*/) {}
+  double finite(PlyType type, std::string_view name) {
+    const double value = next<double>(type, name);
+    if (!std::isfinite(value)) file_.fail(fmt::format("{} = {}: not a finite number", name, value));
+    return value;
+  }
+  std::int64_t whole(PlyType type, std::string_view name) { return next<std::int64_t>(type, name); }
+  void skip(PlyType type, std::string_view name) { (void)file_.take(bytes_of(type), name); }
+  void end_row() {}
+  void end_file() {
+    if (file_.remaining() > 0) {
+      file_.fail_whole(fmt::format("byte {}: {} bytes after the last element", file_.position(), file_.remaining()));
+    }
+  }
+  [[nodiscard]] static std::size_t smallest(PlyType type) { return bytes_of(type); }
+
+ private:
+  /// Exact for double from every type and for std::int64_t from every integer type, the only ones asked for.
+  template <class Number>
+  Number next(PlyType type, std::string_view name) {
+    const char* bytes = file_.take(bytes_of(type), name).data();
+    switch (type) {
+      case PlyType::int8: return static_cast<Number>(number_from<std::int8_t>(bytes, order_));
+      case PlyType::uint8: return static_cast<Number>(number_from<std::uint8_t>(bytes, order_));
+      case PlyType::int16: return static_cast<Number>(number_from<std::int16_t>(bytes, order_));
+      case PlyType::uint16: return static_cast<Number>(number_from<std::uint16_t>(bytes, order_));
+      case PlyType::int32: return static_cast<Number>(number_from<std::int32_t>(bytes, order_));
+      case PlyType::uint32: return static_cast<Number>(number_from<std::uint32_t>(bytes, order_));
+      case PlyType::float32: return static_cast<Number>(number_from<float>(bytes, order_));
+      case PlyType::float64: break;
+    }
+    return static_cast<Number>(number_from<double>(bytes, order_));
+  }
+
+  InputFile& file_;
+  std::endian order_;
+};
+
+/// Refuses a number of rows that the rest of the file cannot hold, before memory is reserved for them.
+template <class Rows>
+void check_size(const InputFile& file, const PlyElement& element) {
+  std::uint64_t row = 0;
+  for (const PlyProperty& property : element.properties)
+    row += Rows::smallest(property.count_type.value_or(property.type));
+  if (row > 0 && element.count > (file.remaining() + 1) / row) {  // + 1: the last line may lack its end
+    file.fail_whole(
+        fmt::format("truncated: the header promises {} of element {}, at least {} bytes each; {} bytes follow it",
+                    element.count, in_quotes(element.name), row, file.remaining()));
+  }
+}
+
+template <class Rows>
+void skip_property(const InputFile& file, Rows& rows, const PlyProperty& property) {
+  const std::int64_t values = property.count_type ? rows.whole(*property.count_type, property.name) : 1;
+  if (values < 0) file.fail(fmt::format("length of list {} = {}: must not be negative", property.name, values));
+  for (std::int64_t k = 0; k < values; ++k) rows.skip(property.type, property.name);
+}
+
+template <class Rows>
+void skip_element(const InputFile& file, Rows& rows, const PlyElement& element) {
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    rows.begin_row(element);
+    for (const PlyProperty& property : element.properties) skip_property(file, rows, property);
+    rows.end_row();
+  }
+}
+
+template <class Rows>
+void read_vertices(const InputFile& file, Rows& rows, const PlyElement& element, MeshBuilder& builder) {
+  constexpr std::size_t not_a_coordinate = 3;
+  std::vector<std::size_t> axis(element.properties.size(), not_a_coordinate);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::string_view name = std::string_view("xyz").substr(k, 1);
+    const auto found = element.find(name);
+    if (!found || element.properties[*found].count_type) {
+      file.fail_whole(fmt::format("element 'vertex' has no property '{}' of a single number", name));
+    }
+    axis[*found] = k;
+  }
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    rows.begin_row(element);
+    Point point{};
+    for (std::size_t k = 0; k < axis.size(); ++k) {
+      const PlyProperty& property = element.properties[k];
+      if (axis[k] == not_a_coordinate) {
+        skip_property(file, rows, property);
+      } else {
+        point[axis[k]] = rows.finite(property.type, property.name);
+      }
+    }
+    rows.end_row();
+    builder.add_vertex(point);
+  }
+}
+
+std::size_t corner_list(const InputFile& file, const PlyElement& element) {
+  for (const std::string_view name : {"vertex_indices", "vertex_index"}) {
+    const auto found = element.find(name);
+    if (!found) continue;
+    const PlyProperty& property = element.properties[*found];
+    if (property.count_type && is_integer(property.type)) return *found;
+    file.fail_whole(fmt::format("element 'face': property '{}' must be a list of integers", name));
+  }
+  file.fail_whole("element 'face' has no property 'vertex_indices' or 'vertex_index'");
+}
+
+template <class Rows>
+void read_faces(const InputFile& file, Rows& rows, const PlyElement& element, MeshBuilder& builder) {
+  const std::size_t list = corner_list(file, element);
+  std::vector<std::uint32_t> corners;
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    rows.begin_row(element);
+    for (std::size_t k = 0; k < element.properties.size(); ++k) {
+      const PlyProperty& property = element.properties[k];
+      if (k != list) {
+        skip_property(file, rows, property);
+        continue;
+      }
+      const std::int64_t count = rows.whole(*property.count_type, "number of corners");
+      builder.check_corner_count(count);
+      corners.clear();
+      for (std::int64_t c = 0; c < count; ++c) {
+        corners.push_back(builder.checked_index(rows.whole(property.type, "vertex index")));
+      }
+    }
+    rows.end_row();
+    builder.add_polygon(corners);
+  }
+}
+
+template <class Rows>
+Mesh read_body(InputFile& file, Rows rows, const PlyHeader& header) {
+  MeshBuilder builder(file);
+  bool vertices_known = false;
+  for (const PlyElement& element : header.elements) {
+    check_size<Rows>(file, element);
+    if (element.name == "vertex") {
+      builder.reserve(element.count, 0);
+      read_vertices(file, rows, element, builder);
+      vertices_known = true;
+    } else if (element.name == "face" && element.count > 0) {
+      if (!vertices_known) file.fail_whole("element 'face' before element 'vertex' is not supported");
+      builder.reserve(0, element.count);
+      read_faces(file, rows, element, builder);
+    } else if (element.name == "tristrips") {
+      file.fail_whole("element 'tristrips' is not supported: triangles must be in element 'face'");
+    } else {
+      skip_element(file, rows, element);
+    }
+  }
+  rows.end_file();
+  return std::move(builder).finish();
+}
+
+}  // namespace
+
+Mesh read_ply(InputFile& file) {
+  const PlyHeader header = read_ply_header(file);
+  switch (header.encoding) {
+    case PlyEncoding::ascii: return read_body(file, AsciiRows(file), header);
+    case PlyEncoding::little_endian: return read_body(file, BinaryRows(file, std::endian::little), header);
+    case PlyEncoding::big_endian: break;
+  }
+  return read_body(file, BinaryRows(file, std::endian::big), header);
+}
+
+}  // namespace verisq

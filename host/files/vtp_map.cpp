@@ -1,0 +1,129 @@
+/// Maps as VTK XML PolyData with appended raw arrays: what ParaView opens.
+#include <fmt/format.h>
+
+#include <array>
+#include <numeric>
+#include <string>
+
+#include "host/files/collected_map.hpp"
+#include "host/files/map_format.hpp"
+
+namespace verisq {
+namespace {
+
+/// The DataArray elements of the XML part, in the order in which the arrays are written. Each refers to the appended
+/// part by an offset; there the array's bytes follow their number, a UInt64 ("VTK File Formats", XML, appended raw).
+class ArrayDeclarations {
+ public:
+  std::string declare(std::string_view type, std::string_view name, int components, std::uint64_t bytes) {
+    const std::uint64_t offset = next_offset_;
+    next_offset_ += sizeof(std::uint64_t) + bytes;
+    return fmt::format(
+        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
+        type, name, components, offset);
+  }
+
+ private:
+  std::uint64_t next_offset_ = 0;
+};
+
+class VtpMap final : public MapFormat {
+ public:
+  VtpMap(OutputFile& output, const Mesh* mesh) : output_(output), map_(mesh) {}
+
+  void append(std::span<const Point> points, std::span<const MapResult> results) override {
+    map_.append(points, results);
+  }
+
+  // Infinite ends are written as IEEE infinities: ParaView then wants a colour range set by hand, or dist_mid.
+  void finish() override {
+    map_.check_complete(output_);
+    write_declarations();
+    output_.write("  <AppendedData encoding=\"raw\">\n_");
+    write_points();
+    write_cells();
+    write_array(map_.lo());
+    write_array(map_.hi());
+    write_middles();
+    write_array(map_.statuses());
+    output_.write("\n  </AppendedData>\n</VTKFile>\n");
+  }
+
+ private:
+  [[nodiscard]] std::uint64_t points() const { return map_.vertices().size(); }
+  [[nodiscard]] bool has_triangles() const { return !map_.triangles().empty(); }
+  /// Triangles, or a vertex cell for each point: points without cells are invisible.
+  [[nodiscard]] std::uint64_t cells() const { return has_triangles() ? map_.triangles().size() : points(); }
+  [[nodiscard]] std::uint64_t corners() const { return has_triangles() ? 3 : 1; }
+
+  void write_declarations() {
+    constexpr std::uint64_t word = 8;
+    const char* cell_type = has_triangles() ? "Polys" : "Verts";
+    ArrayDeclarations arrays;
+    output_.write(
+        "<?xml version=\"1.0\"?>\n"
+        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+        "  <PolyData>\n");
+    output_.write(
+        fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" "
+                    "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
+                    points(), has_triangles() ? 0 : cells(), has_triangles() ? cells() : 0));
+    output_.write("      <Points>\n");
+    output_.write(arrays.declare("Float64", "Points", 3, 3 * word * points()));
+    output_.write(fmt::format("      </Points>\n      <{}>\n", cell_type));
+    output_.write(arrays.declare("Int64", "connectivity", 1, word * corners() * cells()));
+    output_.write(arrays.declare("Int64", "offsets", 1, word * cells()));
+    output_.write(fmt::format("      </{}>\n      <PointData Scalars=\"dist_mid\">\n", cell_type));
+    output_.write(arrays.declare("Float64", "dist_lo", 1, word * points()));
+    output_.write(arrays.declare("Float64", "dist_hi", 1, word * points()));
+    output_.write(arrays.declare("Float64", "dist_mid", 1, word * points()));
+    output_.write(arrays.declare("UInt8", "status", 1, points()));
+    output_.write("      </PointData>\n");
+    output_.write("    </Piece>\n  </PolyData>\n");
+  }
+
+  template <class Number>
+  void write_array(std::span<const Number> numbers) {
+    write_number<std::uint64_t>(numbers.size_bytes());
+    output_.write_little_endian(numbers);
+  }
+
+  template <class Number>
+  void write_number(Number number) {
+    output_.write_little_endian(std::span<const Number>(&number, 1));
+  }
+
+  void write_points() {
+    write_number<std::uint64_t>(map_.vertices().size_bytes());
+    for (const Point& point : map_.vertices()) output_.write_little_endian<double>(point);
+  }
+
+  void write_cells() {
+    write_number<std::uint64_t>(sizeof(std::int64_t) * corners() * cells());
+    if (has_triangles()) {
+      for (const auto& triangle : map_.triangles()) {
+        output_.write_little_endian<std::int64_t>(std::array<std::int64_t, 3>{triangle[0], triangle[1], triangle[2]});
+      }
+    } else {
+      for (std::uint64_t k = 0; k < cells(); ++k) write_number(static_cast<std::int64_t>(k));
+    }
+    write_number<std::uint64_t>(sizeof(std::int64_t) * cells());
+    for (std::uint64_t k = 1; k <= cells(); ++k) write_number(static_cast<std::int64_t>(corners() * k));
+  }
+
+  void write_middles() {
+    write_number<std::uint64_t>(map_.lo().size_bytes());
+    for (std::size_t k = 0; k < map_.lo().size(); ++k) write_number(finite_middle(map_.lo()[k], map_.hi()[k]));
+  }
+
+  OutputFile& output_;
+  CollectedMap map_;
+};
+
+}  // namespace
+
+std::unique_ptr<MapFormat> make_vtp_map(OutputFile& output, const Mesh* mesh) {
+  return std::make_unique<VtpMap>(output, mesh);
+}
+
+}  // namespace verisq

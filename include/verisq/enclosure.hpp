@@ -1,0 +1,19 @@
+/// What every query returns: an interval of binary64 numbers that contains the exact real result.
+#pragma once
+
+namespace verisq {
+
+/// `[lo, hi]` with `lo <= exact value <= hi`; either end may be infinite when nothing tighter is proven.
+struct Enclosure {
+  double lo;
+  double hi;
+
+  [[nodiscard]] constexpr double width() const { return hi - lo; }
+  [[nodiscard]] constexpr bool contains(double value) const { return lo <= value && value <= hi; }
+  [[nodiscard]] constexpr bool operator==(const Enclosure&) const = default;
+};
+
+/// "Verified" in the sense of the contract: at most `tolerance` wide. False for NaN.
+[[nodiscard]] constexpr bool verified(const Enclosure& e, double tolerance) { return e.width() <= tolerance; }
+
+}  // namespace verisq

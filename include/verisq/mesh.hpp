@@ -1,0 +1,18 @@
+/// A triangle mesh as the readers deliver it: vertices merged, indices checked.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// Every index is below `vertices.size()`; every coordinate is finite. A point cloud has no triangles.
+struct Mesh {
+  std::vector<Point> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+}  // namespace verisq

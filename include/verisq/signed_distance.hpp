@@ -1,0 +1,33 @@
+/// The host's own proof of a signed distance: Boost.Interval and MPFR, no OpenCL. Slow, independent, the last word.
+#pragma once
+
+#include <memory>
+
+#include <verisq/enclosure.hpp>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// Signed distance to a model (outside: Euclidean distance; inside: minus the distance to the boundary), by the
+/// certificates of design 2, §2 and §5. Immutable after construction: safe to call from many threads.
+class SignedDistance {
+ public:
+  explicit SignedDistance(const Model& model);
+  ~SignedDistance();
+  SignedDistance(SignedDistance&&) noexcept;
+  SignedDistance& operator=(SignedDistance&&) noexcept;
+
+  /// Encloses the exact signed distance of `point`; works until it is at most `tolerance` wide or the method's
+  /// limit is reached (0 asks for the tightest). Never throws for finite points; the enclosure is always valid.
+  [[nodiscard]] Enclosure operator()(const Point& point, double tolerance) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Radius of a sphere that contains the model: half the diagonal of the bounding box of the primitives' posed boxes,
+/// rounded up. The default tolerance is 1e-6 times this.
+[[nodiscard]] double bounding_radius(const Model& model);
+
+}  // namespace verisq

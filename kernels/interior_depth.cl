@@ -1,0 +1,370 @@
+// This file implements the enclosure of the signed distance of points inside one superquadric, by branch and bound.
+//
+// The depth of q is at least t when the ball B(q, t) lies in the solid K. A cell of directions with corners w_i and a
+// vector c, |c| <= 1, is proven when q + s_i w_i lies in K for s_i = t / (c.w_i): a point v of the ball in the cell's
+// cone is v = sum l_i s_i w_i with l_i >= 0, and t sum l_i = c.v <= |v| <= t gives sum l_i <= 1, so q + v lies in the
+// hull of q and the corners, hence in K. Directions of the octant suffice: the gauge is monotone in each |coordinate|
+// and |q + v| <= q + |v|. The gap of a cell of radius r is about t r^2 / 2, whatever the curvature of K.
+//
+// Upper bounds of the depth: the tangent plane at any boundary point. Cells proven for some t stay proven when a nearer
+// plane lowers t. A work-item owns a block of points; each of its lanes takes the block's next open point when it has
+// finished one, so that lanes stay busy.
+
+#define DESCENT_STEPS 4
+#define SPLIT_LIMIT 4096
+#define STACK_SIZE (3 * DEEPEST_LEVEL + 4)
+
+// G(x) = g(x)^p1 and what the gradient of the gauge g needs. A point is proven to lie in the solid when power <= 1.
+typedef struct {
+  real log_x, log_y, log_z, log_r, power;
+} gauge_terms;
+
+// Rounded up as far as power <= 1 is concerned: with a logarithm above 0, power is above 1 anyway, and products of
+// those below 0 with p rounded down are upper bounds.
+inline gauge_terms gauge_terms_up(vector3 x, constant const superquadric* s) {
+  gauge_terms g;
+  g.log_x = log_up(mul_up(x.x, REAL(s->inverse_axes_up[0])));
+  g.log_y = log_up(mul_up(x.y, REAL(s->inverse_axes_up[1])));
+  g.log_z = log_up(mul_up(x.z, REAL(s->inverse_axes_up[2])));
+  g.log_r = log_norm_up(g.log_x, g.log_y, s->p_down[1], s->inverse_p_up[1]);
+  const real p1 = REAL(s->p_down[0]);
+  g.power = add_up(exp_up(mul_up(p1, g.log_r)), exp_up(mul_up(p1, g.log_z)));
+  return g;
+}
+
+// log g(x), to nearest.
+inline real log_gauge_of(gauge_terms g, constant const superquadric* s) {
+  return log_nearest(clamp(g.power, SMALLEST_NORMAL, DBL_MAX)) * s->inverse_p[0];
+}
+
+// Distance of q to the tangent plane at x / g(x), to nearest.
+typedef struct {
+  vector3 unit_normal;
+  real distance;
+} tangent_plane;
+
+inline tangent_plane tangent_at(vector3 q, vector3 x, gauge_terms g, constant const superquadric* s) {
+  const real log_gauge = log_gauge_of(g, s);
+  const vector3 n = exp_gradient(
+      log_gradient(g.log_x - log_gauge, g.log_y - log_gauge, g.log_z - log_gauge, g.log_r - log_gauge, s));
+  const real scale = exp_nearest(clamp(-log_gauge, -700.0, 700.0));
+  const real inverse_length = 1.0 / sqrt(dot_nearest(n, n));
+  tangent_plane plane;
+  plane.unit_normal.x = n.x * inverse_length;
+  plane.unit_normal.y = n.y * inverse_length;
+  plane.unit_normal.z = n.z * inverse_length;
+  plane.distance = plane.unit_normal.x * (x.x * scale - q.x) + plane.unit_normal.y * (x.y * scale - q.y) +
+                   plane.unit_normal.z * (x.z * scale - q.z);
+  return plane;
+}
+
+// A few steps boundary point -> normal -> foot on the tangent plane; the nearest plane met.
+inline tangent_plane descend(vector3 q, gauge_terms g, constant const superquadric* s) {
+  tangent_plane nearest = tangent_at(q, q, g, s);
+  tangent_plane plane = nearest;
+  for (int step = 0; step < DESCENT_STEPS; ++step) {
+    const vector3 foot = {fma(plane.distance, plane.unit_normal.x, q.x), fma(plane.distance, plane.unit_normal.y, q.y),
+                          fma(plane.distance, plane.unit_normal.z, q.z)};
+    plane = tangent_at(q, foot, gauge_terms_up(foot, s), s);
+    const integer nearer = MASK(plane.distance < nearest.distance);
+    nearest.distance = select(nearest.distance, plane.distance, nearer);
+    nearest.unit_normal.x = select(nearest.unit_normal.x, plane.unit_normal.x, nearer);
+    nearest.unit_normal.y = select(nearest.unit_normal.y, plane.unit_normal.y, nearer);
+    nearest.unit_normal.z = select(nearest.unit_normal.z, plane.unit_normal.z, nearer);
+  }
+  return nearest;
+}
+
+// The test of the four quarters of a cell, for the ball of radius t about q.
+typedef struct {
+  integer open;         // bit i set: quarter i (numbered as in split_cell) is not proven
+  real worst;           // log-gauge of the farthest of the six points
+  tangent_plane plane;  // at the worst point
+} quarters_test;
+
+// Components of c, |c| <= 1: those of centre / |centre|, >= 0, are rounded down.
+inline vector3 direction_down(vector3 centre) {
+  const real inverse_length = div_down(REAL(1.0), length_up(centre));
+  const vector3 c = {mul_down(centre.x, inverse_length), mul_down(centre.y, inverse_length),
+                     mul_down(centre.z, inverse_length)};
+  return c;
+}
+
+inline vector3 add3(vector3 a, vector3 b) {
+  const vector3 sum = {a.x + b.x, a.y + b.y, a.z + b.z};
+  return sum;
+}
+
+// One of the six points that the quarters share, pushed out along its direction w as far as the most demanding of its
+// quarters needs: along <= c.w for each of their c.
+typedef struct {
+  integer outside;      // not proven to lie in the solid
+  gauge_terms gauge;
+  vector3 position;
+} tested_point;
+
+inline tested_point test_point(vector3 q, real t, vector3 w, real along, constant const superquadric* s) {
+  const real reach = div_up(t, along); // rounded up: c.(reach w) >= t
+  tested_point p;
+  p.position.x = fma_up(reach, w.x, q.x);
+  p.position.y = fma_up(reach, w.y, q.y);
+  p.position.z = fma_up(reach, w.z, q.z);
+  p.gauge = gauge_terms_up(p.position, s);
+  p.outside = ~MASK(p.gauge.power <= 1.0);
+  return p;
+}
+
+inline tested_point farther_out(tested_point a, tested_point b) {
+  const integer b_farther = MASK(b.gauge.power > a.gauge.power);
+  a.gauge.log_x = select(a.gauge.log_x, b.gauge.log_x, b_farther);
+  a.gauge.log_y = select(a.gauge.log_y, b.gauge.log_y, b_farther);
+  a.gauge.log_z = select(a.gauge.log_z, b.gauge.log_z, b_farther);
+  a.gauge.log_r = select(a.gauge.log_r, b.gauge.log_r, b_farther);
+  a.gauge.power = select(a.gauge.power, b.gauge.power, b_farther);
+  a.position.x = select(a.position.x, b.position.x, b_farther);
+  a.position.y = select(a.position.y, b.position.y, b_farther);
+  a.position.z = select(a.position.z, b.position.z, b_farther);
+  return a;
+}
+
+// Corners 1, 2, 3 of the cell and the midpoints a, b, c of the sides opposite to them, all times two: exact integers.
+inline quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted, constant const superquadric* s) {
+  const vector3 on = {base.x + 1.0 - inverted, base.y + 1.0 - inverted, base.z + 1.0 - inverted};
+  const vector3 off = {base.x + inverted, base.y + inverted, base.z + inverted};
+  const vector3 corner_1 = {2.0 * on.x, 2.0 * off.y, 2.0 * off.z};
+  const vector3 corner_2 = {2.0 * off.x, 2.0 * on.y, 2.0 * off.z};
+  const vector3 corner_3 = {2.0 * off.x, 2.0 * off.y, 2.0 * on.z};
+  const vector3 midpoint_a = {2.0 * off.x, on.y + off.y, on.z + off.z};
+  const vector3 midpoint_b = {on.x + off.x, 2.0 * off.y, on.z + off.z};
+  const vector3 midpoint_c = {on.x + off.x, on.y + off.y, 2.0 * off.z};
+
+  const vector3 c_1 = direction_down(add3(corner_1, add3(midpoint_b, midpoint_c)));
+  const vector3 c_2 = direction_down(add3(corner_2, add3(midpoint_c, midpoint_a)));
+  const vector3 c_3 = direction_down(add3(corner_3, add3(midpoint_a, midpoint_b)));
+  const vector3 c_4 = direction_down(add3(midpoint_a, add3(midpoint_b, midpoint_c)));
+  const tested_point p_1 = test_point(q, t, corner_1, dot_down(c_1, corner_1), s);
+  const tested_point p_2 = test_point(q, t, corner_2, dot_down(c_2, corner_2), s);
+  const tested_point p_3 = test_point(q, t, corner_3, dot_down(c_3, corner_3), s);
+  const tested_point p_a = test_point(
+      q, t, midpoint_a, fmin(dot_down(c_4, midpoint_a), fmin(dot_down(c_2, midpoint_a), dot_down(c_3, midpoint_a))), s);
+  const tested_point p_b = test_point(
+      q, t, midpoint_b, fmin(dot_down(c_4, midpoint_b), fmin(dot_down(c_3, midpoint_b), dot_down(c_1, midpoint_b))), s);
+  const tested_point p_c = test_point(
+      q, t, midpoint_c, fmin(dot_down(c_4, midpoint_c), fmin(dot_down(c_1, midpoint_c), dot_down(c_2, midpoint_c))), s);
+  const tested_point worst =
+      farther_out(farther_out(farther_out(p_1, p_2), farther_out(p_3, p_a)), farther_out(p_b, p_c));
+
+  quarters_test test;
+  test.open = ((p_1.outside | p_b.outside | p_c.outside) & 1) | ((p_2.outside | p_c.outside | p_a.outside) & 2) |
+              ((p_3.outside | p_a.outside | p_b.outside) & 4) | ((p_a.outside | p_b.outside | p_c.outside) & 8);
+  test.worst = log_gauge_of(worst.gauge, s);
+  test.plane = tangent_at(q, worst.position, worst.gauge, s);
+  return test;
+}
+
+// One point in the hands of a lane.
+typedef struct {
+  ulong point;          // index; NO_POINT when idle
+  double depth;         // distance of the nearest tangent plane known: at least the depth, up to rounding
+  double target;        // the radius to prove
+  double gauge;         // of the point, for the lowering of the target
+  uint splits;          // so far
+  uint stacked;
+  ulong cell;           // whose quarters are under test
+} search;
+
+#define NO_POINT (~0UL)
+
+inline double target_of(double depth, double allowance) { return fmax(depth - allowance, 0.0); }
+
+// `scratch` holds eight numbers a point: its local coordinates, the unit normal of the nearest tangent plane, the gauge
+// (afterwards the proven radius), and the distance of that plane, or one of two marks.
+#define SCRATCH_SIZE 8
+#define GAUGE 6
+#define RADIUS 6
+#define DISTANCE 7
+#define NOT_OPEN -1.0
+#define SEARCHED -2.0
+
+kernel void interior_depth(ulong groups, uint groups_per_block, global const double* xs, global const double* ys,
+                           global const double* zs, constant const superquadric* primitives, uint index,
+                           double tolerance, global double* scratch, global double* los, global double* his, global double* normal_xs,
+                           global double* normal_ys, global double* normal_zs) {
+  constant const superquadric* s = primitives + index;
+  const ulong first = get_global_id(0) * groups_per_block;
+  const ulong last = min(first + groups_per_block, groups);
+  if (first >= groups) return;
+  const double allowance = 0.95 * tolerance; // leaves room for rounding
+  bool any_open = false;
+
+  // 1. Which points are proven inside and still open; a first tangent plane for each.
+  for (ulong group = first; group < last; ++group) {
+    const real lo = LOAD(group, los);
+    const real hi = LOAD(group, his);
+    const integer open = MASK(lo < 0.0) & MASK(!(hi - lo <= tolerance));
+    double distances[VECTOR_WIDTH];
+    STORE(REAL(NOT_OPEN), 0, distances);
+    if (any(open)) {
+      const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
+      const local_point q = to_local(x, s);
+      const gauge_terms g = gauge_terms_up(q.point, s);
+      const integer inside = open & MASK(g.power <= 1.0) & MASK(q.point.x + q.point.y + q.point.z < INFINITY);
+      if (any(inside)) {
+        any_open = true;
+        const tangent_plane plane = descend(q.point, g, s);
+        double members[7][VECTOR_WIDTH];
+        STORE(q.point.x, 0, members[0]);
+        STORE(q.point.y, 0, members[1]);
+        STORE(q.point.z, 0, members[2]);
+        STORE(plane.unit_normal.x, 0, members[3]);
+        STORE(plane.unit_normal.y, 0, members[4]);
+        STORE(plane.unit_normal.z, 0, members[5]);
+        STORE(exp_up(log_gauge_up(q.point, s)), 0, members[6]);
+        STORE(select(REAL(NOT_OPEN), fmax(plane.distance, REAL(0.0)), inside), 0, distances);
+        for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
+          global double* own = scratch + (group * VECTOR_WIDTH + lane) * SCRATCH_SIZE;
+          for (uint i = 0; i < 7; ++i) own[i] = members[i][lane];
+        }
+      }
+    }
+    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane)
+      scratch[(group * VECTOR_WIDTH + lane) * SCRATCH_SIZE + DISTANCE] = distances[lane];
+  }
+  if (!any_open) return;
+
+  // 2. Branch and bound, a point a lane. 
+  search searches[VECTOR_WIDTH];
+  ulong stacks[VECTOR_WIDTH][STACK_SIZE];
+  double qx[VECTOR_WIDTH], qy[VECTOR_WIDTH], qz[VECTOR_WIDTH], t[VECTOR_WIDTH];
+  double bx[VECTOR_WIDTH], by[VECTOR_WIDTH], bz[VECTOR_WIDTH], inverted[VECTOR_WIDTH];
+  long open[VECTOR_WIDTH];
+  double worst[VECTOR_WIDTH], distance[VECTOR_WIDTH], nx[VECTOR_WIDTH], ny[VECTOR_WIDTH], nz[VECTOR_WIDTH];
+  for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
+    searches[lane].point = NO_POINT;
+    qx[lane] = qy[lane] = qz[lane] = t[lane] = bx[lane] = by[lane] = bz[lane] = inverted[lane] = 0.0;
+  }
+  ulong next = first * VECTOR_WIDTH;
+  const ulong end = last * VECTOR_WIDTH;
+  for (;;) {
+    bool busy = false;
+    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
+      search* own = &searches[lane];
+      while (own->point == NO_POINT && next < end) {
+        global double* state = scratch + next * SCRATCH_SIZE;
+        const double depth = state[DISTANCE];
+        if (depth >= 0.0) {
+          // A ball about the origin lies in K, so the one of radius (1 - g) inradius about q does.
+          const double known = (1.0 - state[GAUGE]) * s->inradius_down * (1.0 - 0x1p-50);
+          const double target = target_of(depth, allowance);
+          if (known >= target) {
+            state[RADIUS] = fmax(known, 0.0);
+            state[DISTANCE] = SEARCHED;
+          } else {
+            own->point = next;
+            own->depth = depth;
+            own->target = target;
+            own->gauge = state[GAUGE];
+            own->splits = 0;
+            own->stacked = 0;
+            own->cell = WHOLE_OCTANT;
+            qx[lane] = state[0];
+            qy[lane] = state[1];
+            qz[lane] = state[2];
+          }
+        }
+        ++next;
+      }
+      if (own->point != NO_POINT) {
+        const spherical_cell cell = unpack_cell(own->cell);
+        busy = true;
+        t[lane] = own->target;
+        bx[lane] = (double)cell.a;
+        by[lane] = (double)cell.b;
+        bz[lane] = (double)cell.c;
+        inverted[lane] = (double)cell.inverted;
+      }
+    }
+    if (!busy) break;
+
+    const vector3 q = {LOAD(0, qx), LOAD(0, qy), LOAD(0, qz)};
+    const vector3 base = {LOAD(0, bx), LOAD(0, by), LOAD(0, bz)};
+    const quarters_test test = test_quarters(q, LOAD(0, t), base, LOAD(0, inverted), s);
+    STORE(test.open, 0, open);
+    STORE(test.worst, 0, worst);
+    STORE(test.plane.distance, 0, distance);
+    STORE(test.plane.unit_normal.x, 0, nx);
+    STORE(test.plane.unit_normal.y, 0, ny);
+    STORE(test.plane.unit_normal.z, 0, nz);
+
+    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
+      search* own = &searches[lane];
+      if (own->point == NO_POINT) continue;
+      global double* state = scratch + own->point * SCRATCH_SIZE;
+      if (open[lane] != 0) {
+        if (distance[lane] < own->depth) {
+          own->depth = fmax(distance[lane], 0.0);
+          own->target = fmin(own->target, target_of(own->depth, allowance));
+          state[3] = nx[lane];
+          state[4] = ny[lane];
+          state[5] = nz[lane];
+        }
+        const spherical_cell cell = unpack_cell(own->cell);
+        if (++own->splits >= SPLIT_LIMIT || cell.level + 1 >= DEEPEST_LEVEL) {
+          // No more splitting: the gauge is convex along the way from q to a point outside, so it crosses 1 no sooner
+          // than the chord does; the next test proves this cell or lowers the target again.
+          const double fraction = (1.0 - own->gauge) / (exp(worst[lane]) - own->gauge);
+          own->target *= fmin(fraction, 1.0) * (1.0 - 0x1p-30);
+          if (!(own->target > 0x1p-100)) own->target = 0.0;
+        } else {
+          ulong quarters[4];
+          split_cell(cell, quarters);
+          for (uint i = 0; i < 4; ++i)
+            if (open[lane] & (1L << i)) stacks[lane][own->stacked++] = quarters[i];
+          own->cell = stacks[lane][--own->stacked];
+        }
+      } else if (own->stacked > 0) {
+        own->cell = stacks[lane][--own->stacked];
+      } else {
+        state[RADIUS] = own->target;
+        state[DISTANCE] = SEARCHED;
+        own->point = NO_POINT;
+      }
+      if (own->target == 0.0 && own->point != NO_POINT) { // nothing more to prove than that q lies in K
+        state[RADIUS] = 0.0;
+        state[DISTANCE] = SEARCHED;
+        own->point = NO_POINT;
+      }
+    }
+  }
+
+  // 3. Both bounds of the points searched.
+  for (ulong group = first; group < last; ++group) {
+    double members[5][VECTOR_WIDTH];
+    bool any_searched = false;
+    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
+      global const double* own = scratch + (group * VECTOR_WIDTH + lane) * SCRATCH_SIZE;
+      const bool searched = own[DISTANCE] == SEARCHED;
+      any_searched |= searched;
+      members[0][lane] = searched ? own[3] : 0.0;
+      members[1][lane] = searched ? own[4] : 0.0;
+      members[2][lane] = searched ? own[5] : 0.0;
+      members[3][lane] = searched ? -own[RADIUS] : INFINITY;
+      members[4][lane] = own[DISTANCE];
+    }
+    if (!any_searched) continue;
+    const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
+    const local_point q = to_local(x, s);
+    const integer searched = MASK(LOAD(0, members[4]) == SEARCHED);
+    const vector3 v = {LOAD(0, members[0]), LOAD(0, members[1]), LOAD(0, members[2])};
+    const real lo = sub_down(distance_down(q.point, v, s), q.error);
+    const real hi = add_up(LOAD(0, members[3]), q.error);
+    const real known_lo = LOAD(group, los);
+    const integer better = searched & MASK(lo > known_lo);
+    STORE(select(known_lo, lo, better), group, los);
+    STORE(fmin(LOAD(group, his), hi), group, his); // infinite where not searched
+    const vector3 normal = to_model_direction(v, q.sign, s);
+    STORE(select(LOAD(group, normal_xs), normal.x, better), group, normal_xs);
+    STORE(select(LOAD(group, normal_ys), normal.y, better), group, normal_ys);
+    STORE(select(LOAD(group, normal_zs), normal.z, better), group, normal_zs);
+  }
+}

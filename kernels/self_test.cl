@@ -1,0 +1,40 @@
+// This file implements the self-test's way into the layers below: one operation applied to arrays of operands.
+
+kernel void apply_operation(uint operation, ulong groups, global const double* as, global const double* bs,
+                            global const double* cs, global double* results) {
+  const ulong group = get_global_id(0);
+  if (group >= groups) return;
+  const real a = LOAD(group, as);
+  const real b = LOAD(group, bs);
+  const real c = LOAD(group, cs);
+  real result = REAL(NAN);
+  switch (operation) { // numbered as in host/device/self_test.cpp
+    case 0: result = a + b; break;
+    case 1: result = a - b; break;
+    case 2: result = a * b; break;
+    case 3: result = a / b; break;
+    case 4: result = sqrt(a); break;
+    case 5: result = fma(a, b, c); break;
+    case 6: result = a * b + c; break; // two roundings, unless the compiler contracts them
+    case 7: result = add_down(a, b); break;
+    case 8: result = add_up(a, b); break;
+    case 9: result = sub_down(a, b); break;
+    case 10: result = sub_up(a, b); break;
+    case 11: result = mul_down(a, b); break;
+    case 12: result = mul_up(a, b); break;
+    case 13: result = div_down(a, b); break;
+    case 14: result = div_up(a, b); break;
+    case 15: result = fma_down(a, b, c); break;
+    case 16: result = fma_up(a, b, c); break;
+    case 17: result = sqrt_down(a); break;
+    case 18: result = sqrt_up(a); break;
+    case 19: result = exp_down(a); break;
+    case 20: result = exp_up(a); break;
+    case 21: result = log_down(a); break;
+    case 22: result = log_up(a); break;
+    case 23: result = pow_unit_down(a, b); break;
+    case 24: result = pow_unit_up(a, b); break;
+    default: break;
+  }
+  STORE(result, group, results);
+}

@@ -1,0 +1,94 @@
+// This file implements the union of primitives: for points outside the minimum; inside, an enclosure that is honest
+// about overlap.
+//
+// Signed distances of a union S of bodies S_i: sd(q) <= min sd_i(q) always, and sd(q) = min sd_i(q) where no sd_i(q) is
+// negative. Where some are, sd(q) >= -|w - q| for any witness w that is proven outside of every S_i. Witnesses are
+// sought on the rays from q along the directions that prove the depths.
+
+#define WITNESS_ROUNDS 8
+#define WITNESS_MARGIN 0x1p-48 // of the size of the numbers: enough to be proven outside of what was just left
+
+inline vector3 to_local_direction(vector3 v, constant const superquadric* s) {
+  const vector3 u = {dot3(s->rotation[0], s->rotation[1], s->rotation[2], v),
+                     dot3(s->rotation[3], s->rotation[4], s->rotation[5], v),
+                     dot3(s->rotation[6], s->rotation[7], s->rotation[8], v)};
+  return u;
+}
+
+// Lower bound of the signed distance of w to one primitive, by the normal at its radial projection: positive, up to
+// rounding, exactly where w is outside.
+inline real separation_down(vector3 w, constant const superquadric* s) {
+  const local_point q = to_local(w, s);
+  const vector3 log_q = {log_or_lowest(q.point.x), log_or_lowest(q.point.y), log_or_lowest(q.point.z)};
+  const log_unknowns u = radial_start(log_q, s);
+  const vector3 normal = exp_gradient(log_gradient(u.x, u.y, u.z, u.r, s));
+  return sub_down(distance_down(q.point, normal, s), q.error);
+}
+
+// Where the ray from x along the unit direction v has certainly left the primitive, to nearest: h(v) - v.(x - centre).
+inline real ray_exit(vector3 x, vector3 v, constant const superquadric* s) {
+  const vector3 local_v = to_local_direction(v, s);
+  const vector3 d = {x.x - s->translation[0], x.y - s->translation[1], x.z - s->translation[2]};
+  const vector3 octant_v = {fabs(local_v.x), fabs(local_v.y), fabs(local_v.z)};
+  return support_up(octant_v, s) - dot_nearest(v, d);
+}
+
+// Upper bound of the distance from x to a point outside of all primitives, sought along v from `start` on; infinite
+// where none was found.
+inline real witness_distance(vector3 x, vector3 v, real start, uint count, constant const superquadric* primitives) {
+  const real inverse_length = 1.0 / sqrt(dot_nearest(v, v));
+  const vector3 u = {v.x * inverse_length, v.y * inverse_length, v.z * inverse_length};
+  real margin = WITNESS_MARGIN * (fabs(x.x) + fabs(x.y) + fabs(x.z) + fabs(start) + 1.0);
+  real t = start + margin;
+  real distance = REAL(INFINITY);
+  for (uint round = 0; round < WITNESS_ROUNDS; ++round) {
+    const vector3 w = {fma(t, u.x, x.x), fma(t, u.y, x.y), fma(t, u.z, x.z)};
+    real next = t;
+    integer outside_all = INTEGER(-1);
+    for (uint j = 0; j < count; ++j) {
+      const integer outside = MASK(separation_down(w, primitives + j) > 0.0);
+      outside_all &= outside;
+      if (any(~outside)) next = select(fmax(next, ray_exit(x, u, primitives + j)), next, outside);
+    }
+    const vector3 apart = {fmax(sub_up(w.x, x.x), sub_up(x.x, w.x)), fmax(sub_up(w.y, x.y), sub_up(x.y, w.y)),
+                           fmax(sub_up(w.z, x.z), sub_up(x.z, w.z))};
+    distance = select(distance, fmin(distance, length_up(apart)), outside_all);
+    if (!any(~outside_all & MASK(isfinite(t)))) break;
+    t = next + margin;
+    margin *= 4.0;
+  }
+  return distance;
+}
+
+// `stride` numbers a primitive in `los`, `his` and `normal_*`, one primitive after the other.
+kernel void union_distance(ulong groups, ulong stride, global const double* xs, global const double* ys,
+                           global const double* zs, constant const superquadric* primitives, uint count,
+                           global const double* los, global const double* his, global const double* normal_xs,
+                           global const double* normal_ys, global const double* normal_zs, global double* union_los,
+                           global double* union_his) {
+  const ulong group = get_global_id(0);
+  if (group >= groups) return;
+  const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
+  real lo = REAL(INFINITY);
+  real hi = REAL(INFINITY);
+  for (uint i = 0; i < count; ++i) {
+    lo = fmin(lo, LOAD(group, los + i * stride));
+    hi = fmin(hi, LOAD(group, his + i * stride));
+  }
+  const integer maybe_inside = MASK(lo < 0.0);
+  if (any(maybe_inside)) {
+    real depth = REAL(INFINITY);
+    for (uint i = 0; i < count; ++i) {
+      const real own_lo = LOAD(group, los + i * stride);
+      const integer candidate = MASK(own_lo < 0.0) & MASK(own_lo > -DBL_MAX);
+      if (!any(candidate)) continue;
+      const vector3 v = {LOAD(group, normal_xs + i * stride), LOAD(group, normal_ys + i * stride),
+                         LOAD(group, normal_zs + i * stride)};
+      const real distance = witness_distance(x, v, -own_lo, count, primitives);
+      depth = select(depth, fmin(depth, distance), candidate);
+    }
+    lo = select(lo, -depth, maybe_inside);
+  }
+  STORE(lo, group, union_los);
+  STORE(hi, group, union_his);
+}

@@ -1,0 +1,502 @@
+/// The program as its user meets it: results, messages and exit status of every case of the contract (design 1).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/process.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace verisq::testing {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using Arguments = std::vector<std::string>;
+
+const std::string ball = VERISQ_EXAMPLES "/capsule.json";  // semi-axis 1 along z
+const std::string tetrahedron = "OFF\n4 4 0\n0 0 3\n1 0 4\n0 1 4\n-1 -1 4\n3 0 1 2\n3 0 2 3\n3 0 3 1\n3 1 3 2\n";
+
+class CommandLine : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
+    return folder_.file(name, text).string();
+  }
+
+  [[nodiscard]] Process start(Arguments arguments) const {
+    arguments.insert(arguments.begin(), VERISQ_PROGRAM);
+    return {arguments, folder_.path()};
+  }
+  [[nodiscard]] Outcome run(const Arguments& arguments) const { return start(arguments).wait(); }
+
+  /// `map` without OpenCL of what `arguments` name.
+  [[nodiscard]] Outcome map(Arguments arguments) const {
+    arguments.insert(arguments.begin(), {"map", "--device", "host"});
+    return run(arguments);
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// One line on the standard error that has all `words`, nothing on the standard output, exit status 2.
+void expect_refused(const Outcome& outcome, const std::vector<std::string>& words) {
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, StartsWith("verisq: "));
+  EXPECT_THAT(outcome.err, EndsWith("\n"));
+  EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  for (const auto& word : words) EXPECT_THAT(outcome.err, HasSubstr(word));
+}
+
+/// Names a case of a parametrised test.
+constexpr auto name_of = [](const auto& test) { return test.param.name; };
+
+struct Row {
+  std::size_t index;
+  double lo, hi;
+  std::string status;
+};
+
+std::vector<Row> rows_of(const std::filesystem::path& csv) {
+  std::ifstream file(csv);
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line, "index,lo,hi,status");
+  std::vector<Row> rows;
+  while (std::getline(file, line)) {
+    std::istringstream fields(line);
+    std::string index, lo, hi, status;
+    std::getline(std::getline(std::getline(fields, index, ','), lo, ','), hi, ',') >> status;
+    rows.push_back({std::stoul(index), std::stod(lo), std::stod(hi), status});
+  }
+  return rows;
+}
+
+// ---------------------------------------------------------------- results
+
+TEST_F(CommandLine, MapsAMeshOnTheHost) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const auto outcome = map({"--model", ball, "--mesh", mesh, "-o", path("map.csv")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, HasSubstr("host-verified    4\n"));
+  const auto rows = rows_of(path("map.csv"));
+  ASSERT_EQ(rows.size(), 4);
+  EXPECT_LE(rows[0].lo, 2.0);  // (0, 0, 3) is exactly 2 above the solid
+  EXPECT_GE(rows[0].hi, 2.0);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    EXPECT_EQ(rows[k].index, k);
+    EXPECT_LE(rows[k].lo, rows[k].hi);
+    EXPECT_LE(rows[k].hi - rows[k].lo, 2e-6);
+    EXPECT_EQ(rows[k].status, "host-verified");
+  }
+}
+
+TEST_F(CommandLine, MapsPointsOfAStream) {
+  const auto points = write("points.csv", "x,y,z\n0,0,3\n0,0,-11\n");
+  const auto outcome = map({"--model", ball, "--points", points, "-o", path("map.csv")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto rows = rows_of(path("map.csv"));
+  ASSERT_EQ(rows.size(), 2);
+  EXPECT_LE(rows[1].lo, 10.0);
+  EXPECT_GE(rows[1].hi, 10.0);
+}
+
+TEST_F(CommandLine, MapsOnTheDefaultDevice) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const auto outcome = run({"map", "--model", ball, "--mesh", mesh, "-o", path("map.csv")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(rows_of(path("map.csv")).size(), 4);
+}
+
+TEST_F(CommandLine, WritesEveryFormat) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  for (const std::string name : {"map.csv", "map.vtp", "map.ply", "map.json"}) {
+    EXPECT_EQ(map({"--model", ball, "--mesh", mesh, "-o", path(name)}).status, 0);
+    EXPECT_GT(std::filesystem::file_size(path(name)), 0);
+  }
+}
+
+TEST_F(CommandLine, PrintsTheSummaryAsOneJsonObject) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const auto outcome = map({"--model", ball, "--mesh", mesh, "--tol", "1e-9", "-o", path("map.csv"), "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary.at("points"), 4);
+  EXPECT_EQ(summary.at("device_verified"), 0);
+  EXPECT_EQ(summary.at("host_verified"), 4);
+  EXPECT_EQ(summary.at("wide"), 0);
+  EXPECT_EQ(summary.at("device"), "host");
+  EXPECT_EQ(summary.at("tolerance"), 1e-9);
+  EXPECT_LE(summary.at("smallest_distance").at("lo"), 2.0);
+  EXPECT_GE(summary.at("smallest_distance").at("hi"), 2.0);
+  EXPECT_LE(summary.at("largest_width"), 1e-9);
+  EXPECT_EQ(summary.at("interrupted"), false);
+  EXPECT_EQ(summary.at("output"), path("map.csv"));
+  for (const auto* key : {"seconds", "device_seconds", "host_seconds", "points_per_second"}) {
+    EXPECT_GE(summary.at(key), 0.0) << key;
+  }
+}
+
+TEST_F(CommandLine, CountsWideEnclosuresInTheExitStatus) {
+  // An irrational distance has no enclosure of width 0.
+  const auto points = write("points.csv", "1,2,3\n");
+  const auto outcome = map({"--model", ball, "--points", points, "--tol", "0", "-o", path("map.csv")});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("wide             1\n"));
+  EXPECT_EQ(rows_of(path("map.csv")).at(0).status, "wide");
+}
+
+TEST_F(CommandLine, InterruptionKeepsFinishedRows) {
+  std::string text;
+  for (int k = 0; k < 2'000'000; ++k) text += "1,2,3\n";
+  const auto points = write("points.csv", text);
+  const auto process =
+      start({"map", "--device", "host", "--model", ball, "--points", points, "-o", path("map.csv"), "--json"});
+  const auto begun = [&] {  // the map's temporary file is there
+    return std::ranges::any_of(folder_.names(), [](const auto& name) { return name.starts_with("map.csv."); });
+  };
+  while (!begun()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  process.interrupt();
+  const auto outcome = process.wait();
+  EXPECT_EQ(outcome.status, 130) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("map.csv.partial"));
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary.at("interrupted"), true);
+  EXPECT_EQ(summary.at("output"), path("map.csv.partial"));
+  EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
+  EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary.at("points"));
+}
+
+TEST_F(CommandLine, PrintsVersionAndHelp) {
+  const auto version = run({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_THAT(version.out, StartsWith("verisq "));
+  for (const Arguments& arguments : {Arguments{"--help"}, {"map", "--help"}, {"devices", "--help"}}) {
+    const auto help = run(arguments);
+    EXPECT_EQ(help.status, 0);
+    EXPECT_THAT(help.out, HasSubstr("Usage: verisq"));
+    EXPECT_EQ(help.err, "");
+  }
+}
+
+/// Names as `verisq devices` prints them: lines that begin with an index.
+std::vector<std::string> names_of_devices(const std::string& listing) {
+  std::vector<std::string> names;
+  std::istringstream lines(listing);
+  for (std::string line; std::getline(lines, line);) {
+    if (std::isdigit(static_cast<unsigned char>(line[0])) != 0) names.push_back(line.substr(line.find("  ") + 2));
+  }
+  return names;
+}
+
+TEST_F(CommandLine, UnknownDeviceIsRefusedWithTheListOfDevices) {
+  const auto devices = run({"devices"});
+  EXPECT_EQ(devices.status, 0);
+  auto words = names_of_devices(devices.out);
+  words.emplace_back("no such device");
+  const auto mesh = write("mesh.off", tetrahedron);
+  const Arguments arguments{"map",      "--model",        ball, "--mesh",       mesh,
+                            "--device", "no such device", "-o", path("map.csv")};
+  expect_refused(run(arguments), words);
+  EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
+}
+
+TEST_F(CommandLine, OutputThatCannotBeWrittenFails) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const auto outcome = map({"--model", ball, "--mesh", mesh, "-o", path("no/such/folder/map.csv")});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("no/such/folder/map.csv"));
+}
+
+TEST_F(CommandLine, NeverOverwritesItsInput) {
+  const auto points = write("points.csv", "0,0,3\n");
+  expect_refused(map({"--model", ball, "--points", points, "-o", points}), {"points.csv", "overwrite"});
+  EXPECT_EQ(contents(points), "0,0,3\n");
+}
+
+// ---------------------------------------------------------------- bad usage
+
+struct BadUsage {
+  std::string name;
+  Arguments arguments;  ///< after `map --model M`; MESH and OUT stand for good files
+  std::vector<std::string> words;
+};
+
+void PrintTo(const BadUsage& usage, std::ostream* stream) {
+  *stream << usage.name;
+}
+
+class BadUsageTest : public CommandLine, public ::testing::WithParamInterface<BadUsage> {};
+
+TEST_P(BadUsageTest, IsRefused) {
+  Arguments arguments{"map", "--model", ball};
+  for (const auto& argument : GetParam().arguments) {
+    if (argument == "MESH") {
+      arguments.push_back(write("mesh.off", tetrahedron));
+    } else {
+      arguments.push_back(argument == "OUT" ? path("map.csv") : argument);
+    }
+  }
+  expect_refused(run(arguments), GetParam().words);
+  EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    CommandLine, BadUsageTest,
+    ::testing::Values(
+        BadUsage{"NeitherMeshNorPoints", {"-o", "OUT"}, {"--mesh", "--points"}},
+        BadUsage{"BothMeshAndPoints", {"--mesh", "MESH", "--points", "MESH", "-o", "OUT"}, {"--mesh", "--points"}},
+        BadUsage{"NoOutput", {"--mesh", "MESH"}, {"--output"}},
+        BadUsage{"UnknownOutputExtension", {"--mesh", "MESH", "-o", "map.xyz"}, {"map.xyz", ".csv"}},
+        BadUsage{"NoOutputExtension", {"--mesh", "MESH", "-o", "map"}, {"map", ".csv"}},
+        BadUsage{"NegativeTolerance", {"--mesh", "MESH", "--tol", "-1", "-o", "OUT"}, {"--tol", "-1"}},
+        BadUsage{"NanTolerance", {"--mesh", "MESH", "--tol", "nan", "-o", "OUT"}, {"--tol", "nan"}},
+        BadUsage{"InfiniteTolerance", {"--mesh", "MESH", "--tol", "inf", "-o", "OUT"}, {"--tol", "inf"}},
+        BadUsage{"TextTolerance", {"--mesh", "MESH", "--tol", "1e-3mm", "-o", "OUT"}, {"--tol", "1e-3mm"}},
+        BadUsage{"OnTriangles", {"--mesh", "MESH", "--on", "triangles", "-o", "OUT"}, {"--on", "not supported yet"}},
+        BadUsage{"OnSomethingElse", {"--mesh", "MESH", "--on", "edges", "-o", "OUT"}, {"--on", "edges"}},
+        BadUsage{"Certificates", {"--mesh", "MESH", "--certificates", "-o", "OUT"}, {"not supported yet"}},
+        BadUsage{"UnknownOption", {"--mesh", "MESH", "--tolerance", "1", "-o", "OUT"}, {"--tolerance"}},
+        BadUsage{"DeviceIndexOutOfRange", {"--mesh", "MESH", "--device", "99", "-o", "OUT"}, {"99"}}),
+    name_of);
+
+TEST_F(CommandLine, RefusesBadCommands) {
+  expect_refused(run({}), {"command", "--help"});
+  expect_refused(run({"mop"}), {"mop", "--help"});
+  expect_refused(run({"map"}), {"--model"});
+  expect_refused(run({"devices", "--fast"}), {"--fast"});
+}
+
+// ---------------------------------------------------------------- bad models
+
+struct BadModel {
+  std::string name;
+  std::string text;
+  std::vector<std::string> words;  ///< key and value
+};
+
+void PrintTo(const BadModel& model, std::ostream* stream) {
+  *stream << model.name;
+}
+
+class BadModelTest : public CommandLine, public ::testing::WithParamInterface<BadModel> {};
+
+TEST_P(BadModelTest, IsRefused) {
+  const auto model = write("bad_model.json", GetParam().text);
+  const auto outcome = map({"--model", model, "--mesh", write("mesh.off", tetrahedron), "-o", path("map.csv")});
+  expect_refused(outcome, GetParam().words);
+  EXPECT_THAT(outcome.err, HasSubstr("bad_model.json"));
+  EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
+}
+
+std::string model_of(const std::string& primitives, const std::string& rest = "") {
+  return R"({"format": "verisq-model/1", "primitives": [)" + primitives + "]" + rest + "}";
+}
+
+/// One primitive "a" with one value replaced; `rest` continues the primitive, e.g. with a pose.
+std::string solid(const std::string& semi_axes, const std::string& exponents, const std::string& rest = "") {
+  return R"({"name": "a", "superquadric": {"semi_axes": )" + semi_axes + R"(, "exponents": )" + exponents + "}" + rest +
+         "}";
+}
+
+const std::string good_axes = "[1, 2, 3]";
+const std::string good_exponents = "[1, 1]";
+const std::string good_solid = solid(good_axes, good_exponents);
+
+std::string posed(const std::string& pose) {
+  return model_of(solid(good_axes, good_exponents, R"(, "pose": )" + pose));
+}
+std::string bent(const std::string& bend) {
+  return model_of(solid(good_axes, good_exponents, R"(, "bend": )" + bend));
+}
+std::string combined(const std::string& csg) {
+  return model_of(good_solid, R"(, "csg": )" + csg);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    CommandLine, BadModelTest,
+    ::testing::Values(
+        BadModel{"Empty", "", {"empty"}}, BadModel{"Syntax", R"({"format": )", {"line"}},
+        BadModel{"NotAnObject", "[]", {"object"}}, BadModel{"NoFormat", R"({"primitives": []})", {"format"}},
+        BadModel{"OtherFormat", R"({"format": "verisq-model/9", "primitives": []})", {"format", "verisq-model/9"}},
+        BadModel{"NoPrimitives", R"({"format": "verisq-model/1"})", {"primitives"}},
+        BadModel{"EmptyPrimitives", model_of(""), {"primitives"}},
+        BadModel{"UnknownKey", model_of(good_solid, R"(, "colour": 3)"), {"colour"}},
+        BadModel{"UnknownKeyOfPrimitive", model_of(solid(good_axes, good_exponents, R"(, "scale": 3)")), {"scale"}},
+        BadModel{"UnknownKeyOfPose", posed(R"({"rotation": [1, 0, 0, 0]})"), {"rotation"}},
+        BadModel{"RepeatedKey", model_of(good_solid, R"(, "units": "mm", "units": "m")"), {"units"}},
+        BadModel{"RepeatedName", model_of(good_solid + "," + good_solid), {"name", "\"a\""}},
+        BadModel{"NoName", model_of(R"({"superquadric": {"semi_axes": [1,1,1], "exponents": [1,1]}})"), {"name"}},
+        BadModel{"NoSuperquadric", model_of(R"({"name": "a"})"), {"superquadric"}},
+        BadModel{"ZeroSemiAxis", model_of(solid("[1, 0, 3]", good_exponents)), {"semi_axes", "0", "positive"}},
+        BadModel{"NegativeSemiAxis", model_of(solid("[1, 2, -3]", good_exponents)), {"semi_axes", "-3", "positive"}},
+        BadModel{"TwoSemiAxes", model_of(solid("[1, 2]", good_exponents)), {"semi_axes", "3"}},
+        BadModel{"TextSemiAxis", model_of(solid(R"([1, 2, "3"])", good_exponents)), {"semi_axes", "\"3\""}},
+        BadModel{"HugeSemiAxis", model_of(solid("[1, 2, 1e999]", good_exponents)), {"1e999"}},
+        BadModel{"NanSemiAxis", model_of(solid("[1, 2, NaN]", good_exponents)), {"line"}},
+        BadModel{"NullSemiAxis", model_of(solid("[1, 2, null]", good_exponents)), {"semi_axes", "null"}},
+        BadModel{"ZeroExponent", model_of(solid(good_axes, "[0, 1]")), {"exponents", "0", "(0, 2]"}},
+        BadModel{"NegativeExponent", model_of(solid(good_axes, "[1, -0.5]")), {"exponents", "-0.5", "(0, 2]"}},
+        BadModel{"LargeExponent", model_of(solid(good_axes, "[1, 2.5]")), {"exponents", "2.5", "(0, 2]"}},
+        BadModel{"ZeroQuaternion", posed(R"({"quaternion": [0, 0, 0, 0]})"), {"quaternion", "[0,0,0,0]", "zero"}},
+        BadModel{"ShortQuaternion", posed(R"({"quaternion": [1, 0, 0]})"), {"quaternion", "4"}},
+        BadModel{"HugeTranslation", posed(R"({"translation": [0, 0, -1e400]})"), {"-1e400"}},
+        BadModel{"Bend", bent(R"({"curvature": 0.002, "angle_deg": 70})"), {"bend", "not supported yet"}},
+        BadModel{"BendTooStrong", bent(R"({"curvature": 1.0, "angle_deg": 0})"), {"bend"}},
+        BadModel{"BendBeyondHalfTurn", bent(R"({"curvature": 1.1, "angle_deg": 90})"), {"bend"}},
+        BadModel{"IntervalSemiAxis",
+                 model_of(solid("[[1, 2], 2, 3]", good_exponents)),
+                 {"semi_axes", "intervals", "not supported yet"}},
+        BadModel{"IntervalExponent",
+                 model_of(solid(good_axes, "[1, [0.9, 1]]")),
+                 {"exponents", "intervals", "not supported yet"}},
+        BadModel{"IntervalTranslation",
+                 posed(R"({"translation": [0, 0, [1, 2]]})"),
+                 {"translation", "intervals", "not supported yet"}},
+        BadModel{"UnknownNameInCsg", combined(R"({"union": ["a", "ghost"]})"), {"csg", "ghost"}},
+        BadModel{"UnknownOperator", combined(R"({"xor": ["a"]})"), {"csg", "xor"}},
+        BadModel{"Intersection", combined(R"({"intersection": ["a"]})"), {"intersection", "not supported yet"}},
+        BadModel{"Difference",
+                 combined(R"({"union": ["a", {"difference": ["a", "a"]}]})"),
+                 {"difference", "not supported yet"}}),
+    name_of);
+
+TEST_F(CommandLine, MissingModelIsRefused) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  expect_refused(map({"--model", path("none.json"), "--mesh", mesh, "-o", path("map.csv")}), {"none.json"});
+}
+
+// ---------------------------------------------------------------- bad meshes and points
+
+struct BadFile {
+  std::string name;
+  std::string file;  ///< its extension picks the reader
+  std::string text;
+  std::vector<std::string> words;  ///< position and value
+};
+
+void PrintTo(const BadFile& file, std::ostream* stream) {
+  *stream << file.name;
+}
+
+class BadFileTest : public CommandLine, public ::testing::WithParamInterface<BadFile> {};
+
+TEST_P(BadFileTest, IsRefused) {
+  const auto& bad = GetParam();
+  const auto* option = bad.file.ends_with(".csv") ? "--points" : "--mesh";
+  const auto outcome = map({"--model", ball, option, write(bad.file, bad.text), "-o", path("map.csv")});
+  expect_refused(outcome, bad.words);
+  EXPECT_THAT(outcome.err, HasSubstr(bad.file));
+  EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
+}
+
+/// The bytes of a binary32 in the order of STL and of this machine.
+std::string bytes(float value) {
+  const auto raw = std::bit_cast<std::array<char, sizeof(float)>>(value);
+  return {raw.begin(), raw.end()};
+}
+
+/// A binary STL that promises `promised` triangles and has those of `corners` (nine floats each).
+std::string binary_stl(std::uint32_t promised, const std::vector<float>& corners) {
+  std::string text(80, '\0');
+  for (int shift = 0; shift < 32; shift += 8) text += static_cast<char>(promised >> shift & 0xff);
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    if (k % 9 == 0) text += std::string(12, '\0');
+    text += bytes(corners[k]);
+    if (k % 9 == 8) text += std::string(2, '\0');
+  }
+  return text;
+}
+
+std::string ascii_stl(const std::string& last_vertex) {
+  return "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 3\nvertex 1 0 3\nvertex " + last_vertex +
+         "\nendloop\nendfacet\nendsolid s\n";
+}
+
+std::string ascii_ply(const std::string& last_vertex, const std::string& face) {
+  return "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+         "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 3\n1 0 3\n" +
+         last_vertex + "\n" + face + "\n";
+}
+
+const std::string binary_ply_header =
+    "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 0\nproperty list uchar int vertex_indices\nend_header\n";
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+INSTANTIATE_TEST_SUITE_P(
+    Mesh, BadFileTest,
+    ::testing::Values(
+        BadFile{"UnknownFormat", "mesh.xyz", "1 2 3\n", {".xyz", ".stl"}},
+        BadFile{"EmptyOff", "mesh.off", "", {"empty"}},
+        BadFile{"OffNan", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 nan\n0 1 3\n3 0 1 2\n", {"line 4", "nan"}},
+        BadFile{"OffInfinity", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n0 -inf 3\n3 0 1 2\n", {"line 5", "-inf"}},
+        BadFile{"OffText", "mesh.off", "OFF\n3 1 0\n0 zero 3\n1 0 3\n0 1 3\n3 0 1 2\n", {"line 3", "zero"}},
+        BadFile{"OffIndex", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n0 1 3\n3 0 1 3\n", {"line 6", "3"}},
+        BadFile{"OffNegativeIndex", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n0 1 3\n3 0 1 -1\n", {"line 6", "-1"}},
+        BadFile{"OffZeroArea", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n2 0 3\n3 0 1 2\n", {"line 6", "zero area"}},
+        BadFile{"OffRepeatedCorner", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n0 1 3\n3 0 1 1\n", {"line 6", "zero area"}},
+        BadFile{"OffTruncated", "mesh.off", "OFF\n3 1 0\n0 0 3\n1 0 3\n", {"truncated"}},
+        BadFile{"OffWithoutVertices", "mesh.off", "OFF\n0 0 0\n", {"no vertices"}},
+        BadFile{"EmptyObj", "mesh.obj", "", {"empty"}},
+        BadFile{"ObjNan", "mesh.obj", "v 0 0 3\nv 1 NaN 3\nv 0 1 3\nf 1 2 3\n", {"line 2", "NaN"}},
+        BadFile{"ObjIndex", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 1 2 4\n", {"line 4", "4"}},
+        BadFile{"ObjZeroIndex", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 0 1 2\n", {"line 4", "0"}},
+        BadFile{"ObjZeroArea", "mesh.obj", "v 0 0 3\nv 1 0 3\nv 2 0 3\nf 1 2 3\n", {"line 4", "zero area"}},
+        BadFile{"EmptyStl", "mesh.stl", "", {"empty"}}, BadFile{"StlText", "mesh.stl", "hello\n", {"solid"}},
+        BadFile{"StlNan", "mesh.stl", ascii_stl("0 nan 3"), {"line 6", "nan"}},
+        BadFile{"StlZeroArea", "mesh.stl", ascii_stl("2 0 3"), {"zero area"}},
+        BadFile{"StlTruncated", "mesh.stl", "solid s\nfacet normal 0 0 1\nouter loop\n", {"truncated"}},
+        BadFile{"BinaryStlTruncated", "mesh.stl", binary_stl(2, {0, 0, 3, 1, 0, 3, 0, 1, 3}), {"truncated", "134"}},
+        BadFile{"BinaryStlNan", "mesh.stl", binary_stl(1, {0, 0, 3, 1, nan, 3, 0, 1, 3}), {"byte 84", "nan"}},
+        BadFile{"BinaryStlInfinity", "mesh.stl", binary_stl(1, {0, 0, 3, 1, 0, 3, 0, 1, infinity}), {"byte 84", "inf"}},
+        BadFile{"BinaryStlZeroArea", "mesh.stl", binary_stl(1, {0, 0, 3, 1, 0, 3, 2, 0, 3}), {"byte 84", "zero area"}},
+        BadFile{"BinaryStlWithoutTriangles", "mesh.stl", binary_stl(0, {}), {"no triangles"}},
+        BadFile{"EmptyPly", "mesh.ply", "", {"empty"}},
+        BadFile{"PlyWithoutEnd", "mesh.ply", "ply\nformat ascii 1.0\nelement vertex 3\n", {"truncated"}},
+        BadFile{"PlyNan", "mesh.ply", ascii_ply("nan 1 3", "3 0 1 2"), {"line 12", "nan"}},
+        BadFile{"PlyIndex", "mesh.ply", ascii_ply("0 1 3", "3 0 1 7"), {"line 13", "7"}},
+        BadFile{"PlyZeroArea", "mesh.ply", ascii_ply("2 0 3", "3 0 1 2"), {"line 13", "zero area"}},
+        BadFile{"BinaryPlyTruncated", "mesh.ply", binary_ply_header + bytes(1) + bytes(2), {"byte", "truncated"}},
+        BadFile{"BinaryPlyNan",
+                "mesh.ply",
+                binary_ply_header + bytes(0) + bytes(0) + bytes(nan) + std::string(24, '\0'),
+                {"byte", "nan"}}),
+    name_of);
+
+INSTANTIATE_TEST_SUITE_P(Points, BadFileTest,
+                         ::testing::Values(BadFile{"Empty", "points.csv", "", {"empty"}},
+                                           BadFile{"OnlyAHeader", "points.csv", "x,y,z\n", {"no points"}},
+                                           BadFile{"Nan", "points.csv", "0,0,3\n0,nan,3\n", {"line 2", "nan"}},
+                                           BadFile{
+                                               "Infinity", "points.csv", "x,y,z\n0,0,3\ninf,0,3\n", {"line 3", "inf"}},
+                                           BadFile{"Overflow", "points.csv", "0,0,1e999\n", {"line 1", "1e999"}},
+                                           BadFile{"Text", "points.csv", "0,0,3\n0,zero,3\n", {"line 2", "zero"}},
+                                           BadFile{"TwoNumbers", "points.csv", "0,0,3\n1,2\n", {"line 2", "1,2"}},
+                                           BadFile{"FourNumbers", "points.csv", "0,0,3,4\n", {"line 1", "0,0,3,4"}},
+                                           BadFile{"MissingNumber", "points.csv", "0,,3\n", {"line 1", "y"}}),
+                         name_of);
+
+TEST_F(CommandLine, MissingFilesAreRefused) {
+  expect_refused(map({"--model", ball, "--mesh", path("none.off"), "-o", path("map.csv")}), {"none.off"});
+  expect_refused(map({"--model", ball, "--points", path("none.csv"), "-o", path("map.csv")}), {"none.csv"});
+  expect_refused(map({"--model", ball, "--points", folder_.path().string(), "-o", path("map.csv")}),
+                 {folder_.path().string()});
+}
+
+}  // namespace
+}  // namespace verisq::testing

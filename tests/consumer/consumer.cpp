@@ -1,0 +1,31 @@
+/// A program of somebody else: maps one point by the installed package and checks the enclosure.
+#include <cstdio>
+#include <span>
+#include <verisq/distance_map.hpp>
+#include <verisq/signed_distance.hpp>
+
+int main() {
+  const verisq::Model model{
+      .units = "mm",
+      .primitives = {
+          {.name = "ball", .superquadric = {.semi_axes = {1.0, 1.0, 1.0}, .exponents = {1.0, 1.0}}, .pose = {}}}};
+  const verisq::Point point{3.0, 0.0, 0.0};  // exactly 2 from the ball
+  const auto direct = verisq::SignedDistance(model)(point, 1e-12);
+
+  bool given = false;
+  const auto source = [&](std::span<verisq::Point> points) -> std::size_t {
+    if (given || points.empty()) return 0;
+    given = true;
+    points[0] = point;
+    return 1;
+  };
+  verisq::Enclosure mapped{};
+  const auto sink = [&](std::span<const verisq::Point>, std::span<const verisq::MapResult> results) {
+    mapped = results[0].distance;
+  };
+  const auto summary = verisq::map_points(model, source, sink, {.tolerance = 1e-12, .device = "host"});
+
+  std::printf("direct [%.17g, %.17g], mapped [%.17g, %.17g]\n", direct.lo, direct.hi, mapped.lo, mapped.hi);
+  const bool right = direct.contains(2.0) && mapped.contains(2.0) && verisq::verified(mapped, 1e-12);
+  return right && summary.points == 1 ? 0 : 1;
+}

@@ -1,0 +1,185 @@
+/// Multi-start descent in double over the directions of the octant, Newton's method at 200 bits for the best.
+#include "tests/oracle/depth.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/oracle/stationarity.hpp"
+
+namespace verisq::oracle {
+
+namespace {
+
+using Direction = Triple<double>;
+
+/// A boundary point, its normal, and the proven bound (1 - n·q)/|n| on the depth (up to rounding in double).
+struct Candidate {
+  Direction boundary_point;
+  Direction normal;
+  double depth;
+};
+
+/// Where the ray q + t v leaves the solid. Newton from beyond: g is convex along the ray, so the steps are monotone.
+[[nodiscard]] Candidate ray_exit(const MixedNorm<double>& norm, const Direction& q, const Direction& v) {
+  double t = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (v[i] > 0) t = std::min(t, (norm.semi_axes()[i] - q[i]) / v[i]);
+  }
+  Direction x = q;
+  Direction normal{};
+  for (int step = 0; step < 60; ++step) {
+    for (std::size_t i = 0; i < 3; ++i) x[i] = q[i] + t * v[i];
+    const double gauge = norm.gauge(x);
+    normal = norm.gradient(x, gauge);
+    const double decrease = (gauge - 1) / dot(normal, v);
+    if (!(decrease > 1e-15 * t)) break;
+    t -= decrease;
+  }
+  return {x, normal, (1 - dot(normal, q)) / length(normal)};
+}
+
+/// Descent: among the directions v with v_k·v >= 1 the least h(v) - v·q is attained at the normal of the point where
+/// the ray along v_k leaves the solid, so the depth bound never grows.
+[[nodiscard]] Candidate descend(const MixedNorm<double>& norm, const Direction& q, Candidate candidate, int steps) {
+  for (int step = 0; step < steps; ++step) {
+    const Candidate next = ray_exit(norm, q, candidate.normal);
+    if (!(next.depth < candidate.depth * (1 - 1e-14))) break;
+    candidate = next;
+  }
+  return candidate;
+}
+
+/// Directions w of the octant on a barycentric grid, and the same as normals of the ellipsoid of these semi-axes.
+[[nodiscard]] std::vector<Direction> starting_directions(const Direction& axes, std::size_t fineness) {
+  std::vector<Direction> directions;
+  for (std::size_t i = 0; i <= fineness; ++i) {
+    for (std::size_t j = 0; i + j <= fineness; ++j) {
+      const Direction w{static_cast<double>(i), static_cast<double>(j), static_cast<double>(fineness - i - j)};
+      directions.push_back(w);
+      const bool on_axis = i == fineness || j == fineness || i + j == 0;
+      if (!on_axis) directions.push_back({w[0] / axes[0], w[1] / axes[1], w[2] / axes[2]});
+    }
+  }
+  return directions;
+}
+
+[[nodiscard]] bool alike(const Candidate& a, const Candidate& b) {
+  const double cosine = dot(a.normal, b.normal) / (length(a.normal) * length(b.normal));
+  return cosine > 1 - 1e-10;
+}
+
+/// Descends from all starts, a few steps for all and many for the promising; the shallowest first, without repetition.
+[[nodiscard]] std::vector<Candidate> shallowest(const MixedNorm<double>& norm, const Direction& q,
+                                                std::size_t fineness) {
+  constexpr std::size_t most_descended = 8;
+  constexpr std::size_t most_polished = 3;
+  std::vector<Candidate> candidates;
+  const double gauge = norm.gauge(q);
+  if (gauge > 0) {
+    const Direction normal = norm.gradient(q, gauge);
+    candidates.push_back({scaled(q, 1 / gauge), normal, (1 - dot(normal, q)) / length(normal)});
+  }
+  for (const Direction& start : starting_directions(norm.semi_axes(), fineness)) {
+    candidates.push_back(ray_exit(norm, q, start));
+  }
+  const auto by_depth = [](const Candidate& a, const Candidate& b) { return a.depth < b.depth; };
+  for (Candidate& candidate : candidates) candidate = descend(norm, q, candidate, 2);
+  std::erase_if(candidates, [](const Candidate& c) { return !std::isfinite(c.depth); });
+  std::sort(candidates.begin(), candidates.end(), by_depth);
+  const std::size_t promising = std::min(candidates.size(), std::max(most_descended, fineness));
+  candidates.resize(promising);
+  for (Candidate& candidate : candidates) candidate = descend(norm, q, candidate, 40);
+  std::sort(candidates.begin(), candidates.end(), by_depth);
+  std::vector<Candidate> distinct;
+  for (const Candidate& candidate : candidates) {
+    const bool known =
+        std::any_of(distinct.begin(), distinct.end(), [&](const Candidate& d) { return alike(d, candidate); });
+    if (!known && distinct.size() < most_polished) distinct.push_back(candidate);
+  }
+  return distinct;
+}
+
+/// The proven bound of one direction.
+[[nodiscard]] Real bound(const MixedNorm<Real>& norm, const Vector& q, const Vector& v) {
+  return (dot(v, q) - norm.support(v)) / length(v);
+}
+
+/// Bound of the stationary point that Newton finds from x; minus infinity when it finds none.
+[[nodiscard]] Real polished_bound(const Stationarity& stationarity, const MixedNorm<Real>& norm, const Vector& q,
+                                  const Vector& x) {
+  const Real nothing = -std::numeric_limits<Real>::infinity();
+  const std::array<bool, 3> present{x[0] > 0, x[1] > 0, x[2] > 0};
+  const int count = present[0] + present[1] + present[2];
+  if (count == 0) return nothing;
+  if (count == 1) return bound(norm, q, x);  // a tip: its normal is its axis
+  const std::optional<Contact> contact = stationarity.solve(stationarity.contact_at(x, present), ldexp(Real(1), -60));
+  if (!contact) return nothing;
+  const Vector boundary_point = stationarity.point(*contact);
+  const Real gauge = norm.gauge(boundary_point);
+  if (!isfinite(gauge) || gauge <= 0) return nothing;
+  return bound(norm, q, norm.gradient(boundary_point, gauge));
+}
+
+/// Where a nearest point leaves the plane x_i = 0 although q_i = 0: with p < 2 the solid has a ridge there, and the
+/// balance x_i = λ ∂g/∂x_i reads (x_i/a_i)^(2-p) = λ/a_i^2, for the section times r^(p1-p2); at the tips of z, where
+/// p1 governs the section too, (x_i/a_i)^(2-p1) = λ/a_i^2. Zero where p >= 2.
+[[nodiscard]] Real height_over_ridge(const MixedNorm<double>& norm, const Candidate& candidate, std::size_t i) {
+  const auto& [x, normal, depth] = candidate;
+  const double section = norm.gauge({x[0], x[1], 0.0});
+  const double p1 = norm.outer().primal;
+  const bool at_tip = i == 2 || (section < 0.01 && p1 < 2);
+  const double p = at_tip ? p1 : norm.inner().primal;
+  if (p >= 2) return 0;
+  const double axis = norm.semi_axes()[i];
+  Real balance = depth / length(normal) / (axis * axis);
+  if (!at_tip) balance *= pow(Real(section), p1 - p);
+  return axis * pow(balance, 1 / (2 - Real(p)));
+}
+
+/// Starts for Newton near one candidate. A coordinate of q that is zero or nearly so has two kinds of stationary
+/// points, one with x_i near q_i (zero if q_i is) and one away from it; descent tells them apart too slowly, so both
+/// are tried, in all combinations.
+[[nodiscard]] std::vector<Vector> newton_starts(const MixedNorm<double>& norm, const Vector& q,
+                                                const Candidate& candidate) {
+  constexpr double nearly_zero = 1e-6;
+  constexpr double away = 1e-4;
+  constexpr double negligible = 1e-40;
+  Vector x = widened(candidate.boundary_point);
+  for (std::size_t i = 0; i < 3; ++i) x[i] = std::max<Real>(x[i], q[i]);
+  std::vector<Vector> starts{x};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double axis = norm.semi_axes()[i];
+    if (q[i] > nearly_zero * axis) continue;
+    const Real ridge = height_over_ridge(norm, candidate, i);
+    const bool is_away = candidate.boundary_point[i] > away * axis;
+    const bool on_ridge = ridge > negligible * axis && (ridge < 0.01 * axis || !is_away);
+    const bool stays = on_ridge || is_away;
+    const std::size_t so_far = starts.size();
+    for (std::size_t k = 0; k < so_far; ++k) {
+      if (stays) {
+        starts.push_back(starts[k]);
+        if (on_ridge) starts.back()[i] = std::min<Real>(ridge, axis / 2) + q[i];
+      }
+      starts[k][i] = 1.5 * q[i];
+    }
+  }
+  return starts;
+}
+
+}  // namespace
+
+Real signed_distance_inside(const Superquadric& superquadric, const MixedNorm<Real>& norm, const Vector& q,
+                            std::size_t fineness) {
+  const Stationarity stationarity(norm, q, Side::inside);
+  const MixedNorm<double> rough(superquadric);
+  Real best = -std::numeric_limits<Real>::infinity();
+  for (const Candidate& candidate : shallowest(rough, rounded(q), fineness)) {
+    best = std::max<Real>(best, bound(norm, q, widened(candidate.normal)));
+    for (const Vector& x : newton_starts(rough, q, candidate)) {
+      best = std::max<Real>(best, polished_bound(stationarity, norm, q, x));
+    }
+  }
+  return best;
+}
+
+}  // namespace verisq::oracle

@@ -1,0 +1,19 @@
+/// Certified distance of a point outside one convex superquadric, in its own frame, at 200 bits.
+#pragma once
+
+#include "tests/oracle/mixed_norm.hpp"
+
+namespace verisq::oracle {
+
+/// lower <= exact value <= upper, but for the rounding at 200 bits that the caller adds.
+struct Bounds {
+  Real lower;
+  Real upper;
+};
+
+/// Finds the closest point b (Newton at 200 bits from a start in double; nested root searches where that fails) and
+/// proves the distance by the duality gap of design 2, §2: (v·q - h(v))/|v| <= distance <= |q - b|. A search that
+/// fails leaves a wide gap, never a wrong one. Precondition: q >= 0 and g(q) > 1.
+[[nodiscard]] Bounds distance_outside(const Superquadric& superquadric, const MixedNorm<Real>& norm, const Vector& q);
+
+}  // namespace verisq::oracle

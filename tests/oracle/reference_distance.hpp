@@ -1,0 +1,48 @@
+/// The test oracle: the exact signed distance of a point to one posed convex superquadric, by MPFR at 200 bits. It
+/// shares no code with verify/ and kernels/, only the mathematics: the certificates of design 2, §2, hold for any
+/// candidate however found, so an oracle that fails to converge is wide, not wrong.
+#pragma once
+
+#include <cstddef>
+#include <verisq/model.hpp>
+
+#include "tests/oracle/mixed_norm.hpp"
+
+namespace verisq::oracle {
+
+/// `lower` is proven to be at most the signed distance, at every point. `upper` is proven to be at least the signed
+/// distance where `upper_is_proven` (outside and on the boundary). Inside, `upper` is the best local answer of a
+/// search over directions: below the truth only if the search missed the nearest boundary point.
+struct ReferenceDistance {
+  Real lower;
+  Real upper;
+  bool upper_is_proven;
+};
+
+class PosedSolid {
+ public:
+  /// Grid of starting directions inside: 15 directions, twice.
+  static constexpr std::size_t usual_fineness = 4;
+
+  PosedSolid(const Superquadric& superquadric, const Pose& pose);
+
+  /// `fineness` sets the number of starts inside, about its square.
+  [[nodiscard]] ReferenceDistance signed_distance(const Point& point, std::size_t fineness = usual_fineness) const;
+
+  /// R^T (point - t), to within 2^-190 (|point| + |t|).
+  [[nodiscard]] Vector to_own_frame(const Vector& point) const;
+  [[nodiscard]] Vector from_own_frame(const Vector& local) const;
+
+  [[nodiscard]] const MixedNorm<Real>& norm() const { return norm_; }
+
+  /// What a gap of `signed_distance` is to be compared with: the larger of |q| and the largest semi-axis.
+  [[nodiscard]] Real magnitude(const Point& point) const;
+
+ private:
+  Superquadric superquadric_;
+  MixedNorm<Real> norm_;
+  Vector translation_;
+  Triple<Vector> rotation_;  ///< rows of R
+};
+
+}  // namespace verisq::oracle

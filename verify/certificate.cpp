@@ -1,0 +1,39 @@
+#include "verify/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace verisq::verify {
+
+namespace {
+
+std::array<Real, 3> magnitudes(const Proposal& v) {
+  return {Real(std::fabs(v[0])), Real(std::fabs(v[1])), Real(std::fabs(v[2]))};
+}
+
+}  // namespace
+
+PreciseVector precise(const Proposal& v) { return {Real(v[0]), Real(v[1]), Real(v[2])}; }
+
+bool usable(const Proposal& v) {
+  return std::ranges::all_of(v, [](long double c) { return std::isfinite(c); }) &&
+         std::ranges::any_of(v, [](long double c) { return c != 0.0L; });
+}
+
+double lower_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& v) {
+  if (!usable(v)) return -std::numeric_limits<double>::infinity();
+  const PreciseVector direction = precise(v);
+  const PreciseInterval support(solid.support(magnitudes(v), Direction::up));
+  const PreciseInterval bound = (direction.dot(q) - support) / length<Real>(direction);
+  return bound.lower().to_double(Direction::down);
+}
+
+double upper_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& x) {
+  if (!usable(x)) return length<Real>(q).upper().to_double(Direction::up);
+  const PreciseInterval gauge(solid.gauge(magnitudes(x), Direction::up));
+  const PreciseVector b = precise(x) / gauge;
+  return length<Real>(PreciseVector(q - b)).upper().to_double(Direction::up);
+}
+
+}  // namespace verisq::verify

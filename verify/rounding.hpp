@@ -1,0 +1,28 @@
+/// Directed rounding of binary64 operations, computed in round-to-nearest by error-free transforms.
+#pragma once
+
+#if defined(__FAST_MATH__)
+#error "verisq proves rounding errors operation by operation: -ffast-math makes the proofs void"
+#endif
+
+namespace verisq::verify {
+
+/// Which side of the exact result a rounded result may lie on.
+enum class Direction { down, up };
+
+[[nodiscard]] constexpr Direction opposite(Direction direction) {
+  return direction == Direction::down ? Direction::up : Direction::down;
+}
+
+// Each returns the tightest binary64 number on the given side of the exact result: the exact result itself where it is
+// representable, an infinity or the largest finite number on overflow, a subnormal or zero on underflow. Operands are
+// bounds of real numbers: 0 times an infinity is 0. What has no value at all (infinity minus infinity, 0/0, the root of
+// a negative number) is NaN, which `Interval` refuses. The sign of a zero result is not specified.
+
+[[nodiscard]] double add(double a, double b, Direction direction);
+[[nodiscard]] double subtract(double a, double b, Direction direction);
+[[nodiscard]] double multiply(double a, double b, Direction direction);
+[[nodiscard]] double divide(double a, double b, Direction direction);
+[[nodiscard]] double square_root(double a, Direction direction);
+
+}  // namespace verisq::verify
