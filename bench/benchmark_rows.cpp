@@ -58,8 +58,9 @@ class CollectingReporter : public benchmark::ConsoleReporter {
 Rows run_benchmarks(int argc, char** argv, int repetitions) {
   // First, so that a user's own flags win.
   std::string repeated = fmt::format("--benchmark_repetitions={}", repetitions);
+  std::string interleaved = "--benchmark_enable_random_interleaving=true";  // drifts of the machine hit all rows alike
   std::string medians_on_screen = "--benchmark_display_aggregates_only=true";
-  std::vector<char*> arguments{argv[0], repeated.data(), medians_on_screen.data()};
+  std::vector<char*> arguments{argv[0], repeated.data(), interleaved.data(), medians_on_screen.data()};
   arguments.insert(arguments.end(), argv + 1, argv + argc);
   const bool writes_json = std::any_of(arguments.begin(), arguments.end(), [](std::string_view argument) {
     return argument.starts_with("--benchmark_out=");

@@ -1,42 +1,50 @@
 /// Launches point_distance.cl directly, in both variants.
 #include "bench/point_distance_kernel.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "bench/opencl_device.hpp"
+#include "host/device/device.hpp"
 #include "host/device/primitive_parameters.hpp"
-#include "kernels/embedded_sources.hpp"
+#include "host/device/program.hpp"
 
 namespace verisq::bench {
 namespace {
 
-constexpr int outputs = 5;  // lo, hi, and the direction's x, y, z
+constexpr std::size_t group_size = 32;  // as host/device/batch.cpp launches it
 
-cl::Program build(const cl::Context& context, int vector_width, KernelVariant variant) {
-  const bool solver_only = variant == KernelVariant::solver_only;
-  cl::Program program(context, std::string(kernels::embedded_sources()));
-  program.build(fmt::format("-DVECTOR_WIDTH={}{}", vector_width, solver_only ? " -DSOLVER_ONLY" : "").c_str());
-  return program;
+device::Device selected(const DeviceReport& report) {
+  auto selection = device::select_device(std::to_string(report.index));
+  if (!selection.device) throw std::runtime_error(report.name + " cannot be used: " + selection.notice);
+  return *selection.device;
+}
+
+cl::Program program_of(const device::Device& device, KernelVariant variant) {
+  if (variant == KernelVariant::verified) return device.program;
+  return device::build_program(device.context, device.device, device.vector_width, "-DSOLVER_ONLY");
 }
 
 }  // namespace
 
 struct PointDistanceKernel::State {
-  State(const DeviceReport& report, KernelVariant variant, std::size_t points)
-      : context(device_named(report.name)),
-        queue(context),
-        kernel(build(context, report.vector_width, variant), "point_distance"),
-        vector_width(static_cast<std::size_t>(report.vector_width)),
+  State(const device::Device& device, KernelVariant variant, std::size_t points)
+      : context(device.context),
+        queue(device.context, device.device),
+        kernel(program_of(device, variant), "point_distance"),
+        vector_width(static_cast<std::size_t>(device.vector_width)),
         groups(points / vector_width) {}
 
-  void add_argument(cl_mem_flags access, std::size_t bytes, const void* data) {
-    const cl::Buffer& buffer = buffers.emplace_back(context, access, bytes);
+  template <class Value>
+  void add_value(Value value) {
+    kernel.setArg(next_argument++, value);
+  }
+
+  void add_array(std::size_t bytes, const void* data = nullptr) {
+    const cl::Buffer& buffer = buffers.emplace_back(context, CL_MEM_READ_WRITE, bytes);
     if (data != nullptr) queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, bytes, data);
-    kernel.setArg(static_cast<cl_uint>(buffers.size()), buffer);  // argument 0 is the number of groups
+    kernel.setArg(next_argument++, buffer);
   }
 
   cl::Context context;
@@ -44,24 +52,26 @@ struct PointDistanceKernel::State {
   cl::Kernel kernel;
   std::size_t vector_width;
   std::size_t groups;
+  cl_uint next_argument = 0;
   std::vector<cl::Buffer> buffers;  // a kernel does not keep its arguments alive
 };
 
 PointDistanceKernel::PointDistanceKernel(const DeviceReport& device, KernelVariant variant, const Superquadric& solid,
                                          std::span<const Point> points)
-    : state_(std::make_unique<State>(device, variant, points.size())) {
+    : state_(std::make_unique<State>(selected(device), variant, points.size())) {
   const int scale = device::scale_exponent(Model{"", {{"solid", solid, {}}}});
   const auto parameters = device::primitive_parameters({"solid", solid, {}}, scale);
   std::vector<double> coordinates(this->points());
   const std::size_t bytes = coordinates.size() * sizeof(double);
 
-  state_->kernel.setArg(0, static_cast<cl_ulong>(state_->groups));
+  state_->add_value(static_cast<cl_ulong>(state_->groups));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < coordinates.size(); ++i) coordinates[i] = std::ldexp(points[i][axis], scale);
-    state_->add_argument(CL_MEM_READ_ONLY, bytes, coordinates.data());
+    state_->add_array(bytes, coordinates.data());
   }
-  state_->add_argument(CL_MEM_READ_ONLY, sizeof parameters, &parameters);
-  for (int i = 0; i < outputs; ++i) state_->add_argument(CL_MEM_WRITE_ONLY, bytes, nullptr);
+  state_->add_array(sizeof parameters, &parameters);
+  state_->add_value(cl_uint{0});                         // the only primitive
+  for (int i = 0; i < 6; ++i) state_->add_array(bytes);  // nearest, lo, hi, and the direction's x, y, z
   run();  // OpenCL may put off the uploads and the end of the build to the first launch
 }
 
@@ -74,7 +84,8 @@ std::size_t PointDistanceKernel::points() const {
 }
 
 void PointDistanceKernel::run() {
-  state_->queue.enqueueNDRangeKernel(state_->kernel, cl::NullRange, cl::NDRange(state_->groups));
+  const std::size_t work_items = (state_->groups + group_size - 1) / group_size * group_size;
+  state_->queue.enqueueNDRangeKernel(state_->kernel, cl::NullRange, cl::NDRange(work_items), cl::NDRange(group_size));
   state_->queue.finish();
 }
 

@@ -26,14 +26,15 @@ constexpr std::size_t host_chunk = 4096;
 
 // With a tolerance below these widths the host is asked only for what is wider than them: the device's certificates
 // outside, and its branch and bound inside, are then as good as the methods are (design 2, §2, §5).
-constexpr double outside_limit = 1e-12;  // of max(|point|, radius of the model)
+constexpr double outside_limit = 1e-12;  // of max(largest |coordinate|, radius of the model)
 constexpr double inside_limit = 2e-9;    // of the radius of the model
 
-double length(const Point& p) { return std::hypot(p[0], p[1], p[2]); }
-
-double worthwhile_width(const Point& point, const Enclosure& found, double tolerance, double radius) {
-  const double limit = found.lo < 0.0 ? inside_limit * radius : outside_limit * std::max(length(point), radius);
-  return std::max(tolerance, limit);
+// Whether the host may do better. True for NaN.
+bool is_open(const Point& point, const Enclosure& found, double tolerance, double radius) {
+  if (verified(found, tolerance)) return false;
+  if (found.lo < 0.0) return !verified(found, inside_limit * radius);
+  const double size = std::max({std::abs(point[0]), std::abs(point[1]), std::abs(point[2]), radius});
+  return !verified(found, outside_limit * size);
 }
 
 // Both contain the exact value; if they have nothing in common one of them is wrong, which must never pass silently.
@@ -81,9 +82,7 @@ class Map {
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::size_t> open;
     for (std::size_t i = 0; i < points.size(); ++i)
-      if (!(found[i].width() <= worthwhile_width(points[i], found[i], tolerance_, radius_))) open.push_back(i);
-    std::vector<bool> from_host(points.size(), false);
-    for (const std::size_t i : open) from_host[i] = true;
+      if (is_open(points[i], found[i], tolerance_, radius_)) open.push_back(i);
     in_parallel(open.size(), [&](std::size_t n) {
       const std::size_t i = open[n];
       found[i] = intersect(found[i], host_(points[i], tolerance_), points[i]);
@@ -91,21 +90,17 @@ class Map {
     summary_.host_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
     std::vector<MapResult> rows(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      rows[i] = {found[i], status_of(found[i], from_host[i])};
-      count(rows[i]);
-    }
+    for (std::size_t i = 0; i < points.size(); ++i)
+      rows[i] = {found[i], verified(found[i], tolerance_) ? Status::device_verified : Status::wide};
+    for (const std::size_t i : open)
+      if (rows[i].status == Status::device_verified) rows[i].status = Status::host_verified;
+    for (const MapResult& row : rows) count(row);
     sink_(points, rows);
   }
 
   [[nodiscard]] MapSummary& summary() { return summary_; }
 
  private:
-  [[nodiscard]] Status status_of(const Enclosure& e, bool from_host) const {
-    if (!verified(e, tolerance_)) return Status::wide;
-    return from_host ? Status::host_verified : Status::device_verified;
-  }
-
   void count(const MapResult& row) {
     ++summary_.points;
     switch (row.status) {

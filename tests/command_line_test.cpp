@@ -144,7 +144,7 @@ TEST_F(CommandLine, PrintsTheSummaryAsOneJsonObject) {
   EXPECT_LE(summary.at("largest_width"), 1e-9);
   EXPECT_EQ(summary.at("interrupted"), false);
   EXPECT_EQ(summary.at("output"), path("map.csv"));
-  for (const auto* key : {"seconds", "device_seconds", "host_seconds", "points_per_second"}) {
+  for (const auto* key : {"seconds", "preparation_seconds", "device_seconds", "host_seconds", "points_per_second"}) {
     EXPECT_GE(summary.at(key), 0.0) << key;
   }
 }

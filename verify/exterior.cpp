@@ -19,6 +19,9 @@ namespace {
 using Float = long double;
 constexpr Float kInfinity = std::numeric_limits<Float>::infinity();
 
+/// Points this close to the surface, in units of the solid, are projected along the ray: their ln g is rounding error.
+constexpr Float kSurface = 1e-16L;
+
 /// log(e^a + e^b) and the weight e^b / (e^a + e^b) of the second term.
 struct LogSum {
   Float value;
@@ -80,7 +83,7 @@ class ContactProblem {
 
   [[nodiscard]] Contact solve() const {
     const Float log_gauge = log_gauge_of(log_target_[0], log_target_[1], log_target_[2]);
-    if (!(log_gauge > 0.0L)) return radial();
+    if (!(log_gauge > kSurface)) return radial();
     if (apex_is_closest()) return apex();
     return contact(solve_multiplier(log_gauge));
   }
@@ -176,21 +179,28 @@ class ContactProblem {
     Float expansion = 1.0L;
     Float m = start(log_gauge);
     Iterate it = evaluate(m);
-    bool newton = true;
-    for (int i = 0; i < 300; ++i) {
+    bool trusted = true;  // whether Newton's last step at least halved the residual
+    for (int i = 0; i < 300 && it.log_gauge != 0.0L; ++i) {
       (it.log_gauge > 0.0L ? lower : upper) = m;
+      const Float newton = -it.log_gauge / it.derivative;
+      if (std::fabs(newton) <= 1e-10L * (1.0L + std::fabs(m))) {  // the next error is of the order of its square
+        it = evaluate(m + newton);
+        break;
+      }
+      const Float residual = std::fabs(it.log_gauge);
       const bool bracketed = std::isfinite(upper - lower);
-      Float next = m - it.log_gauge / it.derivative;
-      if (!(next > lower && next < upper) || (bracketed && !newton)) {
-        next = bracketed ? 0.5L * (lower + upper) : m + std::copysign(expansion, it.log_gauge);
+      if (m + newton > lower && m + newton < upper && (trusted || !bracketed)) {
+        m += newton;
+      } else if (bracketed) {
+        const Float middle = 0.5L * (lower + upper);
+        if (!(middle > lower && middle < upper)) break;
+        m = middle;
+      } else {
+        m += std::copysign(expansion, it.log_gauge);
         expansion *= 2.0L;
       }
-      const Float step = std::fabs(next - m);
-      const Float residual = std::fabs(it.log_gauge);
-      m = next;
       it = evaluate(m);
-      if (!(step > 1e-10L * (1.0L + std::fabs(m)))) break;  // the next error is of the order of step^2
-      newton = !newton || std::fabs(it.log_gauge) < 0.5L * residual;
+      trusted = !trusted || std::fabs(it.log_gauge) < 0.5L * residual;
     }
     return it;
   }

@@ -1,3 +1,4 @@
+/// Prints one block a device.
 #include "host/command_line/devices_command.hpp"
 
 #include <fmt/core.h>

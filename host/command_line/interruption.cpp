@@ -1,3 +1,4 @@
+/// The signal handler.
 #include "host/command_line/interruption.hpp"
 
 #include <atomic>

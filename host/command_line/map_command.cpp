@@ -1,3 +1,4 @@
+/// Reads the options and files of `verisq map`, runs the map, reports.
 #include "host/command_line/map_command.hpp"
 
 #include <fmt/core.h>
@@ -103,16 +104,35 @@ PointStream stream_of(PointFile& file) {
   return {next, fraction};
 }
 
-MapSummary map_stream(const Model& model, const PointStream& stream, MapWriter& writer, const MapOptions& options,
-                      bool show_progress) {
-  ProgressBar bar(show_progress);
+using Clock = std::chrono::steady_clock;
+
+double seconds_between(Clock::time_point start, Clock::time_point end) {
+  return std::chrono::duration<double>(end - start).count();
+}
+
+struct MappedStream {
+  MapSummary summary;
+  Clock::time_point first_point;  ///< when the first point was asked for: the device is ready then
+};
+
+MappedStream map_stream(const Model& model, const PointStream& stream, MapWriter& writer, const MapOptions& options,
+                        bool show_progress) {
+  std::optional<ProgressBar> bar;  // begins at the first point: compiling kernels is no part of the rate
+  auto first_point = Clock::now();
+  const auto source = [&](std::span<Point> points) {
+    if (!bar) {
+      first_point = Clock::now();
+      bar.emplace(show_progress);
+    }
+    return stream.next(points);
+  };
   std::uint64_t done = 0;
   const auto sink = [&](std::span<const Point> points, std::span<const MapResult> results) {
     writer.append(points, results);
     done += points.size();
-    bar.update(done, stream.fraction(done));
+    bar->update(done, stream.fraction(done));
   };
-  return map_points(model, stream.next, sink, options);
+  return {map_points(model, source, sink, options), first_point};
 }
 
 /// Returns the name of the file that holds the map; empty when an interrupted map left none.
@@ -183,18 +203,19 @@ ExitStatus run_map(const MapArguments& arguments) {
 
   watch_for_interruption();
   MapWriter writer(arguments.output, points ? nullptr : &mesh);
-  const auto start = std::chrono::steady_clock::now();
-  const auto summary =
+  const auto start = Clock::now();
+  const auto [summary, first_point] =
       map_stream(model, points ? stream_of(*points) : stream_of(mesh), writer, options, !arguments.no_progress);
   const auto written = end_map(writer, summary, arguments.output);
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  const auto end = Clock::now();
 
   if (!summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", summary.notice);
   const MapReport report{.summary = summary,
                          .output = written,
                          .units = model.units,
                          .tolerance = options.tolerance,
-                         .seconds = elapsed.count()};
+                         .preparation_seconds = seconds_between(start, first_point),
+                         .seconds = seconds_between(first_point, end)};
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   return status_of(summary);
 }

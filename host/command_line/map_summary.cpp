@@ -1,3 +1,4 @@
+/// The two forms of the summary.
 #include "host/command_line/map_summary.hpp"
 
 #include <fmt/core.h>
@@ -28,6 +29,7 @@ std::string readable(const MapReport& report) {
     text += fmt::format("smallest distance  [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
     text += fmt::format("largest width      {:.3g}{}\n", summary.largest_width, units);
   }
+  text += fmt::format("preparation        {:.3g} s\n", report.preparation_seconds);
   text +=
       fmt::format("time               {:.3g} s (device {:.3g} s, host proofs {:.3g} s), {} points/s\n", report.seconds,
                   summary.device_seconds, summary.host_seconds, with_prefix(points_per_second(report)));
@@ -47,6 +49,7 @@ std::string json(const MapReport& report) {
       {"units", report.units},
       {"tolerance", report.tolerance},
       {"largest_width", summary.largest_width},
+      {"preparation_seconds", report.preparation_seconds},
       {"device_seconds", summary.device_seconds},
       {"host_seconds", summary.host_seconds},
       {"seconds", report.seconds},

@@ -11,7 +11,8 @@ struct MapReport {
   std::string output;  ///< the file that holds the map; empty when none was kept
   std::string units;   ///< of the model; empty when not given
   double tolerance;
-  double seconds;  ///< wall time from the first point to the last row written
+  double preparation_seconds;  ///< wall time until the device was ready: kernels compiled, self-test passed
+  double seconds;              ///< wall time from the first point to the last row written
 };
 
 [[nodiscard]] std::string readable(const MapReport& report);

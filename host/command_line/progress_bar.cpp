@@ -1,3 +1,4 @@
+/// Draws the bar with a carriage return and the terminal's "clear to the end of the line".
 #include "host/command_line/progress_bar.hpp"
 
 #include <fmt/core.h>

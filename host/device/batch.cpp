@@ -38,13 +38,15 @@ std::size_t chunk_points(std::size_t primitives) {
   return wanted - wanted % chunk_alignment;
 }
 
-// x 2^exponent rounded outward where it underflows or overflows.
-double scaled_down(double x, int exponent) {
-  const double y = std::ldexp(x, exponent);
-  if (std::isinf(y) && !std::isinf(x)) return y > 0 ? std::numeric_limits<double>::max() : y;
-  return std::ldexp(y, -exponent) > x ? std::nextafter(y, -std::numeric_limits<double>::infinity()) : y;
+// x 2^exponent rounded down where it underflows or overflows; `factor` is 2^exponent.
+double scaled_down(double x, double factor) {
+  const double y = x * factor;
+  const double back = y / factor;
+  if (back == x || std::isnan(x)) return y;
+  if (std::isinf(y)) return y > 0.0 ? std::numeric_limits<double>::max() : y;
+  return back > x ? std::nextafter(y, -std::numeric_limits<double>::infinity()) : y;
 }
-double scaled_up(double x, int exponent) { return -scaled_down(-x, exponent); }
+double scaled_up(double x, double factor) { return -scaled_down(-x, factor); }
 
 // One chunk on its way through the device: its own queue, so that its transfers overlap with the other's kernels.
 class Slot {
@@ -54,7 +56,6 @@ class Slot {
       : width_(device.vector_width),
         capacity_(capacity),
         count_(count),
-        scale_(scale),
         factor_(std::ldexp(1.0, scale)),
         queue_(device.context, device.device, CL_QUEUE_PROFILING_ENABLE),
         primitives_(primitives),
@@ -120,7 +121,7 @@ class Slot {
                                             kernel.getProfilingInfo<CL_PROFILING_COMMAND_START>());
     std::vector<Enclosure> enclosures(size_);
     for (std::size_t n = 0; n < size_; ++n)
-      enclosures[n] = {scaled_down(los_[n], -scale_), scaled_up(his_[n], -scale_)};
+      enclosures[n] = {scaled_down(los_[n], 1.0 / factor_), scaled_up(his_[n], 1.0 / factor_)};
     return enclosures;
   }
 
@@ -165,8 +166,7 @@ class Slot {
   std::size_t width_;
   std::size_t capacity_;
   std::size_t count_;
-  int scale_;
-  double factor_;  // 2^scale_: products with it are exact but for underflow, which the kernels allow for
+  double factor_;  // 2^scale: products with it are exact but for underflow, which the kernels allow for
   cl::CommandQueue queue_;
   // Kernels do not keep the buffers that they are given.
   cl::Buffer primitives_;

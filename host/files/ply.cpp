@@ -52,7 +52,7 @@ class BinaryRows {
 
   void begin_row(const PlyElement& /*any*/) {}
   double finite(PlyType type, std::string_view name) {
-    const double value = next<double>(type, name);
+    const auto value = next<double>(type, name);
     if (!std::isfinite(value)) file_.fail(fmt::format("{} = {}: not a finite number", name, value));
     return value;
   }

@@ -12,26 +12,35 @@
 namespace verisq {
 namespace {
 
+struct TypeName {
+  std::string_view name;
+  PlyType type;
+};
+
+constexpr std::array<TypeName, 16> type_names{{
+    {"char", PlyType::int8},
+    {"int8", PlyType::int8},
+    {"uchar", PlyType::uint8},
+    {"uint8", PlyType::uint8},
+    {"short", PlyType::int16},
+    {"int16", PlyType::int16},
+    {"ushort", PlyType::uint16},
+    {"uint16", PlyType::uint16},
+    {"int", PlyType::int32},
+    {"int32", PlyType::int32},
+    {"uint", PlyType::uint32},
+    {"uint32", PlyType::uint32},
+    {"float", PlyType::float32},
+    {"float32", PlyType::float32},
+    {"double", PlyType::float64},
+    {"float64", PlyType::float64},
+}};
+
 PlyType parse_type(const InputFile& file, std::string_view word) {
-  constexpr std::array<std::pair<std::string_view, PlyType>, 16> types{{{"char", PlyType::int8},
-                                                                        {"int8", PlyType::int8},
-                                                                        {"uchar", PlyType::uint8},
-                                                                        {"uint8", PlyType::uint8},
-                                                                        {"short", PlyType::int16},
-                                                                        {"int16", PlyType::int16},
-                                                                        {"ushort", PlyType::uint16},
-                                                                        {"uint16", PlyType::uint16},
-                                                                        {"int", PlyType::int32},
-                                                                        {"int32", PlyType::int32},
-                                                                        {"uint", PlyType::uint32},
-                                                                        {"uint32", PlyType::uint32},
-                                                                        {"float", PlyType::float32},
-                                                                        {"float32", PlyType::float32},
-                                                                        {"double", PlyType::float64},
-                                                                        {"float64", PlyType::float64}}};
-  const auto found = std::find_if(types.begin(), types.end(), [&](const auto& type) { return type.first == word; });
-  if (found == types.end()) file.fail(fmt::format("property type {}: not a type of PLY", in_quotes(word)));
-  return found->second;
+  for (const auto& [name, type] : type_names) {
+    if (name == word) return type;
+  }
+  file.fail(fmt::format("property type {}: not a type of PLY", in_quotes(word)));
 }
 
 void expect_end(const InputFile& file, const Words& words) {

@@ -10,8 +10,8 @@
 
 namespace verisq {
 
-/// Rows arrive in order through `append`; `.csv` streams them to the disk, the mesh formats keep them until
-/// `finish`. Everything goes to a temporary file beside the target, which `finish` renames: an interrupted run leaves
+/// Rows arrive in order through `append`; `.csv` and `.json` stream them to the disk, the mesh formats (`.vtp`, `.ply`)
+/// keep them until `finish`. Everything goes to a temporary file beside the target, which `finish` renames: an interrupted run leaves
 /// no half-written map under the target's name. Without `finish` the destructor removes the temporary file.
 class MapWriter {
  public:
@@ -25,6 +25,7 @@ class MapWriter {
 
   /// Precondition: both spans of the same length; indices continue from the last call.
   void append(std::span<const Point> points, std::span<const MapResult> results);
+  /// Throws Error(failure) when the file cannot be written, or when a mesh format has not one row for each vertex.
   void finish();
   /// Ends an interrupted map instead of `finish`: `.csv` keeps the rows appended so far under the target's name with
   /// `.partial` added and returns that path; the other formats keep nothing and return an empty path.

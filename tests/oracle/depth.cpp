@@ -120,45 +120,49 @@ struct Candidate {
   return bound(norm, q, norm.gradient(boundary_point, gauge));
 }
 
-/// Where a nearest point leaves the plane x_i = 0 although q_i = 0: with p < 2 the solid has a ridge there, and the
-/// balance x_i = λ ∂g/∂x_i reads (x_i/a_i)^(2-p) = λ/a_i^2, for the section times r^(p1-p2); at the tips of z, where
-/// p1 governs the section too, (x_i/a_i)^(2-p1) = λ/a_i^2. Zero where p >= 2.
-[[nodiscard]] Real height_over_ridge(const MixedNorm<double>& norm, const Candidate& candidate, std::size_t i) {
+/// Where a nearest point may leave the plane x_i = 0 although q_i = 0: with p < 2 the solid has a ridge there, and the
+/// balance x_i = λ ∂g/∂x_i reads (x_i/a_i)^(2-p) = λ/a_i^2, for the section times r^(p1-p2); near the tips of z, where
+/// p1 governs the section too, (x_i/a_i)^(2-p1) = λ/a_i^2.
+[[nodiscard]] std::vector<Real> heights_over_ridge(const MixedNorm<double>& norm, const Candidate& candidate,
+                                                   std::size_t i) {
+  constexpr double negligible = 1e-40;
   const auto& [x, normal, depth] = candidate;
-  const double section = norm.gauge({x[0], x[1], 0.0});
   const double p1 = norm.outer().primal;
-  const bool at_tip = i == 2 || (section < 0.01 && p1 < 2);
-  const double p = at_tip ? p1 : norm.inner().primal;
-  if (p >= 2) return 0;
+  const double p2 = norm.inner().primal;
+  const Real section = norm.gauge({x[0], x[1], 0.0});
   const double axis = norm.semi_axes()[i];
-  Real balance = depth / length(normal) / (axis * axis);
-  if (!at_tip) balance *= pow(Real(section), p1 - p);
-  return axis * pow(balance, 1 / (2 - Real(p)));
+  const Real balance = depth / length(normal) / (axis * axis);
+  std::vector<Real> heights;
+  const auto add = [&](const Real& ratio, double p) {
+    if (p >= 2) return;
+    const Real height = pow(ratio, 1 / (2 - Real(p)));
+    if (height > negligible && height < 1) heights.push_back(axis * std::min<Real>(height, 0.5));
+  };
+  if (i < 2) add(balance * pow(section, p1 - p2), p2);
+  if (i == 2 || section < 0.1) add(balance, p1);
+  return heights;
 }
 
 /// Starts for Newton near one candidate. A coordinate of q that is zero or nearly so has two kinds of stationary
-/// points, one with x_i near q_i (zero if q_i is) and one away from it; descent tells them apart too slowly, so both
+/// points, one with x_i near q_i (zero if q_i is) and one away from it; descent tells them apart too slowly, so all
 /// are tried, in all combinations.
 [[nodiscard]] std::vector<Vector> newton_starts(const MixedNorm<double>& norm, const Vector& q,
                                                 const Candidate& candidate) {
   constexpr double nearly_zero = 1e-6;
   constexpr double away = 1e-4;
-  constexpr double negligible = 1e-40;
   Vector x = widened(candidate.boundary_point);
   for (std::size_t i = 0; i < 3; ++i) x[i] = std::max<Real>(x[i], q[i]);
   std::vector<Vector> starts{x};
   for (std::size_t i = 0; i < 3; ++i) {
     const double axis = norm.semi_axes()[i];
     if (q[i] > nearly_zero * axis) continue;
-    const Real ridge = height_over_ridge(norm, candidate, i);
-    const bool is_away = candidate.boundary_point[i] > away * axis;
-    const bool on_ridge = ridge > negligible * axis && (ridge < 0.01 * axis || !is_away);
-    const bool stays = on_ridge || is_away;
+    std::vector<Real> values = heights_over_ridge(norm, candidate, i);
+    if (candidate.boundary_point[i] > away * axis) values.emplace_back(candidate.boundary_point[i]);
     const std::size_t so_far = starts.size();
     for (std::size_t k = 0; k < so_far; ++k) {
-      if (stays) {
+      for (const Real& value : values) {
         starts.push_back(starts[k]);
-        if (on_ridge) starts.back()[i] = std::min<Real>(ridge, axis / 2) + q[i];
+        starts.back()[i] = value + q[i];
       }
       starts[k][i] = 1.5 * q[i];
     }

@@ -1,0 +1,332 @@
+/// The arithmetic below every proof: directed rounding against MPFR, and the interval types on top of it.
+#include "verify/interval.hpp"
+
+#include <gtest/gtest.h>
+#include <mpfr.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+namespace verisq::verify {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMax = std::numeric_limits<double>::max();
+constexpr double kTiny = std::numeric_limits<double>::denorm_min();
+constexpr double kNormal = std::numeric_limits<double>::min();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kSamples = 1'000'000;
+
+using Binary = int (*)(mpfr_ptr, mpfr_srcptr, mpfr_srcptr, mpfr_rnd_t);
+using Unary = int (*)(mpfr_ptr, mpfr_srcptr, mpfr_rnd_t);
+
+/// The directed binary64 result by MPFR. With enough bits for sums and products to be exact, or rounding twice in the
+/// same direction, it is the tightest one.
+class Reference {
+ public:
+  explicit Reference(mpfr_prec_t bits) { mpfr_inits2(bits, a_, b_, result_, nullptr); }
+  Reference(const Reference&) = delete;
+  Reference& operator=(const Reference&) = delete;
+  ~Reference() { mpfr_clears(a_, b_, result_, nullptr); }
+
+  double operator()(Binary operation, double a, double b, Direction direction) {
+    mpfr_set_d(a_, a, MPFR_RNDN);
+    mpfr_set_d(b_, b, MPFR_RNDN);
+    operation(result_, a_, b_, mpfr_rounding(direction));
+    return mpfr_get_d(result_, mpfr_rounding(direction));
+  }
+  double operator()(Unary operation, double a, Direction direction) {
+    mpfr_set_d(a_, a, MPFR_RNDN);
+    operation(result_, a_, mpfr_rounding(direction));
+    return mpfr_get_d(result_, mpfr_rounding(direction));
+  }
+
+ private:
+  mpfr_t a_, b_, result_;
+};
+
+/// Operands that hurt: any bit pattern, equal exponents, results near overflow and underflow, few-bit numbers, powers of
+/// two, and the special values.
+class Operands {
+ public:
+  double finite() {
+    switch (random_() % 6) {
+      case 0: return special();
+      case 1: return few_bits();
+      case 2: return scaled(-1.0, 1.0);
+      case 3: return scaled(-1074.0, -960.0);
+      case 4: return scaled(1000.0, 1023.0);
+      default: return any();
+    }
+  }
+  /// Often close to a in exponent, at times a itself, its negative or a neighbour.
+  double beside(double a) {
+    switch (random_() % 8) {
+      case 0: return a;
+      case 1: return -a;
+      case 2: return clamped(std::nextafter(-a, kInfinity));
+      case 3: return clamped(std::ldexp(scaled(-1.0, 1.0), std::ilogb(a == 0.0 ? 1.0 : a)));
+      case 4: return clamped(scaled(-1.0, 1.0) * 0x1p-1060 / (a == 0.0 ? 1.0 : a));
+      case 5: return clamped(scaled(-1.0, 1.0) * 0x1p1023 / (a == 0.0 ? 1.0 : a));
+      default: return finite();
+    }
+  }
+
+ private:
+  static double clamped(double a) { return std::isfinite(a) ? a : kMax; }
+  double special() {
+    constexpr std::array values{0.0, -0.0, kTiny, -kTiny, kNormal, -kNormal, kMax, -kMax, 1.0, -1.0, 2.0, 0.5, 3.0};
+    return values[random_() % values.size()];
+  }
+  double few_bits() {
+    const int digits = static_cast<int>(random_() % 63) - 31;
+    return clamped(std::ldexp(digits, static_cast<int>(random_() % 2100) - 1074));
+  }
+  double scaled(double low, double high) {
+    const double exponent = std::uniform_real_distribution(low, high)(random_);
+    const double mantissa = 1.0 + std::uniform_real_distribution(0.0, 1.0)(random_);
+    return std::ldexp(random_() % 2 == 0 ? mantissa : -mantissa, static_cast<int>(std::floor(exponent)));
+  }
+  double any() {
+    for (;;) {
+      const double value = std::bit_cast<double>(random_());
+      if (std::isfinite(value)) return value;
+    }
+  }
+
+  std::mt19937_64 random_{42};
+};
+
+std::string shown(double a) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%a", a);
+  return text.data();
+}
+
+using Directed = double (*)(double, double, Direction);
+
+void expect_directed(Directed operation, Binary oracle, mpfr_prec_t bits, bool divisor = false) {
+  Reference reference(bits);
+  Operands operands;
+  for (int i = 0; i < kSamples; ++i) {
+    const double a = operands.finite();
+    const double b = operands.beside(a);
+    if (divisor && b == 0.0) continue;
+    for (const Direction direction : {Direction::down, Direction::up}) {
+      ASSERT_EQ(operation(a, b, direction), reference(oracle, a, b, direction)) << shown(a) << " and " << shown(b);
+    }
+  }
+}
+
+constexpr mpfr_prec_t kExactSum = 2200;  // from 2^-1074 to 2^1024 and a carry
+constexpr mpfr_prec_t kExactProduct = 106;
+
+TEST(RoundingTest, SumIsTheDirectedResult) { expect_directed(add, mpfr_add, kExactSum); }
+
+TEST(RoundingTest, DifferenceIsTheDirectedResult) { expect_directed(subtract, mpfr_sub, kExactSum); }
+
+TEST(RoundingTest, ProductIsTheDirectedResult) {
+  expect_directed(multiply, mpfr_mul, kExactProduct);
+}
+
+TEST(RoundingTest, QuotientIsTheDirectedResult) {
+  expect_directed(divide, mpfr_div, kExactProduct, true);
+}
+
+TEST(RoundingTest, RootIsTheDirectedResult) {
+  Reference reference(kExactProduct);
+  Operands operands;
+  for (int i = 0; i < kSamples; ++i) {
+    const double root = std::fabs(operands.finite());
+    for (const double a : {root, root * root}) {
+      if (std::isinf(a)) continue;
+      for (const Direction direction : {Direction::down, Direction::up}) {
+        ASSERT_EQ(square_root(a, direction), reference(mpfr_sqrt, a, direction)) << shown(a);
+      }
+    }
+  }
+}
+
+TEST(RoundingTest, OverflowStopsAtTheLargestNumberOnTheInnerSide) {
+  EXPECT_EQ(add(kMax, kMax, Direction::down), kMax);
+  EXPECT_EQ(add(kMax, kMax, Direction::up), kInfinity);
+  EXPECT_EQ(add(-kMax, -kMax, Direction::up), -kMax);
+  EXPECT_EQ(multiply(kMax, -2.0, Direction::up), -kMax);
+  EXPECT_EQ(multiply(kMax, -2.0, Direction::down), -kInfinity);
+  EXPECT_EQ(divide(kMax, 0.5, Direction::down), kMax);
+}
+
+TEST(RoundingTest, InfiniteBoundsStay) {
+  for (const Direction direction : {Direction::down, Direction::up}) {
+    EXPECT_EQ(add(kInfinity, -kMax, direction), kInfinity);
+    EXPECT_EQ(multiply(0.0, kInfinity, direction), 0.0);
+    EXPECT_EQ(multiply(-kInfinity, kTiny, direction), -kInfinity);
+    EXPECT_EQ(divide(1.0, kInfinity, direction), 0.0);
+    EXPECT_EQ(square_root(kInfinity, direction), kInfinity);
+    EXPECT_TRUE(std::isnan(subtract(kInfinity, kInfinity, direction)));
+  }
+}
+
+TEST(RoundingTest, UnderflowKeepsTheSideOfZero) {
+  EXPECT_EQ(multiply(kTiny, 0.5, Direction::down), 0.0);
+  EXPECT_EQ(multiply(kTiny, 0.5, Direction::up), kTiny);
+  EXPECT_EQ(multiply(-kTiny, 0.5, Direction::down), -kTiny);
+  EXPECT_EQ(divide(kTiny, kMax, Direction::up), kTiny);
+  EXPECT_EQ(divide(-kTiny, kMax, Direction::down), -kTiny);
+}
+
+TEST(RoundingTest, ElementaryFunctionsAreTheDirectedResult) {
+  Reference reference(200);
+  Operands operands;
+  std::mt19937_64 random(43);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (int i = 0; i < kSamples / 20; ++i) {
+    const double x = i % 2 == 0 ? 1500.0 * (uniform(random) - 0.5) : operands.finite();
+    const double positive = std::fabs(operands.finite());
+    const double base = i % 2 == 0 ? uniform(random) : positive;
+    const double exponent = std::exp(12.0 * (uniform(random) - 0.5));
+    for (const Direction direction : {Direction::down, Direction::up}) {
+      ASSERT_EQ(exponential(x, direction), reference(mpfr_exp, x, direction)) << shown(x);
+      ASSERT_EQ(logarithm(positive, direction), reference(mpfr_log, positive, direction)) << shown(positive);
+      ASSERT_EQ(logarithm_1p(positive, direction), reference(mpfr_log1p, positive, direction)) << shown(positive);
+      ASSERT_EQ(power(base, exponent, direction), reference(mpfr_pow, base, exponent, direction))
+          << shown(base) << " to the " << shown(exponent);
+    }
+  }
+}
+
+TEST(IntervalTest, OperationsContainTheResultsOfMembers) {
+  std::mt19937_64 random(44);
+  std::uniform_real_distribution<double> uniform(-2.0, 2.0);
+  const auto interval = [&] {
+    const double a = uniform(random);
+    const double b = uniform(random);
+    return a < b ? Interval(a, b) : Interval(b, a);
+  };
+  const auto contains = [](const Interval& x, long double value) { return x.lower() <= value && value <= x.upper(); };
+  for (int i = 0; i < kSamples / 10; ++i) {
+    const Interval x = interval();
+    const Interval y = interval();
+    const double t = std::uniform_real_distribution(0.0, 1.0)(random);
+    const double a = std::clamp(x.lower() + t * (x.upper() - x.lower()), x.lower(), x.upper());
+    const double b = std::clamp(y.upper() - t * (y.upper() - y.lower()), y.lower(), y.upper());
+    const long double exact_a = a;
+    ASSERT_TRUE(contains(x + y, exact_a + b));
+    ASSERT_TRUE(contains(x - y, exact_a - b));
+    ASSERT_TRUE(contains(-x, -exact_a));
+    // Rounding is monotone, so the binary64 result of members lies between the rounded ends.
+    ASSERT_TRUE(contains(x * y, a * b));
+    ASSERT_TRUE(contains(square(x), a * a));
+    ASSERT_TRUE(contains(abs(x), std::fabs(a)));
+    ASSERT_TRUE(contains(hull(x, y), b));
+    ASSERT_TRUE((y.lower() <= 0.0 && y.upper() >= 0.0) || contains(x / y, a / b));
+    ASSERT_TRUE(y.lower() < 0.0 || contains(pow(y, x), std::pow(b, exact_a)));
+  }
+}
+
+TEST(IntervalTest, SquareKnowsItsDependency) {
+  EXPECT_EQ(square(Interval(-1.0, 2.0)).lower(), 0.0);
+  EXPECT_EQ(square(Interval(-3.0, 2.0)).upper(), 9.0);
+}
+
+TEST(IntervalTest, DivisorsThatTouchZeroGiveHalfLines) {
+  const Interval x = Interval(1.0) / Interval(0.0, 2.0);
+  EXPECT_EQ(x.lower(), 0.5);
+  EXPECT_EQ(x.upper(), kInfinity);
+  const Interval whole = Interval(1.0) / Interval(-1.0, 1.0);
+  EXPECT_EQ(whole.lower(), -kInfinity);
+  EXPECT_EQ(whole.upper(), kInfinity);
+}
+
+TEST(IntervalTest, RefusesWhatIsNoInterval) {
+  EXPECT_THROW(Interval{kNaN}, std::domain_error);
+  EXPECT_THROW(Interval(1.0, kNaN), std::domain_error);
+  EXPECT_THROW(Interval(2.0, 1.0), std::domain_error);
+  EXPECT_THROW(Interval(1.0) / Interval(0.0), std::domain_error);
+  EXPECT_THROW(sqrt(Interval(-2.0, -1.0)), std::domain_error);
+  EXPECT_THROW(log(Interval(-2.0, -1.0)), std::domain_error);
+  EXPECT_THROW(Interval(-kInfinity, kMax) + Interval(kInfinity, kInfinity), std::domain_error);
+  EXPECT_THROW(PreciseInterval{Real(kNaN)}, std::domain_error);
+  EXPECT_THROW(PreciseInterval(Real(2), Real(1)), std::domain_error);
+}
+
+/// Results at 127 bits must contain the same results at 400 bits.
+TEST(PreciseIntervalTest, ContainsAndIsTight) {
+  std::mt19937_64 random(45);
+  std::uniform_real_distribution<double> uniform(0.001, 4.0);
+  mpfr_t a, b, exact;
+  mpfr_inits2(400, a, b, exact, nullptr);
+  const auto expect_contains = [&](const PreciseInterval& x) {
+    ASSERT_LE(mpfr_cmp(x.lower().get(), exact), 0);
+    ASSERT_GE(mpfr_cmp(x.upper().get(), exact), 0);
+    const PreciseInterval width = PreciseInterval(x.upper()) - PreciseInterval(x.lower());
+    ASSERT_LE(width.upper().to_double(Direction::up), 0x1p-125 * (std::fabs(mpfr_get_d(exact, MPFR_RNDN)) + 0x1p-20));
+  };
+  for (int i = 0; i < kSamples / 50; ++i) {
+    const double x = uniform(random);
+    const double y = uniform(random);
+    mpfr_set_d(a, x, MPFR_RNDN);
+    mpfr_set_d(b, y, MPFR_RNDN);
+    const PreciseInterval p = Real(x);
+    const PreciseInterval q = Real(y);
+    mpfr_mul(exact, a, b, MPFR_RNDN);
+    expect_contains(p * q);
+    mpfr_div(exact, a, b, MPFR_RNDN);
+    expect_contains(p / q);
+    mpfr_sqrt(exact, a, MPFR_RNDN);
+    expect_contains(sqrt(p));
+    mpfr_exp(exact, a, MPFR_RNDN);
+    expect_contains(exp(p));
+    mpfr_log(exact, a, MPFR_RNDN);
+    expect_contains(log(p));
+    mpfr_pow(exact, a, b, MPFR_RNDN);
+    expect_contains(pow(p, q));
+  }
+  mpfr_clears(a, b, exact, nullptr);
+}
+
+TEST(PreciseIntervalTest, HasExponentsToSpare) {
+  const PreciseInterval huge = Real(kMax);
+  const PreciseInterval tiny = Real(kTiny);
+  EXPECT_TRUE((square(square(huge)) * square(square(tiny))).lower() > Real(0));
+  EXPECT_TRUE((huge / tiny).upper() < Real(kInfinity));
+}
+
+TEST(PreciseIntervalTest, NumbersAreCopiedWithTheirDigits) {
+  Real a = 1.0 / 3.0;
+  const Real b = a;
+  a = 2.0;
+  EXPECT_EQ(b.to_double(Direction::down), 1.0 / 3.0);
+  EXPECT_EQ(a.to_double(Direction::up), 2.0);
+  EXPECT_EQ((-b).to_double(Direction::up), -1.0 / 3.0);
+}
+
+TEST(IntervalTest, WorksAsEigenScalar) {
+  using Matrix = Eigen::Matrix<Interval, 3, 3>;
+  Matrix a;
+  a << Interval(2.0), Interval(1.0), Interval(0.0),  //
+      Interval(0.0), Interval(3.0), Interval(1.0),   //
+      Interval(1.0), Interval(0.0), Interval(4.0);
+  const Matrix product = a.inverse() * a;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      EXPECT_LE(product(i, j).lower(), i == j ? 1.0 : 0.0);
+      EXPECT_GE(product(i, j).upper(), i == j ? 1.0 : 0.0);
+      EXPECT_NEAR(product(i, j).lower(), i == j ? 1.0 : 0.0, 1e-14);
+    }
+  }
+  const Vector3<double> v(Interval(3.0), Interval(4.0), Interval(12.0));
+  EXPECT_EQ(length<double>(v).lower(), 13.0);
+  EXPECT_EQ(length<double>(v).upper(), 13.0);
+}
+
+}  // namespace
+}  // namespace verisq::verify

@@ -1,0 +1,229 @@
+/// Every rounding primitive and elementary function of the kernels against MPFR, for every vector width: no result may
+/// lie on the wrong side of the exact value. VERISQ_ARITHMETIC_SAMPLES sets the samples an operation and width.
+
+#include <gtest/gtest.h>
+#include <mpfr.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "host/device/device.hpp"
+#include "host/device/program.hpp"
+
+namespace verisq::device {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::size_t samples() {
+  const char* const wanted = std::getenv("VERISQ_ARITHMETIC_SAMPLES");
+  return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 100'000;
+}
+
+struct Operands {
+  double a, b, c;
+};
+
+// A binary64 number of MPFR; released with its owner.
+class Number {
+ public:
+  Number() { mpfr_init2(value_, 53); }
+  ~Number() { mpfr_clear(value_); }
+  Number(const Number&) = delete;
+  Number& operator=(const Number&) = delete;
+  mpfr_ptr get() { return value_; }
+  mpfr_ptr set(double x) {
+    mpfr_set_d(value_, x, MPFR_RNDN);
+    return value_;
+  }
+
+ private:
+  mpfr_t value_;
+};
+
+// Where an operand is drawn from.
+enum class Domain { any, divisor, nonnegative, exponent, base };
+
+struct Operation {
+  const char* name;
+  unsigned down;  // index in kernels/self_test.cl
+  unsigned up;
+  Domain a, b, c;
+  double tightness;  // largest relative distance of a bound from the exact value, as the kernels document it
+};
+
+constexpr double one_step = 0x1p-51;
+constexpr double elementary = 0x1p-50;
+const Operation operations[] = {
+    {"add", 7, 8, Domain::any, Domain::any, Domain::any, one_step},
+    {"sub", 9, 10, Domain::any, Domain::any, Domain::any, one_step},
+    {"mul", 11, 12, Domain::any, Domain::any, Domain::any, one_step},
+    {"div", 13, 14, Domain::any, Domain::divisor, Domain::any, one_step},
+    {"fma", 15, 16, Domain::any, Domain::any, Domain::any, one_step},
+    {"sqrt", 17, 18, Domain::nonnegative, Domain::any, Domain::any, one_step},
+    {"exp", 19, 20, Domain::exponent, Domain::any, Domain::any, elementary},
+    {"log", 21, 22, Domain::nonnegative, Domain::any, Domain::any, elementary},
+    {"pow_unit", 23, 24, Domain::base, Domain::nonnegative, Domain::any, infinity},
+};
+
+// The exact value rounded down or up to a binary64 number: a binary64 bound is right exactly if it does not cross it.
+double reference(const Operation& operation, const Operands& o, mpfr_rnd_t rounding) {
+  thread_local Number a, b, c, result;
+  a.set(o.a);
+  b.set(o.b);
+  c.set(o.c);
+  switch (operation.down) {
+    case 7: mpfr_add(result.get(), a.get(), b.get(), rounding); break;
+    case 9: mpfr_sub(result.get(), a.get(), b.get(), rounding); break;
+    case 11: mpfr_mul(result.get(), a.get(), b.get(), rounding); break;
+    case 13: mpfr_div(result.get(), a.get(), b.get(), rounding); break;
+    case 15: mpfr_fma(result.get(), a.get(), b.get(), c.get(), rounding); break;
+    case 17: mpfr_sqrt(result.get(), a.get(), rounding); break;
+    case 19: mpfr_exp(result.get(), a.get(), rounding); break;
+    case 21: mpfr_log(result.get(), a.get(), rounding); break;
+    default: mpfr_pow(result.get(), a.get(), b.get(), rounding); break;
+  }
+  return mpfr_get_d(result.get(), rounding);
+}
+
+class Sampler {
+ public:
+  double draw(Domain domain) {
+    switch (domain) {
+      case Domain::any: return any();
+      case Domain::divisor: {
+        const double x = any();
+        return x == 0.0 ? 1.0 : x;
+      }
+      case Domain::nonnegative: return std::abs(any());
+      case Domain::exponent: return pick_(generator_) < 2 ? any() : 740.0 * (2.0 * unit_(generator_) - 1.0);
+      case Domain::base: break;
+    }
+    return pick_(generator_) < 2 ? std::min(std::abs(any()), 1.0) : unit_(generator_);
+  }
+
+ private:
+  // Special values, numbers near powers of two, the middle of the range, the whole range with subnormals.
+  double any() {
+    static constexpr double special[] = {0.0, -0.0, 1.0, -1.0, 2.0, 0.5, 0x1p-1022, -0x1p-1022, 0x1p-1074, 0x1p-1060,
+                                         0x1.fffffffffffffp1023, 0x1.fffffffffffffp-1, 0x1.0000000000001p0,
+                                         0x1.6a09e667f3bcdp-1, 0x1.6a09e667f3bccp0, 0x1.6a09e667f3bcdp0, -708.0, 709.0, infinity};
+    const int kind = pick_(generator_);
+    if (kind == 0) return special[generator_() % std::size(special)];
+    const double sign = (generator_() & 1U) != 0 ? 1.0 : -1.0;
+    if (kind == 1) return sign * (1.0 + std::ldexp(unit_(generator_), -static_cast<int>(generator_() % 53)));
+    const int range = kind < 7 ? 12 : 1070;
+    const int exponent = std::min(static_cast<int>(generator_() % static_cast<unsigned>(2 * range)) - range, 1023);
+    return sign * std::ldexp(1.0 + unit_(generator_), exponent);
+  }
+
+  std::mt19937_64 generator_{511};
+  std::uniform_real_distribution<double> unit_{0.0, 1.0};
+  std::uniform_int_distribution<int> pick_{0, 9};
+};
+
+// Applies operations of kernels/self_test.cl on a device.
+class Applier {
+ public:
+  Applier(const Device& device, int width)
+      : context_(device.context),
+        queue_(device.context, device.device),
+        kernel_(build_program(device.context, device.device, width), "apply_operation"),
+        width_(width) {}
+
+  std::vector<double> apply(unsigned operation, const std::vector<Operands>& operands) {
+    const std::size_t bytes = operands.size() * sizeof(double);
+    std::vector<double> columns[3];
+    for (const Operands& o : operands) {
+      columns[0].push_back(o.a);
+      columns[1].push_back(o.b);
+      columns[2].push_back(o.c);
+    }
+    std::vector<cl::Buffer> inputs;
+    kernel_.setArg(0, static_cast<cl_uint>(operation));
+    kernel_.setArg(1, static_cast<cl_ulong>(operands.size() / width_));
+    for (cl_uint i = 0; i < 3; ++i) {
+      inputs.emplace_back(context_, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, bytes, columns[i].data());
+      kernel_.setArg(2 + i, inputs.back());
+    }
+    const cl::Buffer output(context_, CL_MEM_WRITE_ONLY, bytes);
+    kernel_.setArg(5, output);
+    queue_.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(operands.size() / width_));
+    std::vector<double> results(operands.size());
+    queue_.enqueueReadBuffer(output, CL_TRUE, 0, bytes, results.data());
+    return results;
+  }
+
+ private:
+  cl::Context context_;
+  cl::CommandQueue queue_;
+  cl::Kernel kernel_;
+  std::size_t width_;
+};
+
+struct Tally {
+  std::uint64_t checked = 0;
+  std::uint64_t escapes = 0;
+  double loosest = 0.0;  // relative distance from the exact value, where that is a normal number
+  std::string first_escape;
+};
+
+// NaN concludes nothing, and is allowed only where the exact value overflows or, as for inf - inf, does not exist.
+bool nothing_concluded(double exact, double result) { return std::isnan(result) && !(std::abs(exact) <= 0x1p1023); }
+
+void check(const Operation& operation, const Operands& o, double down, double up, Tally& tally) {
+  const double exact_down = reference(operation, o, MPFR_RNDD);
+  const double exact_up = reference(operation, o, MPFR_RNDU);
+  ++tally.checked;
+  const bool below = down <= exact_down || nothing_concluded(exact_up, down);
+  const bool above = up >= exact_up || nothing_concluded(exact_up, up);
+  if (!below || !above) {
+    if (tally.escapes++ == 0)
+      tally.first_escape = fmt::format("{}({:a}, {:a}, {:a}): [{:a}, {:a}] misses [{:a}, {:a}]", operation.name, o.a, o.b,
+                                       o.c, down, up, exact_down, exact_up);
+    return;
+  }
+  const double size = std::min(std::abs(exact_down), std::abs(exact_up));
+  if (size > 0x1p-960 && size < 0x1p1000 && std::isfinite(down) && std::isfinite(up))
+    tally.loosest = std::max(tally.loosest, std::max(exact_down - down, up - exact_up) / size);
+}
+
+class KernelArithmetic : public testing::TestWithParam<int> {};
+
+TEST_P(KernelArithmetic, ContainsTheExactValue) {
+  const Selection selection = select_device("auto");
+  if (!selection.device) GTEST_SKIP() << "no OpenCL device: " << selection.notice;
+  Applier applier(*selection.device, GetParam());
+  constexpr std::size_t chunk = 1U << 15U;
+  for (const Operation& operation : operations) {
+    Sampler sampler;
+    Tally tally;
+    for (std::size_t done = 0; done < samples(); done += chunk) {
+      std::vector<Operands> operands(chunk);
+      for (Operands& o : operands) {
+        o = {sampler.draw(operation.a), sampler.draw(operation.b), sampler.draw(operation.c)};
+        // What contraction or a lost residual would show: a product and its negative rounded value.
+        if (operation.down == 15 && (&o - operands.data()) % 2 == 0 && std::isfinite(o.a * o.b)) o.c = -(o.a * o.b);
+      }
+      const std::vector<double> down = applier.apply(operation.down, operands);
+      const std::vector<double> up = applier.apply(operation.up, operands);
+      for (std::size_t i = 0; i < chunk; ++i) check(operation, operands[i], down[i], up[i], tally);
+    }
+    fmt::print("width {:2} {:8}: {} samples, {} escapes, loosest bound 2^{:.2f}\n", GetParam(), operation.name,
+               tally.checked, tally.escapes, std::log2(tally.loosest));
+    EXPECT_EQ(tally.escapes, 0U) << tally.first_escape;
+    EXPECT_LE(tally.loosest, operation.tightness) << operation.name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Widths, KernelArithmetic, testing::Values(16, 8, 4, 1),
+                         testing::PrintToStringParamName());
+
+}  // namespace
+}  // namespace verisq::device
