@@ -1,9 +1,10 @@
 // This file implements the union of primitives: for points outside the minimum; inside, an enclosure that is honest
 // about overlap.
 //
-// Signed distances of a union S of bodies S_i: sd(q) <= min sd_i(q) always, and sd(q) = min sd_i(q) where no sd_i(q) is
-// negative. Where some are, sd(q) >= -|w - q| for any witness w that is proven outside of every S_i. Witnesses are
-// sought on the rays from q along the directions that prove the depths.
+// Signed distances of a union S of bodies S_i: sd(q) <= min sd_i(q) always, and sd(q) = min sd_i(q) where every sd_i(q)
+// is positive. (Not where one is 0: a point on a face that two bodies share lies inside.) Elsewhere sd(q) >= -|w - q|
+// for any witness w that is proven outside of every S_i. Witnesses are sought on the rays from q along the directions
+// that prove the depths.
 
 #define WITNESS_ROUNDS 8
 #define WITNESS_MARGIN 0x1p-48 // of the size of the numbers: enough to be proven outside of what was just left
@@ -75,12 +76,12 @@ kernel void union_distance(ulong groups, ulong stride, global const double* xs, 
     lo = fmin(lo, LOAD(group, los + i * stride));
     hi = fmin(hi, LOAD(group, his + i * stride));
   }
-  const integer maybe_inside = MASK(lo < 0.0);
+  const integer maybe_inside = MASK(!(lo > 0.0));
   if (any(maybe_inside)) {
     real depth = REAL(INFINITY);
     for (uint i = 0; i < count; ++i) {
       const real own_lo = LOAD(group, los + i * stride);
-      const integer candidate = MASK(own_lo < 0.0) & MASK(own_lo > -DBL_MAX);
+      const integer candidate = MASK(own_lo <= 0.0) & MASK(own_lo > -DBL_MAX);
       if (!any(candidate)) continue;
       const vector3 v = {LOAD(group, normal_xs + i * stride), LOAD(group, normal_ys + i * stride),
                          LOAD(group, normal_zs + i * stride)};

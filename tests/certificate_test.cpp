@@ -40,7 +40,9 @@ class Random {
   std::normal_distribution<double> normal_;
 };
 
-double middle(const PreciseInterval& x) { return static_cast<double>(x.lower().to_long_double()); }
+double middle(const PreciseInterval& x) {
+  return static_cast<double>(x.lower().to_long_double());
+}
 
 double relative_width(const PreciseInterval& x) {
   return ((PreciseInterval(x.upper()) - PreciseInterval(x.lower())) / PreciseInterval(x.upper()))
@@ -52,7 +54,9 @@ bool intersects(const PreciseInterval& a, const PreciseInterval& b) {
   return a.lower() <= b.upper() && b.lower() <= a.upper();
 }
 
-double largest(const Superquadric& solid) { return std::ranges::max(solid.semi_axes); }
+double largest(const Superquadric& solid) {
+  return std::ranges::max(solid.semi_axes);
+}
 
 /// x / g(x), a point of the surface to within rounding.
 Proposal on_surface(const SuperquadricBounds<Real>& bounds, const Proposal& x, long double factor = 1.0L) {
@@ -228,11 +232,11 @@ TEST(ExteriorTest, FacesEdgesAndVerticesOfTheOctahedron) {
     EXPECT_NEAR(lower_bound(bounds, precise(q), contact.normal), exact, 1e-15);
     EXPECT_NEAR(upper_bound(bounds, precise(q), contact.point), exact, 1e-15);
   };
-  expect_distance({1.0L, 1.0L, 1.0L}, 2.0 / std::sqrt(3.0));        // face
-  expect_distance({1.0L, 1.0L, 0.0L}, 1.0 / std::sqrt(2.0));        // edge of the section
-  expect_distance({1.0L, 0.0L, -1.0L}, 1.0 / std::sqrt(2.0));       // edge to the pole
-  expect_distance({0.25L, -0.25L, 3.0L}, std::sqrt(4.0 + 0.125));   // pole
-  expect_distance({-4.0L, 0.5L, 0.5L}, std::sqrt(9.0 + 0.5));       // vertex of the section
+  expect_distance({1.0L, 1.0L, 1.0L}, 2.0 / std::sqrt(3.0));       // face
+  expect_distance({1.0L, 1.0L, 0.0L}, 1.0 / std::sqrt(2.0));       // edge of the section
+  expect_distance({1.0L, 0.0L, -1.0L}, 1.0 / std::sqrt(2.0));      // edge to the pole
+  expect_distance({0.25L, -0.25L, 3.0L}, std::sqrt(4.0 + 0.125));  // pole
+  expect_distance({-4.0L, 0.5L, 0.5L}, std::sqrt(9.0 + 0.5));      // vertex of the section
 }
 
 /// Beyond the exponents that must be tight the bounds stay valid and useful.

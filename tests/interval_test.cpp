@@ -53,8 +53,8 @@ class Reference {
   mpfr_t a_, b_, result_;
 };
 
-/// Operands that hurt: any bit pattern, equal exponents, results near overflow and underflow, few-bit numbers, powers of
-/// two, and the special values.
+/// Operands that hurt: any bit pattern, equal exponents, results near overflow and underflow, few-bit numbers, powers
+/// of two, and the special values.
 class Operands {
  public:
   double finite() {
@@ -129,9 +129,13 @@ void expect_directed(Directed operation, Binary oracle, mpfr_prec_t bits, bool d
 constexpr mpfr_prec_t kExactSum = 2200;  // from 2^-1074 to 2^1024 and a carry
 constexpr mpfr_prec_t kExactProduct = 106;
 
-TEST(RoundingTest, SumIsTheDirectedResult) { expect_directed(add, mpfr_add, kExactSum); }
+TEST(RoundingTest, SumIsTheDirectedResult) {
+  expect_directed(add, mpfr_add, kExactSum);
+}
 
-TEST(RoundingTest, DifferenceIsTheDirectedResult) { expect_directed(subtract, mpfr_sub, kExactSum); }
+TEST(RoundingTest, DifferenceIsTheDirectedResult) {
+  expect_directed(subtract, mpfr_sub, kExactSum);
+}
 
 TEST(RoundingTest, ProductIsTheDirectedResult) {
   expect_directed(multiply, mpfr_mul, kExactProduct);

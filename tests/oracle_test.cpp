@@ -19,8 +19,8 @@ void expect_distance(const PosedSolid& solid, const Point& point, const Real& ex
   const ReferenceDistance distance = solid.signed_distance(point);
   const Real allowed = tiny * solid.magnitude(point);
   EXPECT_LE(distance.lower, distance.upper);
-  EXPECT_LE(abs(distance.lower - expected), allowed) << distance.lower.str(50) << " is not " << expected.str(50);
-  EXPECT_LE(abs(distance.upper - expected), allowed) << distance.upper.str(50) << " is not " << expected.str(50);
+  EXPECT_LE(abs(distance.lower - expected), allowed) << text(distance.lower) << " is not " << text(expected);
+  EXPECT_LE(abs(distance.upper - expected), allowed) << text(distance.upper) << " is not " << text(expected);
 }
 
 TEST(OracleTest, SphereIsTheDistanceToTheCentreLessTheRadius) {

@@ -169,7 +169,7 @@ class UnionReference {
   };
 }
 
-constexpr std::size_t random_scenes = 24;
+constexpr std::size_t random_scenes = 16;
 
 [[nodiscard]] std::vector<Scene> all_scenes() {
   std::vector<Scene> scenes = chosen_scenes();
@@ -208,7 +208,7 @@ void expect_honest(std::size_t points_a_scene, const Prove& prove) {
         ++cases;
         EXPECT_TRUE(agree(enclosures[i], facts[i])) << fmt::format(
             "{}, point {:.17g}: [{:.17g}, {:.17g}] against [{}, {}]", scene.name, fmt::join(points[i], " "),
-            enclosures[i].lo, enclosures[i].hi, facts[i].lower.str(25), facts[i].upper.str(25));
+            enclosures[i].lo, enclosures[i].hi, text(facts[i].lower), text(facts[i].upper));
       }
     }
   }

@@ -21,9 +21,13 @@ Boundary::Boundary(const Superquadric& solid)
       p1_(2.0 / std::max(solid.exponents[0], 1e-12)),
       p2_(2.0 / std::max(solid.exponents[1], 1e-12)) {}
 
-double Boundary::section(const Vector& x) const { return norm(x[0] / semi_axes_[0], x[1] / semi_axes_[1], p2_); }
+double Boundary::section(const Vector& x) const {
+  return norm(x[0] / semi_axes_[0], x[1] / semi_axes_[1], p2_);
+}
 
-double Boundary::gauge(const Vector& x) const { return norm(section(x), x[2] / semi_axes_[2], p1_); }
+double Boundary::gauge(const Vector& x) const {
+  return norm(section(x), x[2] / semi_axes_[2], p1_);
+}
 
 Boundary::Vector Boundary::gradient(const Vector& x, double gauge) const {
   const double r = section(x);

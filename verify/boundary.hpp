@@ -1,4 +1,5 @@
-/// The surface of a superquadric in plain floating point: where rays leave it and its normals. Proposes, proves nothing.
+/// The surface of a superquadric in plain floating point: where rays leave it and its normals. Proposes, proves
+/// nothing.
 #pragma once
 
 #include <array>

@@ -14,7 +14,9 @@ std::array<Real, 3> magnitudes(const Proposal& v) {
 
 }  // namespace
 
-PreciseVector precise(const Proposal& v) { return {Real(v[0]), Real(v[1]), Real(v[2])}; }
+PreciseVector precise(const Proposal& v) {
+  return {Real(v[0]), Real(v[1]), Real(v[2])};
+}
 
 bool usable(const Proposal& v) {
   return std::ranges::all_of(v, [](long double c) { return std::isfinite(c); }) &&

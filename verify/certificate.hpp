@@ -10,8 +10,8 @@ namespace verisq::verify {
 /// A direction or point found in floating point. It need not be accurate: a poor one proves a poor bound.
 using Proposal = std::array<long double, 3>;
 
-/// sd(q) >= (v·q - h(v)) / |v| for every v, because K lies in the half-space {v·x <= h(v)}; rounded down. Minus infinity
-/// for a zero or non-finite v. The bound holds for every point of the box q, given in the solid's frame.
+/// sd(q) >= (v·q - h(v)) / |v| for every v, because K lies in the half-space {v·x <= h(v)}; rounded down. Minus
+/// infinity for a zero or non-finite v. The bound holds for every point of the box q, given in the solid's frame.
 [[nodiscard]] double lower_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& v);
 
 /// sd(q) <= |q - b| for every b in K; b = x / g(x) with g(x) rounded up has g(b) <= 1 and lies beside the surface.

@@ -96,8 +96,8 @@ class ContactProblem {
     Float derivative;  ///< d log_gauge / dm, not positive
   };
 
-  /// p - 1 = (2 - e)/e of a nearby exponent that logarithms in long double can resolve. Moving e by δ moves the solid by
-  /// less than δ of its size, which a proposal may.
+  /// p - 1 = (2 - e)/e of a nearby exponent that logarithms in long double can resolve. Moving e by δ moves the solid
+  /// by less than δ of its size, which a proposal may.
   static Float proposal_excess(double e) {
     if (2.0 - e < 1e-10) return 0.0L;
     const Float resolved = std::max(e, 1e-7);
@@ -257,6 +257,12 @@ class ContactProblem {
 
 }  // namespace
 
-Contact closest_contact(const Superquadric& solid, const Proposal& q) { return ContactProblem(solid, q).solve(); }
+Contact closest_contact(const Superquadric& solid, const Proposal& q) {
+  Contact contact = ContactProblem(solid, q).solve();
+  // Numbers hundreds of decades apart exceed even logarithms in long double; the ray from the centre is never useless.
+  if (!usable(contact.point)) contact.point = q;
+  if (!usable(contact.normal)) contact.normal = q;
+  return contact;
+}
 
 }  // namespace verisq::verify

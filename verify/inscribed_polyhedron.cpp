@@ -12,10 +12,10 @@
 
 // Why the faces of the polyhedron prove a depth. Let d1, d2, d3 >= 0 with q + d_i proven inside the solid K, and c >= 0
 // with |c| <= 1 and c·d_i >= t > 0. A vector v of the cone of the d_i with |v| <= t is v = Σ l_i d_i, l_i >= 0, and
-// t Σ l_i <= c·v <= |v| <= t, so that q + v lies in the hull of q and the q + d_i, which lies in K. When cones cover the
-// octant, B(q, t) lies in K, because g is monotone in each |coordinate| and |q_k + t u_k| <= q_k + t |u_k|. The best c
-// points at the point of the triangle d1 d2 d3 closest to q, and then t is the distance to it. The gap to the surface
-// is that of chords: zero where the surface is flat, quadratic in the size of the face elsewhere.
+// t Σ l_i <= c·v <= |v| <= t, so that q + v lies in the hull of q and the q + d_i, which lies in K. When cones cover
+// the octant, B(q, t) lies in K, because g is monotone in each |coordinate| and |q_k + t u_k| <= q_k + t |u_k|. The
+// best c points at the point of the triangle d1 d2 d3 closest to q, and then t is the distance to it. The gap to the
+// surface is that of chords: zero where the surface is flat, quadratic in the size of the face elsewhere.
 
 namespace verisq::verify {
 
@@ -23,11 +23,15 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-Vector operator-(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vector operator-(const Vector& a, const Vector& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 Vector along(const Vector& a, const Vector& step, double s) {
   return {a[0] + s * step[0], a[1] + s * step[1], a[2] + s * step[2]};
 }
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot(const Vector& a, const Vector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 /// Σ a_k b_k of nonnegative numbers, on one side.
 double dot(const Vector& a, const Vector& b, Direction direction) {

@@ -48,7 +48,9 @@ std::array<std::size_t, 3> revolution_order(const Superquadric& solid) {
   return {0, 1, 2};
 }
 
-double scaled(double value, int exponent) { return std::ldexp(value, -exponent); }
+double scaled(double value, int exponent) {
+  return std::ldexp(value, -exponent);
+}
 
 Reduced reduce(const Superquadric& solid, const PreciseVector& q) {
   Reduced reduced{solid, {}};
@@ -111,9 +113,9 @@ CertifiedDistance interior_distance(const Superquadric& solid, const Superquadri
   const Reduced reduced = reduce(solid, q);
   std::array<double, 3> normal = shortest_axis(reduced.solid);
   if (searchable(reduced)) {
-    const Depth found = enclose_depth(reduced.solid, reduced.q, reduced.planar,
-                                      {std::max(scaled(tolerance, reduced.scale), kFinestTolerance),
-                                       scaled(depth, reduced.scale), kBudget});
+    const Depth found = enclose_depth(
+        reduced.solid, reduced.q, reduced.planar,
+        {std::max(scaled(tolerance, reduced.scale), kFinestTolerance), scaled(depth, reduced.scale), kBudget});
     // Back in the original's unit; a subnormal result rounds, so it is stepped down.
     const double restored_depth = std::ldexp(found.lower, reduced.scale);
     depth = std::max(depth, scaled(restored_depth, reduced.scale) > found.lower ? std::nextafter(restored_depth, 0.0)

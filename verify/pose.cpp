@@ -4,7 +4,9 @@ namespace verisq::verify {
 
 namespace {
 
-PreciseVector exact(const Point& x) { return {Real(x[0]), Real(x[1]), Real(x[2])}; }
+PreciseVector exact(const Point& x) {
+  return {Real(x[0]), Real(x[1]), Real(x[2])};
+}
 
 /// Rotation matrix of q/|q|: homogeneous of degree 2 in q, divided by |q|^2, so that no square root is needed.
 Eigen::Matrix<PreciseInterval, 3, 3> rotation_matrix(const std::array<double, 4>& quaternion) {
@@ -29,9 +31,13 @@ PreciseVector Frame::local_point(const Point& x) const {
   return rotation_.transpose() * PreciseVector(exact(x) - translation_);
 }
 
-PreciseVector Frame::local_direction(const Proposal& v) const { return rotation_.transpose() * precise(v); }
+PreciseVector Frame::local_direction(const Proposal& v) const {
+  return rotation_.transpose() * precise(v);
+}
 
-Proposal Frame::model_direction(const Proposal& v) const { return midpoint(rotation_ * precise(v)); }
+Proposal Frame::model_direction(const Proposal& v) const {
+  return usable(v) ? midpoint(rotation_ * precise(v)) : Proposal{};
+}
 
 Proposal midpoint(const PreciseVector& v) {
   const auto middle = [](const PreciseInterval& x) {

@@ -15,7 +15,7 @@ class Frame {
   [[nodiscard]] PreciseVector local_point(const Point& x) const;
   /// R^T v
   [[nodiscard]] PreciseVector local_direction(const Proposal& v) const;
-  /// R v, to nearest: a direction to be certified.
+  /// R v, to nearest: a direction to be certified. Zero if v is not usable.
   [[nodiscard]] Proposal model_direction(const Proposal& v) const;
 
   [[nodiscard]] const PreciseVector& origin() const { return translation_; }

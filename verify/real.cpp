@@ -15,13 +15,21 @@ using Binary64 = MpfrNumber<DBL_MANT_DIG>;
 
 }  // namespace
 
-void release_mpfr_cache_at_thread_exit() { [[maybe_unused]] static thread_local const MpfrCache cache; }
+void release_mpfr_cache_at_thread_exit() {
+  [[maybe_unused]] static thread_local const MpfrCache cache;
+}
 
-double exponential(double a, Direction direction) { return exponential(Binary64(a), direction).to_double(direction); }
+double exponential(double a, Direction direction) {
+  return exponential(Binary64(a), direction).to_double(direction);
+}
 
-double logarithm(double a, Direction direction) { return logarithm(Binary64(a), direction).to_double(direction); }
+double logarithm(double a, Direction direction) {
+  return logarithm(Binary64(a), direction).to_double(direction);
+}
 
-double logarithm_1p(double a, Direction direction) { return logarithm_1p(Binary64(a), direction).to_double(direction); }
+double logarithm_1p(double a, Direction direction) {
+  return logarithm_1p(Binary64(a), direction).to_double(direction);
+}
 
 double power(double base, double exponent, Direction direction) {
   return power(Binary64(base), Binary64(exponent), direction).to_double(direction);

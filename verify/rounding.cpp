@@ -48,7 +48,9 @@ double add(double a, double b, Direction direction) {
   return correct(sum, b - (sum - a), direction);
 }
 
-double subtract(double a, double b, Direction direction) { return add(a, -b, direction); }
+double subtract(double a, double b, Direction direction) {
+  return add(a, -b, direction);
+}
 
 double multiply(double a, double b, Direction direction) {
   if (a == 0.0 || b == 0.0) return 0.0;

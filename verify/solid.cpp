@@ -56,7 +56,8 @@ PreciseVector Solid::bounding_box() const {
   for (Eigen::Index i = 0; i < 3; ++i) {
     PreciseInterval half(0);
     for (Eigen::Index j = 0; j < 3; ++j) {
-      half += abs(frame_.rotation()(i, j)) * PreciseInterval(Real(superquadric_.semi_axes[static_cast<std::size_t>(j)]));
+      half +=
+          abs(frame_.rotation()(i, j)) * PreciseInterval(Real(superquadric_.semi_axes[static_cast<std::size_t>(j)]));
     }
     box[i] = frame_.origin()[i] + PreciseInterval(-half.upper(), half.upper());
   }

@@ -44,7 +44,9 @@ double escape_bound(std::span<const Solid> solids, const Point& x, const Proposa
 }
 
 /// For readers of maps: "-0" would look like a sign.
-Enclosure without_negative_zero(const Enclosure& e) { return {e.lo + 0.0, e.hi + 0.0}; }
+Enclosure without_negative_zero(const Enclosure& e) {
+  return {e.lo + 0.0, e.hi + 0.0};
+}
 
 }  // namespace
 

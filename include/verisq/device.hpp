@@ -12,7 +12,7 @@ struct DeviceReport {
   std::string name;
   std::string platform;
   std::string driver;
-  int vector_width;        ///< doubles a work-item: 8, 4 or 1
+  int vector_width;        ///< points a work-item: 16, 8, 4 or 1
   bool passed;             ///< self-test
   std::string failure;     ///< the failing operation and operands; empty when passed
 };

@@ -16,7 +16,7 @@ constexpr std::size_t thorough_fineness = 45;
   return fmt::format(
       "{}: [{:.17g}, {:.17g}], reference [{}, {}]; semi-axes {:.17g}, exponents {:.17g}, translation {:.17g}, "
       "quaternion {:.17g}, point {:.17g}",
-      what, enclosure.lo, enclosure.hi, reference.lower.str(25), reference.upper.str(25), fmt::join(s.semi_axes, " "),
+      what, enclosure.lo, enclosure.hi, text(reference.lower), text(reference.upper), fmt::join(s.semi_axes, " "),
       fmt::join(s.exponents, " "), fmt::join(primitive.pose.translation, " "),
       fmt::join(primitive.pose.quaternion, " "), fmt::join(point, " "));
 }

@@ -104,20 +104,27 @@ struct Candidate {
   return (dot(v, q) - norm.support(v)) / length(v);
 }
 
-/// Bound of the stationary point that Newton finds from x; minus infinity when it finds none.
-[[nodiscard]] Real polished_bound(const Stationarity& stationarity, const MixedNorm<Real>& norm, const Vector& q,
-                                  const Vector& x) {
-  const Real nothing = -std::numeric_limits<Real>::infinity();
+/// A boundary point of the octant and the bound that its normal proves.
+struct ProvenPoint {
+  Vector boundary_point;
+  Vector normal;
+  Real bound;
+};
+
+/// The stationary point that Newton finds from x; empty when it finds none.
+[[nodiscard]] std::optional<ProvenPoint> polished(const Stationarity& stationarity, const MixedNorm<Real>& norm,
+                                                  const Vector& q, const Vector& x) {
   const std::array<bool, 3> present{x[0] > 0, x[1] > 0, x[2] > 0};
   const int count = present[0] + present[1] + present[2];
-  if (count == 0) return nothing;
-  if (count == 1) return bound(norm, q, x);  // a tip: its normal is its axis
+  if (count == 0) return std::nullopt;
+  if (count == 1) return ProvenPoint{x, x, bound(norm, q, x)};  // a tip: its normal is its axis
   const std::optional<Contact> contact = stationarity.solve(stationarity.contact_at(x, present), ldexp(Real(1), -60));
-  if (!contact) return nothing;
+  if (!contact) return std::nullopt;
   const Vector boundary_point = stationarity.point(*contact);
   const Real gauge = norm.gauge(boundary_point);
-  if (!isfinite(gauge) || gauge <= 0) return nothing;
-  return bound(norm, q, norm.gradient(boundary_point, gauge));
+  if (!isfinite(gauge) || gauge <= 0) return std::nullopt;
+  const Vector normal = norm.gradient(boundary_point, gauge);
+  return ProvenPoint{boundary_point, normal, bound(norm, q, normal)};
 }
 
 /// Where a nearest point may leave the plane x_i = 0 although q_i = 0: with p < 2 the solid has a ridge there, and the
@@ -157,7 +164,9 @@ struct Candidate {
     const double axis = norm.semi_axes()[i];
     if (q[i] > nearly_zero * axis) continue;
     std::vector<Real> values = heights_over_ridge(norm, candidate, i);
-    if (candidate.boundary_point[i] > away * axis) values.emplace_back(candidate.boundary_point[i]);
+    const double own = candidate.boundary_point[i];
+    const auto alike = [own](const Real& value) { return abs(value - own) < 0.01 * own; };
+    if (own > away * axis && std::none_of(values.begin(), values.end(), alike)) values.emplace_back(own);
     const std::size_t so_far = starts.size();
     for (std::size_t k = 0; k < so_far; ++k) {
       for (const Real& value : values) {
@@ -170,20 +179,32 @@ struct Candidate {
   return starts;
 }
 
+/// Raises `best` to the best stationary point that Newton finds near `candidate`.
+void improve(ProvenPoint& best, const Stationarity& stationarity, const MixedNorm<Real>& norm,
+             const MixedNorm<double>& rough, const Vector& q, const Candidate& candidate) {
+  for (const Vector& x : newton_starts(rough, q, candidate)) {
+    const std::optional<ProvenPoint> point = polished(stationarity, norm, q, x);
+    if (point && point->bound > best.bound) best = *point;
+  }
+}
+
 }  // namespace
 
 Real signed_distance_inside(const Superquadric& superquadric, const MixedNorm<Real>& norm, const Vector& q,
                             std::size_t fineness) {
   const Stationarity stationarity(norm, q, Side::inside);
   const MixedNorm<double> rough(superquadric);
-  Real best = -std::numeric_limits<Real>::infinity();
+  ProvenPoint best{{}, {}, -std::numeric_limits<Real>::infinity()};
   for (const Candidate& candidate : shallowest(rough, rounded(q), fineness)) {
-    best = std::max<Real>(best, bound(norm, q, widened(candidate.normal)));
-    for (const Vector& x : newton_starts(rough, q, candidate)) {
-      best = std::max<Real>(best, polished_bound(stationarity, norm, q, x));
-    }
+    const Vector normal = widened(candidate.normal);
+    const ProvenPoint unpolished{widened(candidate.boundary_point), normal, bound(norm, q, normal)};
+    if (unpolished.bound > best.bound) best = unpolished;
+    improve(best, stationarity, norm, rough, q, candidate);
   }
-  return best;
+  // Once more from the best: only at a polished point are the heights over the ridges those of a stationary point.
+  const Candidate winner{rounded(best.boundary_point), rounded(best.normal), -best.bound.convert_to<double>()};
+  if (newton_starts(rough, q, winner).size() > 1) improve(best, stationarity, norm, rough, q, winner);
+  return best.bound;
 }
 
 }  // namespace verisq::oracle

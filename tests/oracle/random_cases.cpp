@@ -65,6 +65,7 @@ Point RandomCases::direction() {
 }
 
 double RandomCases::exponent() {
+  if (choice(20) == 0) return log_uniform(1e-3, 0.05);
   switch (choice(10)) {
     case 0: return 0.05;
     case 1: return std::max(0.05, 0.05 * (1 + log_uniform(1e-16, 1)));

@@ -37,8 +37,9 @@ class RandomCases {
  public:
   explicit RandomCases(std::uint64_t seed) : engine_(seed) {}
 
-  /// Exponents in [0.05, 2]: uniform, and near or at 0.05, 1 and 2. Semi-axes: ratios to 400 around a scale of 1e-3
-  /// to 1e3, at times equal. Pose: identity, a quarter turn (exact in binary64), or anything.
+  /// Exponents in [0.05, 2]: uniform, and near or at 0.05, 1 and 2; some below, where a proof may be wide. Semi-axes:
+  /// ratios to 400 around a scale of 1e-3 to 1e3, at times equal. Pose: identity, a quarter turn (exact in binary64),
+  /// or anything.
   [[nodiscard]] Primitive solid();
 
   /// Zero coordinates in the solid's own frame survive the pose exactly where it is the identity or a quarter turn.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <boost/multiprecision/mpfr.hpp>
+#include <string>
 
 namespace verisq::oracle {
 
@@ -38,6 +39,13 @@ template <class Number>
 
 [[nodiscard]] inline Vector widened(const Triple<double>& a) {
   return {Real(a[0]), Real(a[1]), Real(a[2])};
+}
+
+/// 25 significant digits.
+[[nodiscard]] inline std::string text(const Real& a) {
+  std::array<char, 64> digits{};
+  mpfr_snprintf(digits.data(), digits.size(), "%.25Rg", a.backend().data());
+  return digits.data();
 }
 
 [[nodiscard]] inline Triple<double> rounded(const Vector& a) {

@@ -107,74 +107,76 @@ Stationarity::Equation Stationarity::linearised(std::size_t axis, const Contact&
   return {sum.value - log_x, Real(-1), sum.share_of_second};
 }
 
-/// One step for all unknowns: the shares and the height are eliminated, a 2x2 system in (ln r, ln λ) is left. Outside
-/// every sum below is of nonnegative terms. Returns the largest residual before the step.
-Real Stationarity::newton_step(Contact& contact) const {
-  const Real& p1 = norm_.outer().primal;
-  const Real& p2 = norm_.inner().primal;
-  const bool section = contact.present[0] || contact.present[1];
-  Real largest = 0;
-  const auto note = [&largest](const Real& residual) { largest = std::max<Real>(largest, abs(residual)); };
+/// One of the two equations in (ln r, ln λ) that are left: by_radius d ln r + by_multiplier d lnλ = right.
+struct Stationarity::Row {
+  Real by_radius;
+  Real by_multiplier;
+  Real right;
+  Real residual;  ///< of the norm itself
+};
 
-  // ‖(X/r, Y/r)‖ = 1, logarithm of its p2-th power.
-  std::array<Real, 2> part{zero, zero};
-  Real share_residual = 0;
+/// ‖(X/r, Y/r)‖ = 1, the logarithm of its p2-th power, with the shares eliminated by their equations.
+Stationarity::Row Stationarity::section_row(const Contact& contact, const std::array<Equation, 3>& equations) const {
+  const Real& p2 = norm_.inner().primal;
+  std::array<Real, 2> part{contact.present[0] ? 1 : 0, contact.present[1] ? 1 : 0};
+  Row row{zero, zero, zero, zero};
   if (contact.present[0] && contact.present[1]) {
     const LogSum<Real> sum(p2 * contact.share[0], p2 * contact.share[1]);
     part = {sum.share_of_first, sum.share_of_second};
-    share_residual = sum.value;
-  } else if (section) {
-    part[contact.present[0] ? 0 : 1] = 1;
+    row.residual = sum.value;
   }
-  note(share_residual);
-
-  std::array<Equation, 2> planar;
-  Real by_radius = 0;
-  Real by_multiplier = 0;
-  Real right_share = share_residual / p2;
+  row.right = row.residual / p2;
   for (std::size_t i = 0; i < 2; ++i) {
     if (!contact.present[i]) continue;
-    planar[i] = linearised(i, contact);
-    note(planar[i].residual);
-    const Real pivot = pivot_of(planar[i], inner_slope_);
-    by_radius += part[i] * (planar[i].along + planar[i].force * outer_slope_) / pivot;
-    by_multiplier += part[i] * planar[i].force / pivot;
-    right_share -= part[i] * planar[i].residual / pivot;
+    const Equation& e = equations[i];
+    const Real weight = part[i] / pivot_of(e, inner_slope_);
+    row.by_radius += weight * (e.along + e.force * outer_slope_);
+    row.by_multiplier += weight * e.force;
+    row.right -= weight * e.residual;
   }
+  return row;
+}
 
-  // ‖(r, Z)‖ = 1, logarithm of its p1-th power.
-  Real radius_part = section ? 1 : 0;
-  Real height_part = contact.present[2] ? 1 : 0;
-  Real boundary_residual = 0;
-  if (section && contact.present[2]) {
-    const LogSum<Real> sum(p1 * contact.radius, p1 * contact.height);
-    radius_part = sum.share_of_first;
-    height_part = sum.share_of_second;
-    boundary_residual = sum.value;
+/// ‖(r, Z)‖ = 1, the logarithm of its p1-th power, with the height eliminated by its equation.
+Stationarity::Row Stationarity::boundary_row(const Contact& contact, const Equation& vertical) const {
+  if (!contact.present[2]) return {Real(1), zero, zero, zero};
+  const Real& p1 = norm_.outer().primal;
+  const bool section = contact.present[0] || contact.present[1];
+  const LogSum<Real> sum(p1 * contact.radius, p1 * contact.height);
+  const Real height_part = section ? sum.share_of_second : Real(1);
+  const Real weight = height_part / pivot_of(vertical, outer_slope_);
+  const Real residual = section ? sum.value : zero;
+  return {section ? sum.share_of_first : zero, -weight * vertical.force, weight * vertical.residual - residual / p1,
+          residual};
+}
+
+/// One step for all unknowns: the shares and the height are eliminated, a 2x2 system in (ln r, ln λ) is left, whose
+/// determinant is outside a sum of terms of one sign. Returns the largest residual before the step.
+Real Stationarity::newton_step(Contact& contact) const {
+  std::array<Equation, 3> equations;
+  Real largest = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!contact.present[i]) continue;
+    equations[i] = linearised(i, contact);
+    largest = std::max<Real>(largest, abs(equations[i].residual));
   }
-  note(boundary_residual);
+  const Row section = section_row(contact, equations);
+  const Row boundary = boundary_row(contact, equations[2]);
+  largest = std::max({largest, Real(abs(section.residual)), Real(abs(boundary.residual))});
 
-  Equation vertical{zero, zero, zero};
-  Real vertical_pivot = 1;
-  if (contact.present[2]) {
-    vertical = linearised(2, contact);
-    note(vertical.residual);
-    vertical_pivot = pivot_of(vertical, outer_slope_);
-  }
-  const Real height_by_multiplier = height_part * vertical.force / vertical_pivot;
-  const Real right_boundary = -boundary_residual / p1 + height_part * vertical.residual / vertical_pivot;
-
-  const Real determinant = by_radius * height_by_multiplier + by_multiplier * radius_part;
-  const Real radius_step = (right_share * height_by_multiplier + by_multiplier * right_boundary) / determinant;
-  const Real multiplier_step = (radius_part * right_share - by_radius * right_boundary) / determinant;
+  const Real determinant = section.by_radius * boundary.by_multiplier - section.by_multiplier * boundary.by_radius;
+  const Real radius_step =
+      (section.right * boundary.by_multiplier - section.by_multiplier * boundary.right) / determinant;
+  const Real multiplier_step = (section.by_radius * boundary.right - section.right * boundary.by_radius) / determinant;
   for (std::size_t i = 0; i < 2; ++i) {
-    if (!contact.present[i] || !(contact.present[0] && contact.present[1])) continue;
-    const Equation& e = planar[i];
+    if (!contact.present[0] || !contact.present[1]) break;  // a single share is 1
+    const Equation& e = equations[i];
     contact.share[i] -= (e.residual + (e.along + e.force * outer_slope_) * radius_step + e.force * multiplier_step) /
                         pivot_of(e, inner_slope_);
   }
-  if (contact.present[2] && section) {
-    contact.height -= (vertical.residual + vertical.force * multiplier_step) / vertical_pivot;
+  if (contact.present[2]) {
+    const Equation& e = equations[2];
+    contact.height -= (e.residual + e.force * multiplier_step) / pivot_of(e, outer_slope_);
     contact.radius += radius_step;
   }
   contact.multiplier += multiplier_step;

@@ -45,9 +45,12 @@ class Stationarity {
 
  private:
   struct Equation;
+  struct Row;
   [[nodiscard]] Equation linearised(std::size_t axis, const Contact& contact) const;
   [[nodiscard]] Real least_squares_multiplier(const Contact& contact) const;
   [[nodiscard]] static Real pivot_of(const Equation& equation, const Real& slope);
+  [[nodiscard]] Row section_row(const Contact& contact, const std::array<Equation, 3>& equations) const;
+  [[nodiscard]] Row boundary_row(const Contact& contact, const Equation& vertical) const;
   [[nodiscard]] Real newton_step(Contact& contact) const;
 
   const MixedNorm<Real>& norm_;
