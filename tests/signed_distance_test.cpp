@@ -110,7 +110,8 @@ TEST(SignedDistanceTest, CentreOfRoundedBoxes) {
 TEST(SignedDistanceTest, OctahedronInside) {
   Random random(5);
   for (int i = 0; i < 300; ++i) {
-    const std::array<double, 3> a{random.uniform(0.5, 5.0), random.uniform(0.5, 5.0), random.uniform(0.5, 5.0)};
+    std::array<double, 3> a{random.uniform(0.5, 5.0), random.uniform(0.5, 5.0), random.uniform(0.5, 5.0)};
+    if (i % 3 == 0) a[1] = a[0];  // a square section is not a circle
     const Primitive solid = primitive(a, {2.0, 2.0});
     Point q{a[0] * random.uniform(-0.33, 0.33), a[1] * random.uniform(-0.33, 0.33), a[2] * random.uniform(-0.33, 0.33)};
     if (i % 4 == 0) q[static_cast<std::size_t>(i / 4 % 3)] = 0.0;
@@ -181,18 +182,22 @@ TEST(SignedDistanceTest, SurfacePointsHaveDistanceZero) {
   }
 }
 
-/// Reflections and quarter turns are exact in binary64, so they change nothing but coordinates.
-TEST(SignedDistanceTest, QuarterTurnsAndReflections) {
-  const double half = 0.25;  // any multiple of (1, 0, 0, 1) turns by a quarter about z
-  const Primitive plain = primitive({1.0, 2.0, 3.0}, {0.7, 1.4});
-  const Primitive turned = primitive({1.0, 2.0, 3.0}, {0.7, 1.4}, {{10.0, 20.0, 30.0}, {half, 0.0, 0.0, half}});
+/// Reflections, quarter turns and the turn that exchanges the axes cyclically are exact in binary64. The latter tells a
+/// rotation from its inverse, which the symmetry of the solid hides for quarter turns.
+TEST(SignedDistanceTest, ExactRotationsAndReflections) {
+  const Superquadric shape{{1.0, 2.0, 3.0}, {0.7, 1.4}};
+  const Point centre{10.0, 20.0, 30.0};
+  const Primitive plain{"", shape, {}};
+  const Primitive quarter{"", shape, {centre, {0.25, 0.0, 0.0, 0.25}}};  // x -> y -> -x
+  const Primitive cyclic{"", shape, {centre, {0.5, 0.5, 0.5, 0.5}}};     // x -> y -> z -> x
   Random random(7);
   for (int i = 0; i < 200; ++i) {
     Point q = random.point(4.0);
     for (double& c : q) c = std::round(c * 1024.0) / 1024.0;  // so that translation rounds nothing
     const Enclosure expected = distance(plain, q, 1e-9);
     EXPECT_EQ(distance(plain, {-q[0], q[1], -q[2]}, 1e-9), expected);
-    EXPECT_EQ(distance(turned, {10.0 - q[1], 20.0 + q[0], 30.0 + q[2]}, 1e-9), expected);
+    EXPECT_EQ(distance(quarter, {10.0 - q[1], 20.0 + q[0], 30.0 + q[2]}, 1e-9), expected);
+    EXPECT_EQ(distance(cyclic, {10.0 + q[2], 20.0 + q[0], 30.0 + q[1]}, 1e-9), expected);
   }
 }
 

@@ -46,6 +46,9 @@ struct Candidate {
     if (!(next.depth < candidate.depth * (1 - 1e-14))) break;
     candidate = next;
   }
+  // Where the solid is flat the ray may leave far from the foot of the normal, which is the nearest point.
+  const double step = candidate.depth / length(candidate.normal);
+  for (std::size_t i = 0; i < 3; ++i) candidate.boundary_point[i] = q[i] + step * candidate.normal[i];
   return candidate;
 }
 
