@@ -21,7 +21,7 @@ typedef struct {
 
 // Rounded up as far as power <= 1 is concerned: with a logarithm above 0, power is above 1 anyway, and products of
 // those below 0 with p rounded down are upper bounds.
-inline gauge_terms gauge_terms_up(vector3 x, constant const superquadric* s) {
+ALWAYS_INLINE gauge_terms gauge_terms_up(vector3 x, constant const superquadric* s) {
   gauge_terms g;
   g.log_x = log_up(mul_up(x.x, REAL(s->inverse_axes_up[0])));
   g.log_y = log_up(mul_up(x.y, REAL(s->inverse_axes_up[1])));
@@ -33,7 +33,7 @@ inline gauge_terms gauge_terms_up(vector3 x, constant const superquadric* s) {
 }
 
 // log g(x), to nearest.
-inline real log_gauge_of(gauge_terms g, constant const superquadric* s) {
+ALWAYS_INLINE real log_gauge_of(gauge_terms g, constant const superquadric* s) {
   return log_nearest(clamp(g.power, SMALLEST_NORMAL, DBL_MAX)) * s->inverse_p[0];
 }
 
@@ -43,7 +43,7 @@ typedef struct {
   real distance;
 } tangent_plane;
 
-inline tangent_plane tangent_at(vector3 q, vector3 x, gauge_terms g, constant const superquadric* s) {
+ALWAYS_INLINE tangent_plane tangent_at(vector3 q, vector3 x, gauge_terms g, constant const superquadric* s) {
   const real log_gauge = log_gauge_of(g, s);
   const vector3 n = exp_gradient(
       log_gradient(g.log_x - log_gauge, g.log_y - log_gauge, g.log_z - log_gauge, g.log_r - log_gauge, s));
@@ -59,7 +59,7 @@ inline tangent_plane tangent_at(vector3 q, vector3 x, gauge_terms g, constant co
 }
 
 // A few steps boundary point -> normal -> foot on the tangent plane; the nearest plane met.
-inline tangent_plane descend(vector3 q, gauge_terms g, constant const superquadric* s) {
+ALWAYS_INLINE tangent_plane descend(vector3 q, gauge_terms g, constant const superquadric* s) {
   tangent_plane nearest = tangent_at(q, q, g, s);
   tangent_plane plane = nearest;
   for (int step = 0; step < DESCENT_STEPS; ++step) {
@@ -83,14 +83,14 @@ typedef struct {
 } quarters_test;
 
 // Components of c, |c| <= 1: those of centre / |centre|, >= 0, are rounded down.
-inline vector3 direction_down(vector3 centre) {
+ALWAYS_INLINE vector3 direction_down(vector3 centre) {
   const real inverse_length = div_down(REAL(1.0), length_up(centre));
   const vector3 c = {mul_down(centre.x, inverse_length), mul_down(centre.y, inverse_length),
                      mul_down(centre.z, inverse_length)};
   return c;
 }
 
-inline vector3 add3(vector3 a, vector3 b) {
+ALWAYS_INLINE vector3 add3(vector3 a, vector3 b) {
   const vector3 sum = {a.x + b.x, a.y + b.y, a.z + b.z};
   return sum;
 }
@@ -103,7 +103,7 @@ typedef struct {
   vector3 position;
 } tested_point;
 
-inline tested_point test_point(vector3 q, real t, vector3 w, real along, constant const superquadric* s) {
+ALWAYS_INLINE tested_point test_point(vector3 q, real t, vector3 w, real along, constant const superquadric* s) {
   const real reach = div_up(t, along); // rounded up: c.(reach w) >= t
   tested_point p;
   p.position.x = fma_up(reach, w.x, q.x);
@@ -114,7 +114,7 @@ inline tested_point test_point(vector3 q, real t, vector3 w, real along, constan
   return p;
 }
 
-inline tested_point farther_out(tested_point a, tested_point b) {
+ALWAYS_INLINE tested_point farther_out(tested_point a, tested_point b) {
   const integer b_farther = MASK(b.gauge.power > a.gauge.power);
   a.gauge.log_x = select(a.gauge.log_x, b.gauge.log_x, b_farther);
   a.gauge.log_y = select(a.gauge.log_y, b.gauge.log_y, b_farther);
@@ -128,7 +128,7 @@ inline tested_point farther_out(tested_point a, tested_point b) {
 }
 
 // Corners 1, 2, 3 of the cell and the midpoints a, b, c of the sides opposite to them, all times two: exact integers.
-inline quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted, constant const superquadric* s) {
+ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted, constant const superquadric* s) {
   const vector3 on = {base.x + 1.0 - inverted, base.y + 1.0 - inverted, base.z + 1.0 - inverted};
   const vector3 off = {base.x + inverted, base.y + inverted, base.z + inverted};
   const vector3 corner_1 = {2.0 * on.x, 2.0 * off.y, 2.0 * off.z};
@@ -175,7 +175,7 @@ typedef struct {
 
 #define NO_POINT (~0UL)
 
-inline double target_of(double depth, double allowance) { return fmax(depth - allowance, 0.0); }
+ALWAYS_INLINE double target_of(double depth, double allowance) { return fmax(depth - allowance, 0.0); }
 
 // `scratch` holds eight numbers a point: its local coordinates, the unit normal of the nearest tangent plane, the gauge
 // (afterwards the proven radius), and the distance of that plane, or one of two marks.

@@ -9,8 +9,8 @@
 //     λ = μ r^(p2 - p1),     r = ‖(X, Y)‖_p2,     g = ‖(r, Z)‖_p1 = 1.
 // Given μ, each equation has one root. X and Y fall as μ rises. So does Z, because λ rises: D(r), the squared distance
 // of (q1, q2) to the section ‖(X, Y)‖_p2 <= r, is convex, so its multiplier μ r^k2 rises as r falls, and
-// λ = (μ r^k2) r^(-k1). Hence g falls as μ rises, and the whole problem is one monotone equation in ln μ: it is solved
-// by Newton steps inside a bracket and cannot fail. Everything is kept in logarithms.
+// λ = (μ r^k2) r^(-k1). Hence g falls as μ rises, and the whole problem is one monotone equation in ln μ, solved by
+// Newton steps inside a bracket. Everything is kept in logarithms.
 
 namespace verisq::verify {
 
@@ -34,6 +34,12 @@ LogSum log_sum(Float a, Float b) {
   const Float difference = b - a;
   const Float small = std::exp(-std::fabs(difference));
   return {std::max(a, b) + std::log1p(small), (difference > 0.0L ? 1.0L : small) / (1.0L + small)};
+}
+
+/// ln ‖(e^a, e^b)‖ with exponent p = k + 1.
+Float log_norm(Float a, Float b, Float k) {
+  if (std::max(a, b) == -kInfinity) return -kInfinity;
+  return log_sum(a * (k + 1.0L), b * (k + 1.0L)).value / (k + 1.0L);
 }
 
 /// Root of X + e^c X^k = e^s in logarithms.
@@ -104,9 +110,6 @@ class ContactProblem {
     return (2.0L - resolved) / resolved;
   }
 
-  [[nodiscard]] Float log_norm(Float a, Float b, Float k) const {
-    return std::max(a, b) == -kInfinity ? -kInfinity : log_sum(a * (k + 1.0L), b * (k + 1.0L)).value / (k + 1.0L);
-  }
   [[nodiscard]] Float log_gauge_of(Float x, Float y, Float z) const { return log_norm(log_norm(x, y, k2_), z, k1_); }
 
   /// ln λ - ln μ = (p2 - p1) ln r
@@ -165,7 +168,7 @@ class ContactProblem {
   [[nodiscard]] Float start(Float log_gauge) const {
     const Float log_r = log_norm(log_target_[0], log_target_[1], k2_) - log_gauge;
     if (by_radius_) return -log_r;
-    const std::size_t i = static_cast<std::size_t>(std::ranges::max_element(log_target_) - log_target_.begin());
+    const auto i = static_cast<std::size_t>(std::ranges::max_element(log_target_) - log_target_.begin());
     const Float log_x = log_target_[i] - log_gauge;
     const Float log_second = log_target_[i] + std::log(-std::expm1(-log_gauge));
     const Float multiplier = log_second - (i == 2 ? k1_ : k2_) * log_x + 2.0L * log_axis_[i];

@@ -132,9 +132,11 @@ class Polyhedron {
 
   /// As far along the ray as can be proven; zero at worst, for q itself is inside.
   [[nodiscard]] double proven_reach(const Vector& w) const {
-    for (double margin = 4e-15; margin < 1.0; margin *= 8.0) {
+    double margin = 4e-15;
+    while (margin < 1.0) {
       const double reach = boundary_.exit(q_, w, 1.0 - margin);
       if (proven_inside(w, reach)) return reach;
+      margin *= 8.0;
     }
     return 0.0;
   }

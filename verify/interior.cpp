@@ -48,8 +48,15 @@ std::array<std::size_t, 3> revolution_order(const Superquadric& solid) {
   return {0, 1, 2};
 }
 
-double scaled(double value, int exponent) {
-  return std::ldexp(value, -exponent);
+/// value * 2^exponent of a nonnegative value, rounded down: it is inexact where it underflows.
+double scaled_down(double value, int exponent) {
+  const double result = std::ldexp(value, exponent);
+  return std::ldexp(result, -exponent) > value ? std::nextafter(result, 0.0) : result;
+}
+
+double scaled_up(double value, int exponent) {
+  const double result = std::ldexp(value, exponent);
+  return std::ldexp(result, -exponent) < value ? std::nextafter(result, 4.0) : result;
 }
 
 Reduced reduce(const Superquadric& solid, const PreciseVector& q) {
@@ -58,7 +65,7 @@ Reduced reduce(const Superquadric& solid, const PreciseVector& q) {
   reduced.scale = std::ilogb(std::ranges::max(solid.semi_axes));
   PreciseVector position;
   for (std::size_t k = 0; k < 3; ++k) {
-    reduced.solid.semi_axes[k] = scaled(solid.semi_axes[reduced.order[k]], reduced.scale);
+    reduced.solid.semi_axes[k] = std::ldexp(solid.semi_axes[reduced.order[k]], -reduced.scale);  // see searchable()
     position[static_cast<Eigen::Index>(k)] = abs(q[static_cast<Eigen::Index>(reduced.order[k])]);
   }
   // A solid of revolution: the distance depends on (x, y) through its length alone, in the half-plane of q.
@@ -69,8 +76,7 @@ Reduced reduce(const Superquadric& solid, const PreciseVector& q) {
   }
   for (std::size_t k = 0; k < 3; ++k) {
     const double coordinate = position[static_cast<Eigen::Index>(k)].upper().to_double(Direction::up);
-    reduced.q[k] = scaled(coordinate, reduced.scale);
-    if (std::ldexp(reduced.q[k], reduced.scale) < coordinate) reduced.q[k] = std::nextafter(reduced.q[k], 4.0);
+    reduced.q[k] = scaled_up(coordinate, -reduced.scale);
   }
   return reduced;
 }
@@ -93,6 +99,7 @@ Proposal restored(const Reduced& reduced, const std::array<double, 3>& normal, c
   return result;
 }
 
+/// Whether scaling kept the semi-axes exact and the proofs in binary64 still see q inside.
 bool searchable(const Reduced& reduced) {
   return std::ranges::min(reduced.solid.semi_axes) >= 1e-200 &&
          SuperquadricBounds<double>(reduced.solid).gauge(reduced.q, Direction::up) <= 1.0;
@@ -113,13 +120,10 @@ CertifiedDistance interior_distance(const Superquadric& solid, const Superquadri
   const Reduced reduced = reduce(solid, q);
   std::array<double, 3> normal = shortest_axis(reduced.solid);
   if (searchable(reduced)) {
-    const Depth found = enclose_depth(
-        reduced.solid, reduced.q, reduced.planar,
-        {std::max(scaled(tolerance, reduced.scale), kFinestTolerance), scaled(depth, reduced.scale), kBudget});
-    // Back in the original's unit; a subnormal result rounds, so it is stepped down.
-    const double restored_depth = std::ldexp(found.lower, reduced.scale);
-    depth = std::max(depth, scaled(restored_depth, reduced.scale) > found.lower ? std::nextafter(restored_depth, 0.0)
-                                                                                : restored_depth);
+    const double finest = std::max(std::ldexp(tolerance, -reduced.scale), kFinestTolerance);
+    const Depth found =
+        enclose_depth(reduced.solid, reduced.q, reduced.planar, {finest, scaled_down(depth, -reduced.scale), kBudget});
+    depth = std::max(depth, scaled_down(found.lower, reduced.scale));
     normal = found.normal;
   }
   const Proposal direction = restored(reduced, normal, q);

@@ -53,9 +53,9 @@ struct ThrowingChecking {
 };
 
 /// The real numbers between two ends of type T; an infinite end is a missing bound. Every operation returns an interval
-/// that contains all exact results. Throws std::domain_error for NaN, for lower > upper, for division by [0, 0] and for
-/// the root or logarithm of negative numbers alone. Wraps Boost.Interval, whose converting constructor template makes
-/// Eigen's products ambiguous.
+/// that contains all exact results. Throws std::domain_error for NaN, for lower > upper, for division by [0, 0], for
+/// the root of negative numbers alone and for the logarithm of any. Wraps Boost.Interval, whose converting constructor
+/// template makes Eigen's products ambiguous.
 template <class T>
 class BasicInterval {
  public:
