@@ -78,7 +78,7 @@ class Map {
   }
 
   // Proves on the host what `found` leaves wide, and hands the rows on.
-  void finish_chunk(std::span<const Point> points, std::vector<Enclosure> found) {
+  void finish_chunk(std::span<const Point> points, std::span<Enclosure> found) {
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::size_t> open;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -89,13 +89,13 @@ class Map {
     });
     summary_.host_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-    std::vector<MapResult> rows(points.size());
+    rows_.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
-      rows[i] = {found[i], verified(found[i], tolerance_) ? Status::device_verified : Status::wide};
+      rows_[i] = {found[i], verified(found[i], tolerance_) ? Status::device_verified : Status::wide};
     for (const std::size_t i : open)
-      if (rows[i].status == Status::device_verified) rows[i].status = Status::host_verified;
-    for (const MapResult& row : rows) count(row);
-    sink_(points, rows);
+      if (rows_[i].status == Status::device_verified) rows_[i].status = Status::host_verified;
+    for (const MapResult& row : rows_) count(row);
+    sink_(points, rows_);
   }
 
   [[nodiscard]] MapSummary& summary() { return summary_; }
@@ -117,42 +117,49 @@ class Map {
   double tolerance_;
   double radius_;
   SignedDistance host_;
+  std::vector<MapResult> rows_;  // of the current chunk; kept to spare allocations
   MapSummary summary_;
 };
 
-// Reads up to `capacity` points; checks what every kernel and proof relies on.
-std::vector<Point> read_chunk(const PointSource& source, std::size_t capacity) {
-  std::vector<Point> points(capacity);
+// Reads up to `capacity` points into `points`; checks what every kernel and proof relies on.
+void read_chunk(const PointSource& source, std::size_t capacity, std::vector<Point>& points) {
+  points.resize(capacity);
   points.resize(source(points));
   for (const Point& p : points)
     if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
       throw Error(ErrorKind::input, fmt::format("point ({}, {}, {}) is not finite", p[0], p[1], p[2]));
-  return points;
 }
 
 void map_on_host(Map& map, const PointSource& source, const MapOptions& options) {
   const Enclosure nothing{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  std::vector<Point> points;
+  std::vector<Enclosure> found;
   while (!options.interrupted()) {
-    const std::vector<Point> points = read_chunk(source, host_chunk);
+    read_chunk(source, host_chunk, points);
     if (points.empty()) return;
-    map.finish_chunk(points, std::vector<Enclosure>(points.size(), nothing));
+    found.assign(points.size(), nothing);
+    map.finish_chunk(points, found);
   }
   map.summary().interrupted = true;
 }
 
 // While the device works on one chunk, the next is read and the last is finished and written.
 void map_on_device(Map& map, device::Batch& batch, const PointSource& source, const MapOptions& options) {
-  std::vector<Point> current = read_chunk(source, batch.capacity());
+  std::vector<Point> current;
+  std::vector<Point> next;
+  std::vector<Enclosure> found;
+  read_chunk(source, batch.capacity(), current);
   if (!current.empty()) batch.submit(current);
   while (!current.empty()) {
-    std::vector<Point> next;
+    next.clear();
     if (options.interrupted())
       map.summary().interrupted = true;
     else
-      next = read_chunk(source, batch.capacity());
+      read_chunk(source, batch.capacity(), next);
     if (!next.empty()) batch.submit(next);
-    map.finish_chunk(current, batch.collect());
-    current = std::move(next);
+    batch.collect(found);
+    map.finish_chunk(current, found);
+    std::swap(current, next);
   }
   map.summary().device_seconds = batch.device_seconds();
 }

@@ -162,6 +162,65 @@ ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real 
   return test;
 }
 
+// `scratch` holds eight numbers a point: its local coordinates, the unit normal of the nearest tangent plane, the gauge
+// (afterwards the proven radius), and the distance of that plane, or one of two marks.
+#define SCRATCH_SIZE 8
+#define COORDINATES 0
+#define NORMAL 3
+#define GAUGE 6
+#define RADIUS 6
+#define DISTANCE 7
+#define NOT_OPEN -1.0
+#define SEARCHED -2.0
+
+// Vectors as arrays, for what is done lane by lane.
+typedef struct {
+  double x[VECTOR_WIDTH], y[VECTOR_WIDTH], z[VECTOR_WIDTH];
+} lanes3;
+
+ALWAYS_INLINE void store3(vector3 v, lanes3* lanes) {
+  STORE(v.x, 0, lanes->x);
+  STORE(v.y, 0, lanes->y);
+  STORE(v.z, 0, lanes->z);
+}
+
+ALWAYS_INLINE vector3 load3(const lanes3* lanes) {
+  const vector3 v = {LOAD(0, lanes->x), LOAD(0, lanes->y), LOAD(0, lanes->z)};
+  return v;
+}
+
+// Points that may lie inside and whose enclosure is wider than the tolerance.
+ALWAYS_INLINE integer open_points(ulong group, global const double* los, global const double* his, double tolerance) {
+  const real lo = LOAD(group, los);
+  const real hi = LOAD(group, his);
+  return MASK(lo < 0.0) & MASK(!(hi - lo <= tolerance));
+}
+
+// Which of a group's open points are proven inside; a first tangent plane for each.
+ALWAYS_INLINE void prepare_group(ulong group, local_point q, integer open, constant const superquadric* s,
+                                 global double* scratch) {
+  const gauge_terms g = gauge_terms_up(q.point, s);
+  const integer inside = open & MASK(g.power <= 1.0) & MASK(q.point.x + q.point.y + q.point.z < INFINITY);
+  const tangent_plane plane = descend(q.point, g, s);
+  lanes3 coordinates, normals;
+  double gauges[VECTOR_WIDTH], distances[VECTOR_WIDTH];
+  store3(q.point, &coordinates);
+  store3(plane.unit_normal, &normals);
+  STORE(exp_up(log_gauge_up(q.point, s)), 0, gauges);
+  STORE(select(REAL(NOT_OPEN), fmax(plane.distance, REAL(0.0)), inside), 0, distances);
+  for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
+    global double* state = scratch + (group * VECTOR_WIDTH + lane) * SCRATCH_SIZE;
+    state[COORDINATES] = coordinates.x[lane];
+    state[COORDINATES + 1] = coordinates.y[lane];
+    state[COORDINATES + 2] = coordinates.z[lane];
+    state[NORMAL] = normals.x[lane];
+    state[NORMAL + 1] = normals.y[lane];
+    state[NORMAL + 2] = normals.z[lane];
+    state[GAUGE] = gauges[lane];
+    state[DISTANCE] = distances[lane];
+  }
+}
+
 // One point in the hands of a lane.
 typedef struct {
   ulong point;          // index; NO_POINT when idle
@@ -171,197 +230,157 @@ typedef struct {
   uint splits;          // so far
   uint stacked;
   ulong cell;           // whose quarters are under test
+  ulong stack[STACK_SIZE];
 } search;
 
 #define NO_POINT (~0UL)
 
 ALWAYS_INLINE double target_of(double depth, double allowance) { return fmax(depth - allowance, 0.0); }
 
-// `scratch` holds eight numbers a point: its local coordinates, the unit normal of the nearest tangent plane, the gauge
-// (afterwards the proven radius), and the distance of that plane, or one of two marks.
-#define SCRATCH_SIZE 8
-#define GAUGE 6
-#define RADIUS 6
-#define DISTANCE 7
-#define NOT_OPEN -1.0
-#define SEARCHED -2.0
+ALWAYS_INLINE void finish(search* own, double radius, global double* scratch) {
+  global double* state = scratch + own->point * SCRATCH_SIZE;
+  state[RADIUS] = radius;
+  state[DISTANCE] = SEARCHED;
+  own->point = NO_POINT;
+}
 
-kernel void interior_depth(ulong groups, uint groups_per_block, global const double* xs, global const double* ys,
-                           global const double* zs, constant const superquadric* primitives, uint index,
-                           double tolerance, global double* scratch, global double* los, global double* his, global double* normal_xs,
-                           global double* normal_ys, global double* normal_zs) {
-  constant const superquadric* s = primitives + index;
-  const ulong first = get_global_id(0) * groups_per_block;
-  const ulong last = min(first + groups_per_block, groups);
-  if (first >= groups) return;
-  const double allowance = 0.95 * tolerance; // leaves room for rounding
-  bool any_open = false;
-
-  // 1. Which points are proven inside and still open; a first tangent plane for each.
-  for (ulong group = first; group < last; ++group) {
-    const real lo = LOAD(group, los);
-    const real hi = LOAD(group, his);
-    const integer open = MASK(lo < 0.0) & MASK(!(hi - lo <= tolerance));
-    double distances[VECTOR_WIDTH];
-    STORE(REAL(NOT_OPEN), 0, distances);
-    if (any(open)) {
-      const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
-      const local_point q = to_local(x, s);
-      const gauge_terms g = gauge_terms_up(q.point, s);
-      const integer inside = open & MASK(g.power <= 1.0) & MASK(q.point.x + q.point.y + q.point.z < INFINITY);
-      if (any(inside)) {
-        any_open = true;
-        const tangent_plane plane = descend(q.point, g, s);
-        double members[7][VECTOR_WIDTH];
-        STORE(q.point.x, 0, members[0]);
-        STORE(q.point.y, 0, members[1]);
-        STORE(q.point.z, 0, members[2]);
-        STORE(plane.unit_normal.x, 0, members[3]);
-        STORE(plane.unit_normal.y, 0, members[4]);
-        STORE(plane.unit_normal.z, 0, members[5]);
-        STORE(exp_up(log_gauge_up(q.point, s)), 0, members[6]);
-        STORE(select(REAL(NOT_OPEN), fmax(plane.distance, REAL(0.0)), inside), 0, distances);
-        for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
-          global double* own = scratch + (group * VECTOR_WIDTH + lane) * SCRATCH_SIZE;
-          for (uint i = 0; i < 7; ++i) own[i] = members[i][lane];
-        }
-      }
-    }
-    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane)
-      scratch[(group * VECTOR_WIDTH + lane) * SCRATCH_SIZE + DISTANCE] = distances[lane];
+// Gives an idle lane the next open point from `next` on; returns where to go on.
+ALWAYS_INLINE ulong take_point(search* own, ulong next, ulong end, double allowance, constant const superquadric* s,
+                               global double* scratch) {
+  for (; own->point == NO_POINT && next < end; ++next) {
+    global const double* state = scratch + next * SCRATCH_SIZE;
+    if (!(state[DISTANCE] >= 0.0)) continue;
+    own->point = next;
+    own->depth = state[DISTANCE];
+    own->target = target_of(own->depth, allowance);
+    own->gauge = state[GAUGE];
+    own->splits = 0;
+    own->stacked = 0;
+    own->cell = WHOLE_OCTANT;
+    // A ball about the origin lies in K, so the one of radius (1 - g) inradius about q does; three roundings.
+    const double known = fmax((1.0 - own->gauge) * s->inradius_down * (1.0 - 0x1p-50), 0.0);
+    if (known >= own->target) finish(own, known, scratch);
   }
-  if (!any_open) return;
+  return next;
+}
 
-  // 2. Branch and bound, a point a lane. 
+// Puts the quarters that are not proven on the stack.
+ALWAYS_INLINE void split(search* own, long open, double worst) {
+  const spherical_cell cell = unpack_cell(own->cell);
+  if (++own->splits < SPLIT_LIMIT && cell.level + 1 < DEEPEST_LEVEL) {
+    ulong quarters[4];
+    split_cell(cell, quarters);
+    for (uint i = 0; i < 4; ++i)
+      if (open & (1L << i)) own->stack[own->stacked++] = quarters[i];
+    own->cell = own->stack[--own->stacked];
+    return;
+  }
+  // No more splitting: the gauge is convex along the way from q to a point outside, so it crosses 1 no sooner than the
+  // chord does; the next test proves this cell or lowers the target again.
+  const double fraction = (1.0 - own->gauge) / (exp(worst) - own->gauge);
+  own->target *= fmin(fraction, 1.0) * (1.0 - 0x1p-30);
+  if (!(own->target > 0x1p-100)) own->target = 0.0;
+}
+
+// Branch and bound over the points of a block, a point a lane.
+ALWAYS_INLINE void search_block(ulong next, ulong end, double allowance, constant const superquadric* s,
+                                global double* scratch) {
   search searches[VECTOR_WIDTH];
-  ulong stacks[VECTOR_WIDTH][STACK_SIZE];
-  double qx[VECTOR_WIDTH], qy[VECTOR_WIDTH], qz[VECTOR_WIDTH], t[VECTOR_WIDTH];
-  double bx[VECTOR_WIDTH], by[VECTOR_WIDTH], bz[VECTOR_WIDTH], inverted[VECTOR_WIDTH];
+  lanes3 q, base, normal;
+  double target[VECTOR_WIDTH], inverted[VECTOR_WIDTH], worst[VECTOR_WIDTH], distance[VECTOR_WIDTH];
   long open[VECTOR_WIDTH];
-  double worst[VECTOR_WIDTH], distance[VECTOR_WIDTH], nx[VECTOR_WIDTH], ny[VECTOR_WIDTH], nz[VECTOR_WIDTH];
   for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
     searches[lane].point = NO_POINT;
-    qx[lane] = qy[lane] = qz[lane] = t[lane] = bx[lane] = by[lane] = bz[lane] = inverted[lane] = 0.0;
+    q.x[lane] = q.y[lane] = q.z[lane] = base.x[lane] = base.y[lane] = base.z[lane] = 0.0;
+    target[lane] = inverted[lane] = 0.0;
   }
-  ulong next = first * VECTOR_WIDTH;
-  const ulong end = last * VECTOR_WIDTH;
   for (;;) {
     bool busy = false;
     for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
       search* own = &searches[lane];
-      while (own->point == NO_POINT && next < end) {
-        global double* state = scratch + next * SCRATCH_SIZE;
-        const double depth = state[DISTANCE];
-        if (depth >= 0.0) {
-          // A ball about the origin lies in K, so the one of radius (1 - g) inradius about q does.
-          const double known = (1.0 - state[GAUGE]) * s->inradius_down * (1.0 - 0x1p-50);
-          const double target = target_of(depth, allowance);
-          if (known >= target) {
-            state[RADIUS] = fmax(known, 0.0);
-            state[DISTANCE] = SEARCHED;
-          } else {
-            own->point = next;
-            own->depth = depth;
-            own->target = target;
-            own->gauge = state[GAUGE];
-            own->splits = 0;
-            own->stacked = 0;
-            own->cell = WHOLE_OCTANT;
-            qx[lane] = state[0];
-            qy[lane] = state[1];
-            qz[lane] = state[2];
-          }
-        }
-        ++next;
-      }
-      if (own->point != NO_POINT) {
-        const spherical_cell cell = unpack_cell(own->cell);
-        busy = true;
-        t[lane] = own->target;
-        bx[lane] = (double)cell.a;
-        by[lane] = (double)cell.b;
-        bz[lane] = (double)cell.c;
-        inverted[lane] = (double)cell.inverted;
-      }
+      next = take_point(own, next, end, allowance, s, scratch);
+      if (own->point == NO_POINT) continue;
+      busy = true;
+      global const double* state = scratch + own->point * SCRATCH_SIZE;
+      const spherical_cell cell = unpack_cell(own->cell);
+      q.x[lane] = state[COORDINATES];
+      q.y[lane] = state[COORDINATES + 1];
+      q.z[lane] = state[COORDINATES + 2];
+      base.x[lane] = (double)cell.a;
+      base.y[lane] = (double)cell.b;
+      base.z[lane] = (double)cell.c;
+      inverted[lane] = (double)cell.inverted;
+      target[lane] = own->target;
     }
-    if (!busy) break;
+    if (!busy) return;
 
-    const vector3 q = {LOAD(0, qx), LOAD(0, qy), LOAD(0, qz)};
-    const vector3 base = {LOAD(0, bx), LOAD(0, by), LOAD(0, bz)};
-    const quarters_test test = test_quarters(q, LOAD(0, t), base, LOAD(0, inverted), s);
+    const quarters_test test = test_quarters(load3(&q), LOAD(0, target), load3(&base), LOAD(0, inverted), s);
     STORE(test.open, 0, open);
     STORE(test.worst, 0, worst);
     STORE(test.plane.distance, 0, distance);
-    STORE(test.plane.unit_normal.x, 0, nx);
-    STORE(test.plane.unit_normal.y, 0, ny);
-    STORE(test.plane.unit_normal.z, 0, nz);
+    store3(test.plane.unit_normal, &normal);
 
     for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
       search* own = &searches[lane];
       if (own->point == NO_POINT) continue;
-      global double* state = scratch + own->point * SCRATCH_SIZE;
-      if (open[lane] != 0) {
-        if (distance[lane] < own->depth) {
-          own->depth = fmax(distance[lane], 0.0);
-          own->target = fmin(own->target, target_of(own->depth, allowance));
-          state[3] = nx[lane];
-          state[4] = ny[lane];
-          state[5] = nz[lane];
-        }
-        const spherical_cell cell = unpack_cell(own->cell);
-        if (++own->splits >= SPLIT_LIMIT || cell.level + 1 >= DEEPEST_LEVEL) {
-          // No more splitting: the gauge is convex along the way from q to a point outside, so it crosses 1 no sooner
-          // than the chord does; the next test proves this cell or lowers the target again.
-          const double fraction = (1.0 - own->gauge) / (exp(worst[lane]) - own->gauge);
-          own->target *= fmin(fraction, 1.0) * (1.0 - 0x1p-30);
-          if (!(own->target > 0x1p-100)) own->target = 0.0;
-        } else {
-          ulong quarters[4];
-          split_cell(cell, quarters);
-          for (uint i = 0; i < 4; ++i)
-            if (open[lane] & (1L << i)) stacks[lane][own->stacked++] = quarters[i];
-          own->cell = stacks[lane][--own->stacked];
-        }
-      } else if (own->stacked > 0) {
-        own->cell = stacks[lane][--own->stacked];
-      } else {
-        state[RADIUS] = own->target;
-        state[DISTANCE] = SEARCHED;
-        own->point = NO_POINT;
+      if (open[lane] != 0 && distance[lane] < own->depth) {
+        global double* state = scratch + own->point * SCRATCH_SIZE;
+        own->depth = fmax(distance[lane], 0.0);
+        own->target = fmin(own->target, target_of(own->depth, allowance));
+        state[NORMAL] = normal.x[lane];
+        state[NORMAL + 1] = normal.y[lane];
+        state[NORMAL + 2] = normal.z[lane];
       }
-      if (own->target == 0.0 && own->point != NO_POINT) { // nothing more to prove than that q lies in K
-        state[RADIUS] = 0.0;
-        state[DISTANCE] = SEARCHED;
-        own->point = NO_POINT;
-      }
+      if (open[lane] != 0) split(own, open[lane], worst[lane]);
+      else if (own->stacked > 0) own->cell = own->stack[--own->stacked];
+      else finish(own, own->target, scratch);
+      // With target 0 nothing is left to prove but that q lies in K, which it does.
+      if (own->point != NO_POINT && own->target == 0.0) finish(own, 0.0, scratch);
     }
   }
+}
 
-  // 3. Both bounds of the points searched.
+kernel void interior_depth(ulong groups, uint groups_per_block, global const double* xs, global const double* ys,
+                           global const double* zs, constant const superquadric* primitives, uint index,
+                           double tolerance, global double* scratch, global double* los, global double* his,
+                           global double* normal_xs, global double* normal_ys, global double* normal_zs) {
+  constant const superquadric* s = primitives + index;
+  const ulong first = get_global_id(0) * groups_per_block;
+  const ulong last = min(first + groups_per_block, groups);
+  bool any_open = false;
+  for (ulong group = first; group < last; ++group) any_open |= any(open_points(group, los, his, tolerance));
+  if (!any_open) return;
+
   for (ulong group = first; group < last; ++group) {
-    double members[5][VECTOR_WIDTH];
-    bool any_searched = false;
+    const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
+    prepare_group(group, to_local(x, s), open_points(group, los, his, tolerance), s, scratch);
+  }
+  const double allowance = 0.95 * tolerance; // leaves room for rounding
+  search_block(first * VECTOR_WIDTH, last * VECTOR_WIDTH, allowance, s, scratch);
+
+  for (ulong group = first; group < last; ++group) {
+    lanes3 normals;
+    double radii[VECTOR_WIDTH], marks[VECTOR_WIDTH];
     for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
-      global const double* own = scratch + (group * VECTOR_WIDTH + lane) * SCRATCH_SIZE;
-      const bool searched = own[DISTANCE] == SEARCHED;
-      any_searched |= searched;
-      members[0][lane] = searched ? own[3] : 0.0;
-      members[1][lane] = searched ? own[4] : 0.0;
-      members[2][lane] = searched ? own[5] : 0.0;
-      members[3][lane] = searched ? -own[RADIUS] : INFINITY;
-      members[4][lane] = own[DISTANCE];
+      global const double* state = scratch + (group * VECTOR_WIDTH + lane) * SCRATCH_SIZE;
+      normals.x[lane] = state[NORMAL];
+      normals.y[lane] = state[NORMAL + 1];
+      normals.z[lane] = state[NORMAL + 2];
+      radii[lane] = state[RADIUS];
+      marks[lane] = state[DISTANCE];
     }
-    if (!any_searched) continue;
+    const integer searched = MASK(LOAD(0, marks) == SEARCHED);
+    if (!any(searched)) continue;
     const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
     const local_point q = to_local(x, s);
-    const integer searched = MASK(LOAD(0, members[4]) == SEARCHED);
-    const vector3 v = {LOAD(0, members[0]), LOAD(0, members[1]), LOAD(0, members[2])};
+    const vector3 v = load3(&normals);
     const real lo = sub_down(distance_down(q.point, v, s), q.error);
-    const real hi = add_up(LOAD(0, members[3]), q.error);
+    const real hi = add_up(-LOAD(0, radii), q.error);
     const real known_lo = LOAD(group, los);
+    const real known_hi = LOAD(group, his);
     const integer better = searched & MASK(lo > known_lo);
     STORE(select(known_lo, lo, better), group, los);
-    STORE(fmin(LOAD(group, his), hi), group, his); // infinite where not searched
+    STORE(select(known_hi, fmin(known_hi, hi), searched), group, his);
     const vector3 normal = to_model_direction(v, q.sign, s);
     STORE(select(LOAD(group, normal_xs), normal.x, better), group, normal_xs);
     STORE(select(LOAD(group, normal_ys), normal.y, better), group, normal_ys);

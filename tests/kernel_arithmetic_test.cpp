@@ -1,6 +1,7 @@
 /// Every rounding primitive and elementary function of the kernels against MPFR, for every vector width: no result may
 /// lie on the wrong side of the exact value. VERISQ_ARITHMETIC_SAMPLES sets the samples an operation and width.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mpfr.h>
 
@@ -10,8 +11,6 @@
 #include <random>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "host/device/device.hpp"
 #include "host/device/program.hpp"
@@ -111,9 +110,25 @@ class Sampler {
  private:
   // Special values, numbers near powers of two, the middle of the range, the whole range with subnormals.
   double any() {
-    static constexpr double special[] = {0.0, -0.0, 1.0, -1.0, 2.0, 0.5, 0x1p-1022, -0x1p-1022, 0x1p-1074, 0x1p-1060,
-                                         0x1.fffffffffffffp1023, 0x1.fffffffffffffp-1, 0x1.0000000000001p0,
-                                         0x1.6a09e667f3bcdp-1, 0x1.6a09e667f3bccp0, 0x1.6a09e667f3bcdp0, -708.0, 709.0, infinity};
+    static constexpr double special[] = {0.0,
+                                         -0.0,
+                                         1.0,
+                                         -1.0,
+                                         2.0,
+                                         0.5,
+                                         0x1p-1022,
+                                         -0x1p-1022,
+                                         0x1p-1074,
+                                         0x1p-1060,
+                                         0x1.fffffffffffffp1023,
+                                         0x1.fffffffffffffp-1,
+                                         0x1.0000000000001p0,
+                                         0x1.6a09e667f3bcdp-1,
+                                         0x1.6a09e667f3bccp0,
+                                         0x1.6a09e667f3bcdp0,
+                                         -708.0,
+                                         709.0,
+                                         infinity};
     const int kind = pick_(generator_);
     if (kind == 0) return special[generator_() % std::size(special)];
     const double sign = (generator_() & 1U) != 0 ? 1.0 : -1.0;
@@ -175,7 +190,9 @@ struct Tally {
 };
 
 // NaN concludes nothing, and is allowed only where the exact value overflows or, as for inf - inf, does not exist.
-bool nothing_concluded(double exact, double result) { return std::isnan(result) && !(std::abs(exact) <= 0x1p1023); }
+bool nothing_concluded(double exact, double result) {
+  return std::isnan(result) && !(std::abs(exact) <= 0x1p1023);
+}
 
 void check(const Operation& operation, const Operands& o, double down, double up, Tally& tally) {
   const double exact_down = reference(operation, o, MPFR_RNDD);
@@ -185,8 +202,8 @@ void check(const Operation& operation, const Operands& o, double down, double up
   const bool above = up >= exact_up || nothing_concluded(exact_up, up);
   if (!below || !above) {
     if (tally.escapes++ == 0)
-      tally.first_escape = fmt::format("{}({:a}, {:a}, {:a}): [{:a}, {:a}] misses [{:a}, {:a}]", operation.name, o.a, o.b,
-                                       o.c, down, up, exact_down, exact_up);
+      tally.first_escape = fmt::format("{}({:a}, {:a}, {:a}): [{:a}, {:a}] misses [{:a}, {:a}]", operation.name, o.a,
+                                       o.b, o.c, down, up, exact_down, exact_up);
     return;
   }
   const double size = std::min(std::abs(exact_down), std::abs(exact_up));
@@ -222,8 +239,7 @@ TEST_P(KernelArithmetic, ContainsTheExactValue) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Widths, KernelArithmetic, testing::Values(16, 8, 4, 1),
-                         testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Widths, KernelArithmetic, testing::Values(16, 8, 4, 1), testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace verisq::device

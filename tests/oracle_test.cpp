@@ -211,6 +211,32 @@ TEST(OracleTest, DepthIsTheGlobalOptimumByBranchAndBound) {
   }
 }
 
+/// Solids that are round but for one part in 1e7 to 1e13 have almost a continuum of nearest boundary points. These four
+/// points once had a reference below a bound that other code had proven for them.
+TEST(OracleTest, ThoroughSearchFindsTheNearestPointOfNearlyRoundSolids) {
+  struct Case {
+    Superquadric superquadric;
+    Point local;
+    double proven;
+  };
+  const Superquadric long_round{{1.0563661581197947, 1.0563661581197947, 2.5903469189043458},
+                                {0.95399863200031587, 0.99999999999936318}};
+  const std::array cases{
+      Case{{{0.058115542980568577, 0.058115542980568577, 0.064721152197965939},
+            {1.0000001071679736, 0.99999999999864131}},
+           {-3.5841780821476811e-18, -2.5415382153292032e-18, -0.011551422210478158},
+           -0.053122548268006567},
+      Case{{{0.25842860276462298, 0.27616429108454887, 0.25444944548684267}, {1.000000000000121, 0.71417821492480893}},
+           {-7.7464696088260148e-06, -1.1835604920208462e-05, 0.0},
+           -0.25444944173168343},
+      Case{long_round, {4.6482157549009992e-17, 1.0868650082430106e-16, -0.82530613852060652}, -1.0003143353925164},
+      Case{long_round, {-8.0341286041733823e-17, 1.3173095095026702e-16, 0.31811270189399304}, -1.0490902330910714}};
+  for (const Case& c : cases) {
+    const PosedSolid solid(c.superquadric, identity);
+    EXPECT_GE(solid.signed_distance(c.local, Search::thorough).upper, Real(c.proven));
+  }
+}
+
 TEST(ContainmentTest, ReportsEveryKindOfEscape) {
   const Primitive sphere{"sphere", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, identity};
   const PosedSolid solid(sphere.superquadric, sphere.pose);

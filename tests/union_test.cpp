@@ -58,11 +58,10 @@ class UnionReference {
     bool ball_is_covered;  ///< `upper` comes from a covered ball
   };
 
-  /// `fineness` as in PosedSolid::signed_distance.
-  [[nodiscard]] Facts facts(const Point& point, std::size_t fineness) const {
+  [[nodiscard]] Facts facts(const Point& point, Search search) const {
     Facts facts{std::numeric_limits<Real>::infinity(), std::numeric_limits<Real>::infinity(), false, false};
     for (const PosedSolid& solid : solids_) {
-      const ReferenceDistance distance = solid.signed_distance(point, fineness);
+      const ReferenceDistance distance = solid.signed_distance(point, search);
       facts.lower = std::min(facts.lower, distance.lower);
       facts.upper = std::min(facts.upper, distance.upper);
     }
@@ -184,7 +183,6 @@ constexpr std::size_t random_scenes = 16;
 /// `prove(scene, points, tolerance)` returns one enclosure a point.
 template <class Prove>
 void expect_honest(std::size_t points_a_scene, const Prove& prove) {
-  constexpr std::size_t thorough_fineness = 45;
   std::size_t inside = 0;
   std::size_t covered = 0;
   std::size_t cases = 0;
@@ -197,9 +195,9 @@ void expect_honest(std::size_t points_a_scene, const Prove& prove) {
     const UnionReference reference(scene);
     std::vector<UnionReference::Facts> facts(points.size());
     in_parallel(points.size(), [&](std::size_t i) {
-      facts[i] = reference.facts(points[i], PosedSolid::usual_fineness);
+      facts[i] = reference.facts(points[i], Search::usual);
       const bool again = !agree(proven[0][i], facts[i]) || !agree(proven[1][i], facts[i]);
-      if (again) facts[i] = reference.facts(points[i], thorough_fineness);
+      if (again) facts[i] = reference.facts(points[i], Search::thorough);
     });
     for (std::size_t i = 0; i < points.size(); ++i) {
       inside += facts[i].outside ? 0 : 1;

@@ -1,3 +1,4 @@
+/// Plain floating-point gauge, normals and ray exits.
 #include "verify/boundary.hpp"
 
 #include <algorithm>

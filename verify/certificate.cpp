@@ -1,3 +1,4 @@
+/// The two proofs of design 2, §2, in 127-bit interval arithmetic.
 #include "verify/certificate.hpp"
 
 #include <algorithm>
@@ -16,6 +17,13 @@ std::array<Real, 3> magnitudes(const Proposal& v) {
 
 PreciseVector precise(const Proposal& v) {
   return {Real(v[0]), Real(v[1]), Real(v[2])};
+}
+
+Proposal midpoint(const PreciseVector& v) {
+  const auto middle = [](const PreciseInterval& x) {
+    return 0.5L * x.lower().to_long_double() + 0.5L * x.upper().to_long_double();
+  };
+  return {middle(v[0]), middle(v[1]), middle(v[2])};
 }
 
 bool usable(const Proposal& v) {

@@ -4,11 +4,18 @@
 #include <array>
 
 #include "verify/superquadric.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
 /// A direction or point found in floating point. It need not be accurate: a poor one proves a poor bound.
 using Proposal = std::array<long double, 3>;
+
+/// An enclosure of the signed distance and the direction that certifies its lower end.
+struct CertifiedDistance {
+  Enclosure distance;
+  Proposal direction;  ///< in the solid's frame
+};
 
 /// sd(q) >= (v·q - h(v)) / |v| for every v, because K lies in the half-space {v·x <= h(v)}; rounded down. Minus
 /// infinity for a zero or non-finite v. The bound holds for every point of the box q, given in the solid's frame.
@@ -20,6 +27,9 @@ using Proposal = std::array<long double, 3>;
 
 /// The exact vector, for interval arithmetic. Precondition: finite.
 [[nodiscard]] PreciseVector precise(const Proposal& v);
+
+/// A floating-point point near the middle of a thin box.
+[[nodiscard]] Proposal midpoint(const PreciseVector& v);
 
 /// Whether every coordinate is finite and one of them is not zero.
 [[nodiscard]] bool usable(const Proposal& v);

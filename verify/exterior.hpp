@@ -1,4 +1,4 @@
-/// Proposes the certificate of a point outside: the closest point of the solid and the normal there.
+/// Signed distance of points outside one superquadric.
 #pragma once
 
 #include "verify/certificate.hpp"
@@ -6,15 +6,9 @@
 
 namespace verisq::verify {
 
-/// Closest point x of the solid and a direction v along q - x.
-struct Contact {
-  Proposal point;
-  Proposal normal;
-};
-
-/// Solves the optimality conditions x_i + λ n_i(x) = q_i, g(x) = 1 for q outside, in the solid's frame, to nearly the
-/// precision of long double. Nothing is proven here; for q inside or within 1e-16 of the surface the
-/// result is the radial projection and the normal there.
-[[nodiscard]] Contact closest_contact(const Superquadric& solid, const Proposal& q);
+/// For every point of the box q in the solid's frame, to the rounding of the result. Valid for points inside too, where
+/// the lower end is that of the nearest plane along the ray from the centre, and the upper end is positive.
+[[nodiscard]] CertifiedDistance exterior_distance(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
+                                                  const PreciseVector& q);
 
 }  // namespace verisq::verify

@@ -1,3 +1,4 @@
+/// Best-first refinement of the polyhedron's shallowest face.
 #include "verify/inscribed_polyhedron.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+/// Reduces a point inside to the octant (or the profile of a solid of revolution) and encloses its depth there.
 #include "verify/interior.hpp"
 
 #include <algorithm>

@@ -2,16 +2,9 @@
 #pragma once
 
 #include "verify/certificate.hpp"
-#include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
-
-/// An enclosure of the signed distance and the direction that certifies its lower end.
-struct CertifiedDistance {
-  Enclosure distance;
-  Proposal direction;  ///< in the solid's frame
-};
 
 /// For every point of the box q in the solid's frame. Works until the width is at most `tolerance`, or about 1e-14 of
 /// the largest semi-axis where that is more, or the search's budget is spent. Precondition: g <= 1 proven on q.

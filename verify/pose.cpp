@@ -1,3 +1,4 @@
+/// Rotation matrices enclosed, points and directions moved between frames.
 #include "verify/pose.hpp"
 
 namespace verisq::verify {
@@ -37,13 +38,6 @@ PreciseVector Frame::local_direction(const Proposal& v) const {
 
 Proposal Frame::model_direction(const Proposal& v) const {
   return usable(v) ? midpoint(rotation_ * precise(v)) : Proposal{};
-}
-
-Proposal midpoint(const PreciseVector& v) {
-  const auto middle = [](const PreciseInterval& x) {
-    return 0.5L * x.lower().to_long_double() + 0.5L * x.upper().to_long_double();
-  };
-  return {middle(v[0]), middle(v[1]), middle(v[2])};
 }
 
 }  // namespace verisq::verify

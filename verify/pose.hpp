@@ -26,7 +26,4 @@ class Frame {
   PreciseVector translation_;
 };
 
-/// A floating-point point near the middle of a thin box.
-[[nodiscard]] Proposal midpoint(const PreciseVector& v);
-
 }  // namespace verisq::verify

@@ -1,3 +1,4 @@
+/// Elementary functions of binary64 by MPFR, and the life of MPFR's own cache.
 #include "verify/real.hpp"
 
 namespace verisq::verify {

@@ -1,3 +1,4 @@
+/// Error-free transforms: Fast2Sum and fused residuals decide whether a result has to step outwards.
 #include "verify/rounding.hpp"
 
 #include <cmath>

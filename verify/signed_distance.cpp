@@ -1,3 +1,4 @@
+/// The public entry: a model as posed solids.
 #include "verisq/signed_distance.hpp"
 
 #include <vector>

@@ -1,6 +1,9 @@
+/// Frame and proofs of one superquadric together.
 #include "verify/solid.hpp"
 
+#include "verify/contact.hpp"
 #include "verify/exterior.hpp"
+#include "verify/interior.hpp"
 
 namespace verisq::verify {
 
@@ -21,14 +24,11 @@ Solid::Solid(const Primitive& primitive)
 
 CertifiedDistance Solid::signed_distance(const Point& x, double tolerance) const {
   const PreciseVector q = frame_.local_point(x);
-  const Contact contact = closest_contact(superquadric_, midpoint(q));
-  CertifiedDistance result{{lower_bound(bounds_, q, contact.normal), 0.0}, contact.normal};
+  CertifiedDistance result = exterior_distance(superquadric_, bounds_, q);
   if (result.distance.lo <= 0.0 && bounds_.gauge(q).upper() <= Real(1)) {
     const CertifiedDistance inside = interior_distance(superquadric_, bounds_, q, tolerance);
     result.distance.hi = inside.distance.hi;
     if (inside.distance.lo > result.distance.lo) result = inside;
-  } else {
-    result.distance.hi = upper_bound(bounds_, q, contact.point);
   }
   result.direction = frame_.model_direction(result.direction);
   return result;
@@ -48,7 +48,7 @@ double Solid::ray_clearance(const Point& x, const Proposal& u) const {
 bool Solid::separated(const Point& x, const Proposal& u, double s) const {
   const PreciseVector q = frame_.local_point(x) + frame_.local_direction(u) * PreciseInterval(Real(s));
   if ((length<Real>(q) - radius_).lower() > Real(0)) return true;
-  return lower_bound(bounds_, q, closest_contact(superquadric_, midpoint(q)).normal) > 0.0;
+  return lower_bound(bounds_, q, fast_contact(superquadric_, midpoint(q)).normal) > 0.0;
 }
 
 PreciseVector Solid::bounding_box() const {

@@ -1,7 +1,7 @@
 /// One posed superquadric, ready for proofs.
 #pragma once
 
-#include "verify/interior.hpp"
+#include "verify/certificate.hpp"
 #include "verify/pose.hpp"
 
 namespace verisq::verify {

@@ -1,3 +1,4 @@
+/// Minimum outside, an escape route inside.
 #include "verify/solid_union.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+/// Mixed norms, one side at a time.
 #include "verify/superquadric.hpp"
 
 #include <cmath>

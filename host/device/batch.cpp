@@ -114,15 +114,14 @@ class Slot {
     queue_.flush();
   }
 
-  std::vector<Enclosure> finish(double& seconds) {
+  void finish(std::vector<Enclosure>& enclosures, double& seconds) {
     queue_.finish();
     for (const cl::Event& kernel : kernels_)
       seconds += 1e-9 * static_cast<double>(kernel.getProfilingInfo<CL_PROFILING_COMMAND_END>() -
                                             kernel.getProfilingInfo<CL_PROFILING_COMMAND_START>());
-    std::vector<Enclosure> enclosures(size_);
+    enclosures.resize(size_);
     for (std::size_t n = 0; n < size_; ++n)
       enclosures[n] = {scaled_down(los_[n], 1.0 / factor_), scaled_up(his_[n], 1.0 / factor_)};
-    return enclosures;
   }
 
  private:
@@ -252,11 +251,11 @@ void Batch::submit(std::span<const Point> points) {
   state_->next = 1 - state_->next;
 }
 
-std::vector<Enclosure> Batch::collect() {
+void Batch::collect(std::vector<Enclosure>& enclosures) {
   Slot& oldest = state_->slots[state_->in_flight.front()];
   state_->in_flight.pop_front();
   try {
-    return oldest.finish(state_->seconds);
+    oldest.finish(enclosures, state_->seconds);
   } catch (const cl::Error& error) {
     throw opencl_failure(state_->device, error);
   }

@@ -31,9 +31,9 @@ class Batch {
   /// Precondition: at most `capacity()` finite points; fewer than two chunks in flight.
   void submit(std::span<const Point> points);
 
-  /// Enclosures of the oldest chunk in flight, in the order of its points; an end is infinite where nothing was proven.
-  /// Precondition: a chunk is in flight.
-  [[nodiscard]] std::vector<Enclosure> collect();
+  /// Fills `enclosures` with those of the oldest chunk in flight, in the order of its points; an end is infinite where
+  /// nothing was proven. Precondition: a chunk is in flight.
+  void collect(std::vector<Enclosure>& enclosures);
 
   /// Kernel time of all chunks collected.
   [[nodiscard]] double device_seconds() const;

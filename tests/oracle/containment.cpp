@@ -8,8 +8,6 @@ namespace verisq::oracle {
 
 namespace {
 
-constexpr std::size_t thorough_fineness = 45;
-
 [[nodiscard]] std::string evidence(const char* what, const Enclosure& enclosure, const Primitive& primitive,
                                    const Point& point, const ReferenceDistance& reference) {
   const Superquadric& s = primitive.superquadric;
@@ -32,9 +30,9 @@ std::optional<std::string> escape(const Enclosure& enclosure, const Primitive& p
   if (Real(enclosure.lo) <= reference.upper) return std::nullopt;
   if (reference.upper_is_proven) return evidence("lower end too high", enclosure, primitive, point, reference);
   const PosedSolid solid(primitive.superquadric, primitive.pose);
-  const ReferenceDistance thorough = solid.signed_distance(point, thorough_fineness);
+  const ReferenceDistance thorough = solid.signed_distance(point, Search::thorough);
   if (Real(enclosure.lo) <= thorough.upper) return std::nullopt;
-  return evidence("lower end too high (best of 2,000 starts)", enclosure, primitive, point, thorough);
+  return evidence("lower end too high (after a thorough search)", enclosure, primitive, point, thorough);
 }
 
 double relative_gap(const ReferenceDistance& reference, const PosedSolid& solid, const Point& point) {

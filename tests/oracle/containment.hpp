@@ -10,8 +10,8 @@
 namespace verisq::oracle {
 
 /// The evidence that `enclosure` misses the signed distance of `point`, in one line that reproduces the case; empty
-/// when there is none. Inside, an end above the reference first sends the reference to search again from some 2,000
-/// directions, because its search could have missed the nearest boundary point.
+/// when there is none. Inside, an end above the reference first sends the reference to search thoroughly, because its
+/// usual search could have missed the nearest boundary point.
 [[nodiscard]] std::optional<std::string> escape(const Enclosure& enclosure, const Primitive& primitive,
                                                 const Point& point, const ReferenceDistance& reference);
 

@@ -2,6 +2,7 @@
 #include "tests/oracle/depth.hpp"
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "tests/oracle/stationarity.hpp"
@@ -11,6 +12,21 @@ namespace verisq::oracle {
 namespace {
 
 using Direction = Triple<double>;
+
+/// What the two kinds of search spend.
+struct Effort {
+  int fineness;           ///< steps of the grid of directions along an edge of the octant
+  std::size_t descended;  ///< candidates that descend far
+  int descent_steps;
+  std::size_t polished;         ///< candidates that go to Newton's method
+  double nearly_zero;           ///< q_i/a_i below which x_i may be anything: several starts for Newton's method
+  std::vector<double> decades;  ///< the further starts x_i/a_i there, for the best candidate
+};
+
+[[nodiscard]] Effort effort_of(Search search) {
+  if (search == Search::usual) return {4, 8, 40, 3, 1e-6, {}};
+  return {45, 200, 2000, 12, 1e-2, {0.3, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-7, 1e-10}};
+}
 
 /// A boundary point, its normal, and the proven bound (1 - n·q)/|n| on the depth (up to rounding in double).
 struct Candidate {
@@ -53,10 +69,10 @@ struct Candidate {
 }
 
 /// Directions w of the octant on a barycentric grid, and the same as normals of the ellipsoid of these semi-axes.
-[[nodiscard]] std::vector<Direction> starting_directions(const Direction& axes, std::size_t fineness) {
+[[nodiscard]] std::vector<Direction> starting_directions(const Direction& axes, int fineness) {
   std::vector<Direction> directions;
-  for (std::size_t i = 0; i <= fineness; ++i) {
-    for (std::size_t j = 0; i + j <= fineness; ++j) {
+  for (int i = 0; i <= fineness; ++i) {
+    for (int j = 0; i + j <= fineness; ++j) {
       const Direction w{static_cast<double>(i), static_cast<double>(j), static_cast<double>(fineness - i - j)};
       directions.push_back(w);
       const bool on_axis = i == fineness || j == fineness || i + j == 0;
@@ -73,31 +89,28 @@ struct Candidate {
 
 /// Descends from all starts, a few steps for all and many for the promising; the shallowest first, without repetition.
 [[nodiscard]] std::vector<Candidate> shallowest(const MixedNorm<double>& norm, const Direction& q,
-                                                std::size_t fineness) {
-  constexpr std::size_t most_descended = 8;
-  constexpr std::size_t most_polished = 3;
+                                                const Effort& effort) {
   std::vector<Candidate> candidates;
   const double gauge = norm.gauge(q);
   if (gauge > 0) {
     const Direction normal = norm.gradient(q, gauge);
     candidates.push_back({scaled(q, 1 / gauge), normal, (1 - dot(normal, q)) / length(normal)});
   }
-  for (const Direction& start : starting_directions(norm.semi_axes(), fineness)) {
+  for (const Direction& start : starting_directions(norm.semi_axes(), effort.fineness)) {
     candidates.push_back(ray_exit(norm, q, start));
   }
   const auto by_depth = [](const Candidate& a, const Candidate& b) { return a.depth < b.depth; };
   for (Candidate& candidate : candidates) candidate = descend(norm, q, candidate, 2);
   std::erase_if(candidates, [](const Candidate& c) { return !std::isfinite(c.depth); });
   std::sort(candidates.begin(), candidates.end(), by_depth);
-  const std::size_t promising = std::min(candidates.size(), std::max(most_descended, fineness));
-  candidates.resize(promising);
-  for (Candidate& candidate : candidates) candidate = descend(norm, q, candidate, 40);
+  candidates.resize(std::min(candidates.size(), effort.descended));
+  for (Candidate& candidate : candidates) candidate = descend(norm, q, candidate, effort.descent_steps);
   std::sort(candidates.begin(), candidates.end(), by_depth);
   std::vector<Candidate> distinct;
   for (const Candidate& candidate : candidates) {
     const bool known =
         std::any_of(distinct.begin(), distinct.end(), [&](const Candidate& d) { return alike(d, candidate); });
-    if (!known && distinct.size() < most_polished) distinct.push_back(candidate);
+    if (!known && distinct.size() < effort.polished) distinct.push_back(candidate);
   }
   return distinct;
 }
@@ -155,10 +168,10 @@ struct ProvenPoint {
 
 /// Starts for Newton near one candidate. A coordinate of q that is zero or nearly so has two kinds of stationary
 /// points, one with x_i near q_i (zero if q_i is) and one away from it; descent tells them apart too slowly, so all
-/// are tried, in all combinations.
+/// are tried, in all combinations, with x_i/a_i of `decades` besides.
 [[nodiscard]] std::vector<Vector> newton_starts(const MixedNorm<double>& norm, const Vector& q,
-                                                const Candidate& candidate) {
-  constexpr double nearly_zero = 1e-6;
+                                                const Candidate& candidate, double nearly_zero,
+                                                std::span<const double> decades) {
   constexpr double away = 1e-4;
   Vector x = widened(candidate.boundary_point);
   for (std::size_t i = 0; i < 3; ++i) x[i] = std::max<Real>(x[i], q[i]);
@@ -170,6 +183,7 @@ struct ProvenPoint {
     const double own = candidate.boundary_point[i];
     const auto alike = [own](const Real& value) { return abs(value - own) < 0.01 * own; };
     if (own > away * axis && std::none_of(values.begin(), values.end(), alike)) values.emplace_back(own);
+    for (const double ratio : decades) values.emplace_back(ratio * axis);
     const std::size_t so_far = starts.size();
     for (std::size_t k = 0; k < so_far; ++k) {
       for (const Real& value : values) {
@@ -182,31 +196,30 @@ struct ProvenPoint {
   return starts;
 }
 
-/// Raises `best` to the best stationary point that Newton finds near `candidate`.
-void improve(ProvenPoint& best, const Stationarity& stationarity, const MixedNorm<Real>& norm,
-             const MixedNorm<double>& rough, const Vector& q, const Candidate& candidate) {
-  for (const Vector& x : newton_starts(rough, q, candidate)) {
-    const std::optional<ProvenPoint> point = polished(stationarity, norm, q, x);
-    if (point && point->bound > best.bound) best = *point;
-  }
-}
-
 }  // namespace
 
 Real signed_distance_inside(const Superquadric& superquadric, const MixedNorm<Real>& norm, const Vector& q,
-                            std::size_t fineness) {
+                            Search search) {
+  const Effort effort = effort_of(search);
   const Stationarity stationarity(norm, q, Side::inside);
   const MixedNorm<double> rough(superquadric);
   ProvenPoint best{{}, {}, -std::numeric_limits<Real>::infinity()};
-  for (const Candidate& candidate : shallowest(rough, rounded(q), fineness)) {
+  const auto improve = [&](std::span<const Vector> starts) {
+    for (const Vector& x : starts) {
+      const std::optional<ProvenPoint> point = polished(stationarity, norm, q, x);
+      if (point && point->bound > best.bound) best = *point;
+    }
+  };
+  for (const Candidate& candidate : shallowest(rough, rounded(q), effort)) {
     const Vector normal = widened(candidate.normal);
     const ProvenPoint unpolished{widened(candidate.boundary_point), normal, bound(norm, q, normal)};
     if (unpolished.bound > best.bound) best = unpolished;
-    improve(best, stationarity, norm, rough, q, candidate);
+    improve(newton_starts(rough, q, candidate, effort.nearly_zero, {}));
   }
   // Once more from the best: only at a polished point are the heights over the ridges those of a stationary point.
   const Candidate winner{rounded(best.boundary_point), rounded(best.normal), -best.bound.convert_to<double>()};
-  if (newton_starts(rough, q, winner).size() > 1) improve(best, stationarity, norm, rough, q, winner);
+  const std::vector<Vector> starts = newton_starts(rough, q, winner, effort.nearly_zero, effort.decades);
+  if (starts.size() > 1) improve(starts);
   return best.bound;
 }
 

@@ -1,7 +1,6 @@
 /// Pose, choice of side, and the rounding at 200 bits, added at the end.
 #include "tests/oracle/reference_distance.hpp"
 
-#include "tests/oracle/depth.hpp"
 #include "tests/oracle/projection.hpp"
 
 namespace verisq::oracle {
@@ -51,7 +50,7 @@ Real PosedSolid::magnitude(const Point& point) const {
   return std::max<Real>(length(to_own_frame(widened(point))), largest_semi_axis(norm_));
 }
 
-ReferenceDistance PosedSolid::signed_distance(const Point& point, std::size_t fineness) const {
+ReferenceDistance PosedSolid::signed_distance(const Point& point, Search search) const {
   const Vector global = widened(point);
   Vector q = to_own_frame(global);
   for (Real& coordinate : q) coordinate = abs(coordinate);
@@ -69,7 +68,7 @@ ReferenceDistance PosedSolid::signed_distance(const Point& point, std::size_t fi
     const Bounds bounds = distance_outside(superquadric_, norm_, q);
     return {bounds.lower - rounding, bounds.upper + rounding, true};
   }
-  const Real best = signed_distance_inside(superquadric_, norm_, q, fineness);
+  const Real best = signed_distance_inside(superquadric_, norm_, q, search);
   return {best - rounding, best + rounding, false};
 }
 

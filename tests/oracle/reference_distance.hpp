@@ -3,9 +3,9 @@
 /// candidate however found, so an oracle that fails to converge is wide, not wrong.
 #pragma once
 
-#include <cstddef>
 #include <verisq/model.hpp>
 
+#include "tests/oracle/depth.hpp"
 #include "tests/oracle/mixed_norm.hpp"
 
 namespace verisq::oracle {
@@ -21,13 +21,10 @@ struct ReferenceDistance {
 
 class PosedSolid {
  public:
-  /// Grid of starting directions inside: 15 directions, twice.
-  static constexpr std::size_t usual_fineness = 4;
-
   PosedSolid(const Superquadric& superquadric, const Pose& pose);
 
-  /// `fineness` sets the number of starts inside, about its square.
-  [[nodiscard]] ReferenceDistance signed_distance(const Point& point, std::size_t fineness = usual_fineness) const;
+  /// `search` matters inside only.
+  [[nodiscard]] ReferenceDistance signed_distance(const Point& point, Search search = Search::usual) const;
 
   /// R^T (point - t), to within 2^-190 (|point| + |t|).
   [[nodiscard]] Vector to_own_frame(const Vector& point) const;
