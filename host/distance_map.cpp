@@ -1,6 +1,8 @@
 /// This file implements the map: source -> device (or host) -> host for what stays open -> sink.
 #include "verisq/distance_map.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -12,8 +14,6 @@
 #include <optional>
 #include <thread>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "host/device/batch.hpp"
 #include "verisq/error.hpp"

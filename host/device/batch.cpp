@@ -1,13 +1,13 @@
 /// This file implements the streaming of points through a device.
 #include "host/device/batch.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
 #include <limits>
-
-#include <fmt/format.h>
 
 #include "host/device/primitive_parameters.hpp"
 #include "verisq/error.hpp"
@@ -18,8 +18,8 @@ namespace {
 constexpr std::size_t points_per_chunk = 1U << 16U;
 constexpr std::size_t primitives_per_full_chunk = 8;  // larger models take smaller chunks: memory stays bounded
 constexpr std::size_t smallest_chunk = 1U << 10U;
-constexpr std::size_t chunk_alignment = 1U << 10U;    // keeps windows of device buffers aligned for any device
-constexpr std::size_t scratch_per_point = 8;          // SCRATCH_SIZE in kernels/interior_depth.cl
+constexpr std::size_t chunk_alignment = 1U << 10U;  // keeps windows of device buffers aligned for any device
+constexpr std::size_t scratch_per_point = 8;        // SCRATCH_SIZE in kernels/interior_depth.cl
 
 // Interior search: lanes of a processor's work-item share a block of points, so that none idles; a graphics
 // processor's work-item owns one point.
@@ -33,8 +33,8 @@ constexpr std::size_t group_size = 32;
 constexpr int largest_scaled_exponent = 300;
 
 std::size_t chunk_points(std::size_t primitives) {
-  const std::size_t wanted =
-      std::max(smallest_chunk, points_per_chunk * primitives_per_full_chunk / std::max(primitives, primitives_per_full_chunk));
+  const std::size_t wanted = std::max(
+      smallest_chunk, points_per_chunk * primitives_per_full_chunk / std::max(primitives, primitives_per_full_chunk));
   return wanted - wanted % chunk_alignment;
 }
 
@@ -46,7 +46,9 @@ double scaled_down(double x, double factor) {
   if (std::isinf(y)) return y > 0.0 ? std::numeric_limits<double>::max() : y;
   return back > x ? std::nextafter(y, -std::numeric_limits<double>::infinity()) : y;
 }
-double scaled_up(double x, double factor) { return -scaled_down(-x, factor); }
+double scaled_up(double x, double factor) {
+  return -scaled_down(-x, factor);
+}
 
 // One chunk on its way through the device: its own queue, so that its transfers overlap with the other's kernels.
 class Slot {
@@ -135,9 +137,9 @@ class Slot {
     for (std::size_t index = 0; index < count_; ++index)
       for (int i = 0; i < 5; ++i) {
         const cl_buffer_region region{index * capacity_ * sizeof(double), capacity_ * sizeof(double)};
-        views_[index][i] = count_ == 1 ? per_primitive_[i]
-                                       : per_primitive_[i].createSubBuffer(CL_MEM_READ_WRITE,
-                                                                           CL_BUFFER_CREATE_TYPE_REGION, &region);
+        views_[index][i] =
+            count_ == 1 ? per_primitive_[i]
+                        : per_primitive_[i].createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region);
       }
   }
 
@@ -187,7 +189,8 @@ class Slot {
 };
 
 Error opencl_failure(const Device& device, const cl::Error& error) {
-  return Error(ErrorKind::failure, fmt::format("{}: {} failed with OpenCL error {}", device.name, error.what(), error.err()));
+  return Error(ErrorKind::failure,
+               fmt::format("{}: {} failed with OpenCL error {}", device.name, error.what(), error.err()));
 }
 
 }  // namespace
@@ -237,9 +240,13 @@ Batch::Batch(const Device& device, const Model& model, double tolerance) {
 
 Batch::~Batch() = default;
 
-std::size_t Batch::capacity() const { return state_->capacity; }
+std::size_t Batch::capacity() const {
+  return state_->capacity;
+}
 
-double Batch::device_seconds() const { return state_->seconds; }
+double Batch::device_seconds() const {
+  return state_->seconds;
+}
 
 void Batch::submit(std::span<const Point> points) {
   try {

@@ -1,6 +1,7 @@
 /// This file implements the cache: one file a key, its first line the key itself, so that hash collisions are harmless.
 #include "host/device/cache.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -9,8 +10,6 @@
 #include <functional>
 #include <sstream>
 #include <system_error>
-
-#include <fmt/format.h>
 
 namespace verisq::device {
 namespace {
@@ -29,7 +28,9 @@ std::optional<std::filesystem::path> file_of(std::string_view key) {
   return *directory / fmt::format("{:016x}", std::hash<std::string_view>{}(key));
 }
 
-std::string header(std::string_view key) { return fmt::format("{}\n", key.size()) + std::string(key); }
+std::string header(std::string_view key) {
+  return fmt::format("{}\n", key.size()) + std::string(key);
+}
 
 }  // namespace
 

@@ -1,11 +1,11 @@
 /// This file implements the choice of a device and the cache of self-test outcomes.
 #include "host/device/device.hpp"
 
-#include <algorithm>
-#include <charconv>
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
 
 #include "host/device/cache.hpp"
 #include "host/device/program.hpp"
@@ -57,8 +57,8 @@ Device open(const cl::Device& device) {
 // The first failure of the self-test, or an empty string; from the cache where the same build, device and driver were
 // tested before.
 std::string self_test_outcome(const Device& opened) {
-  const std::string key = fmt::format("self-test\n{}\n{}\n{}", identity(opened.device), opened.vector_width,
-                                      kernels::embedded_sources());
+  const std::string key =
+      fmt::format("self-test\n{}\n{}\n{}", identity(opened.device), opened.vector_width, kernels::embedded_sources());
   if (const auto outcome = cached(key)) return *outcome;
   const std::string outcome = self_test(opened.context, opened.device, opened.program, opened.vector_width);
   store_in_cache(key, outcome);

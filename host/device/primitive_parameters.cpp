@@ -9,8 +9,8 @@
 namespace verisq::device {
 namespace {
 
-using Extended = boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<60>,
-                                               boost::multiprecision::et_off>;
+using Extended =
+    boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<60>, boost::multiprecision::et_off>;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double unit_roundoff = 0x1p-53;
@@ -24,7 +24,9 @@ double round_down(const Extended& x) {
   return Extended(nearest) <= x ? nearest : std::nextafter(nearest, -infinity);
 }
 
-double round_up(const Extended& x) { return -round_down(-x); }
+double round_up(const Extended& x) {
+  return -round_down(-x);
+}
 
 void set_exponents(PrimitiveParameters& out, const std::array<double, 2>& exponents) {
   for (int i = 0; i < 2; ++i) {
@@ -48,9 +50,10 @@ void set_rotation(PrimitiveParameters& out, const std::array<double, 4>& quatern
   const Extended y(quaternion[2]);
   const Extended z(quaternion[3]);
   const Extended n = w * w + x * x + y * y + z * z;
-  const Extended rows[9] = {w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y),
-                            2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x),
-                            2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z};
+  const Extended rows[9] = {
+      w * w + x * x - y * y - z * z, 2 * (x * y + w * z),           2 * (x * z - w * y),
+      2 * (x * y - w * z),           w * w - x * x + y * y - z * z, 2 * (y * z + w * x),
+      2 * (x * z + w * y),           2 * (y * z - w * x),           w * w - x * x - y * y + z * z};
   std::transform(std::begin(rows), std::end(rows), std::begin(out.rotation),
                  [&n](const Extended& entry) { return Extended(entry / n).convert_to<double>(); });
 }
@@ -59,9 +62,8 @@ void set_rotation(PrimitiveParameters& out, const std::array<double, 4>& quatern
 // products R_ij d_j whose factors carry one rounding each and which pass through at most three more; columns of R have
 // length 1, so the error vector is at most ((1 + u)^5 - 1) |d|_1 < 5.01 u |d|_1.
 double pose_error(const PrimitiveParameters& out) {
-  const bool permutes =
-      std::all_of(std::begin(out.rotation), std::end(out.rotation),
-                  [](double entry) { return entry == 0.0 || std::abs(entry) == 1.0; });
+  const bool permutes = std::all_of(std::begin(out.rotation), std::end(out.rotation),
+                                    [](double entry) { return entry == 0.0 || std::abs(entry) == 1.0; });
   const bool stays = std::all_of(std::begin(out.translation), std::end(out.translation),
                                  [](double component) { return component == 0.0; });
   if (!permutes) return 5.1 * unit_roundoff;

@@ -27,9 +27,9 @@ cl::Program from_sources(const cl::Context& context, const cl::Device& device, c
   try {
     program.build({device}, options.c_str());
   } catch (const cl::Error& error) {
-    throw Error(ErrorKind::failure, fmt::format("{}: kernels do not compile ({}, {}): {}", identity(device),
-                                                error.what(), error.err(),
-                                                program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device)));
+    throw Error(ErrorKind::failure,
+                fmt::format("{}: kernels do not compile ({}, {}): {}", identity(device), error.what(), error.err(),
+                            program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device)));
   }
   return program;
 }

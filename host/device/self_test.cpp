@@ -1,6 +1,8 @@
 /// This file implements the self-test of a device's arithmetic (design 3).
 #include "host/device/self_test.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
@@ -8,8 +10,6 @@
 #include <limits>
 #include <random>
 #include <vector>
-
-#include <fmt/format.h>
 
 namespace verisq::device {
 namespace {
@@ -34,27 +34,59 @@ struct Operation {
   double tightness;  // largest |result - value| / |value| beyond underflow; 0 for exactly rounded operations
 };
 
-bool always(const Operands&) { return true; }
-bool divisor(const Operands& o) { return o.b != 0.0; }
-bool nonnegative(const Operands& o) { return o.a >= 0.0; }
-bool exponent_range(const Operands& o) { return std::abs(o.a) < 700.0; }
-bool positive_normal(const Operands& o) { return o.a >= std::numeric_limits<double>::min(); }
-bool unit_base(const Operands& o) { return o.a >= 1e-300 && o.a <= 1.0 && o.b >= 0.0 && o.b <= 64.0; }
+bool always(const Operands&) {
+  return true;
+}
+bool divisor(const Operands& o) {
+  return o.b != 0.0;
+}
+bool nonnegative(const Operands& o) {
+  return o.a >= 0.0;
+}
+bool exponent_range(const Operands& o) {
+  return std::abs(o.a) < 700.0;
+}
+bool positive_normal(const Operands& o) {
+  return o.a >= std::numeric_limits<double>::min();
+}
+bool unit_base(const Operands& o) {
+  return o.a >= 1e-300 && o.a <= 1.0 && o.b >= 0.0 && o.b <= 64.0;
+}
 
-Exact sum(const Operands& o) { return Exact(o.a) + o.b; }
-Exact difference(const Operands& o) { return Exact(o.a) - o.b; }
-Exact product(const Operands& o) { return Exact(o.a) * o.b; }
-Exact quotient(const Operands& o) { return Exact(o.a) / o.b; }
-Exact root(const Operands& o) { return sqrt(Exact(o.a)); }
-Exact fused(const Operands& o) { return Exact(o.a) * o.b + o.c; }
-Exact rounded_twice(const Operands& o) { return Exact(o.a * o.b) + o.c; }  // compiled with -ffp-contract=off
+Exact sum(const Operands& o) {
+  return Exact(o.a) + o.b;
+}
+Exact difference(const Operands& o) {
+  return Exact(o.a) - o.b;
+}
+Exact product(const Operands& o) {
+  return Exact(o.a) * o.b;
+}
+Exact quotient(const Operands& o) {
+  return Exact(o.a) / o.b;
+}
+Exact root(const Operands& o) {
+  return sqrt(Exact(o.a));
+}
+Exact fused(const Operands& o) {
+  return Exact(o.a) * o.b + o.c;
+}
+Exact rounded_twice(const Operands& o) {
+  return Exact(o.a * o.b) + o.c;
+}  // compiled with -ffp-contract=off
 
 // Transcendental values to 200 bits: far beyond what the comparison needs, and quick.
 using Extended =
     boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<60>, boost::multiprecision::et_off>;
-Exact exponential(const Operands& o) { return Exact(exp(Extended(o.a))); }
-Exact logarithm(const Operands& o) { return Exact(log(Extended(o.a))); }
-Exact power(const Operands& o) { return Exact(pow(Extended(o.a), Extended(o.b))); }
+Exact exponential(const Operands& o) {
+  return Exact(exp(Extended(o.a)));
+}
+Exact logarithm(const Operands& o) {
+  return Exact(log(Extended(o.a)));
+}
+Exact power(const Operands& o) {
+  return Exact(pow(Extended(o.a), Extended(o.b)));
+}
 
 // In the order of kernels/self_test.cl.
 constexpr double outward = 0x1p-51;  // two steps of a unit in the last place
@@ -87,10 +119,31 @@ const Operation operations[] = {
 };
 
 std::vector<Operands> sample_operands() {
-  std::vector<double> special = {0.0, -0.0, 1.0, -1.0, 2.0, 0.5, 3.0, 1.0 / 3.0, 0.1, 1e300, -1e300, 1e-300,
-                                 0x1p-1022, 0x1p-1074, 0x1.fffffffffffffp-1, 0x1.0000000000001p0,
-                                 0x1.fffffffffffffp1023, 0x1.6a09e667f3bcdp-1, 0x1.6a09e667f3bcdp0, 700.0, -700.0,
-                                 0x1.62e42fefa39efp-1, -0x1.62e42fefa39efp-1, 1e-8, 53.0};
+  std::vector<double> special = {0.0,
+                                 -0.0,
+                                 1.0,
+                                 -1.0,
+                                 2.0,
+                                 0.5,
+                                 3.0,
+                                 1.0 / 3.0,
+                                 0.1,
+                                 1e300,
+                                 -1e300,
+                                 1e-300,
+                                 0x1p-1022,
+                                 0x1p-1074,
+                                 0x1.fffffffffffffp-1,
+                                 0x1.0000000000001p0,
+                                 0x1.fffffffffffffp1023,
+                                 0x1.6a09e667f3bcdp-1,
+                                 0x1.6a09e667f3bcdp0,
+                                 700.0,
+                                 -700.0,
+                                 0x1.62e42fefa39efp-1,
+                                 -0x1.62e42fefa39efp-1,
+                                 1e-8,
+                                 53.0};
   std::vector<Operands> out;
   for (const double a : special)
     for (const double b : special)
@@ -109,14 +162,16 @@ std::vector<Operands> sample_operands() {
     out.push_back({a, b, signed_number(narrow)});
     out.push_back({a, b, -a * b});  // what contraction would give away
     out.push_back({signed_number(wide), signed_number(wide), signed_number(wide)});
-    out.push_back({mantissa(generator) - 1.0, std::abs(b), a});       // bases of powers
-    out.push_back({1.0 + std::ldexp(a, -40), std::abs(b), -1.0});     // logarithms near 0
+    out.push_back({mantissa(generator) - 1.0, std::abs(b), a});    // bases of powers
+    out.push_back({1.0 + std::ldexp(a, -40), std::abs(b), -1.0});  // logarithms near 0
   }
   while (out.size() % 16 != 0) out.push_back({1.0, 1.0, 1.0});
   return out;
 }
 
-double to_nearest(const Exact& value) { return value.convert_to<double>(); }
+double to_nearest(const Exact& value) {
+  return value.convert_to<double>();
+}
 
 bool keeps(const Operation& operation, const Operands& operands, double result) {
   const Exact value = operation.value(operands);

@@ -5,31 +5,30 @@
 #include <functional>
 #include <span>
 #include <string>
-
 #include <verisq/map_result.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
 
 struct MapOptions {
-  double tolerance;                                   ///< absolute, in model units; 0 asks for the tightest
-  std::string device = "auto";                        ///< "auto", "host", an index or a part of a device's name
+  double tolerance;                                          ///< absolute, in model units; 0 asks for the tightest
+  std::string device = "auto";                               ///< "auto", "host", an index or a part of a device's name
   std::function<bool()> interrupted = [] { return false; };  ///< polled between chunks; true ends the map early
 };
 
 struct MapSummary {
-  std::string device;            ///< name of the device used, or "host"
-  std::uint64_t points = 0;      ///< rows delivered to the sink
+  std::string device;        ///< name of the device used, or "host"
+  std::uint64_t points = 0;  ///< rows delivered to the sink
   std::uint64_t device_verified = 0;
   std::uint64_t host_verified = 0;
   std::uint64_t wide = 0;
-  double minimum_lo = 0.0;       ///< enclosure of the smallest signed distance of all points
+  double minimum_lo = 0.0;  ///< enclosure of the smallest signed distance of all points
   double minimum_hi = 0.0;
   double largest_width = 0.0;
-  double device_seconds = 0.0;   ///< kernel time
-  double host_seconds = 0.0;     ///< wall time of the host's proofs
+  double device_seconds = 0.0;  ///< kernel time
+  double host_seconds = 0.0;    ///< wall time of the host's proofs
   bool interrupted = false;
-  std::string notice;            ///< why a device was passed over; empty when nothing to say
+  std::string notice;  ///< why a device was passed over; empty when nothing to say
 };
 
 /// Fills the span from the front; returns how many, 0 at the end.

@@ -14,6 +14,8 @@ struct Enclosure {
 };
 
 /// "Verified" in the sense of the contract: at most `tolerance` wide. False for NaN.
-[[nodiscard]] constexpr bool verified(const Enclosure& e, double tolerance) { return e.width() <= tolerance; }
+[[nodiscard]] constexpr bool verified(const Enclosure& e, double tolerance) {
+  return e.width() <= tolerance;
+}
 
 }  // namespace verisq

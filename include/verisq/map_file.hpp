@@ -4,15 +4,15 @@
 #include <filesystem>
 #include <memory>
 #include <span>
-
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
 
 namespace verisq {
 
 /// Rows arrive in order through `append`; `.csv` and `.json` stream them to the disk, the mesh formats (`.vtp`, `.ply`)
-/// keep them until `finish`. Everything goes to a temporary file beside the target, which `finish` renames: an interrupted run leaves
-/// no half-written map under the target's name. Without `finish` the destructor removes the temporary file.
+/// keep them until `finish`. Everything goes to a temporary file beside the target, which `finish` renames: an
+/// interrupted run leaves no half-written map under the target's name. Without `finish` the destructor removes the
+/// temporary file.
 class MapWriter {
  public:
   /// `mesh` supplies vertices and triangles to the mesh formats; it must outlive the writer. Null for a stream of

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string_view>
-
 #include <verisq/enclosure.hpp>
 
 namespace verisq {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <vector>
-
 #include <verisq/model.hpp>
 
 namespace verisq {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-
 #include <verisq/mesh.hpp>
 
 namespace verisq {

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string_view>
-
 #include <verisq/model.hpp>
 
 namespace verisq {

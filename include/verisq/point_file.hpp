@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 #include <span>
-
 #include <verisq/model.hpp>
 
 namespace verisq {
@@ -22,7 +21,7 @@ class PointFile {
   /// Fills `points` from the front; returns how many, fewer than asked only at the end of the file.
   std::size_t read(std::span<Point> points);
 
-  [[nodiscard]] std::uint64_t bytes_read() const;   ///< for progress
+  [[nodiscard]] std::uint64_t bytes_read() const;  ///< for progress
   [[nodiscard]] std::uint64_t bytes_total() const;
 
  private:

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 
