@@ -128,7 +128,8 @@ ALWAYS_INLINE tested_point farther_out(tested_point a, tested_point b) {
 }
 
 // Corners 1, 2, 3 of the cell and the midpoints a, b, c of the sides opposite to them, all times two: exact integers.
-ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted, constant const superquadric* s) {
+ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted,
+                                          constant const superquadric* s) {
   const vector3 on = {base.x + 1.0 - inverted, base.y + 1.0 - inverted, base.z + 1.0 - inverted};
   const vector3 off = {base.x + inverted, base.y + inverted, base.z + inverted};
   const vector3 corner_1 = {2.0 * on.x, 2.0 * off.y, 2.0 * off.z};

@@ -36,7 +36,8 @@ ALWAYS_INLINE real ray_exit(vector3 x, vector3 v, constant const superquadric* s
 
 // Upper bound of the distance from x to a point outside of all primitives, sought along v from `start` on; infinite
 // where none was found.
-ALWAYS_INLINE real witness_distance(vector3 x, vector3 v, real start, uint count, constant const superquadric* primitives) {
+ALWAYS_INLINE real witness_distance(vector3 x, vector3 v, real start, uint count,
+                                    constant const superquadric* primitives) {
   const real inverse_length = 1.0 / sqrt(dot_nearest(v, v));
   const vector3 u = {v.x * inverse_length, v.y * inverse_length, v.z * inverse_length};
   real margin = WITNESS_MARGIN * (fabs(x.x) + fabs(x.y) + fabs(x.z) + fabs(start) + 1.0);
