@@ -33,9 +33,8 @@ namespace verisq::bench {
 }
 
 /// The enclosures of all points, by the public interface: transfers, the host's fallback and delivery included.
-[[nodiscard]] inline std::vector<Enclosure> map_all(const Model& model, std::span<const Point> points,
-                                                    const MapOptions& options) {
-  std::vector<Enclosure> enclosures;
+inline void map_all(DistanceMapper& mapper, std::span<const Point> points, std::vector<Enclosure>& enclosures) {
+  enclosures.clear();
   enclosures.reserve(points.size());
   const auto next = [&points](std::span<Point> chunk) {
     const std::size_t count = std::min(chunk.size(), points.size());
@@ -46,8 +45,7 @@ namespace verisq::bench {
   const auto keep = [&enclosures](std::span<const Point>, std::span<const MapResult> results) {
     for (const MapResult& result : results) enclosures.push_back(result.distance);
   };
-  map_points(model, next, keep, options);
-  return enclosures;
+  mapper.map(next, keep);
 }
 
 }  // namespace verisq::bench

@@ -70,10 +70,11 @@ void in_parallel(std::size_t count, const Work& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-class Map {
+// One run over all points: the host's share of the work, and the books.
+class Run {
  public:
-  Map(const Model& model, const MapSink& sink, const MapOptions& options)
-      : sink_(sink), tolerance_(options.tolerance), radius_(bounding_radius(model)), host_(model) {
+  Run(const SignedDistance& host, double radius, double tolerance, const MapSink& sink)
+      : host_(host), radius_(radius), tolerance_(tolerance), sink_(sink) {
     summary_.minimum_lo = summary_.minimum_hi = std::numeric_limits<double>::infinity();
   }
 
@@ -113,10 +114,10 @@ class Map {
     summary_.largest_width = std::max(summary_.largest_width, row.distance.width());
   }
 
-  const MapSink& sink_;
-  double tolerance_;
+  const SignedDistance& host_;
   double radius_;
-  SignedDistance host_;
+  double tolerance_;
+  const MapSink& sink_;
   std::vector<MapResult> rows_;  // of the current chunk; kept to spare allocations
   MapSummary summary_;
 };
@@ -130,7 +131,7 @@ void read_chunk(const PointSource& source, std::size_t capacity, std::vector<Poi
       throw Error(ErrorKind::input, fmt::format("point ({}, {}, {}) is not finite", p[0], p[1], p[2]));
 }
 
-void map_on_host(Map& map, const PointSource& source, const MapOptions& options) {
+void map_on_host(Run& run, const PointSource& source, const MapOptions& options) {
   const Enclosure nothing{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   std::vector<Point> points;
   std::vector<Enclosure> found;
@@ -138,53 +139,78 @@ void map_on_host(Map& map, const PointSource& source, const MapOptions& options)
     read_chunk(source, host_chunk, points);
     if (points.empty()) return;
     found.assign(points.size(), nothing);
-    map.finish_chunk(points, found);
+    run.finish_chunk(points, found);
   }
-  map.summary().interrupted = true;
+  run.summary().interrupted = true;
 }
 
 // While the device works on one chunk, the next is read and the last is finished and written.
-void map_on_device(Map& map, device::Batch& batch, const PointSource& source, const MapOptions& options) {
+void map_on_device(Run& run, device::Batch& batch, const PointSource& source, const MapOptions& options) {
   std::vector<Point> current;
   std::vector<Point> next;
   std::vector<Enclosure> found;
+  batch.discard();  // what an earlier run left when it failed
+  const double earlier_seconds = batch.device_seconds();
   read_chunk(source, batch.capacity(), current);
   if (!current.empty()) batch.submit(current);
   while (!current.empty()) {
     next.clear();
     if (options.interrupted())
-      map.summary().interrupted = true;
+      run.summary().interrupted = true;
     else
       read_chunk(source, batch.capacity(), next);
     if (!next.empty()) batch.submit(next);
     batch.collect(found);
-    map.finish_chunk(current, found);
+    run.finish_chunk(current, found);
     std::swap(current, next);
   }
-  map.summary().device_seconds = batch.device_seconds();
+  run.summary().device_seconds = batch.device_seconds() - earlier_seconds;
 }
 
 }  // namespace
 
-MapSummary map_points(const Model& model, const PointSource& source, const MapSink& sink, const MapOptions& options) {
-  Map map(model, sink, options);
-  device::Selection selection;
-  if (options.device != "host") {
-    selection = device::select_device(options.device);
-    if (selection.device && !device::within_device_range(model)) {
-      selection.device.reset();
-      selection.notice = "the model's sizes span more than the device's kernels are made for";
+struct DistanceMapper::State {
+  State(const Model& model, const MapOptions& map_options)
+      : options(map_options), radius(bounding_radius(model)), host(model) {
+    if (options.device == "host") return;
+    const device::Selection selection = device::select_device(options.device);
+    notice = selection.notice;
+    if (!selection.device) return;
+    if (!device::within_device_range(model)) {
+      notice = "the model's sizes span more than the device's kernels are made for";
+      return;
     }
+    name = selection.device->name;
+    batch.emplace(*selection.device, model, options.tolerance);
   }
-  map.summary().notice = selection.notice;
-  map.summary().device = selection.device ? selection.device->name : "host";
-  if (selection.device) {
-    device::Batch batch(*selection.device, model, options.tolerance);
-    map_on_device(map, batch, source, options);
-  } else {
-    map_on_host(map, source, options);
-  }
-  return map.summary();
+
+  MapOptions options;
+  double radius;
+  SignedDistance host;
+  std::string name = "host";
+  std::string notice;
+  std::optional<device::Batch> batch;  // nothing: the host does all
+};
+
+DistanceMapper::DistanceMapper(const Model& model, const MapOptions& options)
+    : state_(std::make_unique<State>(model, options)) {}
+DistanceMapper::~DistanceMapper() = default;
+DistanceMapper::DistanceMapper(DistanceMapper&&) noexcept = default;
+DistanceMapper& DistanceMapper::operator=(DistanceMapper&&) noexcept = default;
+
+MapSummary DistanceMapper::map(const PointSource& source, const MapSink& sink) {
+  Run run(state_->host, state_->radius, state_->options.tolerance, sink);
+  run.summary().device = state_->name;
+  run.summary().notice = state_->notice;
+  if (state_->batch)
+    map_on_device(run, *state_->batch, source, state_->options);
+  else
+    map_on_host(run, source, state_->options);
+  return run.summary();
+}
+
+MapSummary map_points(const Model& model, const PointSource& source, const MapSink& sink, const MapOptions& options) {
+  return DistanceMapper(model, options).map(source, sink);
 }
 
 }  // namespace verisq

@@ -268,4 +268,9 @@ void Batch::collect(std::vector<Enclosure>& enclosures) {
   }
 }
 
+void Batch::discard() {
+  std::vector<Enclosure> dropped;
+  while (!state_->in_flight.empty()) collect(dropped);
+}
+
 }  // namespace verisq::device

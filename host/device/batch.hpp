@@ -35,6 +35,9 @@ class Batch {
   /// nothing was proven. Precondition: a chunk is in flight.
   void collect(std::vector<Enclosure>& enclosures);
 
+  /// Waits for whatever is in flight and drops it.
+  void discard();
+
   /// Kernel time of all chunks collected.
   [[nodiscard]] double device_seconds() const;
 

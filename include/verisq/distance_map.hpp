@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <verisq/map_result.hpp>
@@ -36,8 +37,26 @@ using PointSource = std::function<std::size_t(std::span<Point>)>;
 /// Receives rows in the order of the points.
 using MapSink = std::function<void(std::span<const Point>, std::span<const MapResult>)>;
 
-/// Memory is bounded by a few chunks, whatever the number of points; transfers overlap with work.
-/// Throws Error(input) when no device matches `options.device`, or when a named device failed its self-test.
+/// A model made ready for maps: device chosen and tested, kernels compiled, buffers allocated. Many maps of one model
+/// pay for that once.
+class DistanceMapper {
+ public:
+  /// Throws Error(input) when no device matches `options.device`, or when a named device failed its self-test.
+  DistanceMapper(const Model& model, const MapOptions& options);
+  ~DistanceMapper();
+  DistanceMapper(DistanceMapper&&) noexcept;
+  DistanceMapper& operator=(DistanceMapper&&) noexcept;
+
+  /// Maps all points of `source`. Memory is bounded by a few chunks, whatever their number; transfers overlap with
+  /// work. Throws Error(input) for a point that is not finite, and what source and sink throw. One call at a time.
+  MapSummary map(const PointSource& source, const MapSink& sink);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// One map of a model: DistanceMapper(model, options).map(source, sink).
 MapSummary map_points(const Model& model, const PointSource& source, const MapSink& sink, const MapOptions& options);
 
 }  // namespace verisq
