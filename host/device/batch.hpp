@@ -42,6 +42,8 @@ class Batch {
   [[nodiscard]] double device_seconds() const;
 
  private:
+  void warm_up(double distance);
+
   struct State;
   std::unique_ptr<State> state_;
 };
