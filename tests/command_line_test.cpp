@@ -120,6 +120,16 @@ TEST_F(CommandLine, MapsOnTheDefaultDevice) {
   EXPECT_EQ(rows_of(path("map.csv")).size(), 4);
 }
 
+TEST_F(CommandLine, MapsOnTheHostWithoutOpenCl) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  ASSERT_EQ(setenv("OCL_ICD_VENDORS", path("no_vendors").c_str(), 1), 0);  // where the loader finds no driver
+  const auto outcome = run({"map", "--model", ball, "--mesh", mesh, "-o", path("map.csv")});
+  unsetenv("OCL_ICD_VENDORS");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("no OpenCL device found"));
+  EXPECT_THAT(outcome.out, HasSubstr("host-verified    4\n"));
+}
+
 TEST_F(CommandLine, WritesEveryFormat) {
   const auto mesh = write("mesh.off", tetrahedron);
   for (const std::string name : {"map.csv", "map.vtp", "map.ply", "map.json"}) {
