@@ -35,7 +35,7 @@ void set_exponents(PrimitiveParameters& out, const std::array<double, 2>& expone
     out.p[i] = p.convert_to<double>();
     out.p_down[i] = round_down(p);
     out.inverse_p[i] = exponents[i] / 2;
-    out.inverse_p_up[i] = exponents[i] / 2;  // exact: a division by 2 (subnormal exponents aside, see below)
+    out.inverse_p_up[i] = exponents[i] / 2;  // exact but for subnormal exponents
     if (Extended(out.inverse_p_up[i]) * 2 < e) out.inverse_p_up[i] = std::nextafter(out.inverse_p_up[i], infinity);
     const bool is_maximum = exponents[i] == 2.0;
     out.conjugate_down[i] = is_maximum ? largest_conjugate : std::min(round_down(2 / (2 - e)), largest_conjugate);
