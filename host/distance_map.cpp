@@ -4,18 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include "host/device/batch.hpp"
+#include "host/parallel.hpp"
+#include "verify/witness_estimate.hpp"
 #include "verisq/error.hpp"
 #include "verisq/signed_distance.hpp"
 
@@ -46,47 +44,43 @@ Enclosure intersect(const Enclosure& a, const Enclosure& b, const Point& point) 
                           point[0], point[1], point[2], a.lo, a.hi, b.lo, b.hi));
 }
 
-// Calls work(i) for all i below count on all processors; the first exception is passed on.
-template <typename Work>
-void in_parallel(std::size_t count, const Work& work) {
-  const std::size_t workers = std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failure_mutex;
-  const auto loop = [&] {
-    try {
-      for (std::size_t i = next++; i < count; i = next++) work(i);
-    } catch (...) {
-      const std::lock_guard lock(failure_mutex);
-      if (!failure) failure = std::current_exception();
-      next = count;
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t i = 1; i < workers; ++i) threads.emplace_back(loop);
-    loop();
-  }
-  if (failure) std::rethrow_exception(failure);
+// The certificate of an intersection: upper end first, as certificates want it, then what proves the lower end.
+Certificate merge(const CertifiedEnclosure& a, const CertifiedEnclosure& b) {
+  const CertifiedEnclosure& upper = b.distance.hi < a.distance.hi ? b : a;
+  const CertifiedEnclosure& lower = b.distance.lo > a.distance.lo ? b : a;
+  Certificate both{upper.certificate.normals, lower.certificate.escape};
+  if (&lower != &upper)
+    both.normals.insert(both.normals.end(), lower.certificate.normals.begin(), lower.certificate.normals.end());
+  return both;
 }
 
 // One run over all points: the host's share of the work, and the books.
 class Run {
  public:
-  Run(const SignedDistance& host, double radius, double tolerance, const MapSink& sink)
-      : host_(host), radius_(radius), tolerance_(tolerance), sink_(sink) {
+  Run(const SignedDistance& host, const verify::WitnessEstimate& witness_distance, double radius,
+      const MapOptions& options, const MapSink& sink)
+      : host_(host),
+        witness_distance_(witness_distance),
+        radius_(radius),
+        tolerance_(options.tolerance),
+        certificates_(options.certificates),
+        sink_(sink) {
     summary_.minimum_lo = summary_.minimum_hi = std::numeric_limits<double>::infinity();
   }
 
-  // Proves on the host what `found` leaves wide, and hands the rows on.
-  void finish_chunk(std::span<const Point> points, std::span<Enclosure> found) {
+  // Proves on the host what `found` leaves wide, and hands the rows on. `certificates` are those of `found`; empty
+  // unless they were asked for.
+  void finish_chunk(std::span<const Point> points, std::span<Enclosure> found, std::span<Certificate> certificates) {
     const auto start = std::chrono::steady_clock::now();
+    if (certificates_) drop_unwitnessed(points, found, certificates);
     std::vector<std::size_t> open;
     for (std::size_t i = 0; i < points.size(); ++i)
       if (is_open(points[i], found[i], tolerance_, radius_)) open.push_back(i);
     in_parallel(open.size(), [&](std::size_t n) {
       const std::size_t i = open[n];
-      found[i] = intersect(found[i], host_(points[i], tolerance_), points[i]);
+      const CertifiedEnclosure proven = prove(points[i]);
+      if (certificates_) certificates[i] = merge({found[i], std::move(certificates[i])}, proven);
+      found[i] = intersect(found[i], proven.distance, points[i]);
     });
     summary_.host_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -96,12 +90,27 @@ class Run {
     for (const std::size_t i : open)
       if (rows_[i].status == Status::device_verified) rows_[i].status = Status::host_verified;
     for (const MapResult& row : rows_) count(row);
-    sink_(points, rows_);
+    sink_(points, rows_, certificates);
   }
 
   [[nodiscard]] MapSummary& summary() { return summary_; }
 
  private:
+  // Upper ends that hold, but not by their certificates.
+  void drop_unwitnessed(std::span<const Point> points, std::span<Enclosure> found,
+                        std::span<const Certificate> certificates) const {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!(found[i].hi > 0.0) || certificates[i].normals.empty()) continue;
+      if (witness_distance_(points[i], certificates[i].normals.front()) <= found[i].hi) continue;
+      found[i].hi = std::numeric_limits<double>::infinity();
+    }
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Point& point) const {
+    if (certificates_) return host_.certified(point, tolerance_);
+    return {host_(point, tolerance_), {}};
+  }
+
   void count(const MapResult& row) {
     ++summary_.points;
     switch (row.status) {
@@ -115,8 +124,10 @@ class Run {
   }
 
   const SignedDistance& host_;
+  const verify::WitnessEstimate& witness_distance_;
   double radius_;
   double tolerance_;
+  bool certificates_;
   const MapSink& sink_;
   std::vector<MapResult> rows_;  // of the current chunk; kept to spare allocations
   MapSummary summary_;
@@ -135,11 +146,13 @@ void map_on_host(Run& run, const PointSource& source, const MapOptions& options)
   const Enclosure nothing{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   std::vector<Point> points;
   std::vector<Enclosure> found;
+  std::vector<Certificate> certificates;
   while (!options.interrupted()) {
     read_chunk(source, host_chunk, points);
     if (points.empty()) return;
     found.assign(points.size(), nothing);
-    run.finish_chunk(points, found);
+    certificates.assign(options.certificates ? points.size() : 0, {});
+    run.finish_chunk(points, found, certificates);
   }
   run.summary().interrupted = true;
 }
@@ -149,6 +162,7 @@ void map_on_device(Run& run, device::Batch& batch, const PointSource& source, co
   std::vector<Point> current;
   std::vector<Point> next;
   std::vector<Enclosure> found;
+  std::vector<Certificate> certificates;
   batch.discard();  // what an earlier run left when it failed
   const double earlier_seconds = batch.device_seconds();
   read_chunk(source, batch.capacity(), current);
@@ -160,8 +174,8 @@ void map_on_device(Run& run, device::Batch& batch, const PointSource& source, co
     else
       read_chunk(source, batch.capacity(), next);
     if (!next.empty()) batch.submit(next);
-    batch.collect(found);
-    run.finish_chunk(current, found);
+    batch.collect(found, certificates);
+    run.finish_chunk(current, found, certificates);
     std::swap(current, next);
   }
   run.summary().device_seconds = batch.device_seconds() - earlier_seconds;
@@ -171,7 +185,7 @@ void map_on_device(Run& run, device::Batch& batch, const PointSource& source, co
 
 struct DistanceMapper::State {
   State(const Model& model, const MapOptions& map_options)
-      : options(map_options), radius(bounding_radius(model)), host(model) {
+      : options(map_options), radius(bounding_radius(model)), host(model), witness_distance(model) {
     if (options.device == "host") return;
     const device::Selection selection = device::select_device(options.device);
     notice = selection.notice;
@@ -181,12 +195,13 @@ struct DistanceMapper::State {
       return;
     }
     name = selection.device->name;
-    batch.emplace(*selection.device, model, options.tolerance);
+    batch.emplace(*selection.device, model, options.tolerance, options.certificates);
   }
 
   MapOptions options;
   double radius;
   SignedDistance host;
+  verify::WitnessEstimate witness_distance;
   std::string name = "host";
   std::string notice;
   std::optional<device::Batch> batch;  // nothing: the host does all
@@ -199,7 +214,7 @@ DistanceMapper::DistanceMapper(DistanceMapper&&) noexcept = default;
 DistanceMapper& DistanceMapper::operator=(DistanceMapper&&) noexcept = default;
 
 MapSummary DistanceMapper::map(const PointSource& source, const MapSink& sink) {
-  Run run(state_->host, state_->radius, state_->options.tolerance, sink);
+  Run run(state_->host, state_->witness_distance, state_->radius, state_->options, sink);
   run.summary().device = state_->name;
   run.summary().notice = state_->notice;
   if (state_->batch)

@@ -382,7 +382,7 @@ kernel void interior_depth(ulong groups, uint groups_per_block, global const dou
     const integer better = searched & MASK(lo > known_lo);
     STORE(select(known_lo, lo, better), group, los);
     STORE(select(known_hi, fmin(known_hi, hi), searched), group, his);
-    const vector3 normal = to_model_direction(v, q.sign, s);
+    const vector3 normal = out_of_octant(v, q.sign);
     STORE(select(LOAD(group, normal_xs), normal.x, better), group, normal_xs);
     STORE(select(LOAD(group, normal_ys), normal.y, better), group, normal_ys);
     STORE(select(LOAD(group, normal_zs), normal.z, better), group, normal_zs);

@@ -2,7 +2,7 @@
 // outside; inside, a first direction and the trivial upper bound, which interior_depth tightens.
 //
 // Arrays hold one number a point: `los`, `his` the enclosure for this primitive, `normal_*` the direction that proves
-// the lower end, in the model's frame, and `nearest` the smallest upper end of the primitives so far, which lets far
+// the lower end, in the primitive's own frame (where no rotation rounds it: it is a certificate), and `nearest` the smallest upper end of the primitives so far, which lets far
 // primitives be passed over.
 
 kernel void point_distance(ulong groups, global const double* xs, global const double* ys, global const double* zs,
@@ -20,25 +20,31 @@ kernel void point_distance(ulong groups, global const double* xs, global const d
   if (!any(MASK(!(beyond_sphere > known)))) {
     STORE(beyond_sphere, group, los);
     STORE(REAL(INFINITY), group, his);
+    STORE(REAL(0.0), group, normal_xs); // proves nothing: the sphere does
+    STORE(REAL(0.0), group, normal_ys);
+    STORE(REAL(0.0), group, normal_zs);
     return;
   }
 
   const vector3 log_q = {log_or_lowest(q.point.x), log_or_lowest(q.point.y), log_or_lowest(q.point.z)};
   const log_unknowns start = radial_start(log_q, s);
-  const proposal found = closest_point(q.point, log_q, start, s);
+  const vector3 v = normal_from_closest_point(q.point, log_q, start, s);
 
 #ifdef SOLVER_ONLY // for the benchmark that shows what the proof costs
-  const real lo = found.point.x + found.point.y + found.point.z;
-  const real hi = found.normal.x + found.normal.y + found.normal.z;
+  const real lo = v.x + v.y;
+  const real hi = v.y + v.z;
 #else
-  const real lo = sub_down(distance_down(q.point, found.normal, s), q.error);
-  const real hi = add_up(distance_up(q.point, found.point, s), q.error);
+  // Whatever v is, a point of the octant, where distance_up holds.
+  const vector3 closest = {fmax(q.point.x - v.x, REAL(0.0)), fmax(q.point.y - v.y, REAL(0.0)),
+                           fmax(q.point.z - v.z, REAL(0.0))};
+  const real lo = sub_down(distance_down(q.point, v, s), q.error);
+  const real hi = add_up(distance_up(q.point, closest, s), q.error);
 #endif
   const real proven_hi = select(REAL(INFINITY), hi, MASK(hi <= DBL_MAX)); // NaN proves nothing
   STORE(select(REAL(-INFINITY), lo, MASK(lo >= -DBL_MAX)), group, los);
   STORE(proven_hi, group, his);
   STORE(fmin(known, proven_hi), group, nearest);
-  const vector3 normal = to_model_direction(found.normal, q.sign, s);
+  const vector3 normal = out_of_octant(v, q.sign);
   STORE(normal.x, group, normal_xs);
   STORE(normal.y, group, normal_ys);
   STORE(normal.z, group, normal_zs);

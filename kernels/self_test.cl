@@ -1,4 +1,4 @@
-// This file implements the self-test's way into the layers below: one operation applied to arrays of operands.
+// This file implements the self-test's way into the arithmetic layers: one operation applied to arrays of operands.
 
 kernel void apply_operation(uint operation, ulong groups, global const double* as, global const double* bs,
                             global const double* cs, global double* results) {
@@ -37,4 +37,36 @@ kernel void apply_operation(uint operation, ulong groups, global const double* a
     default: break;
   }
   STORE(result, group, results);
+}
+
+kernel void apply_interval_operation(uint operation, ulong groups, global const double* as_lo,
+                                     global const double* as_hi, global const double* bs_lo,
+                                     global const double* bs_hi, global double* results_lo,
+                                     global double* results_hi) {
+  const ulong group = get_global_id(0);
+  if (group >= groups) return;
+  const interval a = interval_of(LOAD(group, as_lo), LOAD(group, as_hi));
+  const interval b = interval_of(LOAD(group, bs_lo), LOAD(group, bs_hi));
+  interval result = interval_entire();
+  switch (operation) { // numbered as in host/device/interval_operations.cpp
+    case 0: result = interval_neg(a); break;
+    case 1: result = interval_abs(a); break;
+    case 2: result = interval_square(a); break;
+    case 3: result = interval_sqrt(a); break;
+    case 4: result = interval_exp(a); break;
+    case 5: result = interval_log(a); break;
+    case 6: result = interval_add(a, b); break;
+    case 7: result = interval_sub(a, b); break;
+    case 8: result = interval_mul(a, b); break;
+    case 9: result = interval_div(a, b); break;
+    case 10: result = interval_pow(a, b); break;
+    case 11: result = interval_scaled_add(a.lo, b, a); break;
+    case 12: result = interval_min(a, b); break;
+    case 13: result = interval_max(a, b); break;
+    case 14: result = interval_hull(a, b); break;
+    case 15: result = interval_intersection(a, b); break;
+    default: break;
+  }
+  STORE(result.lo, group, results_lo);
+  STORE(result.hi, group, results_hi);
 }

@@ -34,15 +34,31 @@ ALWAYS_INLINE real ray_exit(vector3 x, vector3 v, constant const superquadric* s
   return support_up(octant_v, s) - dot_nearest(v, d);
 }
 
-// Upper bound of the distance from x to a point outside of all primitives, sought along v from `start` on; infinite
-// where none was found.
-ALWAYS_INLINE real witness_distance(vector3 x, vector3 v, real start, uint count,
-                                    constant const superquadric* primitives) {
+// A point proven outside of all primitives, and an upper bound of its distance from where it was sought; infinite where
+// none was found.
+typedef struct {
+  vector3 point;
+  real distance;
+} escape;
+
+ALWAYS_INLINE escape nearer_escape(escape known, vector3 point, real distance, integer valid) {
+  const integer nearer = valid & MASK(distance < known.distance);
+  escape nearest;
+  nearest.point.x = select(known.point.x, point.x, nearer);
+  nearest.point.y = select(known.point.y, point.y, nearer);
+  nearest.point.z = select(known.point.z, point.z, nearer);
+  nearest.distance = select(known.distance, distance, nearer);
+  return nearest;
+}
+
+// Sought from x along v, from `start` on.
+ALWAYS_INLINE escape escape_along(vector3 x, vector3 v, real start, uint count,
+                                  constant const superquadric* primitives) {
   const real inverse_length = 1.0 / sqrt(dot_nearest(v, v));
   const vector3 u = {v.x * inverse_length, v.y * inverse_length, v.z * inverse_length};
   real margin = WITNESS_MARGIN * (fabs(x.x) + fabs(x.y) + fabs(x.z) + fabs(start) + 1.0);
   real t = start + margin;
-  real distance = REAL(INFINITY);
+  escape found = {x, REAL(INFINITY)};
   for (uint round = 0; round < WITNESS_ROUNDS; ++round) {
     const vector3 w = {fma(t, u.x, x.x), fma(t, u.y, x.y), fma(t, u.z, x.z)};
     real next = t;
@@ -54,20 +70,22 @@ ALWAYS_INLINE real witness_distance(vector3 x, vector3 v, real start, uint count
     }
     const vector3 apart = {fmax(sub_up(w.x, x.x), sub_up(x.x, w.x)), fmax(sub_up(w.y, x.y), sub_up(x.y, w.y)),
                            fmax(sub_up(w.z, x.z), sub_up(x.z, w.z))};
-    distance = select(distance, fmin(distance, length_up(apart)), outside_all);
+    found = nearer_escape(found, w, length_up(apart), outside_all);
     if (!any(~outside_all & MASK(isfinite(t)))) break;
     t = next + margin;
     margin *= 4.0;
   }
-  return distance;
+  return found;
 }
 
-// `stride` numbers a primitive in `los`, `his` and `normal_*`, one primitive after the other.
+// `stride` numbers a primitive in `los`, `his` and `normal_*`, one primitive after the other. `escape_*` is the point
+// outside that proves the lower end, written where that end is not positive.
 kernel void union_distance(ulong groups, ulong stride, global const double* xs, global const double* ys,
                            global const double* zs, constant const superquadric* primitives, uint count,
                            global const double* los, global const double* his, global const double* normal_xs,
                            global const double* normal_ys, global const double* normal_zs, global double* union_los,
-                           global double* union_his) {
+                           global double* union_his, global double* escape_xs, global double* escape_ys,
+                           global double* escape_zs) {
   const ulong group = get_global_id(0);
   if (group >= groups) return;
   const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
@@ -79,17 +97,21 @@ kernel void union_distance(ulong groups, ulong stride, global const double* xs, 
   }
   const integer maybe_inside = MASK(!(lo > 0.0));
   if (any(maybe_inside)) {
-    real depth = REAL(INFINITY);
+    escape nearest = {x, REAL(INFINITY)};
     for (uint i = 0; i < count; ++i) {
       const real own_lo = LOAD(group, los + i * stride);
       const integer candidate = MASK(own_lo <= 0.0) & MASK(own_lo > -DBL_MAX);
       if (!any(candidate)) continue;
-      const vector3 v = {LOAD(group, normal_xs + i * stride), LOAD(group, normal_ys + i * stride),
-                         LOAD(group, normal_zs + i * stride)};
-      const real distance = witness_distance(x, v, -own_lo, count, primitives);
-      depth = select(depth, fmin(depth, distance), candidate);
+      const vector3 normal = {LOAD(group, normal_xs + i * stride), LOAD(group, normal_ys + i * stride),
+                              LOAD(group, normal_zs + i * stride)};
+      const vector3 v = to_model_direction(normal, primitives + i);
+      const escape found = escape_along(x, v, -own_lo, count, primitives);
+      nearest = nearer_escape(nearest, found.point, found.distance, candidate);
     }
-    lo = select(lo, -depth, maybe_inside);
+    lo = select(lo, -nearest.distance, maybe_inside);
+    STORE(nearest.point.x, group, escape_xs);
+    STORE(nearest.point.y, group, escape_ys);
+    STORE(nearest.point.z, group, escape_zs);
   }
   STORE(lo, group, union_los);
   STORE(hi, group, union_his);

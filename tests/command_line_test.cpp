@@ -1,12 +1,15 @@
 /// The program as its user meets it: results, messages and exit status of every case of the contract (design 1).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -21,6 +24,7 @@ namespace {
 
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 using Arguments = std::vector<std::string>;
 
@@ -47,6 +51,20 @@ class CommandLine : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+};
+
+/// A variable of the environment that started programs inherit as long as this lives. Precondition: it was not set.
+class EnvironmentVariable {
+ public:
+  EnvironmentVariable(std::string name, const std::string& value) : name_(std::move(name)) {
+    setenv(name_.c_str(), value.c_str(), 1);
+  }
+  ~EnvironmentVariable() { unsetenv(name_.c_str()); }
+  EnvironmentVariable(const EnvironmentVariable&) = delete;
+  EnvironmentVariable& operator=(const EnvironmentVariable&) = delete;
+
+ private:
+  std::string name_;
 };
 
 /// One line on the standard error that has all `words`, nothing on the standard output, exit status 2.
@@ -120,14 +138,26 @@ TEST_F(CommandLine, MapsOnTheDefaultDevice) {
   EXPECT_EQ(rows_of(path("map.csv")).size(), 4);
 }
 
-TEST_F(CommandLine, MapsOnTheHostWithoutOpenCl) {
+TEST_F(CommandLine, MapsOnTheHostWithoutOpenClDrivers) {
   const auto mesh = write("mesh.off", tetrahedron);
-  ASSERT_EQ(setenv("OCL_ICD_VENDORS", path("no_vendors").c_str(), 1), 0);  // where the loader finds no driver
+  const EnvironmentVariable drivers("OCL_ICD_VENDORS", path("no_vendors"));
   const auto outcome = run({"map", "--model", ball, "--mesh", mesh, "-o", path("map.csv")});
-  unsetenv("OCL_ICD_VENDORS");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("no OpenCL device found"));
   EXPECT_THAT(outcome.out, HasSubstr("host-verified    4\n"));
+}
+
+TEST_F(CommandLine, MapsOnTheHostWithoutAnOpenClLibrary) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  // Found first, and no library: a program that is linked with OpenCL does not even start.
+  for (const auto* name : {"libOpenCL.so.1", "libOpenCL.so"}) std::ofstream(path(name)) << "not a library";
+  const EnvironmentVariable libraries("LD_LIBRARY_PATH", folder_.path().string());
+  const auto outcome = run({"map", "--model", ball, "--mesh", mesh, "-o", path("map.csv")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("no OpenCL library"));
+  EXPECT_THAT(outcome.err, HasSubstr("libOpenCL.so.1"));
+  EXPECT_THAT(outcome.out, HasSubstr("host-verified    4\n"));
+  EXPECT_EQ(run({"devices"}).status, 0);
 }
 
 TEST_F(CommandLine, WritesEveryFormat) {
@@ -193,7 +223,8 @@ TEST_F(CommandLine, PrintsVersionAndHelp) {
   const auto version = run({"--version"});
   EXPECT_EQ(version.status, 0);
   EXPECT_THAT(version.out, StartsWith("verisq "));
-  for (const Arguments& arguments : {Arguments{"--help"}, {"map", "--help"}, {"devices", "--help"}}) {
+  for (const Arguments& arguments :
+       {Arguments{"--help"}, {"map", "--help"}, {"check", "--help"}, {"devices", "--help"}}) {
     const auto help = run(arguments);
     EXPECT_EQ(help.status, 0);
     EXPECT_THAT(help.out, HasSubstr("Usage: verisq"));
@@ -209,6 +240,15 @@ std::vector<std::string> names_of_devices(const std::string& listing) {
     if (std::isdigit(static_cast<unsigned char>(line[0])) != 0) names.push_back(line.substr(line.find("  ") + 2));
   }
   return names;
+}
+
+TEST_F(CommandLine, DevicesReportPrintsATableOfAccuracy) {
+  const auto report = run({"devices", "--report"});
+  EXPECT_EQ(report.status, 0);
+  EXPECT_EQ(report.err, "");
+  EXPECT_THAT(report.out, HasSubstr("| operation "));
+  EXPECT_THAT(report.out, HasSubstr("| interval_div "));
+  EXPECT_THAT(report.out, HasSubstr("Unsound bounds: 0."));
 }
 
 TEST_F(CommandLine, UnknownDeviceIsRefusedWithTheListOfDevices) {
@@ -234,6 +274,259 @@ TEST_F(CommandLine, NeverOverwritesItsInput) {
   const auto points = write("points.csv", "0,0,3\n");
   expect_refused(map({"--model", ball, "--points", points, "-o", points}), {"points.csv", "overwrite"});
   EXPECT_EQ(contents(points), "0,0,3\n");
+}
+
+// ---------------------------------------------------------------- check
+
+/// Four points outside and inside `ball`, in the order of the certified maps below.
+const std::string points_of_check = "0,0,3\n1,2,3\n0,0,0.5\n-0.25,0.125,-0.3\n";
+constexpr std::size_t count_of_check = 4;
+
+class Check : public CommandLine {
+ protected:
+  [[nodiscard]] std::string certified_map(const std::string& name) const {
+    const auto outcome = map({"--model", ball, "--points", points_, "--certificates", "-o", path(name)});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return path(name);
+  }
+  [[nodiscard]] Outcome check(const std::string& map, Arguments more = {}) const {
+    more.insert(more.begin(), {"check", "--model", ball, "--points", points_, "--map", map});
+    return run(more);
+  }
+
+  std::string points_ = write("points.csv", points_of_check);
+};
+
+/// A map as `.csv`: the header and rows of fields, to be falsified.
+class Table {
+ public:
+  explicit Table(const std::string& csv) {
+    std::istringstream lines(contents(csv));
+    for (std::string line; std::getline(lines, line);) rows_.push_back(fields_of(line));
+  }
+
+  [[nodiscard]] std::string& at(std::size_t row, const std::string& column) {
+    const auto& names = rows_.at(0);
+    return rows_.at(row + 1).at(std::ranges::find(names, column) - names.begin());
+  }
+  [[nodiscard]] double number(std::size_t row, const std::string& column) { return std::stod(at(row, column)); }
+  void set(std::size_t row, const std::string& column, double value) {
+    std::ostringstream text;
+    text << std::setprecision(17) << value;
+    at(row, column) = text.str();
+  }
+  [[nodiscard]] std::string text() const {
+    std::string text;
+    for (const auto& row : rows_) {
+      for (std::size_t k = 0; k < row.size(); ++k) text += (k == 0 ? "" : ",") + row[k];
+      text += "\n";
+    }
+    return text;
+  }
+
+ private:
+  static std::vector<std::string> fields_of(const std::string& line) {
+    std::vector<std::string> fields;
+    std::istringstream stream(line + ",");
+    for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
+    return fields;
+  }
+
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// Finished, but not all is proved; the summary names row `row`.
+void expect_not_proved(const Outcome& outcome, std::size_t row, const std::string& verdict = " point") {
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, HasSubstr(verdict + ", index " + std::to_string(row) + ","));
+}
+
+TEST_F(Check, ProvesAFinishedMap) {
+  for (const std::string name : {"map.csv", "map.vtp"}) {
+    const auto outcome = check(certified_map(name));
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_THAT(outcome.out, HasSubstr("proved             4\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("refuted            0\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("unproved           0\n"));
+    EXPECT_THAT(outcome.out, Not(HasSubstr("first")));
+  }
+}
+
+TEST_F(Check, ProvesAMapOfTheDefaultDevice) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const auto model = VERISQ_EXAMPLES "/stem.json";  // a union
+  for (const std::string name : {"map.csv", "map.vtp"}) {
+    EXPECT_EQ(run({"map", "--model", model, "--mesh", mesh, "--certificates", "-o", path(name)}).status, 0);
+    const auto outcome = run({"check", "--model", model, "--mesh", mesh, "--map", path(name)});
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("proved             4\n"));
+  }
+}
+
+TEST_F(Check, RefutesEndsMovedPastTheTruth) {
+  const auto map = certified_map("map.csv");
+  for (std::size_t row = 0; row < count_of_check; ++row) {
+    for (const double direction : {-1.0, 1.0}) {
+      Table table(map);
+      const double lo = table.number(row, "lo");
+      const double hi = table.number(row, "hi");
+      const double step = 1e-12 * std::abs(lo);
+      table.set(row, "lo", direction > 0.0 ? hi + step : lo - 1.0);
+      table.set(row, "hi", direction > 0.0 ? hi + 1.0 : lo - step);
+      expect_not_proved(check(write("moved.csv", table.text())), row);
+    }
+  }
+}
+
+TEST_F(Check, SaysWhichEndIsWrong) {
+  Table table(certified_map("map.csv"));
+  table.at(0, "lo") = "1";  // the exact distance is 2
+  table.at(0, "hi") = "1.5";
+  const auto above = check(write("moved.csv", table.text()));
+  expect_not_proved(above, 0, "refuted point");
+  EXPECT_THAT(above.out, HasSubstr("hi is wrong"));
+  EXPECT_THAT(above.out, HasSubstr("refuted            1\n"));
+  EXPECT_THAT(above.out, HasSubstr("claimed            [1, 1.5]\n"));
+
+  table.at(0, "lo") = "2.5";
+  table.at(0, "hi") = "3";
+  EXPECT_THAT(check(write("moved.csv", table.text())).out, HasSubstr("lo is wrong"));
+  table.at(0, "lo") = "3";
+  table.at(0, "hi") = "1";
+  EXPECT_THAT(check(write("moved.csv", table.text())).out, HasSubstr("lo is above hi"));
+}
+
+TEST_F(Check, ReportsTheFirstRefutedPointBeforeUnprovedOnes) {
+  Table table(certified_map("map.csv"));
+  table.at(0, "primitive") = "7";  // unproved
+  table.at(1, "lo") = "100";
+  table.at(1, "hi") = "101";
+  table.at(2, "lo") = "1";
+  table.at(2, "hi") = "0";
+  const auto outcome = check(write("bad.csv", table.text()), {"--json"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary.at("points"), 4);
+  EXPECT_EQ(summary.at("proved"), 1);
+  EXPECT_EQ(summary.at("refuted"), 2);
+  EXPECT_EQ(summary.at("unproved"), 1);
+  EXPECT_EQ(summary.at("interrupted"), false);
+  EXPECT_EQ(summary.at("map"), path("bad.csv"));
+  EXPECT_GE(summary.at("points_per_second"), 0.0);
+  const auto& first = summary.at("first");
+  EXPECT_EQ(first.at("verdict"), "refuted");
+  EXPECT_EQ(first.at("index"), 1);
+  EXPECT_EQ(first.at("point"), (std::array{1.0, 2.0, 3.0}));
+  EXPECT_EQ(first.at("claimed").at("lo"), 100.0);
+  EXPECT_LT(first.at("proven").at("hi"), 3.0);
+  EXPECT_THAT(std::string(first.at("reason")), HasSubstr("lo is wrong"));
+}
+
+TEST_F(Check, DoesNotProveByAFalsifiedCertificate) {
+  const auto map = certified_map("map.csv");
+  for (std::size_t row = 0; row < 2; ++row) {  // outside: both ends rest on the normal
+    for (const std::string column : {"normal_x", "normal_y"}) {
+      Table table(map);
+      table.set(row, column, table.number(row, column) + 0.01);
+      const auto outcome = check(write("false.csv", table.text()));
+      expect_not_proved(outcome, row, "unproved point");
+      EXPECT_THAT(outcome.out, HasSubstr("neither lo nor hi"));
+    }
+  }
+}
+
+TEST_F(Check, DoesNotProveWithoutThePrimitiveOfTheCertificate) {
+  Table table(certified_map("map.csv"));
+  table.at(2, "primitive") = "1";  // the model has one primitive, 0
+  expect_not_proved(check(write("false.csv", table.text())), 2, "unproved point");
+}
+
+TEST_F(Check, DoesNotProveTheMapOfAnotherModel) {
+  const auto map = certified_map("map.csv");
+  const auto outcome = run({"check", "--model", VERISQ_EXAMPLES "/gem.json", "--points", points_, "--map", map});
+  EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
+}
+
+TEST_F(Check, RefusesAMapWithoutCertificates) {
+  for (const std::string name : {"map.csv", "map.vtp"}) {
+    EXPECT_EQ(map({"--model", ball, "--points", points_, "-o", path(name)}).status, 0);
+    expect_refused(check(path(name)), {name, "--certificates"});
+  }
+}
+
+TEST_F(Check, RefusesAMapOfOtherLength) {
+  for (const std::string name : {"map.csv", "map.vtp"}) {
+    const auto map = certified_map(name);
+    for (const int count : {1, 3, 5, 5000}) {
+      std::string text;
+      for (int k = 0; k < count; ++k) text += "0,0,3\n";
+      const auto points = write("other.csv", text);
+      const auto outcome = run({"check", "--model", ball, "--points", points, "--map", map});
+      expect_refused(outcome, {name, "other.csv", "4 rows", std::to_string(count) + " points"});
+    }
+  }
+}
+
+TEST_F(Check, RefusesBadMaps) {
+  expect_refused(check(path("none.csv")), {"none.csv"});
+  expect_refused(check(write("map.ply", "ply\n")), {"map.ply", ".csv", ".vtp"});
+  Table table(certified_map("map.csv"));
+  table.at(1, "lo") = "nan";
+  expect_refused(check(write("nan.csv", table.text())), {"nan.csv", "line 3", "nan"});
+}
+
+constexpr std::size_t long_count = 5000;  // more than a chunk
+
+/// A certified map of the point (0, 0, 3), `long_count` times.
+std::string long_map() {
+  std::string text =
+      "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,escape_x,escape_y,escape_z\n";
+  for (std::size_t k = 0; k < long_count; ++k) text += std::to_string(k) + ",1.5,2.5,wide,0,0,0,2,,,,\n";
+  return text;
+}
+
+TEST_F(Check, NamesAPointBeyondTheFirstChunk) {
+  std::string points;
+  for (std::size_t k = 0; k < long_count; ++k) points += "0,0,3\n";
+  Table table(write("map.csv", long_map()));
+  table.at(4500, "hi") = "1.75";
+  const auto outcome =
+      run({"check", "--model", ball, "--points", write("long.csv", points), "--map", write("bad.csv", table.text())});
+  expect_not_proved(outcome, 4500, "refuted point");
+  EXPECT_THAT(outcome.out, HasSubstr("proved             4999\n"));
+}
+
+TEST_F(Check, InterruptionNeverReportsSuccess) {
+  const auto pipe = path("pipe.csv");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const auto process =
+      start({"check", "--model", ball, "--points", pipe, "--map", write("map.csv", long_map()), "--json"});
+  {
+    std::ofstream points(pipe);  // waits until the program reads
+    for (std::size_t k = 0; k < long_count; ++k) points << "0,0,3\n";
+    points.flush();
+    process.interrupt();  // before the end of the pipe tells that these are all points
+  }
+  const auto outcome = process.wait();
+  EXPECT_EQ(outcome.status, 130) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary.at("interrupted"), true);
+  EXPECT_LE(summary.at("points"), long_count);
+  EXPECT_EQ(summary.at("proved"), summary.at("points"));
+}
+
+TEST_F(Check, LoadsNoOpenCl) {
+  const auto map = certified_map("map.csv");
+  const EnvironmentVariable tracing("LD_DEBUG", "files");  // the dynamic linker names every file it opens
+  const auto checked = check(map);
+  EXPECT_EQ(checked.status, 0);
+  EXPECT_THAT(checked.err, HasSubstr("libmpfr"));
+  EXPECT_THAT(checked.err, Not(HasSubstr("libOpenCL")));
+  EXPECT_THAT(checked.err, Not(HasSubstr("libpocl")));
+  const auto mapped = run({"map", "--model", ball, "--points", points_, "-o", path("again.csv")});
+  EXPECT_THAT(mapped.err, HasSubstr("libOpenCL"));
 }
 
 // ---------------------------------------------------------------- bad usage
@@ -277,7 +570,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"TextTolerance", {"--mesh", "MESH", "--tol", "1e-3mm", "-o", "OUT"}, {"--tol", "1e-3mm"}},
         BadUsage{"OnTriangles", {"--mesh", "MESH", "--on", "triangles", "-o", "OUT"}, {"--on", "not supported yet"}},
         BadUsage{"OnSomethingElse", {"--mesh", "MESH", "--on", "edges", "-o", "OUT"}, {"--on", "edges"}},
-        BadUsage{"Certificates", {"--mesh", "MESH", "--certificates", "-o", "OUT"}, {"not supported yet"}},
+        BadUsage{
+            "CertificatesInPly", {"--mesh", "MESH", "--certificates", "-o", "map.ply"}, {"map.ply", ".csv", ".vtp"}},
         BadUsage{"UnknownOption", {"--mesh", "MESH", "--tolerance", "1", "-o", "OUT"}, {"--tolerance"}},
         BadUsage{"DeviceIndexOutOfRange", {"--mesh", "MESH", "--device", "99", "-o", "OUT"}, {"99"}}),
     name_of);
@@ -287,6 +581,8 @@ TEST_F(CommandLine, RefusesBadCommands) {
   expect_refused(run({"mop"}), {"mop", "--help"});
   expect_refused(run({"map"}), {"--model"});
   expect_refused(run({"devices", "--fast"}), {"--fast"});
+  expect_refused(run({"check", "--model", ball, "--mesh", "mesh.off"}), {"--map"});
+  expect_refused(run({"check", "--model", ball, "--map", "map.csv"}), {"--mesh", "--points"});
 }
 
 // ---------------------------------------------------------------- bad models

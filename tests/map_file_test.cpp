@@ -1,14 +1,20 @@
-/// The map writers: what each format holds, byte by byte where it matters, and that no half-written map remains.
+/// The map writers: what each format holds, byte by byte where it matters, and that no half-written map remains. The
+/// readers: every bit comes back, and everything that is not a certified map is refused.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
+#include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <pugixml.hpp>
+#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -27,6 +33,7 @@ using testing::expect_error;
 using testing::expect_input_error;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using testing::TemporaryFolder;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -202,6 +209,502 @@ TEST(MapFile, VtpOfPointsHasAVertexCellEach) {
   EXPECT_THAT(file.array<std::int64_t>("Int64", "connectivity"), ElementsAre(0, 1, 2, 3));
   EXPECT_THAT(file.array<std::int64_t>("Int64", "offsets"), ElementsAre(1, 2, 3, 4));
   EXPECT_THAT(file.array<std::uint8_t>("UInt8", "status"), ElementsAre(0, 2, 2, 1));
+}
+
+// --- certificates ------------------------------------------------------------------------------------------------
+
+const std::vector<Certificate> certificates{
+    {{{0, {0.1, -0.0, 5e-324}}}, std::nullopt},
+    {{}, Point{1, 2, 3}},
+    {{{2, {1, 0, 0}}, {0, {0, 1e300, 0}}, {7, {-1.5, 0, 2}}}, Point{-0.0, 1e-310, 0.1}},
+    {{}, std::nullopt}};
+
+/// `results` with `certificates`, in two pieces.
+void write_certified(const std::filesystem::path& path, const Mesh* mesh) {
+  MapWriter writer(path, mesh, MapContents::certified);
+  const std::span<const Point> points = tetrahedron.vertices;
+  writer.append(points.first(3), std::span(results).first(3), std::span(certificates).first(3));
+  writer.append(points.last(1), std::span(results).last(1), std::span(certificates).last(1));
+  writer.finish();
+}
+
+std::string certified(const std::string& name, const Mesh* mesh = nullptr) {
+  const TemporaryFolder folder;
+  write_certified(folder / name, mesh);
+  return folder.contents(name);
+}
+
+const std::string csv_header =
+    "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,escape_x,escape_y,escape_z\n";
+const std::vector<std::string> csv_rows{
+    "0,0.10000000000000001,0.30000000000000004,device-verified,0,0.1,-0,5e-324,,,,\n",
+    "1,-inf,inf,wide,,,,,,1,2,3\n",
+    "2,-2,inf,wide,2,1,0,0,0:0:1e+300:0 7:-1.5:0:2,-0,1e-310,0.1\n",
+    "3,-inf,-9.9999999999999694e-311,host-verified,,,,,,,,\n",
+};
+
+TEST(CertifiedMap, Csv) {
+  EXPECT_EQ(certified("map.csv"), csv_header + csv_rows[0] + csv_rows[1] + csv_rows[2] + csv_rows[3]);
+}
+
+TEST(CertifiedMap, VtpDeclaresTheCertificates) {
+  const std::string contents = certified("map.vtp", &tetrahedron);
+  const std::string xml = R"(<?xml version="1.0"?>
+<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
+  <PolyData>
+    <FieldData>
+        <DataArray type="Int32" Name="further_primitive" NumberOfComponents="1" NumberOfTuples="2" format="appended" offset="0"/>
+        <DataArray type="Float64" Name="further_normal" NumberOfComponents="3" NumberOfTuples="2" format="appended" offset="16"/>
+    </FieldData>
+    <Piece NumberOfPoints="4" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="4">
+      <Points>
+        <DataArray type="Float64" Name="Points" NumberOfComponents="3" format="appended" offset="72"/>
+      </Points>
+      <Polys>
+        <DataArray type="Int64" Name="connectivity" NumberOfComponents="1" format="appended" offset="176"/>
+        <DataArray type="Int64" Name="offsets" NumberOfComponents="1" format="appended" offset="280"/>
+      </Polys>
+      <PointData Scalars="dist_mid" Vectors="normal">
+        <DataArray type="Float64" Name="dist_lo" NumberOfComponents="1" format="appended" offset="320"/>
+        <DataArray type="Float64" Name="dist_hi" NumberOfComponents="1" format="appended" offset="360"/>
+        <DataArray type="Float64" Name="dist_mid" NumberOfComponents="1" format="appended" offset="400"/>
+        <DataArray type="UInt8" Name="status" NumberOfComponents="1" format="appended" offset="440"/>
+        <DataArray type="Int32" Name="primitive" NumberOfComponents="1" format="appended" offset="452"/>
+        <DataArray type="Float64" Name="normal" NumberOfComponents="3" format="appended" offset="476"/>
+        <DataArray type="Float64" Name="escape" NumberOfComponents="3" format="appended" offset="580"/>
+        <DataArray type="Int64" Name="further_normals_end" NumberOfComponents="1" format="appended" offset="684"/>
+      </PointData>
+    </Piece>
+  </PolyData>
+  <AppendedData encoding="raw">
+_)";
+  EXPECT_EQ(contents.substr(0, xml.size()), xml);
+  EXPECT_TRUE(contents.ends_with("\n  </AppendedData>\n</VTKFile>\n"));
+}
+
+TEST(CertifiedMap, VtpHoldsTheCertificates) {
+  const VtpFile file(certified("map.vtp"));
+  const auto nan = ::testing::NanSensitiveDoubleEq(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(file.array<std::int32_t>("Int32", "further_primitive"), ElementsAre(0, 7));
+  EXPECT_THAT(file.array<double>("Float64", "further_normal"), ElementsAre(0, 1e300, 0, -1.5, 0, 2));
+  EXPECT_THAT(file.array<double>("Float64", "Points"), ElementsAre(0, 0, 0, 1, 0, 0, 0, 0.1, 0, 0, 0, 1e300));
+  EXPECT_THAT(file.array<double>("Float64", "dist_lo"), ElementsAre(0.1, -infinity, -2.0, -infinity));
+  EXPECT_THAT(file.array<std::int32_t>("Int32", "primitive"), ElementsAre(0, -1, 2, -1));
+  EXPECT_THAT(file.array<double>("Float64", "normal"), ElementsAre(0.1, -0.0, 5e-324, 0, 0, 0, 1, 0, 0, 0, 0, 0));
+  EXPECT_THAT(file.array<double>("Float64", "escape"),
+              ElementsAre(nan, nan, nan, 1, 2, 3, -0.0, 1e-310, 0.1, nan, nan, nan));
+  EXPECT_THAT(file.array<std::int64_t>("Int64", "further_normals_end"), ElementsAre(0, 0, 2, 2));
+}
+
+/// What a VTK reader relies on: the XML before the raw bytes parses, and the arrays lie one after the other, each as
+/// long as its tuples (stated in FieldData, those of the piece elsewhere) need.
+TEST(CertifiedMap, VtpArraysFillTheAppendedPart) {
+  const std::string contents = certified("map.vtp");
+  const std::size_t start = contents.find("\n_") + 2;
+  pugi::xml_document xml;
+  const std::string closed = contents.substr(0, start) + "</AppendedData></VTKFile>";
+  ASSERT_TRUE(xml.load_string(closed.c_str()));
+  std::size_t end = 0;
+  std::size_t arrays = 0;
+  for (const pugi::xpath_node& found : xml.select_nodes("//DataArray")) {
+    const pugi::xml_node array = found.node();
+    const std::string type = array.attribute("type").value();
+    const std::size_t number = type == "UInt8" ? 1 : type == "Int32" ? 4 : 8;
+    const std::size_t tuples = array.parent().name() == std::string("FieldData")
+                                   ? array.attribute("NumberOfTuples").as_ullong()
+                                   : xml.select_node("//Piece").node().attribute("NumberOfPoints").as_ullong();
+    EXPECT_EQ(array.attribute("offset").as_ullong(), end) << array.attribute("Name").value();
+    const std::size_t bytes = tuples * array.attribute("NumberOfComponents").as_ullong() * number;
+    EXPECT_EQ(number_from<std::uint64_t>(contents.data() + start + end, std::endian::little), bytes);
+    end += 8 + bytes;
+    ++arrays;
+  }
+  EXPECT_EQ(arrays, 13U);
+  EXPECT_EQ(contents.substr(start + end), "\n  </AppendedData>\n</VTKFile>\n");
+}
+
+TEST(CertifiedMap, IsWrittenToCsvAndVtpOnly) {
+  const TemporaryFolder folder;
+  for (const char* name : {"map.ply", "map.json", "map.PLY"}) {
+    expect_input_error([&] { MapWriter writer(folder / name, &tetrahedron, MapContents::certified); }, folder / name,
+                       ": certificates are written to .csv and .vtp only");
+  }
+  expect_input_error([&] { MapWriter writer(folder / "map.vtu", nullptr, MapContents::certified); }, folder / "map.vtu",
+                     ": unknown map format '.vtu': known are .csv, .vtp, .ply, .json");
+  EXPECT_THAT(folder.names(), IsEmpty());
+}
+
+// --- reading -----------------------------------------------------------------------------------------------------
+
+/// All rows, read in pieces of `piece`, into rows that still hold something else.
+std::vector<CertifiedRow> read_map(const std::filesystem::path& path, std::size_t piece = 3) {
+  MapReader reader(path);
+  std::vector<CertifiedRow> all;
+  std::vector<CertifiedRow> rows(piece, {{{9, 9}, Status::wide}, {{{9, {9, 9, 9}}}, Point{9, 9, 9}}});
+  std::size_t count = 0;
+  do {
+    count = reader.read(rows);
+    all.insert(all.end(), rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count));
+  } while (count == piece);
+  EXPECT_EQ(reader.read(rows), 0U);
+  return all;
+}
+
+/// Equal for equal bits only: hexadecimal digits tell 0 from -0.
+std::string text(const MapResult& result, const Certificate& certificate) {
+  std::string line = fmt::format("[{:a}, {:a}] {}", result.distance.lo, result.distance.hi, to_string(result.status));
+  for (const auto& [primitive, v] : certificate.normals)
+    line += fmt::format(" {}: ({:a}, {:a}, {:a})", primitive, v[0], v[1], v[2]);
+  if (const auto& e = certificate.escape) line += fmt::format(" escape ({:a}, {:a}, {:a})", (*e)[0], (*e)[1], (*e)[2]);
+  return line;
+}
+
+TEST(MapReader, GivesBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  for (const char* name : {"map.csv", "map.vtp", "MAP.CSV", "MAP.VTP"}) {
+    for (const Mesh* mesh : {&tetrahedron, static_cast<const Mesh*>(nullptr)}) {
+      write_certified(folder / name, mesh);
+      for (const std::size_t piece : {1, 2, 3, 4, 5}) {
+        const std::vector<CertifiedRow> rows = read_map(folder / name, piece);
+        ASSERT_EQ(rows.size(), results.size());
+        for (std::size_t k = 0; k < rows.size(); ++k)
+          EXPECT_EQ(text(rows[k].result, rows[k].certificate), text(results[k], certificates[k])) << name;
+      }
+    }
+  }
+}
+
+/// Random rows of every shape.
+class RandomRows {
+ public:
+  MapResult result() { return {{end(), end()}, static_cast<Status>(below(3))}; }
+  Certificate certificate() {
+    Certificate certificate;
+    const std::uint64_t normals = below(2) == 0 ? below(2) : below(9);
+    for (std::uint64_t k = 0; k < normals; ++k) {
+      const auto primitive = static_cast<std::uint32_t>(below(2) == 0 ? below(10) : below(std::uint64_t{1} << 31));
+      certificate.normals.push_back({primitive, {finite(), finite(), finite()}});
+    }
+    if (below(2) == 0) certificate.escape = {finite(), finite(), finite()};
+    return certificate;
+  }
+
+ private:
+  std::uint64_t below(std::uint64_t limit) { return bits_() % limit; }
+  double finite() {
+    if (below(8) == 0) return below(2) == 0 ? 0.0 : -0.0;
+    // A zero exponent makes it subnormal.
+    const std::uint64_t mask = below(4) == 0 ? 0x800fffffffffffffU : ~std::uint64_t{0};
+    const double value = std::bit_cast<double>(bits_() & mask);
+    return std::isfinite(value) ? value : finite();
+  }
+  double end() {
+    if (below(8) == 0) return below(2) == 0 ? infinity : -infinity;
+    return finite();
+  }
+
+  std::mt19937_64 bits_{20240917};
+};
+
+TEST(MapReader, GivesBackEveryBitOfRandomMaps) {
+  RandomRows random;
+  std::vector<MapResult> rows;
+  std::vector<Certificate> proofs;
+  for (std::size_t k = 0; k < 5000; ++k) {
+    rows.push_back(random.result());
+    proofs.push_back(random.certificate());
+  }
+  const TemporaryFolder folder;
+  for (const char* name : {"map.csv", "map.vtp"}) {
+    MapWriter writer(folder / name, nullptr, MapContents::certified);
+    writer.append(std::vector<Point>(rows.size()), rows, proofs);
+    writer.finish();
+    const std::vector<CertifiedRow> read = read_map(folder / name, 777);
+    ASSERT_EQ(read.size(), rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      ASSERT_EQ(text(read[k].result, read[k].certificate), text(rows[k], proofs[k])) << name << " row " << k;
+  }
+}
+
+TEST(MapReader, ReadsMapsWithoutRows) {
+  const TemporaryFolder folder;
+  for (const char* name : {"map.csv", "map.vtp"}) {
+    MapWriter(folder / name, nullptr, MapContents::certified).finish();
+    EXPECT_THAT(read_map(folder / name), IsEmpty()) << name;
+  }
+}
+
+TEST(MapReader, ReadsThePartOfAnInterruptedCsv) {
+  const TemporaryFolder folder;
+  MapWriter writer(folder / "map.csv", nullptr, MapContents::certified);
+  writer.append(std::vector<Point>(1), std::span(results).first(1), std::span(certificates).first(1));
+  const std::vector<CertifiedRow> rows = read_map(writer.keep_partial());
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].certificate, certificates[0]);
+}
+
+TEST(MapReader, RefusesOtherFormats) {
+  const TemporaryFolder folder;
+  for (const std::string extension : {".ply", ".json", "", ".partial", ".vtp.partial"}) {
+    const auto path = folder.file("map" + extension, csv_header);
+    expect_input_error([&] { read_map(path); }, path,
+                       ": a map as '" + path.extension().string() + "': check reads .csv and .vtp");
+  }
+  expect_input_error([&] { read_map(folder / "none.csv"); }, folder / "none.csv", ": no such file");
+  expect_input_error([&] { read_map(folder / "none.vtp"); }, folder / "none.vtp", ": no such file");
+}
+
+TEST(MapReader, RefusesMapsWithoutCertificates) {
+  const TemporaryFolder folder;
+  const std::string advice = "written without --certificates: map again with --certificates";
+  write(folder / "map.csv", nullptr);
+  expect_input_error([&] { read_map(folder / "map.csv"); }, folder / "map.csv", ": line 1: " + advice);
+  write(folder / "map.vtp", nullptr);
+  expect_input_error([&] { read_map(folder / "map.vtp"); }, folder / "map.vtp", ": " + advice);
+}
+
+void expect_refused(const std::string& name, const std::string& contents, const std::string& message) {
+  const TemporaryFolder folder;
+  const auto path = folder.file(name, contents);
+  expect_input_error([&] { read_map(path); }, path, ": " + message);
+}
+
+TEST(MapReader, RefusesCsvWithAnotherHeader) {
+  const std::string expected = csv_header.substr(0, csv_header.size() - 1);
+  for (const std::string header : {"", "index,lo,hi", "Index,lo"}) {
+    expect_refused("map.csv", header + "\n" + csv_rows[0],
+                   "line 1: '" + header + "': not the header of a map: expected " + expected);
+  }
+  expect_refused("map.csv", "", "the file is empty");
+}
+
+struct BadRow {
+  std::string row;
+  std::string message;
+};
+
+TEST(MapReader, RefusesBadCsvRows) {
+  const std::vector<BadRow> cases{
+      {"", "'': 1 fields, expected 12"},
+      {"0,1,2,wide,,,,,,,", "'0,1,2,wide,,,,,,,': 11 fields, expected 12"},
+      {"0,1,2,wide,,,,,,,,,", "'0,1,2,wide,,,,,,,,,': 13 fields, expected 12"},
+      {"1,1,2,wide,,,,,,,,", "index = '1': expected 0"},
+      {"-1,1,2,wide,,,,,,,,", "index = '-1': expected 0"},
+      {"a,1,2,wide,,,,,,,,", "index = 'a': not an integer"},
+      {",1,2,wide,,,,,,,,", "index is missing"},
+      {"99999999999999999999,1,2,wide,,,,,,,,", "index = '99999999999999999999': not an integer"},
+      {"0,nan,2,wide,,,,,,,,", "lo = 'nan': not a finite number"},
+      {"0,1,-nan,wide,,,,,,,,", "hi = '-nan': not a finite number"},
+      {"0,,2,wide,,,,,,,,", "lo is missing"},
+      {"0,1, 2,wide,,,,,,,,", "hi = ' 2': not a number"},
+      {"0,1,2x,wide,,,,,,,,", "hi = '2x': not a number"},
+      {"0,1,2e999,wide,,,,,,,,", "hi = '2e999': beyond the range of binary64"},
+      {"0,1,2,Wide,,,,,,,,", "status = 'Wide': not one of device-verified, host-verified, wide"},
+      {"0,1,2,,,,,,,,,", "status = '': not one of device-verified, host-verified, wide"},
+      {"0,1,2,wide,-1,1,0,0,,,,", "primitive = '-1': not an index of a primitive"},
+      {"0,1,2,wide,4294967296,1,0,0,,,,", "primitive = '4294967296': not an index of a primitive"},
+      {"0,1,2,wide,1.0,1,0,0,,,,", "primitive = '1.0': not an integer"},
+      {"0,1,2,wide,,1,0,0,,,,", "primitive is missing"},
+      {"0,1,2,wide,1,,,,,,,", "primitive = '1': without a first normal"},
+      {"0,1,2,wide,1,1,,0,,,,", "normal_y is missing"},
+      {"0,1,2,wide,1,1,inf,0,,,,", "normal_y = 'inf': not a finite number"},
+      {"0,1,2,wide,,,,,1:1:1:1,,,", "further_normals = '1:1:1:1': without a first normal"},
+      {"0,1,2,wide,1,1,1,1,1:1:1,,,", "further_normals: '1:1:1': expected primitive:x:y:z"},
+      {"0,1,2,wide,1,1,1,1,1:1:1:1:1,,,", "further_normals: '1:1:1:1:1': expected primitive:x:y:z"},
+      {"0,1,2,wide,1,1,1,1,1:1:1:1 -2:1:1:1,,,", "primitive = '-2': not an index of a primitive"},
+      {"0,1,2,wide,1,1,1,1,1:1:nan:1,,,", "y = 'nan': not a finite number"},
+      {"0,1,2,wide,1,1,1,1,1:1:1:,,,", "z is missing"},
+      {"0,1,2,wide,,,,,,1,2,", "escape_z is missing"},
+      {"0,1,2,wide,,,,,,nan,nan,nan", "escape_x = 'nan': not a finite number"},
+      {std::string("0,1,2,wi\0de,,,,,,,,", 19),
+       "status = 'wi\\x00de': not one of device-verified, host-verified, wide"},
+  };
+  for (const auto& [row, message] : cases) {
+    expect_refused("map.csv", csv_header + row + "\n", "line 2: " + message);
+    if (!row.empty()) expect_refused("map.csv", csv_header + row, "line 2: " + message);
+  }
+  expect_refused("map.csv", csv_header + csv_rows[0] + csv_rows[0], "line 3: index = '0': expected 1");
+  expect_refused("map.csv", csv_header + csv_rows[0] + "\n", "line 3: '': 1 fields, expected 12");
+}
+
+TEST(MapReader, ReadsTheLargestIndexOfAPrimitive) {
+  const TemporaryFolder folder;
+  const auto path = folder.file("map.csv", csv_header + "0,1,2,wide,4294967295,1,0,0,,,,\r\n");
+  EXPECT_EQ(read_map(path).at(0).certificate.normals.at(0).primitive, 4294967295U);
+}
+
+/// A cut may shorten the last number of a certificate, never an enclosure.
+TEST(MapReader, NoticesWhereACsvIsCut) {
+  const TemporaryFolder folder;
+  const std::string rows = csv_header + csv_rows[0] + csv_rows[1] + csv_rows[2];
+  const std::size_t last_row = rows.size() - csv_rows[2].size();
+  const std::size_t last_field = rows.rfind(',') + 1;
+  for (std::size_t size = last_row + 1; size < last_field; ++size) {
+    const auto path = folder.file("map.csv", rows.substr(0, size));
+    EXPECT_THROW(read_map(path), Error) << size;
+  }
+  const auto path = folder.file("map.csv", rows.substr(0, rows.size() - 2));
+  EXPECT_EQ(read_map(path).at(2).result.distance.lo, -2.0);
+}
+
+std::string replaced(std::string contents, const std::string& from, const std::string& to) {
+  const std::size_t at = contents.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return contents.replace(at, from.size(), to);
+}
+
+struct BadElement {
+  std::string from;
+  std::string to;
+  std::string place;  ///< what the changed file holds at the byte that the message names
+  std::string message;
+};
+
+TEST(MapReader, RefusesVtpOfOtherKinds) {
+  const std::string map = certified("map.vtp");
+  const std::string wide = "99999999999999999999";
+  const std::string appended = "_\x08";  // the first array has 8 bytes
+  const std::vector<BadElement> cases{
+      {"\"PolyData\"", "\"ImageData\"", "VTKFile", "'VTKFile': type = 'ImageData': expected 'PolyData'"},
+      {"\"1.0\" b", "\"0.1\" b", "VTKFile", "'VTKFile': version = '0.1': expected '1.0'"},
+      {"LittleEndian", "BigEndian", "VTKFile", "'VTKFile': byte_order = 'BigEndian': expected 'LittleEndian'"},
+      {"UInt64", "UInt32", "VTKFile", "'VTKFile': header_type = 'UInt32': expected 'UInt64'"},
+      {"header_type=\"UInt64\"", "", "VTKFile", "'VTKFile': header_type = '': expected 'UInt64'"},
+      {"<VTKFile ", "<VTKFile compressor=\"z\" ", "VTKFile", "'VTKFile': compressor = 'z': expected ''"},
+      {"\"raw\"", "\"base64\"", "AppendedData", "'AppendedData': encoding = 'base64': expected 'raw'"},
+      {"<VTKFile ", "<File ", appended, "not XML: Start-end tags mismatch"},
+      {"<VTKFile ", "VTKFile ", appended, "not XML: Start-end tags mismatch"},
+      {"<AppendedData", "<!-- <AppendedData", appended, "not XML: Error parsing comment"},
+      {"encoding", "en_coding", "_coding", "not XML: Error parsing element attribute"},
+      {"<FieldData>", "<FieldData/><FieldData>", "FieldData>", "'FieldData': a second one"},
+      {"<Piece ", "<Piece/><Piece ", "Piece N", "'Piece': a second one"},
+      {"<PointData ", "<PointData/><PointData ", "PointData S", "'PointData': a second one"},
+      {"NumberOfPoints=\"4\"", "NumberOfPoints=\"-4\"", "Piece",
+       "'Piece': NumberOfPoints = '-4': not a whole number of 64 bits"},
+      {"NumberOfPoints=\"4\"", "NumberOfPoints=\"" + wide + "\"", "Piece",
+       "'Piece': NumberOfPoints = '" + wide + "': not a whole number of 64 bits"},
+      {"NumberOfPoints=\"4\"", "", "Piece", "'Piece': NumberOfPoints = '': not a whole number of 64 bits"},
+      {"NumberOfTuples=\"2\"", "", "DataArray", "'DataArray': NumberOfTuples = '': not a whole number of 64 bits"},
+      {"offset=\"0\"", "offset=\"0 \"", "DataArray", "'DataArray': offset = '0 ': not a whole number of 64 bits"},
+      {"Name=\"escape\"", "Name=\"refuge\"", "PointData", "'PointData': no DataArray with Name = 'escape'"},
+      {"Name=\"dist_mid\"", "Name=\"dist_lo\" ", "DataArray type=\"Float64\" Name=\"dist_lo\"  ",
+       "'DataArray': Name = 'dist_lo': a second one"},
+      {"\"Float64\" Name=\"dist_hi\"", "\"Float32\" Name=\"dist_hi\"", "DataArray type=\"Float32\"",
+       "'DataArray': type = 'Float32': expected 'Float64'"},
+      {"Name=\"normal\" NumberOfComponents=\"3\"", "Name=\"normal\" NumberOfComponents=\"4\"",
+       "DataArray type=\"Float64\" Name=\"normal\"", "'DataArray': NumberOfComponents = '4': expected '3'"},
+      {"appended", "ascii", "DataArray", "'DataArray': format = 'ascii': expected 'appended'"},
+  };
+  for (const auto& [from, to, place, message] : cases) {
+    const std::string changed = replaced(map, from, to);
+    expect_refused("map.vtp", changed, fmt::format("byte {}: {}", changed.find(place), message));
+  }
+  expect_refused("map.vtp", "index,lo,hi,status\n", "no appended data in the first 19 bytes: not a map as .vtp");
+  expect_refused("map.vtp", "", "the file is empty");
+}
+
+TEST(MapReader, RefusesVtpSizesThatTheFileDoesNotHold) {
+  const std::string map = certified("map.vtp");
+  const std::string huge = "18446744073709551615";
+  const std::vector<std::array<std::string, 3>> cases{
+      {"NumberOfPoints=\"4\"", "NumberOfPoints=\"5\"", "array 'dist_lo': 32 bytes, expected 5 times 8"},
+      {"NumberOfPoints=\"4\"", "NumberOfPoints=\"" + huge + "\"",
+       "array 'dist_lo': 32 bytes, expected " + huge + " times 8"},
+      // 8 times this is 0 in 64 bits, and 32 when it is one of 4 more.
+      {"NumberOfPoints=\"4\"", "NumberOfPoints=\"2305843009213693956\"",
+       "array 'dist_lo': 32 bytes, expected 2305843009213693956 times 8"},
+      {"NumberOfTuples=\"2\"", "NumberOfTuples=\"3\"", "array 'further_primitive': 8 bytes, expected 3 times 4"},
+      {"offset=\"16\"", "offset=\"15\"", "array 'further_normal': offset = 15: the array before it ends at 16"},
+      {"offset=\"16\"", "offset=\"0\"", "array 'further_normal': offset = 0: the array before it ends at 16"},
+      {"offset=\"16\"", "offset=\"17\"", "array 'further_normal': 0 bytes, expected 2 times 24"},
+      {"offset=\"16\"", "offset=\"" + huge + "\"",
+       "array 'further_normal': offset = " + huge + ": beyond the end of the file"},
+  };
+  for (const auto& [from, to, message] : cases) expect_refused("map.vtp", replaced(map, from, to), message);
+
+  // A file that declares and counts as many bytes as there are addresses.
+  std::string vast = replaced(map, "NumberOfTuples=\"2\"", "NumberOfTuples=\"2305843009213693951\"");
+  const std::uint64_t bytes = in_little_endian(std::uint64_t{4} * 2305843009213693951U);
+  std::memcpy(vast.data() + vast.find("\n_") + 2, &bytes, sizeof bytes);
+  expect_refused("map.vtp", vast,
+                 "array 'further_primitive': truncated: 9223372036854775804 bytes, the file has 682 more");
+}
+
+/// The map of `certificates` with one number of an array changed.
+template <class Number>
+std::string with_number(const std::string& name, std::size_t index, Number number) {
+  std::string map = certified("map.vtp");
+  const std::string key = "offset=\"";
+  const std::size_t offset = std::stoul(map.substr(map.find(key, map.find("Name=\"" + name + "\"")) + key.size()));
+  const Number stored = in_little_endian(number);
+  std::memcpy(map.data() + map.find("\n_") + 2 + offset + 8 + index * sizeof(Number), &stored, sizeof stored);
+  return map;
+}
+
+TEST(MapReader, RefusesVtpValuesThatAreNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  expect_refused("map.vtp", with_number("dist_lo", 2, nan), "point 2: dist_lo = nan");
+  expect_refused("map.vtp", with_number("dist_hi", 3, nan), "point 3: dist_hi = nan");
+  expect_refused("map.vtp", with_number<std::uint8_t>("status", 1, 3), "point 1: status = 3");
+  expect_refused("map.vtp", with_number("primitive", 0, -2), "point 0: primitive = -2");
+  expect_refused("map.vtp", with_number("primitive", 2, -1), "point 2: further normals without a first normal");
+  expect_refused("map.vtp", with_number("normal", 0, infinity), "point 0: normal = inf -0 5e-324: not finite");
+  expect_refused("map.vtp", with_number("escape", 3, nan), "point 1: escape = nan 2 3: neither finite nor all nan");
+  expect_refused("map.vtp", with_number("escape", 0, 1.0), "point 0: escape = 1 nan nan: neither finite nor all nan");
+  expect_refused("map.vtp", with_number("further_primitive", 1, -1), "further normal 1: primitive = -1");
+  expect_refused("map.vtp", with_number("further_normal", 2, -infinity), "further normal 0: 0 1e+300 -inf: not finite");
+}
+
+TEST(MapReader, RefusesVtpFurtherNormalsThatDoNotAddUp) {
+  const auto ends = [](std::size_t point, std::int64_t end) { return with_number("further_normals_end", point, end); };
+  expect_refused("map.vtp", ends(0, -1), "point 0: further_normals_end = -1: expected at least 0");
+  expect_refused("map.vtp", ends(3, 1), "point 3: further_normals_end = 1: expected at least 2");
+  expect_refused("map.vtp", ends(3, 3), "further_normals_end = 3 at the last point: expected 2");
+  expect_refused("map.vtp", ends(2, std::numeric_limits<std::int64_t>::max()),
+                 "point 3: further_normals_end = 2: expected at least 9223372036854775807");
+  expect_refused("map.vtp", ends(3, std::numeric_limits<std::int64_t>::max()),
+                 "further_normals_end = 9223372036854775807 at the last point: expected 2");
+  std::string fewer =
+      replaced(certified("map.vtp"), "Components=\"3\" NumberOfTuples=\"2\"", "Components=\"3\" NumberOfTuples=\"1\"");
+  const std::uint64_t bytes = in_little_endian(std::uint64_t{24});
+  std::memcpy(fewer.data() + fewer.find("\n_") + 2 + 16, &bytes, sizeof bytes);
+  expect_refused("map.vtp", fewer, "2 of further_primitive, but 1 of further_normal");
+}
+
+/// Reads and removes the map (rewriting thousands of files in place is slow); an error must be the user's, in one line.
+void expect_rows_or_input_error(const std::filesystem::path& path) {
+  try {
+    EXPECT_THAT(read_map(path).size(), ::testing::Le(4U));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input) << error.what();
+    EXPECT_THAT(error.what(), Not(HasSubstr("\n")));
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(MapReader, NoticesWhereAVtpIsCut) {
+  const TemporaryFolder folder;
+  const std::string map = certified("map.vtp");
+  const std::size_t arrays_end = map.find("\n  </AppendedData>");
+  for (std::size_t size = 0; size < arrays_end; ++size) {
+    const auto path = folder.file("map.vtp", map.substr(0, size));
+    EXPECT_THROW(read_map(path), Error) << size;
+    expect_rows_or_input_error(path);
+  }
+}
+
+TEST(MapReader, SurvivesAnyChangedByte) {
+  const TemporaryFolder folder;
+  for (const std::string name : {"map.csv", "map.vtp"}) {
+    const std::string map = certified(name);
+    for (std::size_t k = 0; k < map.size(); ++k) {
+      for (const char byte : {'\0', '9', static_cast<char>(map[k] ^ 1)}) {
+        std::string changed = map;
+        changed[k] = byte;
+        expect_rows_or_input_error(folder.file(name, changed));
+      }
+    }
+  }
 }
 
 // --- files -------------------------------------------------------------------------------------------------------

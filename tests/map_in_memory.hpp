@@ -10,6 +10,7 @@ namespace verisq::oracle {
 
 struct FinishedMap {
   std::vector<MapResult> rows;
+  std::vector<Certificate> certificates;  ///< empty unless asked for
   MapSummary summary;
 };
 
@@ -24,8 +25,10 @@ struct FinishedMap {
     delivered += count;
     return count;
   };
-  const MapSink sink = [&](std::span<const Point>, std::span<const MapResult> rows) {
+  const MapSink sink = [&](std::span<const Point>, std::span<const MapResult> rows,
+                           std::span<const Certificate> certificates) {
     map.rows.insert(map.rows.end(), rows.begin(), rows.end());
+    map.certificates.insert(map.certificates.end(), certificates.begin(), certificates.end());
   };
   map.summary = map_points(model, source, sink, options);
   return map;

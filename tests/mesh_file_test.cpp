@@ -111,6 +111,8 @@ TEST(TriangleArea, NeitherUnderflowsNorOverflows) {
   EXPECT_FALSE(has_zero_area({-huge, -huge, 0}, {huge, -huge, 0}, {0, huge, 0}));
   EXPECT_TRUE(has_zero_area({-huge, -huge, -huge}, {huge, huge, huge}, {1, 1, 1}));
   EXPECT_FALSE(has_zero_area({-huge, -huge, -huge}, {huge, huge, huge}, {1, 1, 1 + 1e-15}));
+  EXPECT_TRUE(has_zero_area({0, 0, 0}, {huge, huge, huge}, {tiny, tiny, tiny}));
+  EXPECT_FALSE(has_zero_area({0, 0, 0}, {huge, huge, huge}, {tiny, tiny, 2 * tiny}));
 }
 
 // --- STL ---------------------------------------------------------------------------------------------------------
@@ -392,6 +394,24 @@ TEST(Ply, RefusesHeaders) {
           ": element 'tristrips' is not supported: triangles must be in element 'face'");
 }
 
+TEST(Ply, ShowsHostileNamesInOneShortLine) {
+  const std::string vertex = "element vertex 1\n" + xyz;
+  expect_refusal(".ply", ply_header("ascii", vertex + "property int \x1b[2J\xff\n") + "1.0 2.0 3.0\n",
+                 ": line 11: '\\x1b[2J\\xff' is missing");
+  expect_refusal(
+      ".ply", ply_header("ascii", vertex + "property list int int " + std::string(1000, 'n') + "\n") + "1.0 2.0 3.0\n",
+      ": line 11: '" + std::string(60, 'n') + "...' is missing");
+}
+
+// A name is looked up among all others: the time must not grow with the square of their number.
+TEST(Ply, ReadsVeryLongHeaders) {
+  constexpr int many = 200'000;
+  std::string elements = "element vertex 1\n" + xyz + "element other 0\n";
+  for (int k = 0; k < many; ++k) elements += "property char p" + std::to_string(k) + "\n";
+  for (int k = 0; k < many; ++k) elements += "element e" + std::to_string(k) + " 0\n";
+  EXPECT_THAT(read(".ply", ply_header("ascii", elements) + "1 2 3\n").vertices, ElementsAre(Point{1, 2, 3}));
+}
+
 TEST(Ply, RefusesCountsThatTheFileCannotHold) {
   expect_refusal(".ply", ply_header("ascii", "element vertex 9000000000000000000\n" + xyz) + "1 2 3\n",
                  ": truncated: the header promises 9000000000000000000 of element 'vertex', at least 6 bytes each; 6 "
@@ -409,12 +429,12 @@ TEST(Ply, RefusesBinary) {
   expect_refusal(".ply", header + zero + little(-infinity) + zero + little(0),
                  ": byte " + at + ": y = -inf: not a finite number");
   expect_refusal(".ply", header + zero + zero + zero + little(-1),
-                 ": byte " + tag + ": length of list bytes = -1: must not be negative");
+                 ": byte " + tag + ": length of list 'bytes' = -1: must not be negative");
   expect_refusal(".ply", header + zero + zero + zero + little(0) + "abc",
                  ": byte " + std::to_string(header.size() + 28) + ": 3 bytes after the last element");
   expect_refusal(".ply", header + zero + zero + zero + little(2000000000) + "abc",
                  ": byte " + std::to_string(header.size() + 31) + ": truncated: the file ends after " +
-                     std::to_string(header.size() + 31) + " bytes, inside bytes");
+                     std::to_string(header.size() + 31) + " bytes, inside 'bytes'");
 }
 
 // --- OFF ---------------------------------------------------------------------------------------------------------

@@ -234,6 +234,10 @@ INSTANTIATE_TEST_SUITE_P(
                       Refusal{"Truncated", "{\"format\": \"verisq",
                               ": line 1, column 19: syntax error while parsing value - invalid string: missing closing "
                               "quote; last read: '\"verisq'"},
+                      Refusal{"LongString", "{\"" + std::string(1000, 'k'),
+                              ": line 1, column 1003: syntax error while parsing object key - invalid string: missing "
+                              "closing quote; last read: '\"" +
+                                  std::string(187, 'k') + "..."},
                       Refusal{"BehindTheEnd", model_of(ball("a")) + "\n\n x",
                               ": line 3, column 2: syntax error while parsing value - invalid literal; last read: "
                               "'1]}}]}<U+000A><U+000A> x'; expected end of input"},

@@ -63,5 +63,47 @@ INSTANTIATE_TEST_SUITE_P(
                     Mutant{"WrongDigitInLog", "0x1.99999999952d9p-2", "0x1.99999999a52d9p-2", "log_"}),
     [](const auto& test) { return test.param.name; });
 
+INSTANTIATE_TEST_SUITE_P(
+    IntervalMutants, SelfTest,
+    testing::Values(
+        Mutant{"NegSwapsEnds", "interval_of(-a.hi, -a.lo)", "interval_of(-a.lo, -a.hi)", "interval_neg"},
+        Mutant{"AbsMissesZero", "greater(REAL(0.0), greater(a.lo, -a.hi))", "fmin(fabs(a.lo), fabs(a.hi))",
+               "interval_abs"},
+        Mutant{"SquareForgetsTheSign", "const interval size = interval_abs(a);", "const interval size = a;",
+               "interval_square"},
+        Mutant{"OverflowGivesEmpty", "step_down(lesser(REAL(LARGEST_FINITE), lo))", "step_down(lo)", "interval_square"},
+        Mutant{"SqrtOfNegativeLowerEnd", "sqrt_down(fmax(a.lo, REAL(0.0)))", "sqrt_down(fabs(a.lo))", "interval_sqrt"},
+        Mutant{"ExpOfEmpty", "return empty_unless(MASK(a.lo <= a.hi), interval_of(exp_down(a.lo), exp_up(a.hi)));",
+               "return interval_of(exp_down(a.lo), exp_up(a.hi));", "interval_exp"},
+        Mutant{"LogOfZeroAlone", "MASK(a.hi > 0.0), interval_of(log_down", "MASK(a.hi >= 0.0), interval_of(log_down",
+               "interval_log"},
+        Mutant{"AddRoundsInwards", "outward(a.lo + b.lo, a.hi + b.hi)", "interval_of(a.lo + b.lo, a.hi + b.hi)",
+               "interval_add"},
+        Mutant{"SubPairsWrongEnds", "outward(a.lo - b.hi, a.hi - b.lo)", "outward(a.lo - b.lo, a.hi - b.hi)",
+               "interval_sub"},
+        Mutant{"MulDropsAProduct", "outward(lesser(lesser(p, q), lesser(r, s))", "outward(lesser(lesser(p, q), r)",
+               "interval_mul"},
+        Mutant{"ZeroTimesInfinity", "select(REAL(0.0), product, MASK(product == product))", "product", "interval_mul"},
+        Mutant{"MulOfEmpty", "empty_unless(defined, outward(lesser(lesser",
+               "empty_unless(defined | -1, outward(lesser(lesser", "interval_mul"},
+        Mutant{"DivByTheWrongZero", "fabs(select(b.lo, b.hi, flip))", "select(b.lo, b.hi, flip)", "interval_div"},
+        Mutant{"DivForgetsZeroAtAnEnd", "select(largest, least, MASK(hi > 0.0))",
+               "select(largest, least, MASK(hi >= 0.0))", "interval_div"},
+        Mutant{"DivForgetsZeroInside", "interval_select(quotient, interval_entire(), unbounded)", "quotient",
+               "interval_div"},
+        Mutant{"DivByZero", "MASK(largest == 0.0)", "MASK(largest < 0.0)", "interval_div"},
+        Mutant{"PowOfZero", "MASK(a.hi == 0.0) & MASK(b.hi > 0.0)", "MASK(a.hi == 0.0) & MASK(b.lo > 0.0)",
+               "interval_pow"},
+        Mutant{"ScaledAddForgetsTheSign", "const integer negative = MASK(s < 0.0);",
+               "const integer negative = MASK(s != s);", "interval_scaled_add"},
+        Mutant{"MinOfEmpty", "return empty_unless(defined, interval_of(lesser(a.lo, b.lo), lesser(a.hi, b.hi)));",
+               "return interval_of(lesser(a.lo, b.lo), lesser(a.hi, b.hi));", "interval_min"},
+        Mutant{"MaxTakesTheLesser", "interval_of(greater(a.lo, b.lo), greater(a.hi, b.hi))",
+               "interval_of(lesser(a.lo, b.lo), greater(a.hi, b.hi))", "interval_max"},
+        Mutant{"HullOfOne", "fmax(a.hi, b.hi)", "a.hi", "interval_hull"},
+        Mutant{"IntersectionOfDisjoint", "MASK(a.lo <= b.hi) & MASK(b.lo <= a.hi)", "MASK(a.lo <= b.hi)",
+               "interval_intersection"}),
+    [](const auto& test) { return test.param.name; });
+
 }  // namespace
 }  // namespace verisq::device

@@ -7,14 +7,6 @@
 
 namespace verisq::verify {
 
-namespace {
-
-std::array<Real, 3> magnitudes(const Proposal& v) {
-  return {Real(std::fabs(v[0])), Real(std::fabs(v[1])), Real(std::fabs(v[2]))};
-}
-
-}  // namespace
-
 PreciseVector precise(const Proposal& v) {
   return {Real(v[0]), Real(v[1]), Real(v[2])};
 }
@@ -34,15 +26,18 @@ bool usable(const Proposal& v) {
 double lower_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& v) {
   if (!usable(v)) return -std::numeric_limits<double>::infinity();
   const PreciseVector direction = precise(v);
-  const PreciseInterval support(solid.support(magnitudes(v), Direction::up));
+  const PreciseInterval support(solid.support(magnitudes<Real>(direction, Direction::up), Direction::up));
   const PreciseInterval bound = (direction.dot(q) - support) / length<Real>(direction);
   return bound.lower().to_double(Direction::down);
 }
 
 double upper_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& x) {
-  if (!usable(x)) return length<Real>(q).upper().to_double(Direction::up);
-  const PreciseInterval gauge(solid.gauge(magnitudes(x), Direction::up));
-  const PreciseVector b = precise(x) / gauge;
+  return upper_bound_at(solid, q, usable(x) ? precise(x) : precise(Proposal{}));
+}
+
+double upper_bound_at(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const PreciseVector& x) {
+  const Real gauge = solid.gauge(magnitudes<Real>(x, Direction::up), Direction::up);
+  const PreciseVector b = gauge > Real(0) ? PreciseVector(x / PreciseInterval(gauge)) : x;
   return length<Real>(PreciseVector(q - b)).upper().to_double(Direction::up);
 }
 

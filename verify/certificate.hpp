@@ -24,6 +24,9 @@ struct CertifiedDistance {
 /// sd(q) <= |q - b| for every b in K; b = x / g(x) with g(x) rounded up has g(b) <= 1 and lies beside the surface.
 /// Rounded up. The centre takes the place of a zero or non-finite x.
 [[nodiscard]] double upper_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& x);
+/// The same for an x known to lie in a box.
+[[nodiscard]] double upper_bound_at(const SuperquadricBounds<Real>& solid, const PreciseVector& q,
+                                    const PreciseVector& x);
 
 /// The exact vector, for interval arithmetic. Precondition: finite.
 [[nodiscard]] PreciseVector precise(const Proposal& v);

@@ -10,6 +10,7 @@
 
 #include "verify/boundary.hpp"
 #include "verify/superquadric.hpp"
+#include "verify/triangle.hpp"
 
 // Why the faces of the polyhedron prove a depth. Let d1, d2, d3 >= 0 with q + d_i proven inside the solid K, and c >= 0
 // with |c| <= 1 and c·d_i >= t > 0. A vector v of the cone of the d_i with |v| <= t is v = Σ l_i d_i, l_i >= 0, and
@@ -22,46 +23,12 @@ namespace verisq::verify {
 
 namespace {
 
-using Vector = std::array<double, 3>;
-
-Vector operator-(const Vector& a, const Vector& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-Vector along(const Vector& a, const Vector& step, double s) {
-  return {a[0] + s * step[0], a[1] + s * step[1], a[2] + s * step[2]};
-}
-double dot(const Vector& a, const Vector& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+using Vector = Coordinates<double>;
 
 /// Σ a_k b_k of nonnegative numbers, on one side.
-double dot(const Vector& a, const Vector& b, Direction direction) {
+double rounded_dot(const Vector& a, const Vector& b, Direction direction) {
   const double xy = add(multiply(a[0], b[0], direction), multiply(a[1], b[1], direction), direction);
   return add(xy, multiply(a[2], b[2], direction), direction);
-}
-
-/// Point of the segment a b closest to the origin.
-Vector closest_to_origin(const Vector& a, const Vector& b) {
-  const Vector edge = b - a;
-  const double squared = dot(edge, edge);
-  return squared > 0.0 ? along(a, edge, std::clamp(-dot(a, edge) / squared, 0.0, 1.0)) : a;
-}
-
-/// Point of the triangle a b c closest to the origin; the triangle may be degenerate.
-Vector closest_to_origin(const Vector& a, const Vector& b, const Vector& c) {
-  const Vector u = b - a;
-  const Vector v = c - a;
-  const double uu = dot(u, u);
-  const double uv = dot(u, v);
-  const double vv = dot(v, v);
-  const double determinant = uu * vv - uv * uv;
-  const double s = uv * dot(a, v) - vv * dot(a, u);
-  const double t = uv * dot(a, u) - uu * dot(a, v);
-  if (determinant > 0.0 && s >= 0.0 && t >= 0.0 && s + t <= determinant) {
-    return along(along(a, u, s / determinant), v, t / determinant);
-  }
-  return std::min({closest_to_origin(a, b), closest_to_origin(b, c), closest_to_origin(c, a)},
-                  [](const Vector& x, const Vector& y) { return dot(x, x) < dot(y, y); });
 }
 
 /// A point q + reach * direction, proven to lie in the solid.
@@ -158,11 +125,11 @@ class Polyhedron {
     const Vector& c = offset(corners[2]);
     Vector axis = closest_to_origin(a, b, c);
     // Dividing by a length rounded up, downwards, makes |axis| <= 1 certain.
-    const double length = square_root(dot(axis, axis, Direction::up), Direction::up);
+    const double length = square_root(rounded_dot(axis, axis, Direction::up), Direction::up);
     if (!(length > 0.0)) return {corners, 0.0, level};
     for (double& k : axis) k = divide(std::max(k, 0.0), length, Direction::down);
-    const double depth =
-        std::min({dot(axis, a, Direction::down), dot(axis, b, Direction::down), dot(axis, c, Direction::down)});
+    const double depth = std::min({rounded_dot(axis, a, Direction::down), rounded_dot(axis, b, Direction::down),
+                                   rounded_dot(axis, c, Direction::down)});
     return {corners, depth, level};
   }
 
@@ -172,7 +139,7 @@ class Polyhedron {
     std::pair<int, int> longest{};
     double squared = -1.0;
     for (const auto& [i, j] : edges) {
-      const Vector edge = offset(parent.corners[i]) - offset(parent.corners[j]);
+      const Vector edge = difference(offset(parent.corners[i]), offset(parent.corners[j]));
       if (dot(edge, edge) <= squared) continue;
       squared = dot(edge, edge);
       longest = {parent.corners[i], parent.corners[j]};
@@ -195,7 +162,7 @@ class Polyhedron {
     return position->second;
   }
 
-  Boundary boundary_;
+  Boundary<double> boundary_;
   SuperquadricBounds<double> bounds_;
   Vector q_;
   Depth best_{0.0, std::numeric_limits<double>::infinity(), {1.0, 0.0, 0.0}};

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verify/contained_ball.hpp"
 #include "verify/inscribed_polyhedron.hpp"
+#include "verify/revolution.hpp"
 
 namespace verisq::verify {
 
@@ -16,38 +18,14 @@ constexpr int kBudget = 50'000;
 /// The proofs of surface points in binary64 lose some 4e-15 of the largest semi-axis.
 constexpr double kFinestTolerance = 1e-14;
 
-/// Radius of a ball about the centre inside the solid, rounded down. Mixed norms with p >= 1 are at most the 1-norm, so
-/// the octahedron of the semi-axes lies inside; with p >= 2 at most the 2-norm, so the ellipsoid does.
-PreciseInterval inner_radius(const Superquadric& solid) {
-  if (std::max(solid.exponents[0], solid.exponents[1]) <= 1.0) return Real(std::ranges::min(solid.semi_axes));
-  PreciseInterval sum(0);
-  for (const double a : solid.semi_axes) sum += PreciseInterval(1) / square(PreciseInterval(Real(a)));
-  return PreciseInterval(1) / sqrt(sum);
-}
-
-/// g(q + y) <= g(q) + g(y) <= g(q) + |y| / radius, so the ball of radius (1 - g(q)) * radius about q lies inside.
-double central_depth(const Superquadric& solid, const SuperquadricBounds<Real>& bounds, const PreciseVector& q) {
-  const PreciseInterval depth = (PreciseInterval(1) - bounds.gauge(q)) * inner_radius(solid);
-  return std::max(0.0, depth.lower().to_double(Direction::down));
-}
-
 /// The same problem in the octant of nonnegative coordinates, the largest semi-axis in [1, 2).
 struct Reduced {
   Superquadric solid;
   std::array<double, 3> q;  ///< at least the exact coordinates: by monotony, balls about it that lie inside prove more
-  bool planar = false;      ///< revolved about z into the plane y = 0
-  std::array<std::size_t, 3> order{0, 1, 2};  ///< reduced coordinate k is coordinate order[k] of the original
-  int scale = 0;                              ///< binary exponent of the original's unit
+  bool planar;              ///< as in RevolvedPoint, like `order`
+  std::array<std::size_t, 3> order;
+  int scale;  ///< binary exponent of the original's unit
 };
-
-/// Brings the axis of an ellipsoid of revolution to z; an ellipsoid's coordinates may be exchanged freely.
-std::array<std::size_t, 3> revolution_order(const Superquadric& solid) {
-  const auto& a = solid.semi_axes;
-  if (solid.exponents != std::array<double, 2>{1.0, 1.0} || a[0] == a[1]) return {0, 1, 2};
-  if (a[1] == a[2]) return {1, 2, 0};
-  if (a[0] == a[2]) return {2, 0, 1};
-  return {0, 1, 2};
-}
 
 /// value * 2^exponent of a nonnegative value, rounded down: it is inexact where it underflows.
 double scaled_down(double value, int exponent) {
@@ -61,22 +39,11 @@ double scaled_up(double value, int exponent) {
 }
 
 Reduced reduce(const Superquadric& solid, const PreciseVector& q) {
-  Reduced reduced{solid, {}};
-  reduced.order = revolution_order(solid);
-  reduced.scale = std::ilogb(std::ranges::max(solid.semi_axes));
-  PreciseVector position;
+  const RevolvedPoint point = revolved(solid, q);
+  Reduced reduced{point.solid, {}, point.planar, point.order, std::ilogb(std::ranges::max(solid.semi_axes))};
+  for (double& axis : reduced.solid.semi_axes) axis = std::ldexp(axis, -reduced.scale);  // see searchable()
   for (std::size_t k = 0; k < 3; ++k) {
-    reduced.solid.semi_axes[k] = std::ldexp(solid.semi_axes[reduced.order[k]], -reduced.scale);  // see searchable()
-    position[static_cast<Eigen::Index>(k)] = abs(q[static_cast<Eigen::Index>(reduced.order[k])]);
-  }
-  // A solid of revolution: the distance depends on (x, y) through its length alone, in the half-plane of q.
-  reduced.planar = reduced.solid.semi_axes[0] == reduced.solid.semi_axes[1] && solid.exponents[1] == 1.0;
-  if (reduced.planar) {
-    position[0] = sqrt(square(position[0]) + square(position[1]));
-    position[1] = 0;
-  }
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double coordinate = position[static_cast<Eigen::Index>(k)].upper().to_double(Direction::up);
+    const double coordinate = point.q[static_cast<Eigen::Index>(k)].upper().to_double(Direction::up);
     reduced.q[k] = scaled_up(coordinate, -reduced.scale);
   }
   return reduced;

@@ -82,7 +82,10 @@ class BasicInterval {
   friend BasicInterval operator*(const BasicInterval& a, const BasicInterval& b) {
     return BasicInterval(a.value_ * b.value_);
   }
+  /// A divisor with 0 in its interior gives the whole line, one with 0 at an end a half-line where `a` has one sign.
   friend BasicInterval operator/(const BasicInterval& a, const BasicInterval& b) {
+    // For [-x, 0] Boost forgets the sign and gives the whole line; [0, x] it divides tightly.
+    if (a.upper() == T(0)) return -BasicInterval(-a.value_ / b.value_);
     return BasicInterval(a.value_ / b.value_);
   }
 

@@ -40,4 +40,8 @@ Proposal Frame::model_direction(const Proposal& v) const {
   return usable(v) ? midpoint(rotation_ * precise(v)) : Proposal{};
 }
 
+double distance_up(const Point& x, const Point& y) {
+  return length<Real>(PreciseVector(exact(x) - exact(y))).upper().to_double(Direction::up);
+}
+
 }  // namespace verisq::verify

@@ -26,4 +26,7 @@ class Frame {
   PreciseVector translation_;
 };
 
+/// |x - y|, rounded up.
+[[nodiscard]] double distance_up(const Point& x, const Point& y);
+
 }  // namespace verisq::verify

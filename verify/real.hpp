@@ -130,7 +130,9 @@ template <mpfr_prec_t Bits>
 [[nodiscard]] MpfrNumber<Bits> power(const MpfrNumber<Bits>& base, const MpfrNumber<Bits>& exponent,
                                      Direction direction) {
   release_mpfr_cache_at_thread_exit();
-  return rounded_result<Bits>(mpfr_pow, direction, base.get(), exponent.get());
+  // To MPFR -0 is a negative number: its odd negative powers are -infinity.
+  const MpfrNumber<Bits> unsigned_base = mpfr_zero_p(base.get()) ? MpfrNumber<Bits>() : base;
+  return rounded_result<Bits>(mpfr_pow, direction, unsigned_base.get(), exponent.get());
 }
 
 // Binary64 has no directed elementary functions of its own: MPFR at 53 bits, then to binary64 in the same direction

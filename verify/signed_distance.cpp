@@ -4,24 +4,31 @@
 #include <vector>
 
 #include "verify/solid_union.hpp"
+#include "verisq/checker.hpp"
 
 namespace verisq {
 
 struct SignedDistance::State {
+  explicit State(const Model& model) : checker(model), solids(model.primitives.begin(), model.primitives.end()) {}
+
+  Checker checker;
   std::vector<verify::Solid> solids;
 };
 
-SignedDistance::SignedDistance(const Model& model) : state_(std::make_unique<State>()) {
-  state_->solids.reserve(model.primitives.size());
-  for (const Primitive& primitive : model.primitives) state_->solids.emplace_back(primitive);
-}
+SignedDistance::SignedDistance(const Model& model) : state_(std::make_unique<State>(model)) {}
 
 SignedDistance::~SignedDistance() = default;
 SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
 SignedDistance& SignedDistance::operator=(SignedDistance&&) noexcept = default;
 
 Enclosure SignedDistance::operator()(const Point& point, double tolerance) const {
-  return verify::signed_distance(state_->solids, point, tolerance);
+  return verify::signed_distance(state_->solids, point, tolerance).distance;
+}
+
+CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance) const {
+  CertifiedEnclosure found = verify::signed_distance(state_->solids, point, tolerance);
+  found.distance = state_->checker(point, found.distance, found.certificate).proven;
+  return found;
 }
 
 double bounding_radius(const Model& model) {

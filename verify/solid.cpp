@@ -30,7 +30,6 @@ CertifiedDistance Solid::signed_distance(const Point& x, double tolerance) const
     result.distance.hi = inside.distance.hi;
     if (inside.distance.lo > result.distance.lo) result = inside;
   }
-  result.direction = frame_.model_direction(result.direction);
   return result;
 }
 
@@ -49,6 +48,11 @@ bool Solid::separated(const Point& x, const Proposal& u, double s) const {
   const PreciseVector q = frame_.local_point(x) + frame_.local_direction(u) * PreciseInterval(Real(s));
   if ((length<Real>(q) - radius_).lower() > Real(0)) return true;
   return lower_bound(bounds_, q, fast_contact(superquadric_, midpoint(q)).normal) > 0.0;
+}
+
+bool Solid::excludes(const Point& x) const {
+  const PreciseVector q = frame_.local_point(x);
+  return (length<Real>(q) - radius_).lower() > Real(0) || bounds_.gauge(q).lower() > Real(1);
 }
 
 PreciseVector Solid::bounding_box() const {

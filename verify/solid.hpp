@@ -10,8 +10,11 @@ class Solid {
  public:
   explicit Solid(const Primitive& primitive);
 
-  /// Signed distance of a point of the model frame; `direction`, in the model frame too, certifies the lower end.
+  /// Signed distance of a point of the model frame.
   [[nodiscard]] CertifiedDistance signed_distance(const Point& x, double tolerance) const;
+
+  /// A direction of the solid's frame in the model's, to nearest. Zero if v is not usable.
+  [[nodiscard]] Proposal model_direction(const Proposal& v) const { return frame_.model_direction(v); }
 
   /// A cheap lower bound of the signed distance, from a sphere about the solid. Rounded down.
   [[nodiscard]] double sphere_bound(const Point& x) const;
@@ -22,6 +25,9 @@ class Solid {
 
   /// Whether x + s u is proven to lie outside, at a positive distance.
   [[nodiscard]] bool separated(const Point& x, const Proposal& u, double s) const;
+
+  /// Whether x is proven to lie outside.
+  [[nodiscard]] bool excludes(const Point& x) const;
 
   /// The corners of the bounding box of the solid's posed box, along each axis of the model frame.
   [[nodiscard]] PreciseVector bounding_box() const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13,24 +14,37 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The solids that may decide the distance, the nearest bounding sphere first.
-std::vector<std::pair<double, const Solid*>> by_sphere_bound(std::span<const Solid> solids, const Point& x) {
-  std::vector<std::pair<double, const Solid*>> order;
+/// A solid that may decide the distance.
+struct Candidate {
+  double sphere_bound;
+  std::uint32_t index;
+};
+
+/// The nearest bounding sphere first.
+std::vector<Candidate> by_sphere_bound(std::span<const Solid> solids, const Point& x) {
+  std::vector<Candidate> order;
   order.reserve(solids.size());
-  for (const Solid& solid : solids) order.emplace_back(solid.sphere_bound(x), &solid);
-  std::ranges::sort(order, {}, [](const auto& entry) { return entry.first; });
+  for (std::uint32_t i = 0; i < solids.size(); ++i) order.push_back({solids[i].sphere_bound(x), i});
+  std::ranges::sort(order, {}, &Candidate::sphere_bound);
   return order;
 }
 
-/// Walks from x along u to a point proven strictly outside every solid; the walk's length bounds the depth of x in the
-/// union. Beyond its supporting plane of normal u a solid never meets the ray again, so each advance clears one solid
-/// for good. Returns minus infinity if the plane of a solid is out of reach.
-double escape_bound(std::span<const Solid> solids, const Point& x, const Proposal& u) {
-  if (!usable(u)) return -kInfinity;
+/// The direction as a vector of binary64 numbers, as long as the distance (design 2, §3: the closest point is x - v).
+std::array<double, 3> normal_vector(const CertifiedDistance& found) {
+  constexpr double shortest = 0x1p-900;  // its components stay normal numbers, unless they do not matter
+  const Proposal& u = found.direction;
+  const long double length = std::hypot(std::hypot(u[0], u[1]), u[2]);
+  const long double scale = std::max(std::fabs(found.distance.hi), shortest) / length;
+  return {static_cast<double>(scale * u[0]), static_cast<double>(scale * u[1]), static_cast<double>(scale * u[2])};
+}
+
+/// How far from x along u a walk leaves every solid for good. Beyond its supporting plane of normal u a solid never
+/// meets the ray again, so each advance clears one solid. Infinite if the plane of a solid is out of reach.
+double escape_length(std::span<const Solid> solids, const Point& x, const Proposal& u) {
   double reached = 0.0;
   std::vector<double> clearances;
   for (const Solid& solid : solids) clearances.push_back(solid.ray_clearance(x, u));
-  if (!std::ranges::all_of(clearances, [](double s) { return std::isfinite(s); })) return -kInfinity;
+  if (!std::ranges::all_of(clearances, [](double s) { return std::isfinite(s); })) return kInfinity;
   for (bool advanced = true; advanced;) {
     advanced = false;
     for (std::size_t i = 0; i < solids.size(); ++i) {
@@ -40,8 +54,32 @@ double escape_bound(std::span<const Solid> solids, const Point& x, const Proposa
       advanced = true;
     }
   }
-  const PreciseInterval walk = length<Real>(precise(u)) * PreciseInterval(Real(reached));
-  return (-walk).lower().to_double(Direction::down);
+  return reached;
+}
+
+/// A point outside every solid and how far it lies from x, rounded up.
+struct Escape {
+  Point point;
+  double distance;
+};
+
+/// The end of a walk along u, in binary64: the margin that makes up for its rounding grows until the proof succeeds.
+std::optional<Escape> escape(std::span<const Solid> solids, const Point& x, const Proposal& u) {
+  if (!usable(u)) return std::nullopt;
+  const double walk = escape_length(solids, x, u);
+  const long double length = std::hypot(std::hypot(u[0], u[1]), u[2]);
+  const long double size = std::fabs(x[0]) + std::fabs(x[1]) + std::fabs(x[2]) + walk * length;
+  if (!std::isfinite(walk)) return std::nullopt;
+  for (long double margin = 0.0L; margin < size; margin = std::max(2.0L * margin, 0x1p-54L * size)) {
+    const long double s = walk + margin / length;
+    const Point w{static_cast<double>(x[0] + s * u[0]), static_cast<double>(x[1] + s * u[1]),
+                  static_cast<double>(x[2] + s * u[2])};
+    if (!std::ranges::all_of(w, [](double c) { return std::isfinite(c); })) return std::nullopt;
+    if (std::ranges::all_of(solids, [&](const Solid& solid) { return solid.excludes(w); })) {
+      return Escape{w, distance_up(x, w)};
+    }
+  }
+  return std::nullopt;
 }
 
 /// For readers of maps: "-0" would look like a sign.
@@ -51,21 +89,34 @@ Enclosure without_negative_zero(const Enclosure& e) {
 
 }  // namespace
 
-Enclosure signed_distance(std::span<const Solid> solids, const Point& x, double tolerance) {
-  Enclosure result{kInfinity, kInfinity};
+CertifiedEnclosure signed_distance(std::span<const Solid> solids, const Point& x, double tolerance) {
+  CertifiedEnclosure result{{kInfinity, kInfinity}, {}};
+  auto& [distance, certificate] = result;
+  // A certificate's normals are rounded: where that may hide on which side of a surface x lies, an escape is added.
+  const double touching = 0x1p-50 * (std::fabs(x[0]) + std::fabs(x[1]) + std::fabs(x[2]));
   std::vector<Proposal> directions;  // of the solids that may touch x
-  for (const auto& [bound, solid] : by_sphere_bound(solids, x)) {
-    if (bound > result.hi) break;  // neither this solid nor a later one can be the nearest
-    const CertifiedDistance nearest = solid->signed_distance(x, tolerance);
-    result.lo = std::min(result.lo, nearest.distance.lo);
-    result.hi = std::min(result.hi, nearest.distance.hi);  // a ball inside one solid lies inside the union
+  for (const auto& [bound, index] : by_sphere_bound(solids, x)) {
+    if (bound > distance.hi) break;  // neither this solid nor a later one can be the nearest
+    const CertifiedDistance nearest = solids[index].signed_distance(x, tolerance);
+    certificate.normals.push_back({index, normal_vector(nearest)});
+    if (nearest.distance.hi < distance.hi) std::swap(certificate.normals.front(), certificate.normals.back());
+    distance.lo = std::min(distance.lo, nearest.distance.lo);
+    distance.hi = std::min(distance.hi, nearest.distance.hi);  // a ball inside one solid lies inside the union
     // Not only below zero: a point on two surfaces that share a face is inside the union.
-    if (nearest.distance.lo <= 0.0) directions.push_back(nearest.direction);
+    if (nearest.distance.lo <= touching) directions.push_back(solids[index].model_direction(nearest.direction));
   }
-  if (directions.empty() || solids.size() == 1) return without_negative_zero(result);
-  result.lo = -kInfinity;
-  for (const Proposal& u : directions) result.lo = std::max(result.lo, escape_bound(solids, x, u));
-  return without_negative_zero(result);
+  if (!directions.empty() && solids.size() > 1) {
+    double depth = kInfinity;
+    for (const Proposal& u : directions) {
+      const std::optional<Escape> found = escape(solids, x, u);
+      if (!found || found->distance >= depth) continue;
+      depth = found->distance;
+      certificate.escape = found->point;
+    }
+    if (!(distance.lo > 0.0)) distance.lo = -depth;
+  }
+  distance = without_negative_zero(distance);
+  return result;
 }
 
 }  // namespace verisq::verify

@@ -4,10 +4,11 @@
 #include <span>
 
 #include "verify/solid.hpp"
+#include "verisq/certificate.hpp"
 
 namespace verisq::verify {
 
-/// Precondition: at least one solid.
-[[nodiscard]] Enclosure signed_distance(std::span<const Solid> solids, const Point& x, double tolerance);
+/// With what proves it. Precondition: at least one solid.
+[[nodiscard]] CertifiedEnclosure signed_distance(std::span<const Solid> solids, const Point& x, double tolerance);
 
 }  // namespace verisq::verify

@@ -40,18 +40,6 @@ T norm(const T& x, const T& y, const NormExponent<T>& p, Direction direction) {
   return multiply(large, root, direction);
 }
 
-/// The smallest and the largest |x| over an interval.
-template <class T>
-T magnitude(const BasicInterval<T>& x, Direction direction) {
-  const BasicInterval<T> a = abs(x);
-  return direction == Direction::down ? a.lower() : a.upper();
-}
-
-template <class T>
-std::array<T, 3> magnitudes(const Vector3<T>& v, Direction direction) {
-  return {magnitude(v[0], direction), magnitude(v[1], direction), magnitude(v[2], direction)};
-}
-
 }  // namespace
 
 template <class T>

@@ -17,6 +17,16 @@ struct NormExponent {
   bool infinite = false;
 };
 
+/// The smallest (down) or the largest (up) |coordinates| over a box.
+template <class T>
+[[nodiscard]] std::array<T, 3> magnitudes(const Vector3<T>& v, Direction direction) {
+  const auto magnitude = [direction](const BasicInterval<T>& x) {
+    const BasicInterval<T> a = abs(x);
+    return direction == Direction::down ? a.lower() : a.upper();
+  };
+  return {magnitude(v[0]), magnitude(v[1]), magnitude(v[2])};
+}
+
 /// Evaluates g and h one side at a time. Both are norms of the form
 ///     ‖( ‖(x, y)‖_inner , z )‖_outer,
 /// monotone in each |coordinate|: bounds of the coordinates give bounds of the result without any overestimation beyond

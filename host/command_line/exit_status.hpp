@@ -4,10 +4,10 @@
 namespace verisq::command_line {
 
 enum class ExitStatus {
-  verified = 0,       ///< every enclosure is at most the tolerance wide
+  verified = 0,       ///< map: every enclosure is at most the tolerance wide; check: every enclosure is proved
   failed = 1,         ///< the program, a device or the file system failed
   bad_input = 2,      ///< bad usage or input
-  some_wide = 3,      ///< finished; some enclosures are valid but wider than the tolerance
+  unverified = 3,     ///< finished; map: some enclosures are valid but wide; check: some are not proved
   interrupted = 130,  ///< ended early by Ctrl-C: 128 + SIGINT, as shells report it
 };
 

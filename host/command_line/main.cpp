@@ -6,6 +6,7 @@
 #include <exception>
 #include <verisq/error.hpp>
 
+#include "host/command_line/check_command.hpp"
 #include "host/command_line/devices_command.hpp"
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/map_command.hpp"
@@ -14,8 +15,8 @@ namespace verisq::command_line {
 namespace {
 
 constexpr const char* closing_words =
-    "Exit status: 0 every enclosure verified, 1 the program failed, 2 bad usage or input, 3 finished, some enclosures\n"
-    "wide, 130 interrupted by Ctrl-C. `verisq COMMAND --help` explains a command.";
+    "Exit status: 0 every enclosure verified (check: proved), 1 the program failed, 2 bad usage or input, 3 finished,\n"
+    "some enclosures wide (check: not proved), 130 interrupted by Ctrl-C. `verisq COMMAND --help` explains a command.";
 
 int report(const char* message, ExitStatus status) {
   fmt::print(stderr, "verisq: {}\n", message);
@@ -31,7 +32,10 @@ int run(int argc, char** argv) {
   program.footer(closing_words);
   MapArguments map_arguments;
   const CLI::App& map = declare_map(program, map_arguments);
-  declare_devices(program);
+  CheckArguments check_arguments;
+  const CLI::App& check = declare_check(program, check_arguments);
+  DevicesArguments devices_arguments;
+  declare_devices(program, devices_arguments);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -40,7 +44,9 @@ int run(int argc, char** argv) {
     return report(fmt::format("{} (see verisq --help)", error.what()).c_str(), ExitStatus::bad_input);
   }
   if (program.get_subcommands().empty()) return report("give a command (see verisq --help)", ExitStatus::bad_input);
-  const ExitStatus status = map.parsed() ? run_map(map_arguments) : run_devices();
+  const ExitStatus status = map.parsed()     ? run_map(map_arguments)
+                            : check.parsed() ? run_check(check_arguments)
+                                             : run_devices(devices_arguments);
   if (std::fflush(stdout) != 0) return report("cannot write to the standard output", ExitStatus::failed);
   return static_cast<int>(status);
 }

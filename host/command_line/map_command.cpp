@@ -10,14 +10,12 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
+#include <optional>
 #include <system_error>
 #include <verisq/distance_map.hpp>
 #include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/mesh_file.hpp>
 #include <verisq/model_file.hpp>
-#include <verisq/point_file.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "host/command_line/interruption.hpp"
@@ -63,45 +61,15 @@ double default_tolerance(const Model& model) {
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const MapArguments& arguments) {
-  if (arguments.mesh.empty() == arguments.points.empty()) refuse("map: give either --mesh or --points");
+  check_usage(arguments.inputs);
   if (arguments.on == "triangles") refuse("--on triangles: not supported yet, only vertices");
   if (arguments.on != "vertices") refuse(fmt::format("--on: {} is not one of vertices, triangles", arguments.on));
-  if (arguments.certificates) refuse("--certificates: not supported yet");
-  for (const auto& input : {arguments.model, arguments.mesh, arguments.points}) {
+  for (const auto& input : {arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points}) {
     std::error_code missing;  // a file that does not exist is not overwritten
     if (!input.empty() && std::filesystem::equivalent(input, arguments.output, missing)) {
       refuse(fmt::format("-o {}: would overwrite an input of the map", arguments.output));
     }
   }
-}
-
-/// The points in order, and the fraction of them that `done` finished ones make up.
-struct PointStream {
-  PointSource next;
-  std::function<double(std::uint64_t done)> fraction;
-};
-
-PointStream stream_of(const Mesh& mesh) {
-  auto next = [&mesh, position = std::size_t{0}](std::span<Point> points) mutable {
-    const auto count = std::min(points.size(), mesh.vertices.size() - position);
-    std::copy_n(mesh.vertices.begin() + static_cast<std::ptrdiff_t>(position), count, points.begin());
-    position += count;
-    return count;
-  };
-  auto fraction = [&mesh](std::uint64_t done) {
-    return static_cast<double>(done) / static_cast<double>(mesh.vertices.size());
-  };
-  return {next, fraction};
-}
-
-/// The number of points is unknown until the end: reading runs ahead of the map by a few chunks.
-PointStream stream_of(PointFile& file) {
-  auto next = [&file](std::span<Point> points) { return file.read(points); };
-  auto fraction = [&file](std::uint64_t) {
-    const auto total = static_cast<double>(file.bytes_total());  // 0 for a pipe
-    return total > 0.0 ? static_cast<double>(file.bytes_read()) / total : 0.0;
-  };
-  return {next, fraction};
 }
 
 using Clock = std::chrono::steady_clock;
@@ -115,7 +83,7 @@ struct MappedStream {
   Clock::time_point first_point;  ///< when the first point was asked for: the device is ready then
 };
 
-MappedStream map_stream(const Model& model, const PointStream& stream, MapWriter& writer, const MapOptions& options,
+MappedStream map_stream(const Model& model, PointStream& stream, MapWriter& writer, const MapOptions& options,
                         bool show_progress) {
   std::optional<ProgressBar> bar;  // begins at the first point: compiling kernels is no part of the rate
   auto first_point = Clock::now();
@@ -124,11 +92,12 @@ MappedStream map_stream(const Model& model, const PointStream& stream, MapWriter
       first_point = Clock::now();
       bar.emplace(show_progress);
     }
-    return stream.next(points);
+    return stream.read(points);
   };
   std::uint64_t done = 0;
-  const auto sink = [&](std::span<const Point> points, std::span<const MapResult> results) {
-    writer.append(points, results);
+  const auto sink = [&](std::span<const Point> points, std::span<const MapResult> results,
+                        std::span<const Certificate> certificates) {
+    writer.append(points, results, certificates);
     done += points.size();
     bar->update(done, stream.fraction(done));
   };
@@ -152,7 +121,7 @@ std::string end_map(MapWriter& writer, const MapSummary& summary, const std::str
 
 ExitStatus status_of(const MapSummary& summary) {
   if (summary.interrupted) return ExitStatus::interrupted;
-  return summary.wide > 0 ? ExitStatus::some_wide : ExitStatus::verified;
+  return summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
 }
 
 }  // namespace
@@ -160,12 +129,7 @@ ExitStatus status_of(const MapSummary& summary) {
 const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
   CLI::App& map = *program.add_subcommand("map", "Enclose the signed distance of each vertex or point to a model");
   map.footer(closing_words);
-  map.add_option("--model", arguments.model, "Model of posed superquadrics (verisq-model/1, JSON)")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  map.add_option("--mesh", arguments.mesh, "Mesh whose vertices are mapped: .stl .obj .ply .off")->option_text("FILE");
-  map.add_option("--points", arguments.points, "Points to map instead of a mesh: .csv with x,y,z a line")
-      ->option_text("FILE");
+  declare_inputs(map, arguments.inputs);
   map.add_option("--on", arguments.on, "What of the mesh is mapped: vertices (triangles: not supported yet)")
       ->option_text("WHAT");
   map.add_option("--tol", arguments.tolerance,
@@ -178,7 +142,8 @@ const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
   map.add_option("-o,--output", arguments.output, "The map, by extension: .csv .vtp .ply .json")
       ->required()
       ->option_text("FILE REQUIRED");
-  map.add_flag("--certificates", arguments.certificates, "Write the proofs too (not supported yet)");
+  map.add_flag("--certificates", arguments.certificates,
+               "Write what proves each enclosure again, for `verisq check`: .csv .vtp");
   map.add_flag("--json", arguments.json, "Print the summary as one JSON object");
   map.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
   return map;
@@ -189,23 +154,18 @@ ExitStatus run_map(const MapArguments& arguments) {
   std::optional<double> tolerance;
   if (arguments.tolerance) tolerance = parse_tolerance(*arguments.tolerance);
 
-  const Model model = read_model(arguments.model);
-  Mesh mesh;
-  std::optional<PointFile> points;
-  if (arguments.points.empty()) {
-    mesh = read_mesh(arguments.mesh);
-  } else {
-    points.emplace(arguments.points);
-  }
+  const Model model = read_model(arguments.inputs.model);
+  PointStream stream(arguments.inputs);
   const MapOptions options{.tolerance = tolerance ? *tolerance : default_tolerance(model),
                            .device = arguments.device,
+                           .certificates = arguments.certificates,
                            .interrupted = interrupted};
 
   watch_for_interruption();
-  MapWriter writer(arguments.output, points ? nullptr : &mesh);
+  MapWriter writer(arguments.output, stream.mesh(),
+                   arguments.certificates ? MapContents::certified : MapContents::enclosures);
   const auto start = Clock::now();
-  const auto [summary, first_point] =
-      map_stream(model, points ? stream_of(*points) : stream_of(mesh), writer, options, !arguments.no_progress);
+  const auto [summary, first_point] = map_stream(model, stream, writer, options, !arguments.no_progress);
   const auto written = end_map(writer, summary, arguments.output);
   const auto end = Clock::now();
 

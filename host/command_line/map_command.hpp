@@ -5,18 +5,13 @@
 #include <string>
 
 #include "host/command_line/exit_status.hpp"
-
-namespace CLI {
-class App;
-}
+#include "host/command_line/point_stream.hpp"
 
 namespace verisq::command_line {
 
 /// As typed; `run_map` checks what depends on the files or on several options.
 struct MapArguments {
-  std::string model;
-  std::string mesh;    ///< empty when `points` is given
-  std::string points;  ///< empty when `mesh` is given
+  InputArguments inputs;
   std::string on = "vertices";
   std::optional<std::string> tolerance;  ///< text, so that it is read to the nearest binary64
   std::string device = "auto";

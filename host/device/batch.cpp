@@ -8,7 +8,9 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <optional>
 
+#include "host/device/certificate_assembly.hpp"
 #include "host/device/primitive_parameters.hpp"
 #include "verisq/error.hpp"
 
@@ -31,6 +33,8 @@ constexpr std::size_t block_points_of_vector_work_item = 512;
 constexpr double smallest_interior_tolerance = 0x1p-30;
 
 constexpr std::size_t group_size = 32;
+
+constexpr std::size_t numbers_per_primitive = 4;  // of its evidence: upper end and normal
 
 constexpr int largest_scaled_exponent = 300;
 constexpr double far_away = 0x1p20;  // in units of the largest semi-axis, about
@@ -58,7 +62,7 @@ double scaled_up(double x, double factor) {
 class Slot {
  public:
   Slot(const Device& device, const cl::Buffer& primitives, std::size_t count, std::size_t capacity, double tolerance,
-       int scale)
+       int scale, bool certificates)
       : width_(device.vector_width),
         capacity_(capacity),
         count_(count),
@@ -79,6 +83,7 @@ class Slot {
     scratch_ = numbers(capacity * scratch_per_point);
     result_[0] = count > 1 ? numbers(capacity) : per_primitive_[0];
     result_[1] = count > 1 ? numbers(capacity) : per_primitive_[1];
+    for (cl::Buffer& escape : escape_) escape = numbers(count > 1 ? capacity : 1);
     groups_per_block_ = width_ > 1 ? block_points_of_vector_work_item / width_ : 1;
 
     bind_coordinates(point_distance_, 1);
@@ -96,9 +101,11 @@ class Slot {
     for (cl_uint i = 0; i < 5; ++i) union_distance_.setArg(7 + i, per_primitive_[i]);
     union_distance_.setArg(12, result_[0]);
     union_distance_.setArg(13, result_[1]);
+    for (cl_uint i = 0; i < 3; ++i) union_distance_.setArg(14 + i, escape_[i]);
     for (auto& column : columns_) column.resize(capacity);
     los_.resize(capacity);
     his_.resize(capacity);
+    if (certificates) evidence_.resize(capacity * (numbers_per_primitive * count + 3));
     make_views();
   }
 
@@ -119,6 +126,7 @@ class Slot {
     }
     queue_.enqueueReadBuffer(result_[0], CL_FALSE, 0, size_ * sizeof(double), los_.data());
     queue_.enqueueReadBuffer(result_[1], CL_FALSE, 0, size_ * sizeof(double), his_.data());
+    if (!evidence_.empty()) read_evidence();
     queue_.flush();
   }
 
@@ -132,9 +140,42 @@ class Slot {
       enclosures[n] = {scaled_down(los_[n], 1.0 / factor_), scaled_up(his_[n], 1.0 / factor_)};
   }
 
+  // Precondition: finished, and certificates were asked for.
+  void certify(const CertificateAssembly& assembly, std::span<const Enclosure> enclosures,
+               std::vector<Certificate>& certificates) const {
+    Evidence evidence;
+    evidence.primitives.resize(count_);
+    for (std::size_t n = 0; n < size_; ++n) {
+      for (std::size_t index = 0; index < count_; ++index) {
+        const double* const column = evidence_.data() + index * numbers_per_primitive * capacity_ + n;
+        evidence.primitives[index] = {column[0] / factor_, in_model_units(column + capacity_)};
+      }
+      evidence.escape = in_model_units(evidence_.data() + count_ * numbers_per_primitive * capacity_ + n);
+      const Point point{columns_[0][n] / factor_, columns_[1][n] / factor_, columns_[2][n] / factor_};
+      certificates.push_back(assembly(point, enclosures[n], evidence));
+    }
+  }
+
  private:
   void bind_coordinates(cl::Kernel& kernel, cl_uint first) const {
     for (cl_uint i = 0; i < 3; ++i) kernel.setArg(first + i, coordinates_[i]);
+  }
+
+  // Upper ends and normals of every primitive, then the escapes.
+  void read_evidence() {
+    double* column = evidence_.data();
+    const auto read = [&](const cl::Buffer& buffer) {
+      queue_.enqueueReadBuffer(buffer, CL_FALSE, 0, size_ * sizeof(double), column);
+      column += capacity_;
+    };
+    for (const auto& view : views_)
+      for (std::size_t i = 1; i < view.size(); ++i) read(view[i]);
+    if (count_ > 1)
+      for (const cl::Buffer& escape : escape_) read(escape);
+  }
+
+  [[nodiscard]] Point in_model_units(const double* x) const {
+    return {x[0] / factor_, x[capacity_] / factor_, x[2 * capacity_] / factor_};
   }
 
   // A window of each per-primitive array for every primitive.
@@ -185,12 +226,14 @@ class Slot {
   std::array<cl::Buffer, 3> coordinates_;
   std::array<cl::Buffer, 5> per_primitive_;  // lower ends, upper ends, normals x, y, z: primitive by primitive
   std::array<cl::Buffer, 2> result_;
+  std::array<cl::Buffer, 3> escape_;
   std::vector<std::array<cl::Buffer, 5>> views_;
   std::size_t groups_per_block_ = 1;
   std::size_t size_ = 0;
   std::array<std::vector<double>, 3> columns_;
   std::vector<double> los_;
   std::vector<double> his_;
+  std::vector<double> evidence_;  // columns of `capacity` numbers; empty unless certificates are asked for
   std::vector<cl::Event> kernels_;
 };
 
@@ -203,9 +246,10 @@ Error opencl_failure(const Device& device, const cl::Error& error) {
 
 struct Batch::State {
   Device device;
+  std::optional<CertificateAssembly> certificates;  // nothing unless asked for
   std::size_t capacity;
   std::vector<Slot> slots;
-  std::deque<std::size_t> in_flight;
+  std::deque<std::size_t> in_flight{};
   std::size_t next = 0;
   double seconds = 0.0;
 };
@@ -226,7 +270,7 @@ bool within_device_range(const Model& model) {
   });
 }
 
-Batch::Batch(const Device& device, const Model& model, double tolerance) {
+Batch::Batch(const Device& device, const Model& model, double tolerance, bool certificates) {
   try {
     const int scale = scale_exponent(model);
     std::vector<PrimitiveParameters> parameters;
@@ -235,10 +279,12 @@ Batch::Batch(const Device& device, const Model& model, double tolerance) {
                                 parameters.size() * sizeof(PrimitiveParameters), parameters.data());
     const std::size_t capacity = chunk_points(parameters.size(), device.vector_width);
     const double scaled_tolerance = std::max(std::ldexp(tolerance, scale), smallest_interior_tolerance);
-    state_ = std::make_unique<State>(State{device, capacity, {}, {}});
+    state_ = std::make_unique<State>(State{device, {}, capacity, {}});
+    if (certificates) state_->certificates.emplace(model);
     state_->slots.reserve(2);
     for (int slot = 0; slot < 2; ++slot)
-      state_->slots.emplace_back(device, primitives, parameters.size(), capacity, scaled_tolerance, scale);
+      state_->slots.emplace_back(device, primitives, parameters.size(), capacity, scaled_tolerance, scale,
+                                 certificates);
     warm_up(std::ldexp(far_away, -scale));
   } catch (const cl::Error& error) {
     throw opencl_failure(device, error);
@@ -274,7 +320,7 @@ void Batch::submit(std::span<const Point> points) {
   state_->next = 1 - state_->next;
 }
 
-void Batch::collect(std::vector<Enclosure>& enclosures) {
+void Batch::collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates) {
   Slot& oldest = state_->slots[state_->in_flight.front()];
   state_->in_flight.pop_front();
   try {
@@ -282,11 +328,14 @@ void Batch::collect(std::vector<Enclosure>& enclosures) {
   } catch (const cl::Error& error) {
     throw opencl_failure(state_->device, error);
   }
+  certificates.clear();
+  if (state_->certificates) oldest.certify(*state_->certificates, enclosures, certificates);
 }
 
 void Batch::discard() {
-  std::vector<Enclosure> dropped;
-  while (!state_->in_flight.empty()) collect(dropped);
+  std::vector<Enclosure> enclosures;
+  std::vector<Certificate> certificates;
+  while (!state_->in_flight.empty()) collect(enclosures, certificates);
 }
 
 }  // namespace verisq::device

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/device/device.hpp"
+#include "verisq/certificate.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 
@@ -19,8 +20,8 @@ namespace verisq::device {
 /// bounded by two chunks. All calls from one thread.
 class Batch {
  public:
-  /// `tolerance` as in MapOptions. Throws Error(failure) with the name of a failed OpenCL call.
-  Batch(const Device& device, const Model& model, double tolerance);
+  /// `tolerance` and `certificates` as in MapOptions. Throws Error(failure) with the name of a failed OpenCL call.
+  Batch(const Device& device, const Model& model, double tolerance, bool certificates = false);
   ~Batch();
   Batch(const Batch&) = delete;
   Batch& operator=(const Batch&) = delete;
@@ -32,8 +33,8 @@ class Batch {
   void submit(std::span<const Point> points);
 
   /// Fills `enclosures` with those of the oldest chunk in flight, in the order of its points; an end is infinite where
-  /// nothing was proven. Precondition: a chunk is in flight.
-  void collect(std::vector<Enclosure>& enclosures);
+  /// nothing was proven; `certificates` too, where they were asked for. Precondition: a chunk is in flight.
+  void collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates);
 
   /// Waits for whatever is in flight and drops it.
   void discard();

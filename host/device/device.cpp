@@ -8,6 +8,7 @@
 #include <charconv>
 
 #include "host/device/cache.hpp"
+#include "host/device/opencl_library.hpp"
 #include "host/device/program.hpp"
 #include "host/device/self_test.hpp"
 #include "kernels/embedded_sources.hpp"
@@ -83,8 +84,13 @@ Tested test(const cl::Device& device) {
   }
 }
 
+std::string why_no_device() {
+  const std::string missing = missing_opencl_library();
+  return missing.empty() ? "no OpenCL device found" : fmt::format("no OpenCL library ({})", missing);
+}
+
 Selection select_automatically(std::vector<cl::Device> devices) {
-  if (devices.empty()) return {std::nullopt, "no OpenCL device found"};
+  if (devices.empty()) return {std::nullopt, why_no_device()};
   const auto is_gpu = [](const cl::Device& device) {
     return (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU) != 0;
   };

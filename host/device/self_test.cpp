@@ -11,6 +11,10 @@
 #include <random>
 #include <vector>
 
+#include "host/device/interval_operations.hpp"
+#include "host/device/operation_kernels.hpp"
+#include "host/device/sample_operands.hpp"
+
 namespace verisq::device {
 namespace {
 
@@ -19,10 +23,6 @@ using Exact =
     boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<660>, boost::multiprecision::et_off>;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-struct Operands {
-  double a, b, c;
-};
 
 enum class Promise { nearest, below, above };
 
@@ -165,7 +165,6 @@ std::vector<Operands> sample_operands() {
     out.push_back({mantissa(generator) - 1.0, std::abs(b), a});    // bases of powers
     out.push_back({1.0 + std::ldexp(a, -40), std::abs(b), -1.0});  // logarithms near 0
   }
-  while (out.size() % 16 != 0) out.push_back({1.0, 1.0, 1.0});
   return out;
 }
 
@@ -188,40 +187,11 @@ bool keeps(const Operation& operation, const Operands& operands, double result) 
   return abs(Exact(result) - value) <= abs(value) * operation.tightness + Exact(0x1p-1020);
 }
 
-std::vector<double> run(const cl::Context& context, cl::CommandQueue& queue, cl::Kernel& kernel, cl_uint operation,
-                        const std::vector<Operands>& operands, int vector_width) {
-  std::vector<double> columns[3];
-  for (const Operands& o : operands) {
-    columns[0].push_back(o.a);
-    columns[1].push_back(o.b);
-    columns[2].push_back(o.c);
-  }
-  std::vector<double> results(operands.size());
-  const std::size_t bytes = results.size() * sizeof(double);
-  cl::Buffer output(context, CL_MEM_WRITE_ONLY, bytes);
-  kernel.setArg(0, operation);
-  kernel.setArg(1, static_cast<cl_ulong>(operands.size() / vector_width));
-  std::vector<cl::Buffer> inputs;  // kept alive until the kernel has run
-  for (cl_uint i = 0; i < 3; ++i) {
-    inputs.emplace_back(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, bytes, columns[i].data());
-    kernel.setArg(2 + i, inputs.back());
-  }
-  kernel.setArg(5, output);
-  queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(operands.size() / vector_width));
-  queue.enqueueReadBuffer(output, CL_TRUE, 0, bytes, results.data());
-  return results;
-}
-
-}  // namespace
-
-std::string self_test(const cl::Context& context, const cl::Device& device, const cl::Program& program,
-                      int vector_width) {
+std::string failure_on_numbers(OperationKernels& kernels) {
   const std::vector<Operands> operands = sample_operands();
-  cl::CommandQueue queue(context, device);
-  cl::Kernel kernel(program, "apply_operation");
-  for (cl_uint index = 0; index < std::size(operations); ++index) {
+  for (unsigned index = 0; index < std::size(operations); ++index) {
     const Operation& operation = operations[index];
-    const std::vector<double> results = run(context, queue, kernel, index, operands, vector_width);
+    const std::vector<double> results = kernels.apply(index, operands);
     for (std::size_t i = 0; i < operands.size(); ++i) {
       const Operands& o = operands[i];
       if (!operation.applies(o) || keeps(operation, o, results[i])) continue;
@@ -229,6 +199,40 @@ std::string self_test(const cl::Context& context, const cl::Device& device, cons
     }
   }
   return {};
+}
+
+std::vector<IntervalOperands> sample_intervals(const IntervalOperation& operation) {
+  std::vector<IntervalOperands> operands = adversarial_intervals();
+  SampleOperands samples(1788);
+  for (int i = 0; i < 1000; ++i)
+    operands.push_back({samples.interval(operation.a_domain), samples.interval(operation.b_domain)});
+  return operands;
+}
+
+std::string failure_on_intervals(OperationKernels& kernels) {
+  const auto operations_on_intervals = interval_operations();
+  for (unsigned index = 0; index < operations_on_intervals.size(); ++index) {
+    const IntervalOperation& operation = operations_on_intervals[index];
+    const std::vector<IntervalOperands> operands = sample_intervals(operation);
+    const std::vector<Ends> results = kernels.apply_to_intervals(index, operands);
+    for (std::size_t i = 0; i < operands.size(); ++i) {
+      const auto& [a, b] = operands[i];
+      if (!operation.applies(a)) continue;
+      if (fault(operation, operands[i], range_of(operation, operands[i]), results[i]).empty()) continue;
+      return fmt::format("{} of a = [{:a}, {:a}], b = [{:a}, {:a}] gave [{:a}, {:a}]", operation.name, a.lo, a.hi, b.lo,
+                         b.hi, results[i].lo, results[i].hi);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string self_test(const cl::Context& context, const cl::Device& device, const cl::Program& program,
+                      int vector_width) {
+  OperationKernels kernels(context, device, program, vector_width);
+  std::string failure = failure_on_numbers(kernels);
+  return failure.empty() ? failure_on_intervals(kernels) : failure;
 }
 
 }  // namespace verisq::device

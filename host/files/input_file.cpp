@@ -14,13 +14,18 @@ namespace {
 
 constexpr std::size_t block_size = std::size_t{1} << 20;
 
+/// A file of known size needs no more than its size, and one byte by which a single read finds its end.
+std::size_t first_block(std::uint64_t size) {
+  return size == 0 ? block_size : std::min<std::uint64_t>(block_size, size + 1);
+}
+
 [[noreturn]] void refuse(std::string_view name, std::string_view message) {
   throw Error(ErrorKind::input, fmt::format("{}: {}", name, message));
 }
 
 }  // namespace
 
-InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()), buffer_(block_size) {
+InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found) refuse(name_, "no such file");
@@ -30,6 +35,7 @@ InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()), 
   std::setvbuf(file_.get(), nullptr, _IONBF, 0);  // the block is the buffer
   if (std::filesystem::is_regular_file(status)) size_ = std::filesystem::file_size(path, error);
   if (error) refuse(name_, fmt::format("cannot be read: {}", error.message()));
+  buffer_.resize(first_block(size_));
   if (!read_more()) refuse(name_, "the file is empty");
 }
 

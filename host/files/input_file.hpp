@@ -13,8 +13,8 @@
 
 namespace verisq {
 
-/// Memory stays at one block (grown to the longest line), whatever the size of the file. Not memory-mapped: a file
-/// that shrinks while it is read must end in a message, not in a signal.
+/// Memory stays at one block (no larger than the file, grown to the longest line), whatever the size of the file. Not
+/// memory-mapped: a file that shrinks while it is read must end in a message, not in a signal.
 class InputFile {
  public:
   /// No line may be longer: a binary file taken for text ends in a message, not in memory.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <set>
+#include <vector>
 #include <verisq/error.hpp>
 
 #include "host/files/words.hpp"
@@ -100,9 +101,10 @@ class ParserPosition {
 
 /// "[json.exception.parse_error.101] parse error at line 2, column 5: ..." from "line" on.
 std::string syntax_error(const Json::parse_error& error) {
-  std::string text = error.what();
+  const std::string_view text = error.what();
   const std::size_t start = text.find("line ");
-  return shortened(printable(start == std::string::npos ? text : text.substr(start)), 300);
+  constexpr std::size_t longest = 300;  // the text quotes what was read, which may be all of the file
+  return shortened(printable(text.substr(start == std::string::npos ? 0 : start, longest + 1)), longest);
 }
 
 /// The number in "... number overflow parsing '1e999'".
@@ -150,11 +152,13 @@ std::optional<JsonValue> JsonValue::find(std::string_view key) const {
   return member(key, *found);
 }
 
-std::vector<JsonValue> JsonValue::elements() const {
+std::size_t JsonValue::size() const {
   if (!value_->is_array()) fail("must be an array");
-  std::vector<JsonValue> result;
-  for (std::size_t k = 0; k < value_->size(); ++k) result.push_back({(*value_)[k], name_, joined(path_, k)});
-  return result;
+  return value_->size();
+}
+
+JsonValue JsonValue::element(std::size_t index) const {
+  return {(*value_)[index], name_, joined(path_, index)};
 }
 
 std::string JsonValue::text() const {

@@ -1,12 +1,13 @@
 /// Strict reading of JSON: every value can be named in a message, every key appears once, every number is finite.
 #pragma once
 
+#include <cstddef>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
+#include <utility>
 
 namespace verisq {
 
@@ -31,8 +32,10 @@ class JsonValue {
   [[nodiscard]] JsonValue at(std::string_view key) const;
   /// Nothing when it is missing.
   [[nodiscard]] std::optional<JsonValue> find(std::string_view key) const;
-  /// Fails unless this is an array.
-  [[nodiscard]] std::vector<JsonValue> elements() const;
+  /// How many elements; fails unless this is an array.
+  [[nodiscard]] std::size_t size() const;
+  /// Precondition: index < size().
+  [[nodiscard]] JsonValue element(std::size_t index) const;
 
   [[nodiscard]] std::string text() const;  ///< fails unless this is a string
   [[nodiscard]] double number() const;     ///< fails unless this is a number

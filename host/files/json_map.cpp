@@ -25,7 +25,8 @@ class JsonMap final : public MapFormat {
     output_.write("{\"format\": \"verisq-map/1\",\n \"results\": [");
   }
 
-  void append(std::span<const Point> /*not in this format*/, std::span<const MapResult> results) override {
+  void append(std::span<const Point> /*not in this format*/, std::span<const MapResult> results,
+              std::span<const Certificate> /*not in this format*/) override {
     rows_.clear();
     for (const MapResult& result : results) {
       fmt::format_to(std::back_inserter(rows_), FMT_COMPILE("{}\n  {{\"index\": {}, \"lo\": "), index_ == 0 ? "" : ",",
@@ -49,7 +50,8 @@ class JsonMap final : public MapFormat {
 
 }  // namespace
 
-std::unique_ptr<MapFormat> make_json_map(OutputFile& output, const Mesh* /*not in this format*/) {
+std::unique_ptr<MapFormat> make_json_map(OutputFile& output, const Mesh* /*not in this format*/,
+                                         MapContents /*enclosures*/) {
   return std::make_unique<JsonMap>(output);
 }
 

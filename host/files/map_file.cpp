@@ -1,4 +1,4 @@
-/// Picks the format of a map by the extension of its file.
+/// Picks the format of a map to write by the extension of its file.
 #include <fmt/format.h>
 
 #include <optional>
@@ -12,16 +12,21 @@
 namespace verisq {
 namespace {
 
-using Maker = std::unique_ptr<MapFormat> (*)(OutputFile&, const Mesh*);
+using Maker = std::unique_ptr<MapFormat> (*)(OutputFile&, const Mesh*, MapContents);
 
-Maker maker_for(const std::filesystem::path& path) {
+Maker maker_for(const std::filesystem::path& path, MapContents contents) {
   const std::string extension = lower_case(path.extension().string());
   if (extension == ".csv") return make_csv_map;
   if (extension == ".vtp") return make_vtp_map;
-  if (extension == ".ply") return make_ply_map;
-  if (extension == ".json") return make_json_map;
-  throw Error(ErrorKind::input, fmt::format("{}: unknown map format {}: known are .csv, .vtp, .ply, .json",
-                                            path.string(), in_quotes(path.extension().string())));
+  const Maker make = extension == ".ply" ? make_ply_map : extension == ".json" ? make_json_map : nullptr;
+  if (make == nullptr) {
+    throw Error(ErrorKind::input, fmt::format("{}: unknown map format {}: known are .csv, .vtp, .ply, .json",
+                                              path.string(), in_quotes(path.extension().string())));
+  }
+  if (contents == MapContents::certified) {
+    throw Error(ErrorKind::input, fmt::format("{}: certificates are written to .csv and .vtp only", path.string()));
+  }
+  return make;
 }
 
 }  // namespace
@@ -29,10 +34,13 @@ Maker maker_for(const std::filesystem::path& path) {
 /// The file and the format that fills it.
 class MapWriter::Format {
  public:
-  Format(const std::filesystem::path& path, const Mesh* mesh)
-      : target_(path), make_(maker_for(path)), output_(path), rows_(make_(output_, mesh)) {}
+  Format(const std::filesystem::path& path, const Mesh* mesh, MapContents contents)
+      : target_(path), make_(maker_for(path, contents)), output_(path), rows_(make_(output_, mesh, contents)) {}
 
-  void append(std::span<const Point> points, std::span<const MapResult> results) { rows_->append(points, results); }
+  void append(std::span<const Point> points, std::span<const MapResult> results,
+              std::span<const Certificate> certificates) {
+    rows_->append(points, results, certificates);
+  }
   void finish() {
     rows_->finish();
     output_.finish();
@@ -52,14 +60,15 @@ class MapWriter::Format {
   std::unique_ptr<MapFormat> rows_;
 };
 
-MapWriter::MapWriter(const std::filesystem::path& path, const Mesh* mesh)
-    : format_(std::make_unique<Format>(path, mesh)) {}
+MapWriter::MapWriter(const std::filesystem::path& path, const Mesh* mesh, MapContents contents)
+    : format_(std::make_unique<Format>(path, mesh, contents)) {}
 MapWriter::~MapWriter() = default;
 MapWriter::MapWriter(MapWriter&&) noexcept = default;
 MapWriter& MapWriter::operator=(MapWriter&&) noexcept = default;
 
-void MapWriter::append(std::span<const Point> points, std::span<const MapResult> results) {
-  format_->append(points, results);
+void MapWriter::append(std::span<const Point> points, std::span<const MapResult> results,
+                       std::span<const Certificate> certificates) {
+  format_->append(points, results, certificates);
 }
 
 void MapWriter::finish() {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <vector>
 #include <verisq/model_file.hpp>
 
 #include "host/files/input_file.hpp"
@@ -17,25 +18,24 @@ bool is_interval(const nlohmann::json& value) {
   return value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number();
 }
 
-template <std::size_t N>
-std::vector<JsonValue> exactly(const JsonValue& value) {
-  std::vector<JsonValue> elements = value.elements();
-  if (elements.size() != N) value.fail(fmt::format("must be an array of {} numbers", N));
-  return elements;
+void check_size(const JsonValue& value, std::size_t size) {
+  if (value.size() != size) value.fail(fmt::format("must be an array of {} numbers", size));
 }
 
 template <std::size_t N>
 std::array<double, N> numbers(const JsonValue& value) {
-  const std::vector<JsonValue> elements = exactly<N>(value);
+  check_size(value, N);
   std::array<double, N> result{};
-  std::transform(elements.begin(), elements.end(), result.begin(), [](const JsonValue& e) { return e.number(); });
+  for (std::size_t k = 0; k < N; ++k) result[k] = value.element(k).number();
   return result;
 }
 
 /// Numbers that the contract lets be uncertain.
 template <std::size_t N>
 std::array<double, N> numbers_or_intervals(const JsonValue& value) {
-  for (const JsonValue& element : exactly<N>(value)) {
+  check_size(value, N);
+  for (std::size_t k = 0; k < N; ++k) {
+    const JsonValue element = value.element(k);
     if (is_interval(element.json())) element.fail("intervals are not supported yet");
   }
   return numbers<N>(value);
@@ -47,10 +47,10 @@ Superquadric read_superquadric(const JsonValue& value) {
   const JsonValue exponents = value.at("exponents");
   const Superquadric result{numbers_or_intervals<3>(semi_axes), numbers_or_intervals<2>(exponents)};
   for (std::size_t k = 0; k < 3; ++k) {
-    if (!(result.semi_axes[k] > 0.0)) semi_axes.elements()[k].fail("must be positive");
+    if (!(result.semi_axes[k] > 0.0)) semi_axes.element(k).fail("must be positive");
   }
   for (std::size_t k = 0; k < 2; ++k) {
-    if (!(0.0 < result.exponents[k] && result.exponents[k] <= 2.0)) exponents.elements()[k].fail("must be in (0, 2]");
+    if (!(0.0 < result.exponents[k] && result.exponents[k] <= 2.0)) exponents.element(k).fail("must be in (0, 2]");
   }
   return result;
 }
@@ -78,7 +78,8 @@ Primitive read_primitive(const JsonValue& value) {
 std::vector<Primitive> read_primitives(const JsonValue& value) {
   std::vector<Primitive> primitives;
   std::set<std::string> names;
-  for (const JsonValue& element : value.elements()) {
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    const JsonValue element = value.element(k);
     primitives.push_back(read_primitive(element));
     if (!names.insert(primitives.back().name).second) {
       element.at("name").fail("another primitive has this name");
@@ -101,9 +102,8 @@ class SetOperations {
     if (value.json().size() != 1) value.fail("must have exactly one key: union, intersection or difference");
     const std::string operation = value.json().begin().key();
     const JsonValue operands = value.at(operation);
-    const std::vector<JsonValue> elements = operands.elements();
-    if (elements.empty()) operands.fail("must have at least one operand");
-    for (const JsonValue& operand : elements) read_operand(operand);
+    if (operands.size() == 0) operands.fail("must have at least one operand");
+    for (std::size_t k = 0; k < operands.size(); ++k) read_operand(operands.element(k));
     if (operation != "union") operands.fail_key("not supported yet: only the union of all primitives is");
   }
 

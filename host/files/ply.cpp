@@ -103,9 +103,9 @@ void check_size(const InputFile& file, const PlyElement& element) {
 
 template <class Rows>
 void skip_property(const InputFile& file, Rows& rows, const PlyProperty& property) {
-  const std::int64_t values = property.count_type ? rows.whole(*property.count_type, property.name) : 1;
-  if (values < 0) file.fail(fmt::format("length of list {} = {}: must not be negative", property.name, values));
-  for (std::int64_t k = 0; k < values; ++k) rows.skip(property.type, property.name);
+  const std::int64_t values = property.count_type ? rows.whole(*property.count_type, property.shown) : 1;
+  if (values < 0) file.fail(fmt::format("length of list {} = {}: must not be negative", property.shown, values));
+  for (std::int64_t k = 0; k < values; ++k) rows.skip(property.type, property.shown);
 }
 
 template <class Rows>

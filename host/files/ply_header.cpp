@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 #include "host/files/words.hpp"
@@ -58,15 +58,14 @@ PlyEncoding parse_encoding(const InputFile& file, Words words) {
   file.fail(fmt::format("format {}: known are ascii, binary_little_endian, binary_big_endian", in_quotes(encoding)));
 }
 
-void add_element(const InputFile& file, Words words, PlyHeader& header) {
+/// `names` are those of the elements so far.
+void add_element(const InputFile& file, Words words, PlyHeader& header, std::set<std::string>& names) {
   const std::string name(words.next());
   const std::int64_t count = integer(file, words.next(), "number of elements");
   expect_end(file, words);
   if (count < 0) file.fail(fmt::format("number of elements = {}: must not be negative", count));
-  const bool known = std::any_of(header.elements.begin(), header.elements.end(),
-                                 [&](const PlyElement& element) { return element.name == name; });
-  if (known) file.fail(fmt::format("element {}: appears twice", in_quotes(name)));
-  header.elements.push_back({name, static_cast<std::uint64_t>(count), {}});
+  if (!names.insert(name).second) file.fail(fmt::format("element {}: appears twice", in_quotes(name)));
+  header.elements.push_back({name, static_cast<std::uint64_t>(count), {}, {}});
 }
 
 void add_property(const InputFile& file, Words words, PlyHeader& header) {
@@ -81,9 +80,11 @@ void add_property(const InputFile& file, Words words, PlyHeader& header) {
   property.type = parse_type(file, type);
   property.name = words.next();
   if (property.name.empty()) file.fail("a property without a name");
+  property.shown = in_quotes(property.name);
   expect_end(file, words);
   PlyElement& element = header.elements.back();
-  if (element.find(property.name)) file.fail(fmt::format("property {}: appears twice", in_quotes(property.name)));
+  const bool fresh = element.positions.emplace(property.name, element.properties.size()).second;
+  if (!fresh) file.fail(fmt::format("property {}: appears twice", property.shown));
   element.properties.push_back(std::move(property));
 }
 
@@ -122,10 +123,9 @@ bool is_integer(PlyType type) {
 }
 
 std::optional<std::size_t> PlyElement::find(std::string_view property) const {
-  for (std::size_t k = 0; k < properties.size(); ++k) {
-    if (properties[k].name == property) return k;
-  }
-  return std::nullopt;
+  const auto found = positions.find(property);
+  if (found == positions.end()) return std::nullopt;
+  return found->second;
 }
 
 PlyHeader read_ply_header(InputFile& file) {
@@ -134,11 +134,12 @@ PlyHeader read_ply_header(InputFile& file) {
   Words second = next_header_line(file);
   if (second.next() != "format") file.fail("the line after 'ply' must be 'format ENCODING 1.0'");
   PlyHeader header{parse_encoding(file, second), {}};
+  std::set<std::string> element_names;
   while (true) {
     Words words = next_header_line(file);
     const std::string_view keyword = words.next();
     if (keyword == "element") {
-      add_element(file, words, header);
+      add_element(file, words, header, element_names);
     } else if (keyword == "property") {
       add_property(file, words, header);
     } else if (keyword == "end_header") {

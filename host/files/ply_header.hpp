@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,7 +20,8 @@ enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64
 [[nodiscard]] bool is_integer(PlyType type);
 
 struct PlyProperty {
-  std::string name;
+  std::string name;                   ///< any bytes but blanks
+  std::string shown;                  ///< the name as messages show it
   PlyType type;                       ///< of the value, or of a list's entries
   std::optional<PlyType> count_type;  ///< of a list's length; nothing for a single value
 };
@@ -26,7 +29,8 @@ struct PlyProperty {
 struct PlyElement {
   std::string name;
   std::uint64_t count;
-  std::vector<PlyProperty> properties;  ///< at least one where count > 0
+  std::vector<PlyProperty> properties;                        ///< at least one where count > 0
+  std::map<std::string, std::size_t, std::less<>> positions;  ///< in `properties`, by name
 
   /// Position in `properties`; nothing when there is none of that name.
   [[nodiscard]] std::optional<std::size_t> find(std::string_view property) const;

@@ -14,7 +14,8 @@ class PlyMap final : public MapFormat {
  public:
   PlyMap(OutputFile& output, const Mesh* mesh) : output_(output), map_(mesh) {}
 
-  void append(std::span<const Point> points, std::span<const MapResult> results) override {
+  void append(std::span<const Point> points, std::span<const MapResult> results,
+              std::span<const Certificate> /*not in this format*/) override {
     map_.append(points, results);
   }
 
@@ -57,7 +58,7 @@ class PlyMap final : public MapFormat {
 
 }  // namespace
 
-std::unique_ptr<MapFormat> make_ply_map(OutputFile& output, const Mesh* mesh) {
+std::unique_ptr<MapFormat> make_ply_map(OutputFile& output, const Mesh* mesh, MapContents /*enclosures*/) {
   return std::make_unique<PlyMap>(output, mesh);
 }
 

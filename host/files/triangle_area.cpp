@@ -1,17 +1,18 @@
-/// Zero area by a floating-point filter, and by rational arithmetic for the few triangles that the filter leaves open.
+/// Zero area by a floating-point filter, and by integer arithmetic for the few triangles that the filter leaves open.
 #include "host/files/triangle_area.hpp"
 
 #include <algorithm>
 #include <array>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
 namespace verisq {
 namespace {
 
-using Rational = boost::multiprecision::cpp_rational;
+using Integer = boost::multiprecision::cpp_int;
 
 constexpr std::array<std::pair<int, int>, 3> planes{{{0, 1}, {1, 2}, {2, 0}}};
 
@@ -29,12 +30,23 @@ bool surely_positive_area(const Point& a, const Point& b, const Point& c) {
   });
 }
 
+/// `x` in units of 2^-1126: every finite binary64 number is a mantissa of 53 bits times 2^e with e >= -1073 - 53, the
+/// exponent that frexp gives the least subnormal. Integers, since rationals spend all their time on common divisors.
+Integer in_small_units(double x) {
+  int exponent = 0;
+  const double fraction = std::frexp(x, &exponent);
+  const auto mantissa = static_cast<std::int64_t>(std::ldexp(fraction, 53));
+  return mantissa == 0 ? Integer(0) : Integer(mantissa) << (exponent - 53 + 1126);
+}
+
+/// Whether area is zero does not depend on the unit.
 bool exactly_zero_area(const Point& a, const Point& b, const Point& c) {
-  std::array<Rational, 3> ab;
-  std::array<Rational, 3> ac;
+  std::array<Integer, 3> ab;
+  std::array<Integer, 3> ac;
   for (std::size_t k = 0; k < 3; ++k) {
-    ab[k] = Rational(b[k]) - Rational(a[k]);
-    ac[k] = Rational(c[k]) - Rational(a[k]);
+    const Integer corner = in_small_units(a[k]);
+    ab[k] = in_small_units(b[k]) - corner;
+    ac[k] = in_small_units(c[k]) - corner;
   }
   for (const auto& [i, j] : planes) {
     if (ab[i] * ac[j] != ab[j] * ac[i]) return false;

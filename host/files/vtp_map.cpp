@@ -3,8 +3,10 @@
 
 #include <array>
 #include <numeric>
+#include <optional>
 #include <string>
 
+#include "host/files/certificate_columns.hpp"
 #include "host/files/collected_map.hpp"
 #include "host/files/map_format.hpp"
 
@@ -15,24 +17,40 @@ namespace {
 /// part by an offset; there the array's bytes follow their number, a UInt64 ("VTK File Formats", XML, appended raw).
 class ArrayDeclarations {
  public:
+  /// An array of a piece: as many tuples as the piece has points or cells.
   std::string declare(std::string_view type, std::string_view name, int components, std::uint64_t bytes) {
-    const std::uint64_t offset = next_offset_;
-    next_offset_ += sizeof(std::uint64_t) + bytes;
-    return fmt::format(
-        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-        type, name, components, offset);
+    return element(type, name, components, "", bytes);
+  }
+  /// An array of the FieldData: it must say its length itself, or readers take it for empty (vtkXMLReader).
+  std::string declare_field(std::string_view type, std::string_view name, int components, std::uint64_t tuples,
+                            std::uint64_t bytes) {
+    return element(type, name, components, fmt::format(" NumberOfTuples=\"{}\"", tuples), bytes);
   }
 
  private:
+  std::string element(std::string_view type, std::string_view name, int components, std::string_view length,
+                      std::uint64_t bytes) {
+    const std::uint64_t offset = next_offset_;
+    next_offset_ += sizeof(std::uint64_t) + bytes;
+    return fmt::format(
+        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"{} format=\"appended\" offset=\"{}\"/>\n",
+        type, name, components, length, offset);
+  }
+
   std::uint64_t next_offset_ = 0;
 };
 
 class VtpMap final : public MapFormat {
  public:
-  VtpMap(OutputFile& output, const Mesh* mesh) : output_(output), map_(mesh) {}
+  VtpMap(OutputFile& output, const Mesh* mesh, MapContents contents) : output_(output), map_(mesh) {
+    if (contents == MapContents::certified) certificates_.emplace();
+  }
 
-  void append(std::span<const Point> points, std::span<const MapResult> results) override {
+  void append(std::span<const Point> points, std::span<const MapResult> results,
+              std::span<const Certificate> certificates) override {
     map_.append(points, results);
+    if (!certificates_) return;
+    for (const Certificate& certificate : certificates) certificates_->append(certificate);
   }
 
   // Infinite ends are written as IEEE infinities: ParaView then wants a colour range set by hand, or dist_mid.
@@ -40,12 +58,14 @@ class VtpMap final : public MapFormat {
     map_.check_complete(output_);
     write_declarations();
     output_.write("  <AppendedData encoding=\"raw\">\n_");
-    write_points();
+    if (certificates_) write_further_normals(*certificates_);
+    write_vectors(map_.vertices());
     write_cells();
     write_array(map_.lo());
     write_array(map_.hi());
     write_middles();
     write_array(map_.statuses());
+    if (certificates_) write_certificates(*certificates_);
     output_.write("\n  </AppendedData>\n</VTKFile>\n");
   }
 
@@ -57,13 +77,13 @@ class VtpMap final : public MapFormat {
   [[nodiscard]] std::uint64_t corners() const { return has_triangles() ? 3 : 1; }
 
   void write_declarations() {
-    constexpr std::uint64_t word = 8;
     const char* cell_type = has_triangles() ? "Polys" : "Verts";
     ArrayDeclarations arrays;
     output_.write(
         "<?xml version=\"1.0\"?>\n"
         "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
         "  <PolyData>\n");
+    if (certificates_) write_further_normals_declarations(*certificates_, arrays);
     output_.write(
         fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" "
                     "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
@@ -73,13 +93,42 @@ class VtpMap final : public MapFormat {
     output_.write(fmt::format("      </Points>\n      <{}>\n", cell_type));
     output_.write(arrays.declare("Int64", "connectivity", 1, word * corners() * cells()));
     output_.write(arrays.declare("Int64", "offsets", 1, word * cells()));
-    output_.write(fmt::format("      </{}>\n      <PointData Scalars=\"dist_mid\">\n", cell_type));
+    output_.write(fmt::format("      </{}>\n      <PointData Scalars=\"dist_mid\"{}>\n", cell_type,
+                              certificates_ ? " Vectors=\"normal\"" : ""));
     output_.write(arrays.declare("Float64", "dist_lo", 1, word * points()));
     output_.write(arrays.declare("Float64", "dist_hi", 1, word * points()));
     output_.write(arrays.declare("Float64", "dist_mid", 1, word * points()));
     output_.write(arrays.declare("UInt8", "status", 1, points()));
+    if (certificates_) write_certificates_declarations(arrays);
     output_.write("      </PointData>\n");
     output_.write("    </Piece>\n  </PolyData>\n");
+  }
+
+  void write_further_normals_declarations(const CertificateColumns& columns, ArrayDeclarations& arrays) {
+    const std::uint64_t count = columns.further_primitive.size();
+    output_.write("    <FieldData>\n");
+    output_.write(arrays.declare_field("Int32", "further_primitive", 1, count, sizeof(std::int32_t) * count));
+    output_.write(arrays.declare_field("Float64", "further_normal", 3, count, 3 * word * count));
+    output_.write("    </FieldData>\n");
+  }
+
+  void write_certificates_declarations(ArrayDeclarations& arrays) {
+    output_.write(arrays.declare("Int32", "primitive", 1, sizeof(std::int32_t) * points()));
+    output_.write(arrays.declare("Float64", "normal", 3, 3 * word * points()));
+    output_.write(arrays.declare("Float64", "escape", 3, 3 * word * points()));
+    output_.write(arrays.declare("Int64", "further_normals_end", 1, word * points()));
+  }
+
+  void write_further_normals(const CertificateColumns& columns) {
+    write_array<std::int32_t>(columns.further_primitive);
+    write_vectors(columns.further_normal);
+  }
+
+  void write_certificates(const CertificateColumns& columns) {
+    write_array<std::int32_t>(columns.primitive);
+    write_vectors(columns.normal);
+    write_vectors(columns.escape);
+    write_array<std::int64_t>(columns.further_normals_end);
   }
 
   template <class Number>
@@ -93,9 +142,9 @@ class VtpMap final : public MapFormat {
     output_.write_little_endian(std::span<const Number>(&number, 1));
   }
 
-  void write_points() {
-    write_number<std::uint64_t>(map_.vertices().size_bytes());
-    for (const Point& point : map_.vertices()) output_.write_little_endian<double>(point);
+  void write_vectors(std::span<const Point> vectors) {
+    write_number<std::uint64_t>(vectors.size_bytes());
+    for (const Point& vector : vectors) output_.write_little_endian<double>(vector);
   }
 
   void write_cells() {
@@ -116,14 +165,17 @@ class VtpMap final : public MapFormat {
     for (std::size_t k = 0; k < map_.lo().size(); ++k) write_number(finite_middle(map_.lo()[k], map_.hi()[k]));
   }
 
+  static constexpr std::uint64_t word = 8;  // bytes of a Float64 or an Int64
+
   OutputFile& output_;
   CollectedMap map_;
+  std::optional<CertificateColumns> certificates_;
 };
 
 }  // namespace
 
-std::unique_ptr<MapFormat> make_vtp_map(OutputFile& output, const Mesh* mesh) {
-  return std::make_unique<VtpMap>(output, mesh);
+std::unique_ptr<MapFormat> make_vtp_map(OutputFile& output, const Mesh* mesh, MapContents contents) {
+  return std::make_unique<VtpMap>(output, mesh, contents);
 }
 
 }  // namespace verisq

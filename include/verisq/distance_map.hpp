@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <verisq/certificate.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/model.hpp>
 
@@ -14,6 +15,7 @@ namespace verisq {
 struct MapOptions {
   double tolerance;                                          ///< absolute, in model units; 0 asks for the tightest
   std::string device = "auto";                               ///< "auto", "host", an index or a part of a device's name
+  bool certificates = false;                                 ///< deliver what proves each enclosure again
   std::function<bool()> interrupted = [] { return false; };  ///< polled between chunks; true ends the map early
 };
 
@@ -34,8 +36,8 @@ struct MapSummary {
 
 /// Fills the span from the front; returns how many, 0 at the end.
 using PointSource = std::function<std::size_t(std::span<Point>)>;
-/// Receives rows in the order of the points.
-using MapSink = std::function<void(std::span<const Point>, std::span<const MapResult>)>;
+/// Receives rows in the order of the points; certificates are empty unless the options ask for them.
+using MapSink = std::function<void(std::span<const Point>, std::span<const MapResult>, std::span<const Certificate>)>;
 
 /// A model made ready for maps: device chosen and tested, kernels compiled, buffers allocated. Many maps of one model
 /// pay for that once.

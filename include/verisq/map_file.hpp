@@ -1,13 +1,20 @@
-/// Writes a finished map by the extension of the file: `.csv`, `.vtp`, `.ply`, `.json`.
+/// Writes a finished map by the extension of the file (`.csv`, `.vtp`, `.ply`, `.json`) and reads certified maps back.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <verisq/certificate.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
 
 namespace verisq {
+
+enum class MapContents {
+  enclosures,
+  certified,  ///< with the certificate of each enclosure; `.csv` and `.vtp` only
+};
 
 /// Rows arrive in order through `append`; `.csv` and `.json` stream them to the disk, the mesh formats (`.vtp`, `.ply`)
 /// keep them until `finish`. Everything goes to a temporary file beside the target, which `finish` renames: an
@@ -17,19 +24,48 @@ class MapWriter {
  public:
   /// `mesh` supplies vertices and triangles to the mesh formats; it must outlive the writer. Null for a stream of
   /// points: then `append`'s points become vertices.
-  /// Throws Error(input) for an unknown extension, Error(failure) when the file cannot be written.
-  MapWriter(const std::filesystem::path& path, const Mesh* mesh);
+  /// Throws Error(input) for an unknown extension and for certificates in a format that has no place for them,
+  /// Error(failure) when the file cannot be written.
+  MapWriter(const std::filesystem::path& path, const Mesh* mesh, MapContents contents = MapContents::enclosures);
   ~MapWriter();
   MapWriter(MapWriter&&) noexcept;
   MapWriter& operator=(MapWriter&&) noexcept;
 
-  /// Precondition: both spans of the same length; indices continue from the last call.
-  void append(std::span<const Point> points, std::span<const MapResult> results);
+  /// Precondition: spans of the same length; `certificates` empty unless the contents are certified, and all their
+  /// numbers finite. Indices continue from the last call.
+  void append(std::span<const Point> points, std::span<const MapResult> results,
+              std::span<const Certificate> certificates = {});
   /// Throws Error(failure) when the file cannot be written, or when a mesh format has not one row for each vertex.
   void finish();
   /// Ends an interrupted map instead of `finish`: `.csv` keeps the rows appended so far under the target's name with
   /// `.partial` added and returns that path; the other formats keep nothing and return an empty path.
   [[nodiscard]] std::filesystem::path keep_partial();
+
+ private:
+  class Format;
+  std::unique_ptr<Format> format_;
+};
+
+/// One row of a certified map.
+struct CertifiedRow {
+  MapResult result;
+  Certificate certificate;
+};
+
+/// Reads a certified map (`.csv`, `.vtp`; also `.csv.partial`), in the order of its points. A `.csv` is streamed, a
+/// `.vtp` is kept in memory.
+class MapReader {
+ public:
+  /// Throws Error(input) naming file, line or byte position and value: for other formats, for maps written without
+  /// certificates, for anything that is not such a map. Error(failure) when the file or the memory fails.
+  explicit MapReader(const std::filesystem::path& path);
+  ~MapReader();
+  MapReader(MapReader&&) noexcept;
+  MapReader& operator=(MapReader&&) noexcept;
+
+  /// Fills `rows` from the front; returns how many, fewer than asked only at the end of the map. Throws as above; ends
+  /// are any binary64 numbers but NaN.
+  std::size_t read(std::span<CertifiedRow> rows);
 
  private:
   class Format;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <verisq/certificate.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 
@@ -19,6 +20,10 @@ class SignedDistance {
   /// Encloses the exact signed distance of `point`; works until it is at most `tolerance` wide or the method's
   /// limit is reached (0 asks for the tightest). Never throws for finite points; the enclosure is always valid.
   [[nodiscard]] Enclosure operator()(const Point& point, double tolerance) const;
+
+  /// The same with what proves it: `Checker` proves the enclosure again from the certificate. The enclosure is what the
+  /// certificate's binary64 numbers prove, which may be wider than the other's by their rounding.
+  [[nodiscard]] CertifiedEnclosure certified(const Point& point, double tolerance) const;
 
  private:
   struct State;

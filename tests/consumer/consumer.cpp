@@ -20,7 +20,8 @@ int main() {
     return 1;
   };
   verisq::Enclosure mapped{};
-  const auto sink = [&](std::span<const verisq::Point>, std::span<const verisq::MapResult> results) {
+  const auto sink = [&](std::span<const verisq::Point>, std::span<const verisq::MapResult> results,
+                        std::span<const verisq::Certificate>) {
     mapped = results[0].distance;
   };
   const auto summary = verisq::map_points(model, source, sink, {.tolerance = 1e-12, .device = "host"});

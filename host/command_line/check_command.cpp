@@ -1,0 +1,147 @@
+/// Reads points and rows side by side, has each row proved, counts the verdicts.
+#include "host/command_line/check_command.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+#include <vector>
+#include <verisq/error.hpp>
+#include <verisq/map_file.hpp>
+#include <verisq/model_file.hpp>
+
+#include "host/command_line/check_summary.hpp"
+#include "host/command_line/interruption.hpp"
+#include "host/command_line/progress_bar.hpp"
+#include "host/parallel.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+constexpr std::size_t chunk_size = 4096;
+
+constexpr const char* closing_words =
+    "The map is one that `verisq map --certificates` wrote for the same model and points, in the same order. Each\n"
+    "[lo, hi] is proved again by MPFR from the model, the point and the row's certificate alone: no OpenCL, and "
+    "nothing\n"
+    "of the run that wrote the map, is trusted. The column `status` and the tolerance are not what is checked.\n"
+    "\n"
+    "\"Proved\": the exact signed distance lies in [lo, hi]. \"Refuted\": it does not. \"Unproved\": the certificate\n"
+    "does not decide. Exit status: 0 every row proved, 3 some refuted or unproved, 130 interrupted by Ctrl-C (what "
+    "was\n"
+    "checked so far is printed), 2 bad usage or input: also a map with fewer or more rows than there are points.\n"
+    "\n"
+    "Examples:\n"
+    "  verisq map --model stem.json --mesh femur.off --certificates -o clearance.csv\n"
+    "  verisq check --model stem.json --mesh femur.off --map clearance.csv";
+
+bool comes_first(const CheckedRow& a, const CheckedRow& b) {
+  const bool a_refuted = a.finding.verdict == Verdict::refuted;
+  const bool b_refuted = b.finding.verdict == Verdict::refuted;
+  return a_refuted != b_refuted ? a_refuted : a.index < b.index;
+}
+
+/// Counts verdicts, which threads deliver in any order.
+class Tally {
+ public:
+  Tally(const PointStream& stream, bool show_progress) : stream_(stream), bar_(show_progress) {}
+
+  void add(const CheckedRow& row) {
+    const std::lock_guard lock(mutex_);
+    switch (row.finding.verdict) {
+      case Verdict::proved: ++report_.proved; break;
+      case Verdict::refuted: ++report_.refuted; break;
+      case Verdict::unproved: ++report_.unproved; break;
+    }
+    if (row.finding.verdict == Verdict::proved) {
+      report_.largest_width = std::max(report_.largest_width, row.claimed.width());
+    } else if (!report_.first || comes_first(row, *report_.first)) {
+      report_.first = row;
+    }
+    bar_.update(report_.points(), stream_.fraction(report_.points()));
+  }
+
+  /// Precondition: no `add` is under way.
+  [[nodiscard]] const CheckReport& report() const { return report_; }
+
+ private:
+  const PointStream& stream_;
+  std::mutex mutex_;
+  ProgressBar bar_;
+  CheckReport report_;
+};
+
+/// Counts what is left of a stream that `read` fills into `chunk`.
+template <typename Stream, typename Item>
+std::uint64_t count_rest(Stream& stream, std::vector<Item>& chunk) {
+  std::uint64_t rest = 0;
+  while (const std::size_t count = stream.read(chunk)) rest += count;
+  return rest;
+}
+
+CheckReport check_rows(const Checker& checker, PointStream& stream, MapReader& map, const CheckArguments& arguments) {
+  Tally tally(stream, !arguments.no_progress);
+  std::vector<Point> points(chunk_size);
+  std::vector<CertifiedRow> rows(chunk_size);
+  for (std::uint64_t first = 0; !interrupted();) {
+    const std::size_t count = stream.read(points);
+    const std::size_t row_count = map.read(rows);
+    if (row_count != count) {
+      const auto all_points = first + count + count_rest(stream, points);
+      const auto all_rows = first + row_count + count_rest(map, rows);
+      throw Error(ErrorKind::input, fmt::format("{}: {} rows for the {} points of {}", arguments.map, all_rows,
+                                                all_points, arguments.inputs.mesh + arguments.inputs.points));
+    }
+    if (count == 0) return tally.report();
+    in_parallel(count, [&](std::size_t i) {
+      if (interrupted()) return;  // a chunk of points inside can take a minute
+      const auto& claimed = rows[i].result.distance;
+      tally.add({first + i, points[i], claimed, checker(points[i], claimed, rows[i].certificate)});
+    });
+    first += count;
+  }
+  auto report = tally.report();
+  report.interrupted = true;  // also when the last chunk is done: no thread may have skipped a row unseen
+  return report;
+}
+
+ExitStatus status_of(const CheckReport& report) {
+  if (report.interrupted) return ExitStatus::interrupted;
+  return report.proved == report.points() ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+}  // namespace
+
+const CLI::App& declare_check(CLI::App& program, CheckArguments& arguments) {
+  CLI::App& check =
+      *program.add_subcommand("check", "Prove a finished map again from its certificates, without OpenCL");
+  check.footer(closing_words);
+  declare_inputs(check, arguments.inputs);
+  check.add_option("--map", arguments.map, "The map, written with --certificates: .csv .vtp")
+      ->required()
+      ->option_text("FILE REQUIRED");
+  check.add_flag("--json", arguments.json, "Print the summary as one JSON object");
+  check.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
+  return check;
+}
+
+ExitStatus run_check(const CheckArguments& arguments) {
+  check_usage(arguments.inputs);
+  watch_for_interruption();
+  const Model model = read_model(arguments.inputs.model);
+  MapReader map(arguments.map);
+  PointStream stream(arguments.inputs);
+  const Checker checker(model);
+
+  const auto start = std::chrono::steady_clock::now();
+  auto report = check_rows(checker, stream, map, arguments);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.map = arguments.map;
+  report.units = model.units;
+  fmt::print("{}", arguments.json ? json(report) : readable(report));
+  return status_of(report);
+}
+
+}  // namespace verisq::command_line

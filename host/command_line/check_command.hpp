@@ -1,0 +1,26 @@
+/// `verisq check`: proves a finished map again from the model, the points and the certificates, without OpenCL.
+#pragma once
+
+#include <string>
+
+#include "host/command_line/exit_status.hpp"
+#include "host/command_line/point_stream.hpp"
+
+namespace verisq::command_line {
+
+/// As typed.
+struct CheckArguments {
+  InputArguments inputs;
+  std::string map;
+  bool json = false;
+  bool no_progress = false;
+};
+
+/// Adds the command to `program`; parsing fills `arguments`, which must outlive `program`.
+const CLI::App& declare_check(CLI::App& program, CheckArguments& arguments);
+
+/// `verified` only when every enclosure is proved. Throws Error(input) for what the user can correct, also for a map
+/// that has not one row for each point.
+ExitStatus run_check(const CheckArguments& arguments);
+
+}  // namespace verisq::command_line

@@ -1,0 +1,102 @@
+/// The two forms of the summary.
+#include "host/command_line/check_summary.hpp"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "host/command_line/progress_bar.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+double points_per_second(const CheckReport& report) {
+  return report.seconds > 0.0 ? static_cast<double>(report.points()) / report.seconds : 0.0;
+}
+
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::proved: return "proved";
+    case Verdict::refuted: return "refuted";
+    case Verdict::unproved: break;
+  }
+  return "unproved";
+}
+
+/// Which end is wrong or open, and why.
+std::string reason(const CheckedRow& row) {
+  const auto& claimed = row.claimed;
+  const auto& proven = row.finding.proven;
+  if (row.finding.verdict == Verdict::refuted) {
+    if (claimed.lo > claimed.hi) return "lo is above hi: no number lies between them";
+    if (proven.lo > claimed.hi) return fmt::format("hi is wrong: the exact distance is at least {:.17g}", proven.lo);
+    return fmt::format("lo is wrong: the exact distance is at most {:.17g}", proven.hi);
+  }
+  const bool lo_open = proven.lo < claimed.lo;
+  const bool hi_open = proven.hi > claimed.hi;
+  if (lo_open && hi_open) return "the certificate proves neither lo nor hi";
+  return fmt::format("the certificate does not prove {}", lo_open ? "lo" : "hi");
+}
+
+/// 17 significant digits give back the same binary64.
+std::string digits_of(const Enclosure& enclosure) {
+  return fmt::format("[{:.17g}, {:.17g}]", enclosure.lo, enclosure.hi);
+}
+
+std::string readable(const CheckedRow& row) {
+  const auto& [x, y, z] = row.point;
+  auto text = fmt::format("first {} point, index {}, at ({:.17g}, {:.17g}, {:.17g}): {}\n",
+                          name_of(row.finding.verdict), row.index, x, y, z, reason(row));
+  text += fmt::format("  claimed            {}\n", digits_of(row.claimed));
+  text += fmt::format("  proven             {}\n", digits_of(row.finding.proven));
+  return text;
+}
+
+nlohmann::ordered_json object_of(const Enclosure& enclosure) {
+  return {{"lo", enclosure.lo}, {"hi", enclosure.hi}};
+}
+
+nlohmann::ordered_json object_of(const CheckedRow& row) {
+  return {{"verdict", name_of(row.finding.verdict)},
+          {"index", row.index},
+          {"point", row.point},
+          {"claimed", object_of(row.claimed)},
+          {"proven", object_of(row.finding.proven)},
+          {"reason", reason(row)}};
+}
+
+}  // namespace
+
+std::string readable(const CheckReport& report) {
+  const auto units = report.units.empty() ? std::string() : " " + report.units;
+  auto text = fmt::format("points               {}\n", report.points());
+  text += fmt::format("  proved             {}\n", report.proved);
+  text += fmt::format("  refuted            {}\n", report.refuted);
+  text += fmt::format("  unproved           {}\n", report.unproved);
+  if (report.proved > 0) text += fmt::format("largest width proved {:.3g}{}\n", report.largest_width, units);
+  text += fmt::format("time                 {:.3g} s, {} points/s\n", report.seconds,
+                      with_prefix(points_per_second(report)));
+  text += fmt::format("map                  {}{}\n", report.map, report.interrupted ? " (interrupted)" : "");
+  if (report.first) text += readable(*report.first);
+  return text;
+}
+
+std::string json(const CheckReport& report) {
+  auto object = nlohmann::ordered_json{
+      {"points", report.points()},
+      {"proved", report.proved},
+      {"refuted", report.refuted},
+      {"unproved", report.unproved},
+      {"largest_width_proved", report.largest_width},
+      {"units", report.units},
+      {"seconds", report.seconds},
+      {"points_per_second", points_per_second(report)},
+      {"interrupted", report.interrupted},
+      {"map", report.map},
+      {"first", report.first ? object_of(*report.first) : nlohmann::ordered_json()},
+  };
+  // Names of files are bytes of the system, not always UTF-8: replaced rather than refused.
+  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace verisq::command_line

@@ -1,0 +1,38 @@
+/// The summary of a checked map on the standard output: for people, or as one JSON object.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <verisq/checker.hpp>
+
+namespace verisq::command_line {
+
+/// An enclosure and what became of it.
+struct CheckedRow {
+  std::uint64_t index;
+  Point point;
+  Enclosure claimed;
+  Finding finding;
+};
+
+struct CheckReport {
+  std::string map;    ///< its file
+  std::string units;  ///< of the model; empty when not given
+  std::uint64_t proved = 0;
+  std::uint64_t refuted = 0;
+  std::uint64_t unproved = 0;
+  double largest_width = 0.0;       ///< of the proved enclosures
+  std::optional<CheckedRow> first;  ///< the first refuted row; without one, the first unproved
+  double seconds = 0.0;             ///< wall time from the first point to the last
+  bool interrupted = false;
+
+  [[nodiscard]] std::uint64_t points() const { return proved + refuted + unproved; }
+};
+
+[[nodiscard]] std::string readable(const CheckReport& report);
+
+/// One line. JSON has no infinity: an unbounded end of an enclosure is null.
+[[nodiscard]] std::string json(const CheckReport& report);
+
+}  // namespace verisq::command_line

@@ -1,0 +1,53 @@
+/// What `map` and `check` both begin with: a model, and points from the vertices of a mesh or the lines of a file.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <verisq/mesh.hpp>
+#include <verisq/point_file.hpp>
+
+namespace CLI {
+class App;
+}
+
+namespace verisq::command_line {
+
+/// Names of files, as typed.
+struct InputArguments {
+  std::string model;
+  std::string mesh;    ///< empty when `points` is given
+  std::string points;  ///< empty when `mesh` is given
+};
+
+/// Adds --model, --mesh and --points to `command`; parsing fills `inputs`.
+void declare_inputs(CLI::App& command, InputArguments& inputs);
+
+/// Throws Error(input) unless `inputs` has either a mesh or points.
+void check_usage(const InputArguments& inputs);
+
+/// The points in order, a chunk at a time.
+class PointStream {
+ public:
+  /// Reads the mesh or opens the file of points. Throws Error(input). Precondition: `check_usage` passed.
+  explicit PointStream(const InputArguments& inputs);
+
+  /// Fills `points` from the front; returns how many, fewer than asked only at the end. Throws Error(input).
+  std::size_t read(std::span<Point> points);
+
+  /// The part of all points that `done` finished ones make up, about; 0 when unknown.
+  [[nodiscard]] double fraction(std::uint64_t done) const;
+
+  /// Null for a file of points.
+  [[nodiscard]] const Mesh* mesh() const { return file_ ? nullptr : &mesh_; }
+
+ private:
+  [[nodiscard]] std::size_t copy_vertices(std::span<Point> points) const;
+
+  Mesh mesh_;
+  std::optional<PointFile> file_;  ///< instead of the mesh
+  std::size_t points_read_ = 0;
+};
+
+}  // namespace verisq::command_line

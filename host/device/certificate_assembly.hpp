@@ -1,0 +1,41 @@
+/// Turns what the kernels found about a point into the certificate of its enclosure.
+#pragma once
+
+#include <vector>
+
+#include "verisq/certificate.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::device {
+
+/// In model units. Nothing here needs to be true: certificates are proposals until they are checked.
+struct Evidence {
+  struct OfPrimitive {
+    double hi;     ///< upper end for this primitive alone; infinite where it was passed over
+    Point normal;  ///< of the lower end; zero where the bounding sphere proved enough
+  };
+  std::vector<OfPrimitive> primitives;
+  Point escape;  ///< meaningful where the union's lower end is finite and not positive
+};
+
+class CertificateAssembly {
+ public:
+  explicit CertificateAssembly(const Model& model);
+
+  /// As few normals as prove the enclosure: outside, those of the primitives whose bounding sphere is too near; inside,
+  /// that of the primitive that decides the upper end.
+  [[nodiscard]] Certificate operator()(const Point& point, const Enclosure& distance, const Evidence& evidence) const;
+
+ private:
+  struct Sphere {
+    Point centre;
+    double radius;
+  };
+
+  [[nodiscard]] bool clear_of_sphere(const Point& point, double distance, const Sphere& sphere) const;
+
+  std::vector<Sphere> spheres_;  ///< about each primitive
+};
+
+}  // namespace verisq::device

@@ -1,0 +1,139 @@
+/// Certified maps as CSV, streamed: strictly what the writer writes, since a check must not guess.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "host/files/csv_map_header.hpp"
+#include "host/files/input_file.hpp"
+#include "host/files/map_rows.hpp"
+#include "host/files/words.hpp"
+
+namespace verisq {
+namespace {
+
+constexpr std::size_t columns = 12;
+static_assert(std::count(csv_certified_map_header.begin(), csv_certified_map_header.end(), ',') + 1 == columns);
+
+/// Precondition: the text has N - 1 separators.
+template <std::size_t N>
+std::array<std::string_view, N> split(std::string_view text, char separator) {
+  std::array<std::string_view, N> parts;
+  for (std::string_view& part : parts) {
+    const std::size_t length = std::min(text.find(separator), text.size());
+    part = text.substr(0, length);
+    text.remove_prefix(std::min(length + 1, text.size()));
+  }
+  return parts;
+}
+
+class CsvRows final : public MapRows {
+ public:
+  explicit CsvRows(const std::filesystem::path& path) : file_(path) { read_header(); }
+
+  std::size_t read(std::span<CertifiedRow> rows) override {
+    std::size_t count = 0;
+    while (count < rows.size()) {
+      const std::optional<std::string_view> line = file_.next_line();
+      if (!line) break;
+      read_row(*line, rows[count++]);
+    }
+    return count;
+  }
+
+ private:
+  void read_header() {
+    const std::string_view header = file_.next_line().value_or("");
+    if (header == csv_certified_map_header) return;
+    if (header == csv_map_header) file_.fail(without_certificates);
+    file_.fail(fmt::format("{}: not the header of a map: expected {}", in_quotes(header), csv_certified_map_header));
+  }
+
+  /// A last line that was cut short has too few fields, or a shorter number in the last one: its enclosure is whole.
+  void read_row(std::string_view line, CertifiedRow& row) {
+    const auto fields = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+    if (fields != columns) {
+      file_.fail(fmt::format("{}: {} fields, expected {}", in_quotes(line), fields, columns));
+    }
+    const auto [index, lo, hi, status, primitive, normal_x, normal_y, normal_z, further_normals, escape_x, escape_y,
+                escape_z] = split<columns>(line, ',');
+    check_index(index);
+    row.result = {{end(lo, "lo"), end(hi, "hi")}, status_of(status)};
+    auto& [normals, escape] = row.certificate;
+    normals.clear();
+    if (const auto vector = optional_vector({normal_x, normal_y, normal_z}, {"normal_x", "normal_y", "normal_z"})) {
+      normals.push_back({primitive_of(primitive), *vector});
+      read_further_normals(further_normals, normals);
+    } else {
+      expect_none(primitive, "primitive");
+      expect_none(further_normals, "further_normals");
+    }
+    escape = optional_vector({escape_x, escape_y, escape_z}, {"escape_x", "escape_y", "escape_z"});
+  }
+
+  void check_index(std::string_view word) {
+    const std::int64_t index = integer(file_, word, "index");
+    if (index != next_index_) file_.fail(fmt::format("index = {}: expected {}", in_quotes(word), next_index_));
+    ++next_index_;
+  }
+
+  [[nodiscard]] double end(std::string_view word, std::string_view what) const {
+    if (word == "inf") return std::numeric_limits<double>::infinity();
+    if (word == "-inf") return -std::numeric_limits<double>::infinity();
+    return finite_number(file_, word, what);
+  }
+
+  [[nodiscard]] Status status_of(std::string_view word) const {
+    for (const Status status : {Status::device_verified, Status::host_verified, Status::wide}) {
+      if (word == to_string(status)) return status;
+    }
+    file_.fail(fmt::format("status = {}: not one of device-verified, host-verified, wide", in_quotes(word)));
+  }
+
+  [[nodiscard]] std::uint32_t primitive_of(std::string_view word) const {
+    const std::int64_t index = integer(file_, word, "primitive");
+    if (0 <= index && index <= std::numeric_limits<std::uint32_t>::max()) return static_cast<std::uint32_t>(index);
+    file_.fail(fmt::format("primitive = {}: not an index of a primitive", in_quotes(word)));
+  }
+
+  /// Nothing when all three words are empty.
+  [[nodiscard]] std::optional<Point> optional_vector(const std::array<std::string_view, 3>& words,
+                                                     const std::array<std::string_view, 3>& names) const {
+    if (words[0].empty() && words[1].empty() && words[2].empty()) return std::nullopt;
+    return vector(words, names);
+  }
+
+  [[nodiscard]] Point vector(const std::array<std::string_view, 3>& words,
+                             const std::array<std::string_view, 3>& names) const {
+    Point result{};
+    for (std::size_t k = 0; k < 3; ++k) result[k] = finite_number(file_, words[k], names[k]);
+    return result;
+  }
+
+  void read_further_normals(std::string_view text, std::vector<Normal>& normals) const {
+    for (Words words(text); !words.empty();) {
+      const std::string_view word = words.next();
+      if (std::count(word.begin(), word.end(), ':') != 3) {
+        file_.fail(fmt::format("further_normals: {}: expected primitive:x:y:z", in_quotes(word)));
+      }
+      const auto [primitive, x, y, z] = split<4>(word, ':');
+      normals.push_back({primitive_of(primitive), vector({x, y, z}, {"x", "y", "z"})});
+    }
+  }
+
+  void expect_none(std::string_view word, std::string_view what) const {
+    if (!word.empty()) file_.fail(fmt::format("{} = {}: without a first normal", what, in_quotes(word)));
+  }
+
+  InputFile file_;
+  std::int64_t next_index_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<MapRows> open_csv_map(const std::filesystem::path& path) {
+  return std::make_unique<CsvRows>(path);
+}
+
+}  // namespace verisq

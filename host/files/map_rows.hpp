@@ -1,0 +1,31 @@
+/// The certified maps that can be read back: one class and one source file a format.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <verisq/map_file.hpp>
+
+namespace verisq {
+
+/// The rows of a certified map, front to back. Throws Error as `MapReader` does.
+class MapRows {
+ public:
+  MapRows() = default;
+  MapRows(const MapRows&) = delete;
+  MapRows& operator=(const MapRows&) = delete;
+  virtual ~MapRows() = default;
+
+  /// Fills `rows` from the front; returns how many, fewer than asked only at the end of the map.
+  virtual std::size_t read(std::span<CertifiedRow> rows) = 0;
+};
+
+[[nodiscard]] std::unique_ptr<MapRows> open_csv_map(const std::filesystem::path& path);
+[[nodiscard]] std::unique_ptr<MapRows> open_vtp_map(const std::filesystem::path& path);
+
+/// What is wrong with a sound map that has nothing to check, and what to do about it.
+inline constexpr std::string_view without_certificates =
+    "written without --certificates: map again with --certificates";
+
+}  // namespace verisq

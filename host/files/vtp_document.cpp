@@ -1,0 +1,119 @@
+/// Parses the XML part of a `.vtp` map and looks up what it declares.
+#include "host/files/vtp_document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <string>
+
+#include "host/files/words.hpp"
+
+namespace verisq {
+namespace {
+
+constexpr std::size_t longest_xml = std::size_t{1} << 20;  // the writer's is a few thousand bytes
+
+/// The file up to the '_' before the appended part, whose raw bytes are not XML.
+std::string take_xml(InputFile& file) {
+  const std::string_view start = file.peek(longest_xml).substr(0, longest_xml);
+  const std::size_t appended = start.find("<AppendedData");
+  const std::size_t underscore = appended == std::string_view::npos ? appended : start.find('_', appended);
+  if (underscore == std::string_view::npos) {
+    file.fail_whole(fmt::format("no appended data in the first {} bytes: not a map as .vtp", start.size()));
+  }
+  std::string xml(start.substr(0, underscore));
+  (void)file.take(underscore + 1, "the XML part");
+  return xml;
+}
+
+}  // namespace
+
+VtpDocument::VtpDocument(InputFile& file) : file_(file) {
+  const std::string xml = take_xml(file);
+  // Closed as if nothing were appended. Where '_' was another one (in a comment, say), this does not parse.
+  const std::string closed = xml + "</AppendedData></VTKFile>";
+  const auto result = xml_.load_buffer(closed.data(), closed.size(), pugi::parse_default, pugi::encoding_utf8);
+  if (!result) {
+    const std::size_t byte = std::min(static_cast<std::size_t>(result.offset), xml.size());
+    file_.fail_whole(fmt::format("byte {}: not XML: {}", byte, result.description()));
+  }
+  check_attributes();
+}
+
+void VtpDocument::check_attributes() const {
+  const pugi::xml_node root = only_child(xml_, "VTKFile");
+  expect(root, "type", "PolyData");
+  expect(root, "version", "1.0");
+  expect(root, "byte_order", "LittleEndian");
+  expect(root, "header_type", "UInt64");
+  expect(root, "compressor", "");
+  expect(only_child(root, "AppendedData"), "encoding", "raw");
+}
+
+bool VtpDocument::has_point_array(std::string_view name) const {
+  const auto arrays = only_child(piece(), "PointData").children("DataArray");
+  return std::any_of(arrays.begin(), arrays.end(),
+                     [&](pugi::xml_node array) { return array.attribute("Name").value() == name; });
+}
+
+DeclaredArray VtpDocument::point_array(std::string_view name, std::string_view type, int components) const {
+  const pugi::xml_node array = only_array(only_child(piece(), "PointData"), name, type, components);
+  return {name, whole_number(piece(), "NumberOfPoints"), whole_number(array, "offset")};
+}
+
+DeclaredArray VtpDocument::field_array(std::string_view name, std::string_view type, int components) const {
+  const pugi::xml_node array = only_array(only_child(poly_data(), "FieldData"), name, type, components);
+  return {name, whole_number(array, "NumberOfTuples"), whole_number(array, "offset")};
+}
+
+pugi::xml_node VtpDocument::poly_data() const {
+  return only_child(xml_.child("VTKFile"), "PolyData");
+}
+
+pugi::xml_node VtpDocument::piece() const {
+  return only_child(poly_data(), "Piece");
+}
+
+// A second one is refused: another reader might take that one, and show what was not checked.
+pugi::xml_node VtpDocument::only_child(pugi::xml_node parent, const char* name) const {
+  const pugi::xml_node child = parent.child(name);
+  if (!child) fail(parent, fmt::format("no element {}", name));
+  if (const pugi::xml_node second = child.next_sibling(name)) fail(second, "a second one");
+  return child;
+}
+
+pugi::xml_node VtpDocument::only_array(pugi::xml_node parent, std::string_view name, std::string_view type,
+                                       int components) const {
+  pugi::xml_node found;
+  for (const pugi::xml_node array : parent.children("DataArray")) {
+    if (array.attribute("Name").value() != name) continue;
+    if (found) fail(array, fmt::format("Name = {}: a second one", in_quotes(name)));
+    found = array;
+  }
+  if (!found) fail(parent, fmt::format("no DataArray with Name = {}", in_quotes(name)));
+  expect(found, "type", type);
+  expect(found, "NumberOfComponents", std::to_string(components));
+  expect(found, "format", "appended");
+  return found;
+}
+
+void VtpDocument::expect(pugi::xml_node element, const char* attribute, std::string_view value) const {
+  const std::string_view found = element.attribute(attribute).value();  // empty where there is no such attribute
+  if (found == value) return;
+  fail(element, fmt::format("{} = {}: expected {}", attribute, in_quotes(found), in_quotes(value)));
+}
+
+std::uint64_t VtpDocument::whole_number(pugi::xml_node element, const char* attribute) const {
+  const std::string_view text = element.attribute(attribute).value();
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc{} && end == text.data() + text.size()) return number;
+  fail(element, fmt::format("{} = {}: not a whole number of 64 bits", attribute, in_quotes(text)));
+}
+
+void VtpDocument::fail(pugi::xml_node element, std::string_view message) const {
+  file_.fail_whole(fmt::format("byte {}: {}: {}", element.offset_debug(), in_quotes(element.name()), message));
+}
+
+}  // namespace verisq

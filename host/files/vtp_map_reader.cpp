@@ -1,0 +1,196 @@
+/// Certified maps as VTK XML PolyData: the arrays of the enclosures and certificates, checked before any is used.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "host/files/byte_order.hpp"
+#include "host/files/certificate_columns.hpp"
+#include "host/files/input_file.hpp"
+#include "host/files/map_rows.hpp"
+#include "host/files/vtp_document.hpp"
+
+namespace verisq {
+namespace {
+
+template <class Item>
+Item item_from(const char* bytes) {
+  return number_from<Item>(bytes, std::endian::little);
+}
+
+template <>
+Point item_from<Point>(const char* bytes) {
+  return {item_from<double>(bytes), item_from<double>(bytes + 8), item_from<double>(bytes + 16)};
+}
+
+/// The appended part of the file, read front to back, so that only arrays in ascending order can be read.
+class AppendedArrays {
+ public:
+  /// `file` stands at the first byte of the appended part.
+  explicit AppendedArrays(InputFile& file) : file_(file), start_(file.position()) {}
+
+  template <class Item>
+  std::vector<Item> read(const DeclaredArray& array) {
+    skip_to(array);
+    check_size(array, sizeof(Item));
+    std::vector<Item> items;
+    items.reserve(array.tuples);  // the file holds that many
+    while (items.size() < array.tuples) {
+      const std::size_t count = std::min<std::size_t>(array.tuples - items.size(), block_size / sizeof(Item));
+      const std::string_view bytes = file_.take(count * sizeof(Item), array.name);
+      for (std::size_t k = 0; k < count; ++k) items.push_back(item_from<Item>(bytes.data() + k * sizeof(Item)));
+    }
+    return items;
+  }
+
+ private:
+  static constexpr std::size_t block_size = std::size_t{1} << 16;
+
+  void skip_to(const DeclaredArray& array) {
+    const std::uint64_t here = file_.position() - start_;
+    if (array.offset < here) {
+      fail(array, fmt::format("offset = {}: the array before it ends at {}", array.offset, here));
+    }
+    std::uint64_t distance = array.offset - here;
+    if (distance > file_.remaining()) {
+      fail(array, fmt::format("offset = {}: beyond the end of the file", array.offset));
+    }
+    while (distance > 0) {
+      const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(distance, block_size));
+      (void)file_.take(step, array.name);
+      distance -= step;
+    }
+  }
+
+  /// The number of bytes before the array must be what its declaration says, and the file must hold them.
+  void check_size(const DeclaredArray& array, std::size_t item_size) {
+    const auto bytes = item_from<std::uint64_t>(file_.take(sizeof(std::uint64_t), array.name).data());
+    if (bytes % item_size != 0 || bytes / item_size != array.tuples) {
+      fail(array, fmt::format("{} bytes, expected {} times {}", bytes, array.tuples, item_size));
+    }
+    if (bytes > file_.remaining()) {
+      fail(array, fmt::format("truncated: {} bytes, the file has {} more", bytes, file_.remaining()));
+    }
+  }
+
+  [[noreturn]] void fail(const DeclaredArray& array, std::string_view message) const {
+    file_.fail_whole(fmt::format("array '{}': {}", array.name, message));
+  }
+
+  InputFile& file_;
+  std::uint64_t start_;
+};
+
+bool is_finite(const Point& vector) {
+  return std::all_of(vector.begin(), vector.end(), [](double v) { return std::isfinite(v); });
+}
+
+bool is_no_escape(const Point& vector) {
+  return std::all_of(vector.begin(), vector.end(), [](double v) { return std::isnan(v); });
+}
+
+class VtpRows final : public MapRows {
+ public:
+  explicit VtpRows(const std::filesystem::path& path) {
+    InputFile file(path);
+    if (file.size() == 0) file.fail_whole("not a regular file: a map as .vtp needs a known size");
+    read_columns(file);
+    check_further_normals(file);
+    for (std::size_t point = 0; point < lo_.size(); ++point) check_point(file, point);
+  }
+
+  std::size_t read(std::span<CertifiedRow> rows) override {
+    const std::size_t count = std::min(rows.size(), lo_.size() - next_);
+    for (CertifiedRow& row : rows.first(count)) {
+      row.result = {{lo_[next_], hi_[next_]}, static_cast<Status>(status_[next_])};
+      certificates_.read(next_++, row.certificate);
+    }
+    return count;
+  }
+
+ private:
+  /// In the order in which the writer writes them.
+  void read_columns(InputFile& file) {
+    const VtpDocument document(file);
+    if (!document.has_point_array("primitive")) file.fail_whole(without_certificates);
+    AppendedArrays arrays(file);
+    certificates_.further_primitive = arrays.read<std::int32_t>(document.field_array("further_primitive", "Int32", 1));
+    certificates_.further_normal = arrays.read<Point>(document.field_array("further_normal", "Float64", 3));
+    lo_ = arrays.read<double>(document.point_array("dist_lo", "Float64", 1));
+    hi_ = arrays.read<double>(document.point_array("dist_hi", "Float64", 1));
+    status_ = arrays.read<std::uint8_t>(document.point_array("status", "UInt8", 1));
+    certificates_.primitive = arrays.read<std::int32_t>(document.point_array("primitive", "Int32", 1));
+    certificates_.normal = arrays.read<Point>(document.point_array("normal", "Float64", 3));
+    certificates_.escape = arrays.read<Point>(document.point_array("escape", "Float64", 3));
+    certificates_.further_normals_end =
+        arrays.read<std::int64_t>(document.point_array("further_normals_end", "Int64", 1));
+  }
+
+  /// What `CertificateColumns::read` relies on: the ends ascend from 0 to the length of both further columns.
+  void check_further_normals(const InputFile& file) const {
+    const std::vector<std::int32_t>& primitives = certificates_.further_primitive;
+    const std::vector<Point>& normals = certificates_.further_normal;
+    if (primitives.size() != normals.size()) {
+      file.fail_whole(
+          fmt::format("{} of further_primitive, but {} of further_normal", primitives.size(), normals.size()));
+    }
+    std::int64_t end = 0;
+    for (std::size_t point = 0; point < certificates_.further_normals_end.size(); ++point) {
+      const std::int64_t start = std::exchange(end, certificates_.further_normals_end[point]);
+      if (end < start) {
+        fail(file, "point", point, fmt::format("further_normals_end = {}: expected at least {}", end, start));
+      }
+    }
+    if (static_cast<std::uint64_t>(end) != normals.size()) {
+      file.fail_whole(fmt::format("further_normals_end = {} at the last point: expected {}", end, normals.size()));
+    }
+    for (std::size_t k = 0; k < normals.size(); ++k) {
+      if (primitives[k] < 0) fail(file, "further normal", k, fmt::format("primitive = {}", primitives[k]));
+      if (!is_finite(normals[k])) {
+        fail(file, "further normal", k, fmt::format("{}: not finite", fmt::join(normals[k], " ")));
+      }
+    }
+  }
+
+  void check_point(const InputFile& file, std::size_t point) const {
+    const auto refuse = [&](std::string_view message) { fail(file, "point", point, message); };
+    if (std::isnan(lo_[point])) refuse("dist_lo = nan");
+    if (std::isnan(hi_[point])) refuse("dist_hi = nan");
+    if (status_[point] > static_cast<std::uint8_t>(Status::wide)) refuse(fmt::format("status = {}", status_[point]));
+    const std::int32_t primitive = certificates_.primitive[point];
+    if (primitive < CertificateColumns::no_primitive) refuse(fmt::format("primitive = {}", primitive));
+    const auto [begin, end] = certificates_.further_normals(point);
+    if (primitive == CertificateColumns::no_primitive && begin < end) {
+      refuse("further normals without a first normal");
+    }
+    const Point& normal = certificates_.normal[point];
+    if (!is_finite(normal)) refuse(fmt::format("normal = {}: not finite", fmt::join(normal, " ")));
+    const Point& escape = certificates_.escape[point];
+    if (!is_finite(escape) && !is_no_escape(escape)) {
+      refuse(fmt::format("escape = {}: neither finite nor all nan", fmt::join(escape, " ")));
+    }
+  }
+
+  [[noreturn]] static void fail(const InputFile& file, std::string_view what, std::size_t index,
+                                std::string_view message) {
+    file.fail_whole(fmt::format("{} {}: {}", what, index, message));
+  }
+
+  std::vector<double> lo_;
+  std::vector<double> hi_;
+  std::vector<std::uint8_t> status_;
+  CertificateColumns certificates_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<MapRows> open_vtp_map(const std::filesystem::path& path) {
+  return std::make_unique<VtpRows>(path);
+}
+
+}  // namespace verisq

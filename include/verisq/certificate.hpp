@@ -1,0 +1,43 @@
+/// What proves an enclosure again, without device, solver or search (design 2, §2): a few vectors a point.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+#include <verisq/enclosure.hpp>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// A vector v that bounds the signed distance of a point q to one primitive K, whatever v is: from below by
+/// (v·q - h(v)) / |v| with K's support function h, because K lies in the half-space {v·x <= h(v)}; from above by
+/// |q - b|, where b is the last point of K on the ray from K's centre through q - v. Both are tight where v points
+/// along the gradient of the distance and, for q outside, is as long as the distance: b is then the closest point.
+/// Given in the primitive's own frame, so that no rotation rounds it: in a flat solid the bound would feel that.
+struct Normal {
+  std::uint32_t primitive;  ///< index in Model::primitives
+  std::array<double, 3> vector;
+
+  [[nodiscard]] bool operator==(const Normal&) const = default;
+};
+
+/// The certificate of one enclosure [lo, hi] of the signed distance of q to a union of primitives.
+///
+/// Lower end: with lo > 0, every primitive is farther than lo, by one of `normals` or by its bounding sphere. With
+/// lo <= 0, `escape` is a point outside all primitives that is no farther than -lo from q; in a model of a single
+/// primitive a normal serves as well.
+/// Upper end: by one of `normals`; with hi < 0, the ball of radius -hi about q lies inside the primitive of the first
+/// normal, which is proven by covering the ball with cones (the branch and bound needs no more than the radius).
+struct Certificate {
+  std::vector<Normal> normals;  ///< the first is that of the primitive that decides hi
+  std::optional<Point> escape;
+
+  [[nodiscard]] bool operator==(const Certificate&) const = default;
+};
+
+struct CertifiedEnclosure {
+  Enclosure distance;
+  Certificate certificate;
+};
+
+}  // namespace verisq

@@ -1,0 +1,46 @@
+/// Checks certified maps that were accepted.
+#include "tests/fuzz/map_promise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+#include <verisq/map_file.hpp>
+
+#include "tests/fuzz/promise.hpp"
+
+namespace verisq::fuzz {
+namespace {
+
+bool finite(const Point& vector) {
+  return std::ranges::all_of(vector, [](double component) { return std::isfinite(component); });
+}
+
+void check_row(const CertifiedRow& row) {
+  const auto& [distance, status] = row.result;
+  check(!std::isnan(distance.lo) && !std::isnan(distance.hi), "ends are not NaN");
+  check(status == Status::device_verified || status == Status::host_verified || status == Status::wide,
+        "a status is one of three");
+  for (const Normal& normal : row.certificate.normals) check(finite(normal.vector), "normals are finite");
+  check(!row.certificate.escape || finite(*row.certificate.escape), "escapes are finite");
+}
+
+void read_to_the_end(MapReader map) {
+  std::vector<CertifiedRow> chunk(3);  // small, so that chunks end inside the map; rows are reused
+  std::size_t count = chunk.size();
+  while (count == chunk.size()) {
+    count = map.read(chunk);
+    check(count <= chunk.size(), "no more rows are read than asked for");
+    for (const CertifiedRow& row : std::span(chunk).first(count)) check_row(row);
+  }
+  check(map.read(chunk) == 0, "nothing follows the end");
+}
+
+}  // namespace
+
+void read_as_map(const MemoryFile& file, Bytes bytes) {
+  file.write(bytes);
+  read_or_refuse(file.path().string(), [&] { read_to_the_end(MapReader(file.path())); });
+}
+
+}  // namespace verisq::fuzz
