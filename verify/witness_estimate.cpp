@@ -24,7 +24,7 @@ WitnessEstimate::WitnessEstimate(const Model& model) {
   }
 }
 
-double WitnessEstimate::operator()(const Point& point, const Normal& normal) const {
+long double WitnessEstimate::operator()(const Point& point, const Normal& normal) const {
   const auto& [boundary, rotation, centre, radius] = primitives_[normal.primitive];
   const Vector d = difference<long double>({point[0], point[1], point[2]}, centre);
   Vector q{};
@@ -36,7 +36,7 @@ double WitnessEstimate::operator()(const Point& point, const Normal& normal) con
   const long double gauge = boundary.gauge({std::fabs(x[0]), std::fabs(x[1]), std::fabs(x[2])});
   const Vector apart = along(q, x, gauge > 0.0L ? -1.0L / gauge : 0.0L);
   const long double rounding = 0x1p-56L * (radius + std::sqrt(dot(d, d)));
-  return static_cast<double>(std::sqrt(dot(apart, apart)) + rounding);
+  return std::sqrt(dot(apart, apart)) + rounding;
 }
 
 }  // namespace verisq::verify

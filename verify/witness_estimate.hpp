@@ -16,7 +16,7 @@ class WitnessEstimate {
   explicit WitnessEstimate(const Model& model);
 
   /// |q - b| with b as Normal describes it, and some 2^-56 of the lengths at hand for rounding. Proves nothing.
-  [[nodiscard]] double operator()(const Point& q, const Normal& normal) const;
+  [[nodiscard]] long double operator()(const Point& q, const Normal& normal) const;
 
  private:
   using Vector = std::array<long double, 3>;
