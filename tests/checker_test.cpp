@@ -1,4 +1,5 @@
 /// The checker proves what maps claim, from their certificates alone, and nothing that is false.
+/// VERISQ_CHECKED_MODELS multiplies the number of random models whose maps are checked.
 #include "verisq/checker.hpp"
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <vector>
@@ -86,13 +88,18 @@ struct MapCase {
   std::size_t models;
 };
 
+std::size_t model_factor() {
+  const char* const wanted = std::getenv("VERISQ_CHECKED_MODELS");
+  return wanted == nullptr ? 1 : std::strtoull(wanted, nullptr, 10);
+}
+
 class CheckerMapTest : public testing::TestWithParam<MapCase> {};
 
 TEST_P(CheckerMapTest, ProvesEveryRowOfAMap) {
   const MapCase& parameters = GetParam();
   constexpr std::size_t points_a_model = 100;
   std::size_t not_proved = 0;
-  for (std::size_t k = 0; k < parameters.models; ++k) {
+  for (std::size_t k = 0; k < parameters.models * model_factor(); ++k) {
     oracle::RandomCases random(1000 * parameters.primitives + k);
     const Model model = random_model(random, parameters.primitives);
     const CertifiedMap map = certified_map(model, random_points(random, model, points_a_model),
