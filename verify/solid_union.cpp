@@ -29,13 +29,16 @@ std::vector<Candidate> by_sphere_bound(std::span<const Solid> solids, const Poin
   return order;
 }
 
-/// The direction as a vector of binary64 numbers, as long as the distance (design 2, §3: the closest point is x - v).
+/// The direction as a vector of binary64 numbers, as long as the distance (design 2, §3: the closest point is x - v);
+/// zero, which proves nothing, where that is not finite.
 std::array<double, 3> normal_vector(const CertifiedDistance& found) {
   constexpr double shortest = 0x1p-900;  // its components stay normal numbers, unless they do not matter
   const Proposal& u = found.direction;
   const long double length = std::hypot(std::hypot(u[0], u[1]), u[2]);
   const long double scale = std::max(std::fabs(found.distance.hi), shortest) / length;
-  return {static_cast<double>(scale * u[0]), static_cast<double>(scale * u[1]), static_cast<double>(scale * u[2])};
+  const std::array v{static_cast<double>(scale * u[0]), static_cast<double>(scale * u[1]),
+                     static_cast<double>(scale * u[2])};
+  return std::ranges::all_of(v, [](double c) { return std::isfinite(c); }) ? v : std::array<double, 3>{};
 }
 
 /// How far from x along u a walk leaves every solid for good. Beyond its supporting plane of normal u a solid never
