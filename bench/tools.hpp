@@ -42,7 +42,8 @@ inline void map_all(DistanceMapper& mapper, std::span<const Point> points, std::
     points = points.subspan(count);
     return count;
   };
-  const auto keep = [&enclosures](std::span<const Point>, std::span<const MapResult> results, std::span<const Certificate>) {
+  const auto keep = [&enclosures](std::span<const Point>, std::span<const MapResult> results,
+                                  std::span<const Certificate>) {
     for (const MapResult& result : results) enclosures.push_back(result.distance);
   };
   mapper.map(next, keep);
