@@ -1,0 +1,391 @@
+/// This file implements the comparison with long double: its rounding is a billionth of the pessimistic arithmetics'.
+#include "tests/mutation/bound_judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "host/device/primitive_parameters.hpp"
+#include "tests/oracle/mixed_norm.hpp"
+#include "tests/oracle/random_cases.hpp"
+
+namespace verisq::mutation {
+namespace {
+
+using Extended = long double;
+using Vector = std::array<Extended, 3>;
+using Norm = oracle::MixedNorm<Extended>;
+
+constexpr const char* bound_kernel = R"(
+kernel void evaluate_bound(uint bound, ulong groups, global const double* operands, ulong stride,
+                           constant const superquadric* s, global double* results) {
+  const ulong group = get_global_id(0);
+  if (group >= groups) return;
+  const vector3 a = {LOAD(group, operands), LOAD(group, operands + stride), LOAD(group, operands + 2 * stride)};
+  const vector3 b = {LOAD(group, operands + 3 * stride), LOAD(group, operands + 4 * stride),
+                     LOAD(group, operands + 5 * stride)};
+  vector3 result = {REAL(0.0), REAL(0.0), REAL(0.0)};
+  switch (bound) { // numbered as in tests/mutation/bound_judge.cpp
+    case 0: result.x = dot_down(a, b); break;
+    case 1: result.x = dot_up(a, b); break;
+    case 2: result.x = length_down(a); break;
+    case 3: result.x = length_up(a); break;
+    case 4: result.x = pow_unit_down(a.x, a.y); break;
+    case 5: result.x = pow_unit_up(a.x, a.y); break;
+    case 6: result.x = log_norm_up(a.x, a.y, s->p_down[1], s->inverse_p_up[1]); break;
+    case 7: result.x = log_gauge_up(a, s); break;
+    case 8: result.x = norm_up(a.x, a.y, s->conjugate_down[1], s->inverse_conjugate_up[1]); break;
+    case 9: result.x = support_up(a, s); break;
+    case 10: result.x = distance_down(b, a, s); break;
+    case 11: result.x = gauge_terms_up(b, s).power; break;
+    case 12: result = direction_down(a); break;
+    case 13: result = test_point(a, b.x, b, b.y, s).position; break;
+    case 14: result.x = separation_down(a, s); break;
+    default: break;
+  }
+  STORE(result.x, group, results);
+  STORE(result.y, group, results + stride);
+  STORE(result.z, group, results + 2 * stride);
+}
+
+kernel void open_quarters(ulong groups, global const double* operands, ulong stride, constant const superquadric* s,
+                          global double* results) {
+  const ulong group = get_global_id(0);
+  if (group >= groups) return;
+  const vector3 q = {LOAD(group, operands), LOAD(group, operands + stride), LOAD(group, operands + 2 * stride)};
+  const vector3 base = {LOAD(group, operands + 3 * stride), LOAD(group, operands + 4 * stride),
+                        LOAD(group, operands + 5 * stride)};
+  const real inverted = LOAD(group, operands + 6 * stride);
+  const real t = LOAD(group, operands + 7 * stride);
+  STORE(TO_REAL(test_quarters(q, t, base, inverted, s).open), group, results);
+}
+)";
+
+enum class Side { below, above };
+
+struct Operands {
+  Point a, b;
+};
+
+struct Bound {
+  const char* name;
+  Side side;
+  Operands (*draw)(oracle::RandomCases&, const Norm&);
+  Vector (*value)(const Operands&, const Norm&);  ///< unused components are 0
+};
+
+Vector extended(const Point& x) {
+  return {x[0], x[1], x[2]};
+}
+
+Extended dot(const Vector& a, const Vector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Extended length(const Vector& a) {
+  return std::sqrt(dot(a, a));
+}
+
+Vector scaled(const Vector& x, Extended factor) {
+  return {factor * x[0], factor * x[1], factor * x[2]};
+}
+
+Point point(oracle::RandomCases& random) {
+  return {random.log_uniform(0.01, 1.0), random.log_uniform(0.01, 1.0), random.log_uniform(0.01, 1.0)};
+}
+
+Operands two_points(oracle::RandomCases& random, const Norm&) {
+  return {point(random), point(random)};
+}
+
+Operands base_and_exponent(oracle::RandomCases& random, const Norm&) {
+  return {{random.uniform(0.0, 1.0), random.log_uniform(0.1, 10.0), 0.0}, {}};
+}
+
+Operands two_logarithms(oracle::RandomCases& random, const Norm&) {
+  return {{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.0}, {}};
+}
+
+/// A direction and a point so far away that the terms of the bound differ in size.
+Operands direction_and_far_point(oracle::RandomCases& random, const Norm&) {
+  const Point far = point(random);
+  return {point(random), {1e3 * far[0], 1e3 * far[1], 1e3 * far[2]}};
+}
+
+Point with_gauge(Extended gauge, oracle::RandomCases& random, const Norm& norm) {
+  const Vector x = extended(point(random));
+  const Vector y = scaled(x, gauge / norm.gauge(x));
+  return {static_cast<double>(y[0]), static_cast<double>(y[1]), static_cast<double>(y[2])};
+}
+
+/// Outside by less than what one operation may be off.
+Operands just_outside(oracle::RandomCases& random, const Norm& norm) {
+  return {{}, with_gauge(1.0L + 1e-10L, random, norm)};
+}
+
+constexpr Point centre{1.0, 2.0, 3.0};  // of the solids
+
+/// In the model's frame, inside by less than what the local point may be off.
+Operands just_inside(oracle::RandomCases& random, const Norm& norm) {
+  const Point x = with_gauge(1.0L - 1e-10L, random, norm);
+  return {{x[0] + centre[0], x[1] + centre[1], x[2] + centre[2]}, {}};
+}
+
+/// In the order of `evaluate_bound`.
+const Bound bounds[] = {
+    {"dot_down", Side::below, two_points,
+     [](const Operands& o, const Norm&) { return Vector{dot(extended(o.a), extended(o.b))}; }},
+    {"dot_up", Side::above, two_points,
+     [](const Operands& o, const Norm&) { return Vector{dot(extended(o.a), extended(o.b))}; }},
+    {"length_down", Side::below, two_points,
+     [](const Operands& o, const Norm&) { return Vector{length(extended(o.a))}; }},
+    {"length_up", Side::above, two_points,
+     [](const Operands& o, const Norm&) { return Vector{length(extended(o.a))}; }},
+    {"pow_unit_down", Side::below, base_and_exponent,
+     [](const Operands& o, const Norm&) { return Vector{std::pow(Extended(o.a[0]), Extended(o.a[1]))}; }},
+    {"pow_unit_up", Side::above, base_and_exponent,
+     [](const Operands& o, const Norm&) { return Vector{std::pow(Extended(o.a[0]), Extended(o.a[1]))}; }},
+    {"log_norm_up", Side::above, two_logarithms,
+     [](const Operands& o, const Norm& norm) {
+       const Extended a = std::exp(Extended(o.a[0]));
+       const Extended b = std::exp(Extended(o.a[1]));
+       return Vector{std::log(oracle::planar_norm<Extended>(a, b, norm.inner().primal))};
+     }},
+    {"log_gauge_up", Side::above, two_points,
+     [](const Operands& o, const Norm& norm) { return Vector{std::log(norm.gauge(extended(o.a)))}; }},
+    {"norm_up", Side::above, two_points,
+     [](const Operands& o, const Norm& norm) {
+       if (norm.inner().dual_is_maximum) return Vector{std::max(o.a[0], o.a[1])};
+       return Vector{oracle::planar_norm<Extended>(o.a[0], o.a[1], norm.inner().dual)};
+     }},
+    {"support_up", Side::above, two_points,
+     [](const Operands& o, const Norm& norm) { return Vector{norm.support(extended(o.a))}; }},
+    {"distance_down", Side::below, direction_and_far_point,
+     [](const Operands& o, const Norm& norm) {
+       const Vector v = extended(o.a);
+       return Vector{(dot(v, extended(o.b)) - norm.support(v)) / length(v)};
+     }},
+    {"gauge_terms_up, power outside,", Side::above, just_outside,
+     [](const Operands&, const Norm&) { return Vector{1.0L}; }},
+    {"direction_down", Side::below, two_points,
+     [](const Operands& o, const Norm&) { return scaled(extended(o.a), 1.0L / length(extended(o.a))); }},
+    {"test_point, position", Side::above, two_points,
+     [](const Operands& o, const Norm&) {
+       const Extended reach = Extended(o.b[0]) / o.b[1];
+       return Vector{o.a[0] + reach * o.b[0], o.a[1] + reach * o.b[1], o.a[2] + reach * o.b[2]};
+     }},
+    {"separation_down, inside,", Side::below, just_inside, [](const Operands&, const Norm&) { return Vector{0.0L}; }},
+};
+
+constexpr std::size_t samples = 512;  // of each bound and solid
+constexpr Extended reference_error = 0x1p-40L;
+
+// Whether a component lies on the wrong side of what it bounds; NaN does.
+bool violated(Side side, const Point& result, const Vector& value) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Extended slack = reference_error * std::max(std::fabs(value[k]), 1.0L);
+    if (!(side == Side::below ? result[k] <= value[k] + slack : result[k] >= value[k] - slack)) return true;
+  }
+  return false;
+}
+
+std::string described(const Bound& bound, const Operands& o, const Point& result, const Vector& value) {
+  return fmt::format(
+      "{} of ({:.17g}, {:.17g}, {:.17g}), ({:.17g}, {:.17g}, {:.17g}) gave ({:.17g}, {:.17g}, {:.17g}), "
+      "which does not bound ({:.17g}, {:.17g}, {:.17g})",
+      bound.name, o.a[0], o.a[1], o.a[2], o.b[0], o.b[1], o.b[2], result[0], result[1], result[2], value[0], value[1],
+      value[2]);
+}
+
+/// A ball of radius t about q, and a quarter of a cell of directions (kernels/spherical_cell.clh) in one of which it
+/// leaves the solid: the quarter must not be proven.
+struct OpenQuarter {
+  Point q;
+  std::array<double, 3> base;
+  double inverted;
+  double t;
+  int quarter;  ///< 0 to 3
+};
+
+constexpr int grid = 8;  // directions on each side of a quarter
+
+/// Corners 1, 2, 3 of the cell and the midpoints of the sides opposite to them, times two.
+std::array<Vector, 6> shared_points(const std::array<double, 3>& base, double inverted) {
+  std::array<Vector, 6> points{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      points[i][k] = 2.0L * (base[k] + (i == k ? 1.0L - inverted : Extended(inverted)));
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k) points[3 + i][k] = (points[(i + 1) % 3][k] + points[(i + 2) % 3][k]) / 2.0L;
+  return points;
+}
+
+constexpr Extended beyond_solids = 4.0L;
+
+/// How far the solid's boundary is from q in the direction of w, or 2^-40 of it more. The gauge is convex along the
+/// way, so that lines through two points outside meet 1 outside, closer and closer.
+Extended way_out(const Vector& q, const Vector& w, const Norm& norm) {
+  const Vector u = scaled(w, 1.0L / length(w));
+  const auto excess = [&](Extended s) {
+    return norm.gauge({q[0] + s * u[0], q[1] + s * u[1], q[2] + s * u[2]}) - 1.0L;
+  };
+  Extended far = beyond_solids;
+  Extended near = 0.9L * beyond_solids;
+  Extended far_excess = excess(far);
+  while (far - near > 0x1p-40L * near) {
+    const Extended near_excess = excess(near);
+    const Extended next = near - near_excess * (far - near) / (far_excess - near_excess);
+    far = std::exchange(near, next);
+    far_excess = near_excess;
+  }
+  return far;
+}
+
+/// The least of them over the quarter, as far as the grid sees it.
+Extended least_way_out(const Vector& q, const std::array<Vector, 3>& corners, const Norm& norm) {
+  Extended least = beyond_solids;
+  for (int i = 0; i <= grid; ++i) {
+    for (int j = 0; i + j <= grid; ++j) {
+      Vector w{};
+      for (std::size_t k = 0; k < 3; ++k) w[k] = i * corners[0][k] + j * corners[1][k] + (grid - i - j) * corners[2][k];
+      least = std::min(least, way_out(q, w, norm));
+    }
+  }
+  return least;
+}
+
+OpenQuarter open_quarter(oracle::RandomCases& random, const Norm& norm) {
+  OpenQuarter sample{with_gauge(random.uniform(0.0, 0.9), random, norm), {}, 0.0, 0.0, 0};
+  const auto level = random.choice(random.choice(2) == 0 ? 3 : 20);
+  const auto side = std::size_t{1} << level;
+  sample.inverted = level > 0 ? static_cast<double>(random.choice(2)) : 0.0;
+  const std::size_t sum = side - 1 - static_cast<std::size_t>(sample.inverted);
+  const std::size_t a = random.choice(sum + 1);
+  const std::size_t b = random.choice(sum - a + 1);
+  sample.base = {static_cast<double>(a), static_cast<double>(b), static_cast<double>(sum - a - b)};
+  sample.quarter = static_cast<int>(random.choice(4));
+  const auto points = shared_points(sample.base, sample.inverted);
+  const auto n = static_cast<std::size_t>(sample.quarter);
+  const std::array<Vector, 3> corners = n == 3
+                                            ? std::array{points[3], points[4], points[5]}
+                                            : std::array{points[n], points[3 + (n + 1) % 3], points[3 + (n + 2) % 3]};
+  const Extended beyond = 1.0L + random.log_uniform(1e-9, 0.1);
+  sample.t = static_cast<double>(beyond * least_way_out(extended(sample.q), corners, norm));
+  return sample;
+}
+
+std::string described(const OpenQuarter& sample) {
+  return fmt::format(
+      "quarter {} of the {} cell ({}, {}, {}) is proven for the ball of radius {:.17g} about ({:.17g}, "
+      "{:.17g}, {:.17g}), which leaves the solid there",
+      sample.quarter + 1, sample.inverted == 0.0 ? "upright" : "inverted", sample.base[0], sample.base[1],
+      sample.base[2], sample.t, sample.q[0], sample.q[1], sample.q[2]);
+}
+
+/// Sharp, smooth and flat; the largest semi-axis in [1, 2), as the kernels have it.
+const Superquadric solids[] = {{{1.0, 1.5, 0.7}, {1.0, 1.0}},
+                               {{1.1, 0.3, 0.6}, {0.3, 1.7}},
+                               {{0.5, 1.2, 1.9}, {1.8, 0.4}},
+                               {{1.03, 1.0, 1.0}, {2.0, 2.0}}};
+
+using Columns = std::vector<std::vector<double>>;
+
+/// Calls an entry point of `bound_kernel` whose arguments, from `first` on, are these.
+Columns called(const device::Device& kernels, cl::Kernel kernel, cl_uint first, const Superquadric& solid,
+               const Columns& inputs, std::size_t outputs) {
+  const std::size_t stride = inputs.front().size();
+  std::vector<double> operands;
+  for (const std::vector<double>& column : inputs) operands.insert(operands.end(), column.begin(), column.end());
+  auto parameters = device::primitive_parameters({"", solid, {centre, {1.0, 0.0, 0.0, 0.0}}}, 0);
+  const cl_mem_flags copied = CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR;
+  const cl::Buffer input(kernels.context, copied, operands.size() * sizeof(double), operands.data());
+  const cl::Buffer primitive(kernels.context, copied, sizeof parameters, &parameters);
+  const cl::Buffer output(kernels.context, CL_MEM_WRITE_ONLY, outputs * stride * sizeof(double));
+  const cl_ulong groups = stride / static_cast<std::size_t>(kernels.vector_width);
+  kernel.setArg(first, groups);
+  kernel.setArg(first + 1, input);
+  kernel.setArg(first + 2, cl_ulong{stride});
+  kernel.setArg(first + 3, primitive);
+  kernel.setArg(first + 4, output);
+  const cl::CommandQueue queue(kernels.context, kernels.device);
+  queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups));
+  Columns results(outputs, std::vector<double>(stride));
+  for (std::size_t k = 0; k < outputs; ++k)
+    queue.enqueueReadBuffer(output, CL_TRUE, k * stride * sizeof(double), stride * sizeof(double), results[k].data());
+  return results;
+}
+
+}  // namespace
+
+std::string with_bound_kernel(std::string sources) {
+  return sources + bound_kernel;
+}
+
+struct BoundJudge::Samples {
+  Superquadric solid;
+  std::vector<std::vector<Operands>> operands;  ///< for each bound
+  std::vector<std::vector<Vector>> values;
+  std::vector<OpenQuarter> quarters;
+};
+
+BoundJudge::BoundJudge() {
+  oracle::RandomCases random(2011);
+  for (const Superquadric& solid : solids) {
+    const Norm norm(solid);
+    Samples& of_solid = samples_.emplace_back(Samples{solid, {}, {}, {}});
+    for (const Bound& bound : bounds) {
+      std::vector<Operands>& operands = of_solid.operands.emplace_back();
+      std::vector<Vector>& values = of_solid.values.emplace_back();
+      for (std::size_t i = 0; i < samples; ++i) {
+        operands.push_back(bound.draw(random, norm));
+        values.push_back(bound.value(operands.back(), norm));
+      }
+    }
+    for (std::size_t i = 0; i < samples; ++i) of_solid.quarters.push_back(open_quarter(random, norm));
+  }
+}
+
+BoundJudge::~BoundJudge() = default;
+
+std::string BoundJudge::operator()(const device::Device& kernels) const {
+  cl::Kernel evaluate_bound(kernels.program, "evaluate_bound");
+  const cl::Kernel open_quarters(kernels.program, "open_quarters");
+  for (const auto& [solid, operands, values, quarters] : samples_) {
+    for (cl_uint index = 0; index < std::size(bounds); ++index) {
+      Columns columns(6);
+      for (const auto& [a, b] : operands[index])
+        for (std::size_t k = 0; k < 3; ++k) {
+          columns[k].push_back(a[k]);
+          columns[3 + k].push_back(b[k]);
+        }
+      evaluate_bound.setArg(0, index);
+      const Columns results = called(kernels, evaluate_bound, 1, solid, columns, 3);
+      for (std::size_t i = 0; i < samples; ++i) {
+        const Point result{results[0][i], results[1][i], results[2][i]};
+        if (violated(bounds[index].side, result, values[index][i]))
+          return described(bounds[index], operands[index][i], result, values[index][i]);
+      }
+    }
+    Columns columns(8);
+    for (const OpenQuarter& sample : quarters) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        columns[k].push_back(sample.q[k]);
+        columns[3 + k].push_back(sample.base[k]);
+      }
+      columns[6].push_back(sample.inverted);
+      columns[7].push_back(sample.t);
+    }
+    const std::vector<double> open = called(kernels, open_quarters, 0, solid, columns, 1).front();
+    for (std::size_t i = 0; i < samples; ++i)
+      if ((static_cast<long>(open[i]) & (1L << quarters[i].quarter)) == 0) return described(quarters[i]);
+  }
+  return {};
+}
+
+}  // namespace verisq::mutation

@@ -1,0 +1,32 @@
+/// A small change to the kernels' text, as a slip of the pen would make it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "tests/mutation/pessimistic_arithmetic.hpp"
+
+namespace verisq::mutation {
+
+struct Mutant {
+  std::string_view name;
+  std::string_view text;  ///< occurs exactly once in the kernels' sources
+  std::string_view replacement;
+  Arithmetic shown_on = Arithmetic::usual;  ///< where it is looked for first
+};
+
+/// `sources` with the text of the mutant replaced. Throws std::runtime_error unless the text occurs exactly once.
+[[nodiscard]] std::string mutated(std::string sources, const Mutant& mutant);
+
+/// The mutants of one file of kernels.
+struct Layer {
+  std::string_view name;
+  bool is_arithmetic;  ///< what the device's self-test looks at
+  std::span<const Mutant> mutants;
+};
+
+/// In the order of the kernels' layers. All of them break a proof; what only costs tightness or time is not listed.
+[[nodiscard]] std::span<const Layer> layers();
+
+}  // namespace verisq::mutation
