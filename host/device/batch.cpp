@@ -22,8 +22,8 @@ constexpr std::size_t points_per_processor_chunk = 1U << 14U;
 constexpr std::size_t points_per_chunk = 1U << 18U;
 constexpr std::size_t primitives_per_full_chunk = 8;  // larger models take smaller chunks: memory stays bounded
 constexpr std::size_t smallest_chunk = 1U << 10U;
-constexpr std::size_t chunk_alignment = 1U << 6U;  // keeps windows of device buffers aligned: 4096 bits
-constexpr std::size_t scratch_per_point = 8;       // SCRATCH_SIZE in kernels/interior_depth.cl
+constexpr std::size_t chunk_alignment = 1U << 10U;  // keeps windows of device buffers aligned for any device
+constexpr std::size_t scratch_per_point = 8;        // SCRATCH_SIZE in kernels/interior_depth.cl
 
 // Interior search: lanes of a processor's work-item share a block of points, so that none idles; a graphics
 // processor's work-item owns one point.
@@ -39,11 +39,11 @@ constexpr std::size_t numbers_per_primitive = 4;  // of its evidence: upper end 
 constexpr int largest_scaled_exponent = 300;
 constexpr double far_away = 0x1p20;  // in units of the largest semi-axis, about
 
-std::size_t chunk_points(std::size_t primitives, int vector_width, std::size_t largest_chunk) {
+std::size_t chunk_points(std::size_t primitives, int vector_width) {
   const std::size_t full = vector_width > 1 ? points_per_processor_chunk : points_per_chunk;
   const std::size_t wanted =
       std::max(smallest_chunk, full * primitives_per_full_chunk / std::max(primitives, primitives_per_full_chunk));
-  return (std::min(wanted, largest_chunk) + chunk_alignment - 1) / chunk_alignment * chunk_alignment;
+  return wanted - wanted % chunk_alignment;
 }
 
 // x 2^exponent rounded down where it underflows or overflows; `factor` is 2^exponent.
@@ -270,14 +270,14 @@ bool within_device_range(const Model& model) {
   });
 }
 
-Batch::Batch(const Device& device, const Model& model, double tolerance, bool certificates, std::size_t largest_chunk) {
+Batch::Batch(const Device& device, const Model& model, double tolerance, bool certificates) {
   try {
     const int scale = scale_exponent(model);
     std::vector<PrimitiveParameters> parameters;
     for (const Primitive& primitive : model.primitives) parameters.push_back(primitive_parameters(primitive, scale));
     const cl::Buffer primitives(device.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
                                 parameters.size() * sizeof(PrimitiveParameters), parameters.data());
-    const std::size_t capacity = chunk_points(parameters.size(), device.vector_width, largest_chunk);
+    const std::size_t capacity = chunk_points(parameters.size(), device.vector_width);
     const double scaled_tolerance = std::max(std::ldexp(tolerance, scale), smallest_interior_tolerance);
     state_ = std::make_unique<State>(State{device, {}, capacity, {}});
     if (certificates) state_->certificates.emplace(model);

@@ -1,7 +1,6 @@
 /// Points in, enclosures out, a chunk at a time, while the next chunk is prepared.
 #pragma once
 
-#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -21,10 +20,8 @@ namespace verisq::device {
 /// bounded by two chunks. All calls from one thread.
 class Batch {
  public:
-  /// `tolerance` and `certificates` as in MapOptions. A chunk holds what suits the device, or about `largest_chunk`
-  /// points if that is less. Throws Error(failure) with the name of a failed OpenCL call.
-  Batch(const Device& device, const Model& model, double tolerance, bool certificates = false,
-        std::size_t largest_chunk = std::numeric_limits<std::size_t>::max());
+  /// `tolerance` and `certificates` as in MapOptions. Throws Error(failure) with the name of a failed OpenCL call.
+  Batch(const Device& device, const Model& model, double tolerance, bool certificates = false);
   ~Batch();
   Batch(const Batch&) = delete;
   Batch& operator=(const Batch&) = delete;

@@ -1,9 +1,19 @@
-/// The table of mutants, file by file in the order of the kernels' layers.
+/// The table of mutants, file by file in the order of the kernels' layers. (Those of interval.clh, all caught by the
+/// device's self-test, are in tests/self_test_test.cpp.)
 ///
-/// Left out, because no enclosure can become false by them: everything in projection.clh and the other proposals (a
-/// poor direction proves a poor bound), passing primitives over too early by a sphere that holds, a target of the
-/// branch and bound beyond the depth (it is only believed when proven), a union's upper end taken from a farther
-/// primitive. Such changes cost tightness or time, which other tests watch.
+/// Left out, because no enclosure can become false by them:
+/// - Changes of what is only proposed: projection.clh, tangent planes, targets of the branch and bound, the directions
+///   in which an escape is sought. A poor proposal proves a poor bound. tests/mutation/pessimistic_arithmetic.cpp
+///   spoils some of them.
+/// - Passing a primitive over too early by a sphere that holds; taking a union's upper end from a farther primitive.
+/// - The last digits of polynomials, whose effect the widening covers: tests/proofs_test.cpp compares them.
+/// - log_up without its lower limit: the bits of a subnormal x = m 2^-1074 read as 2^-1023 (1 + m 2^-52) >= x.
+///   log_down of infinity without its limit: 1024 ln 2. The limits of exp_up and exp_down do matter.
+/// - distance_up with a negative scale: b lies beyond the centre, farther than the centre, which is in the solid.
+/// - distance_up's b_up rounded down: where b_k > q_k, moving b_k to q_k leads to a nearer point of the solid, because
+///   the gauge is monotone in each |coordinate|; no lower value of |q_k - b_k| is too low.
+/// - union_distance taking lo >= 0 for outside: a device's lower end is never 0, a difference of 0 is rounded to less.
+
 #include <array>
 #include <stdexcept>
 
@@ -103,8 +113,7 @@ constexpr std::array elementary{
            "fma(l, REAL(-ELEMENTARY_WIDENING), l)"},
 
     // One hexadecimal digit each. The term of degree k of a series at the end of its range, |r| = 0.35 or s = 0.17,
-    // tells how far left the digit must stand to move the result beyond the widening of 4 u; digits farther right
-    // are within the error bounds of proofs/README.md.
+    // tells how far left the digit must stand to move the result beyond the widening of 4 u.
     Mutant{"digit of exp's coefficient 0", "#define EXP_P0 0x1.0000000000001p-1",
            "#define EXP_P0 0x1.0000000000101p-1"},
     Mutant{"digit of exp's coefficient 1", "#define EXP_P1 0x1.5555555555558p-3",
@@ -385,8 +394,7 @@ constexpr std::array interior_depth{
 };
 
 constexpr std::array union_distance{
-    // Written with >= instead, nothing would change: a device's lower end is never 0 (a difference of 0 is rounded to
-    // less), so the mutant must go as far as the rounding does.
+    // As far as rounding puts the lower ends of points on a face.
     Mutant{"on a shared face counts as outside", "MASK(!(lo > 0.0))", "MASK(!(lo > -0x1p-30))"},
     Mutant{"inside by the nearest primitive's depth", "lo = select(lo, -nearest.distance, maybe_inside);", ""},
     Mutant{"greatest lower end", "lo = fmin(lo, LOAD(group, los + i * stride))",
