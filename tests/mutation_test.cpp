@@ -52,9 +52,11 @@ class Judges {
     const std::string violated = bounds_(kernels);
     if (!violated.empty()) return fmt::format("bound, {}: {}", name_of(arithmetic), violated);
     const auto [false_rows, unproved_rows, first] = maps_(kernels, true_maps(arithmetic));
-    if (false_rows > 0)
+    if (false_rows > 0) {
+      EXPECT_EQ(unproved_rows, false_rows) << "check proves what is false: " << first;
       return fmt::format("check, {}: {} false rows, {} not proved; {}", name_of(arithmetic), false_rows, unproved_rows,
                          first);
+    }
     return unproved_rows > 0 ? fmt::format("check, {}: not proved; {}", name_of(arithmetic), first) : "";
   }
 

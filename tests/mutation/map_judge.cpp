@@ -17,7 +17,7 @@ constexpr int width = 4;                   // compiles fast
 constexpr double inside_tolerance = 1e-7;  // of the truth, relative to the model's radius: tighter takes long
 
 std::vector<CertifiedEnclosure> mapped(const device::Device& kernels, const Scene& scene) {
-  device::Batch batch(kernels, scene.model, scene.tolerance, true, scene.points.size());
+  device::Batch batch(kernels, scene.model, scene.tolerance, true);
   batch.submit(scene.points);
   std::vector<Enclosure> enclosures;
   std::vector<Certificate> certificates;

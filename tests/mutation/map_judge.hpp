@@ -32,7 +32,7 @@ struct Judgement {
 
 class MapJudge {
  public:
-  /// Finds the truth, which takes a second for a thousand points outside, ten inside.
+  /// Finds the truth, in about a millisecond a point.
   explicit MapJudge(std::vector<Scene> scenes);
 
   /// The map that the true kernels make, a scene after the other, and whether `check` proves its rows: only those

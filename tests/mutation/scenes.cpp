@@ -90,7 +90,7 @@ Scene far_away() {
   return scene;
 }
 
-/// Two octahedra that share a part of a face, beside a third solid; points on the shared part lie inside the union.
+/// Two octahedra that share a part of a face; points on the shared part lie inside the union.
 Scene shared_face() {
   const Superquadric octahedron{{1.0, 1.0, 1.0}, {2.0, 2.0}};
   Scene scene{"shared face",
@@ -111,7 +111,7 @@ Scene equally_far() {
               {"", {{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}}, {"box", {{1.0, 1.0, 1.0}, {1e-4, 1e-4}}, turned}}},
               1e-6,
               {}};
-  // The corner (1, 1, 1) of the box, turned; a quarter turn about it takes the points to the ball's centre.
+  // Seen from the points, the box lies behind its corner (1, 1, 1), the ball at a right angle to that.
   const double distance = 1e4;
   const double third = std::sqrt(1.0 / 3.0);
   const Point corner = turned_by(turned, {third, third, third});
