@@ -1,10 +1,14 @@
-/// The OpenCL sources as one text, in the order of their layers; generated at build time.
+/// The OpenCL sources of each program as one text, in the order of their layers; generated at build time.
 #pragma once
 
 #include <string_view>
 
 namespace verisq::kernels {
 
+/// Distances of points, and the self-test of the layers that all programs share.
 [[nodiscard]] std::string_view embedded_sources();
+
+[[nodiscard]] std::string_view embedded_triangle_sources();
+[[nodiscard]] std::string_view embedded_pair_sources();
 
 }  // namespace verisq::kernels

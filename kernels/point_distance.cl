@@ -2,8 +2,8 @@
 // outside; inside, a first direction and the trivial upper bound, which interior_depth tightens.
 //
 // Arrays hold one number a point: `los`, `his` the enclosure for this primitive, `normal_*` the direction that proves
-// the lower end, in the primitive's own frame (where no rotation rounds it: it is a certificate), and `nearest` the smallest upper end of the primitives so far, which lets far
-// primitives be passed over.
+// the lower end, in the primitive's own frame (where no rotation rounds it: it is a certificate), and `nearest` the
+// smallest upper end of the primitives so far, which lets far primitives be passed over.
 
 kernel void point_distance(ulong groups, global const double* xs, global const double* ys, global const double* zs,
                            constant const superquadric* primitives, uint index, global double* nearest,
@@ -27,8 +27,7 @@ kernel void point_distance(ulong groups, global const double* xs, global const d
   }
 
   const vector3 log_q = {log_or_lowest(q.point.x), log_or_lowest(q.point.y), log_or_lowest(q.point.z)};
-  const log_unknowns start = radial_start(log_q, s);
-  const vector3 v = normal_from_closest_point(q.point, log_q, start, s);
+  const vector3 v = vector_from_closest_point(q.point, project(log_q, radial_start(log_q, s), s));
 
 #ifdef SOLVER_ONLY // for the benchmark that shows what the proof costs
   const real lo = v.x + v.y;

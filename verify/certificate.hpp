@@ -11,10 +11,11 @@ namespace verisq::verify {
 /// A direction or point found in floating point. It need not be accurate: a poor one proves a poor bound.
 using Proposal = std::array<long double, 3>;
 
-/// An enclosure of the signed distance and the direction that certifies its lower end.
+/// An enclosure of the signed distance and what certifies its ends, in the solid's frame.
 struct CertifiedDistance {
   Enclosure distance;
-  Proposal direction;  ///< in the solid's frame
+  Proposal direction;     ///< of the lower end
+  Proposal witness = {};  ///< of the upper end outside: leads from a point near the solid's surface to the query
 };
 
 /// sd(q) >= (v·q - h(v)) / |v| for every v, because K lies in the half-space {v·x <= h(v)}; rounded down. Minus

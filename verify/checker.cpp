@@ -1,13 +1,14 @@
-/// The checker's whole logic: what normals, spheres, escapes and contained balls prove about one point.
+/// The checker's whole logic: what normals, spheres, escapes, contained balls and weights prove about one point or
+/// triangle.
 #include "verisq/checker.hpp"
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "verify/contained_ball.hpp"
-#include "verify/pose.hpp"
+#include "verify/triangle_certificate.hpp"
 
 namespace verisq {
 
@@ -21,57 +22,19 @@ Proposal proposal(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// One primitive K. Distances are rounded outward to binary64: comparing them with claims loses nothing, because the
-/// claims are binary64 numbers themselves.
-class PosedSuperquadric {
- public:
-  explicit PosedSuperquadric(const Primitive& primitive)
-      : superquadric_(primitive.superquadric), bounds_(primitive.superquadric), frame_(primitive.pose) {
-    const auto& a = superquadric_.semi_axes;
-    radius_ = length<Real>(PreciseVector(Real(a[0]), Real(a[1]), Real(a[2])));
-  }
+/// An upper end: `claimed` or less if it can be proven with v, else what can be.
+double upper_end(const PosedSuperquadric& primitive, const Point& x, const Proposal& v, double claimed) {
+  const double by_normal = claimed > 0.0 ? primitive.upper_by_normal(x, v) : kInfinity;
+  if (by_normal <= claimed) return by_normal;
+  if (!primitive.contains(x)) return primitive.upper_by_normal(x, v);
+  return claimed < 0.0 && primitive.contains_ball_about(x, -claimed) ? claimed : 0.0;
+}
 
-  /// K lies in a sphere about its centre: sd(x) >= |x - centre| - radius.
-  [[nodiscard]] double lower_by_sphere(const Point& x) const {
-    return (length<Real>(frame_.local_point(x)) - radius_).lower().to_double(Direction::down);
-  }
-
-  /// sd(x) >= (v·x - h(v)) / |v|
-  [[nodiscard]] double lower_by_normal(const Point& x, const Proposal& v) const {
-    return lower_bound(bounds_, frame_.local_point(x), v);
-  }
-
-  /// sd(x) <= |x - b|, where b = (x - v) / g(x - v) lies in K.
-  [[nodiscard]] double upper_by_normal(const Point& x, const Proposal& v) const {
-    if (!usable(v)) return kInfinity;
-    const PreciseVector q = frame_.local_point(x);
-    return upper_bound_at(bounds_, q, PreciseVector(q - precise(v)));
-  }
-
-  /// `claimed` or less if it can be proven with v, else what can be.
-  [[nodiscard]] double upper(const Point& x, const Proposal& v, double claimed) const {
-    const double by_normal = claimed > 0.0 ? upper_by_normal(x, v) : kInfinity;
-    if (by_normal <= claimed) return by_normal;
-    if (!contains(x)) return upper_by_normal(x, v);
-    return claimed < 0.0 && contains_ball_about(x, -claimed) ? claimed : 0.0;
-  }
-
-  [[nodiscard]] bool excludes(const Point& x) const {
-    return lower_by_sphere(x) > 0.0 || bounds_.gauge(frame_.local_point(x)).lower() > Real(1);
-  }
-
-  [[nodiscard]] bool contains(const Point& x) const { return bounds_.gauge(frame_.local_point(x)).upper() <= Real(1); }
-
-  [[nodiscard]] bool contains_ball_about(const Point& x, double radius) const {
-    return contains_ball(superquadric_, bounds_, frame_.local_point(x), radius);
-  }
-
- private:
-  Superquadric superquadric_;
-  SuperquadricBounds<Real> bounds_;
-  Frame frame_;
-  PreciseInterval radius_;
-};
+Finding judged(const Enclosure& claimed, const Enclosure& proven) {
+  if (claimed.lo > claimed.hi || claimed.lo > proven.hi || claimed.hi < proven.lo) return {Verdict::refuted, proven};
+  if (proven.lo >= claimed.lo && proven.hi <= claimed.hi) return {Verdict::proved, proven};
+  return {Verdict::unproved, proven};
+}
 
 }  // namespace
 
@@ -107,7 +70,37 @@ struct Checker::State {
   [[nodiscard]] double upper(const Point& x, double claimed, std::span<const Normal> normals) const {
     double least = kInfinity;
     for (const auto& [index, v] : normals) {
-      least = std::min(least, primitives[index].upper(x, proposal(v), claimed));
+      least = std::min(least, upper_end(primitives[index], x, proposal(v), claimed));
+      if (least <= claimed) break;
+    }
+    return least;
+  }
+
+  /// The normals of primitives that exist.
+  [[nodiscard]] std::vector<Normal> known(std::vector<Normal> normals) const {
+    std::erase_if(normals, [&](const Normal& normal) { return normal.primitive >= primitives.size(); });
+    return normals;
+  }
+
+  /// The distance to a union is the least of the distances to its primitives, 0 where one of them is met.
+  [[nodiscard]] double lower(const Triangle& triangle, std::span<const Normal> normals) const {
+    std::vector<double> lower;
+    for (const PosedSuperquadric& primitive : primitives) lower.push_back(lower_by_sphere(primitive, triangle));
+    for (const auto& [index, v] : normals) {
+      const PosedTriangle posed(triangle, primitives[index].frame());
+      lower[index] = std::max(lower[index], lower_by_normal(primitives[index], posed, proposal(v)));
+    }
+    return std::max(0.0, std::ranges::min(lower));
+  }
+
+  /// By one point of the triangle; stops as soon as a normal proves `claimed` there.
+  [[nodiscard]] double upper(const Triangle& triangle, double claimed, const std::optional<Weights>& weights,
+                             std::span<const Normal> normals) const {
+    double least = kInfinity;
+    if (!weights || !in_triangle(*weights)) return least;
+    for (const auto& [index, v] : normals) {
+      const PreciseVector q = PosedTriangle(triangle, primitives[index].frame()).point(*weights);
+      least = std::min(least, upper_by_point(primitives[index], q, proposal(v)));
       if (least <= claimed) break;
     }
     return least;
@@ -124,11 +117,14 @@ Checker& Checker::operator=(Checker&&) noexcept = default;
 
 Finding Checker::operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate) const {
   Certificate known = certificate;
-  std::erase_if(known.normals, [&](const Normal& normal) { return normal.primitive >= state_->primitives.size(); });
-  const Enclosure proven{state_->lower(point, known), state_->upper(point, claimed.hi, known.normals)};
-  if (claimed.lo > claimed.hi || claimed.lo > proven.hi || claimed.hi < proven.lo) return {Verdict::refuted, proven};
-  if (proven.lo >= claimed.lo && proven.hi <= claimed.hi) return {Verdict::proved, proven};
-  return {Verdict::unproved, proven};
+  known.normals = state_->known(certificate.normals);
+  return judged(claimed, {state_->lower(point, known), state_->upper(point, claimed.hi, known.normals)});
+}
+
+Finding Checker::operator()(const Triangle& triangle, const Enclosure& claimed, const Certificate& certificate) const {
+  const std::vector<Normal> normals = state_->known(certificate.normals);
+  return judged(claimed,
+                {state_->lower(triangle, normals), state_->upper(triangle, claimed.hi, certificate.weights, normals)});
 }
 
 }  // namespace verisq

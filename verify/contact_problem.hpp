@@ -102,7 +102,7 @@ class ContactProblem {
   ContactProblem(const Superquadric& solid, const Proposal& q, const Resolution& resolution)
       : resolution_(resolution), k2_(excess(solid.exponents[1])), k1_(excess(solid.exponents[0])) {
     for (std::size_t i = 0; i < 3; ++i) {
-      q_[i] = q[i];
+      q_[i] = static_cast<Float>(q[i]);
       a_[i] = solid.semi_axes[i];
       log_target_[i] = log(Float(fabs(q_[i]) / a_[i]));
     }

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "verify/triangle.hpp"
+
 namespace verisq::verify {
 
 namespace {
@@ -24,21 +26,34 @@ struct Candidate {
 std::vector<Candidate> by_sphere_bound(std::span<const Solid> solids, const Point& x) {
   std::vector<Candidate> order;
   order.reserve(solids.size());
-  for (std::uint32_t i = 0; i < solids.size(); ++i) order.push_back({solids[i].sphere_bound(x), i});
+  for (std::uint32_t i = 0; i < solids.size(); ++i) order.push_back({solids[i].posed().lower_by_sphere(x), i});
   std::ranges::sort(order, {}, &Candidate::sphere_bound);
   return order;
 }
 
-/// The direction as a vector of binary64 numbers, as long as the distance (design 2, §3: the closest point is x - v);
-/// zero, which proves nothing, where that is not finite.
-std::array<double, 3> normal_vector(const CertifiedDistance& found) {
+/// Zero, which proves nothing, where that is not finite.
+std::array<double, 3> rounded(const Proposal& v) {
+  const std::array result{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+  return std::ranges::all_of(result, [](double c) { return std::isfinite(c); }) ? result : std::array<double, 3>{};
+}
+
+/// The direction as long as the distance (design 2, §3: the closest point is x - v).
+Proposal normal_vector(const CertifiedDistance& found) {
   constexpr double shortest = 0x1p-900;  // its components stay normal numbers, unless they do not matter
   const Proposal& u = found.direction;
   const long double length = std::hypot(std::hypot(u[0], u[1]), u[2]);
   const long double scale = std::max(std::fabs(found.distance.hi), shortest) / length;
-  const std::array v{static_cast<double>(scale * u[0]), static_cast<double>(scale * u[1]),
-                     static_cast<double>(scale * u[2])};
-  return std::ranges::all_of(v, [](double c) { return std::isfinite(c); }) ? v : std::array<double, 3>{};
+  return {scale * u[0], scale * u[1], scale * u[2]};
+}
+
+/// What proves the ends of one solid's enclosure: one vector where it does for both, `resolution` being the rounding
+/// error of lengths at hand.
+std::vector<Normal> normals_of(std::uint32_t solid, const CertifiedDistance& found, double resolution) {
+  const Proposal normal = normal_vector(found);
+  const Proposal apart = difference(normal, found.witness);
+  const bool same = std::sqrt(dot(apart, apart)) <= resolution;
+  if (same || found.distance.hi <= 0.0 || !usable(found.witness)) return {{solid, rounded(normal)}};
+  return {{solid, rounded(found.witness)}, {solid, rounded(normal)}};
 }
 
 /// How far from x along u a walk leaves every solid for good. Beyond its supporting plane of normal u a solid never
@@ -78,7 +93,7 @@ std::optional<Escape> escape(std::span<const Solid> solids, const Point& x, cons
     const Point w{static_cast<double>(x[0] + s * u[0]), static_cast<double>(x[1] + s * u[1]),
                   static_cast<double>(x[2] + s * u[2])};
     if (!std::ranges::all_of(w, [](double c) { return std::isfinite(c); })) return std::nullopt;
-    if (std::ranges::all_of(solids, [&](const Solid& solid) { return solid.excludes(w); })) {
+    if (std::ranges::all_of(solids, [&](const Solid& solid) { return solid.posed().excludes(w); })) {
       return Escape{w, distance_up(x, w)};
     }
   }
@@ -101,8 +116,10 @@ CertifiedEnclosure signed_distance(std::span<const Solid> solids, const Point& x
   for (const auto& [bound, index] : by_sphere_bound(solids, x)) {
     if (bound > distance.hi) break;  // neither this solid nor a later one can be the nearest
     const CertifiedDistance nearest = solids[index].signed_distance(x, tolerance);
-    certificate.normals.push_back({index, normal_vector(nearest)});
-    if (nearest.distance.hi < distance.hi) std::swap(certificate.normals.front(), certificate.normals.back());
+    const std::vector<Normal> normals = normals_of(index, nearest, touching);
+    const bool decides = nearest.distance.hi < distance.hi;
+    certificate.normals.insert(decides ? certificate.normals.begin() : certificate.normals.end(), normals.begin(),
+                               normals.end());
     distance.lo = std::min(distance.lo, nearest.distance.lo);
     distance.hi = std::min(distance.hi, nearest.distance.hi);  // a ball inside one solid lies inside the union
     // Not only below zero: a point on two surfaces that share a face is inside the union.

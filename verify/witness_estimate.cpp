@@ -24,9 +24,9 @@ WitnessEstimate::WitnessEstimate(const Model& model) {
   }
 }
 
-long double WitnessEstimate::operator()(const Point& point, const Normal& normal) const {
+long double WitnessEstimate::operator()(const Vector& point, const Normal& normal) const {
   const auto& [boundary, rotation, centre, radius] = primitives_[normal.primitive];
-  const Vector d = difference<long double>({point[0], point[1], point[2]}, centre);
+  const Vector d = difference(point, centre);
   Vector q{};
   Vector x{};
   for (std::size_t i = 0; i < 3; ++i) {

@@ -15,12 +15,12 @@ class WitnessEstimate {
  public:
   explicit WitnessEstimate(const Model& model);
 
-  /// |q - b| with b as Normal describes it, and some 2^-56 of the lengths at hand for rounding. Proves nothing.
-  [[nodiscard]] long double operator()(const Point& q, const Normal& normal) const;
-
- private:
   using Vector = std::array<long double, 3>;
 
+  /// |q - b| with b as Normal describes it, and some 2^-56 of the lengths at hand for rounding. Proves nothing.
+  [[nodiscard]] long double operator()(const Vector& q, const Normal& normal) const;
+
+ private:
   struct PosedBoundary {
     Boundary<long double> boundary;
     std::array<Vector, 3> rotation;  ///< model to own frame, row by row

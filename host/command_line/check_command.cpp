@@ -1,4 +1,4 @@
-/// Reads points and rows side by side, has each row proved, counts the verdicts.
+/// Reads points or triangles and rows side by side, has each row proved, counts the verdicts.
 #include "host/command_line/check_command.hpp"
 
 #include <fmt/core.h>
@@ -11,10 +11,14 @@
 #include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/model_file.hpp>
+#include <verisq/uncertain_checker.hpp>
 
 #include "host/command_line/check_summary.hpp"
+#include "host/command_line/element_words.hpp"
 #include "host/command_line/interruption.hpp"
+#include "host/command_line/length_option.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/triangle_stream.hpp"
 #include "host/parallel.hpp"
 
 namespace verisq::command_line {
@@ -23,15 +27,16 @@ namespace {
 constexpr std::size_t chunk_size = 4096;
 
 constexpr const char* closing_words =
-    "The map is one that `verisq map --certificates` wrote for the same model and points, in the same order. Each\n"
-    "[lo, hi] is proved again by MPFR from the model, the point and the row's certificate alone: no OpenCL, and "
-    "nothing\n"
-    "of the run that wrote the map, is trusted. The column `status` and the tolerance are not what is checked.\n"
+    "The map is one that `verisq map --certificates` wrote for the same model and the same points or triangles, in "
+    "the\n"
+    "same order; the map tells which of both. Each [lo, hi] is proved again by MPFR from the model, the point or\n"
+    "triangle, and the row's certificate alone: no OpenCL, and nothing of the run that wrote the map, is trusted. The\n"
+    "column `status` and the tolerance are not what is checked.\n"
     "\n"
-    "\"Proved\": the exact signed distance lies in [lo, hi]. \"Refuted\": it does not. \"Unproved\": the certificate\n"
-    "does not decide. Exit status: 0 every row proved, 3 some refuted or unproved, 130 interrupted by Ctrl-C (what "
-    "was\n"
-    "checked so far is printed), 2 bad usage or input: also a map with fewer or more rows than there are points.\n"
+    "\"Proved\": the exact distance lies in [lo, hi]. \"Refuted\": it does not. \"Unproved\": the certificate does "
+    "not\n"
+    "decide. Exit status: 0 every row proved, 3 some refuted or unproved, 130 interrupted by Ctrl-C (what was checked\n"
+    "so far is printed), 2 bad usage or input: also a map with fewer or more rows than there are points or triangles.\n"
     "\n"
     "Examples:\n"
     "  verisq map --model stem.json --mesh femur.off --certificates -o clearance.csv\n"
@@ -44,9 +49,10 @@ bool comes_first(const CheckedRow& a, const CheckedRow& b) {
 }
 
 /// Counts verdicts, which threads deliver in any order.
+template <typename Stream>
 class Tally {
  public:
-  Tally(const PointStream& stream, bool show_progress) : stream_(stream), bar_(show_progress) {}
+  Tally(const Stream& stream, bool show_progress) : stream_(stream), bar_(show_progress) {}
 
   void add(const CheckedRow& row) {
     const std::lock_guard lock(mutex_);
@@ -60,17 +66,17 @@ class Tally {
     } else if (!report_.first || comes_first(row, *report_.first)) {
       report_.first = row;
     }
-    bar_.update(report_.points(), stream_.fraction(report_.points()));
+    bar_.update(report_.rows(), stream_.fraction(report_.rows()));
   }
 
   /// Precondition: no `add` is under way.
   [[nodiscard]] const CheckReport& report() const { return report_; }
 
  private:
-  const PointStream& stream_;
+  const Stream& stream_;
   std::mutex mutex_;
   ProgressBar bar_;
-  CheckReport report_;
+  CheckReport report_{};
 };
 
 /// Counts what is left of a stream that `read` fills into `chunk`.
@@ -81,35 +87,54 @@ std::uint64_t count_rest(Stream& stream, std::vector<Item>& chunk) {
   return rest;
 }
 
-CheckReport check_rows(const Checker& checker, PointStream& stream, MapReader& map, const CheckArguments& arguments) {
+template <typename Stream>
+CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader& map,
+                       const CheckArguments& arguments) {
   Tally tally(stream, !arguments.no_progress);
-  std::vector<Point> points(chunk_size);
+  std::vector<typename Stream::Element> elements(chunk_size);
   std::vector<CertifiedRow> rows(chunk_size);
+  const auto start = std::chrono::steady_clock::now();
+  const auto finished = [&] {
+    auto report = tally.report();
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return report;
+  };
   for (std::uint64_t first = 0; !interrupted();) {
-    const std::size_t count = stream.read(points);
+    const std::size_t count = stream.read(elements);
     const std::size_t row_count = map.read(rows);
     if (row_count != count) {
-      const auto all_points = first + count + count_rest(stream, points);
+      const auto all_elements = first + count + count_rest(stream, elements);
       const auto all_rows = first + row_count + count_rest(map, rows);
-      throw Error(ErrorKind::input, fmt::format("{}: {} rows for the {} points of {}", arguments.map, all_rows,
-                                                all_points, arguments.inputs.mesh + arguments.inputs.points));
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: {} rows for the {} {} of {}", arguments.map, all_rows, all_elements,
+                              plural(map.elements()), arguments.inputs.mesh + arguments.inputs.points));
     }
-    if (count == 0) return tally.report();
+    if (count == 0) return finished();
     in_parallel(count, [&](std::size_t i) {
       if (interrupted()) return;  // a chunk of points inside can take a minute
       const auto& claimed = rows[i].result.distance;
-      tally.add({first + i, points[i], claimed, checker(points[i], claimed, rows[i].certificate)});
+      tally.add({first + i, elements[i], claimed, checker(elements[i], claimed, rows[i].certificate)});
     });
     first += count;
   }
-  auto report = tally.report();
+  auto report = finished();
   report.interrupted = true;  // also when the last chunk is done: no thread may have skipped a row unseen
   return report;
 }
 
+CheckReport check_map(const UncertainChecker& checker, MapReader& map, const CheckArguments& arguments) {
+  if (map.elements() == MapElements::vertices) {
+    return check_rows(checker, PointStream(arguments.inputs), map, arguments);
+  }
+  if (arguments.inputs.mesh.empty()) {
+    throw Error(ErrorKind::input, fmt::format("{}: a map of triangles: give their --mesh", arguments.map));
+  }
+  return check_rows(checker, TriangleStream(arguments.inputs), map, arguments);
+}
+
 ExitStatus status_of(const CheckReport& report) {
   if (report.interrupted) return ExitStatus::interrupted;
-  return report.proved == report.points() ? ExitStatus::verified : ExitStatus::unverified;
+  return report.proved == report.rows() ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 }  // namespace
@@ -122,6 +147,8 @@ const CLI::App& declare_check(CLI::App& program, CheckArguments& arguments) {
   check.add_option("--map", arguments.map, "The map, written with --certificates: .csv .vtp")
       ->required()
       ->option_text("FILE REQUIRED");
+  check.add_option("--point-radius", arguments.point_radius, "As the map was made with (default 0)")
+      ->option_text("NUMBER");
   check.add_flag("--json", arguments.json, "Print the summary as one JSON object");
   check.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
   return check;
@@ -130,14 +157,13 @@ const CLI::App& declare_check(CLI::App& program, CheckArguments& arguments) {
 ExitStatus run_check(const CheckArguments& arguments) {
   check_usage(arguments.inputs);
   watch_for_interruption();
-  const Model model = read_model(arguments.inputs.model);
+  const double point_radius = parse_length("--point-radius", arguments.point_radius);
+  const UncertainModel model = read_uncertain_model(arguments.inputs.model);
   MapReader map(arguments.map);
-  PointStream stream(arguments.inputs);
-  const Checker checker(model);
+  const UncertainChecker checker(model, point_radius);
 
-  const auto start = std::chrono::steady_clock::now();
-  auto report = check_rows(checker, stream, map, arguments);
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  auto report = check_map(checker, map, arguments);
+  report.elements = map.elements();
   report.map = arguments.map;
   report.units = model.units;
   fmt::print("{}", arguments.json ? json(report) : readable(report));

@@ -1,4 +1,5 @@
-/// `verisq check`: proves a finished map again from the model, the points and the certificates, without OpenCL.
+/// `verisq check`: proves a finished map again from the model, the points or triangles, and the certificates, without
+/// OpenCL.
 #pragma once
 
 #include <string>
@@ -12,6 +13,7 @@ namespace verisq::command_line {
 struct CheckArguments {
   InputArguments inputs;
   std::string map;
+  std::string point_radius = "0";  ///< text, so that it is read to the nearest binary64
   bool json = false;
   bool no_progress = false;
 };
@@ -20,7 +22,7 @@ struct CheckArguments {
 const CLI::App& declare_check(CLI::App& program, CheckArguments& arguments);
 
 /// `verified` only when every enclosure is proved. Throws Error(input) for what the user can correct, also for a map
-/// that has not one row for each point.
+/// that has not one row for each point or triangle.
 ExitStatus run_check(const CheckArguments& arguments);
 
 }  // namespace verisq::command_line

@@ -5,13 +5,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/command_line/element_words.hpp"
 #include "host/command_line/progress_bar.hpp"
 
 namespace verisq::command_line {
 namespace {
 
-double points_per_second(const CheckReport& report) {
-  return report.seconds > 0.0 ? static_cast<double>(report.points()) / report.seconds : 0.0;
+double rows_per_second(const CheckReport& report) {
+  return report.seconds > 0.0 ? static_cast<double>(report.rows()) / report.seconds : 0.0;
 }
 
 const char* name_of(Verdict verdict) {
@@ -43,10 +44,18 @@ std::string digits_of(const Enclosure& enclosure) {
   return fmt::format("[{:.17g}, {:.17g}]", enclosure.lo, enclosure.hi);
 }
 
-std::string readable(const CheckedRow& row) {
-  const auto& [x, y, z] = row.point;
-  auto text = fmt::format("first {} point, index {}, at ({:.17g}, {:.17g}, {:.17g}): {}\n",
-                          name_of(row.finding.verdict), row.index, x, y, z, reason(row));
+std::string digits_of(const Point& point) {
+  return fmt::format("({:.17g}, {:.17g}, {:.17g})", point[0], point[1], point[2]);
+}
+
+std::string digits_of(const Triangle& triangle) {
+  return fmt::format("{}, {}, {}", digits_of(triangle[0]), digits_of(triangle[1]), digits_of(triangle[2]));
+}
+
+std::string readable(const CheckedRow& row, MapElements elements) {
+  const auto position = std::visit([](const auto& element) { return digits_of(element); }, row.element);
+  auto text = fmt::format("first {} {}, index {}, at {}: {}\n", name_of(row.finding.verdict), singular(elements),
+                          row.index, position, reason(row));
   text += fmt::format("  claimed            {}\n", digits_of(row.claimed));
   text += fmt::format("  proven             {}\n", digits_of(row.finding.proven));
   return text;
@@ -56,10 +65,11 @@ nlohmann::ordered_json object_of(const Enclosure& enclosure) {
   return {{"lo", enclosure.lo}, {"hi", enclosure.hi}};
 }
 
-nlohmann::ordered_json object_of(const CheckedRow& row) {
+nlohmann::ordered_json object_of(const CheckedRow& row, MapElements elements) {
   return {{"verdict", name_of(row.finding.verdict)},
           {"index", row.index},
-          {"point", row.point},
+          {singular(elements),
+           std::visit([](const auto& element) { return nlohmann::ordered_json(element); }, row.element)},
           {"claimed", object_of(row.claimed)},
           {"proven", object_of(row.finding.proven)},
           {"reason", reason(row)}};
@@ -69,31 +79,31 @@ nlohmann::ordered_json object_of(const CheckedRow& row) {
 
 std::string readable(const CheckReport& report) {
   const auto units = report.units.empty() ? std::string() : " " + report.units;
-  auto text = fmt::format("points               {}\n", report.points());
+  auto text = fmt::format("{:<21}{}\n", plural(report.elements), report.rows());
   text += fmt::format("  proved             {}\n", report.proved);
   text += fmt::format("  refuted            {}\n", report.refuted);
   text += fmt::format("  unproved           {}\n", report.unproved);
   if (report.proved > 0) text += fmt::format("largest width proved {:.3g}{}\n", report.largest_width, units);
-  text += fmt::format("time                 {:.3g} s, {} points/s\n", report.seconds,
-                      with_prefix(points_per_second(report)));
+  text += fmt::format("time                 {:.3g} s, {} {}/s\n", report.seconds, with_prefix(rows_per_second(report)),
+                      plural(report.elements));
   text += fmt::format("map                  {}{}\n", report.map, report.interrupted ? " (interrupted)" : "");
-  if (report.first) text += readable(*report.first);
+  if (report.first) text += readable(*report.first, report.elements);
   return text;
 }
 
 std::string json(const CheckReport& report) {
   auto object = nlohmann::ordered_json{
-      {"points", report.points()},
+      {plural(report.elements), report.rows()},
       {"proved", report.proved},
       {"refuted", report.refuted},
       {"unproved", report.unproved},
       {"largest_width_proved", report.largest_width},
       {"units", report.units},
       {"seconds", report.seconds},
-      {"points_per_second", points_per_second(report)},
+      {fmt::format("{}_per_second", plural(report.elements)), rows_per_second(report)},
       {"interrupted", report.interrupted},
       {"map", report.map},
-      {"first", report.first ? object_of(*report.first) : nlohmann::ordered_json()},
+      {"first", report.first ? object_of(*report.first, report.elements) : nlohmann::ordered_json()},
   };
   // Names of files are bytes of the system, not always UTF-8: replaced rather than refused.
   return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

@@ -4,19 +4,22 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <verisq/checker.hpp>
+#include <verisq/map_file.hpp>
 
 namespace verisq::command_line {
 
 /// An enclosure and what became of it.
 struct CheckedRow {
   std::uint64_t index;
-  Point point;
+  std::variant<Point, Triangle> element;
   Enclosure claimed;
   Finding finding;
 };
 
 struct CheckReport {
+  MapElements elements;
   std::string map;    ///< its file
   std::string units;  ///< of the model; empty when not given
   std::uint64_t proved = 0;
@@ -24,10 +27,10 @@ struct CheckReport {
   std::uint64_t unproved = 0;
   double largest_width = 0.0;       ///< of the proved enclosures
   std::optional<CheckedRow> first;  ///< the first refuted row; without one, the first unproved
-  double seconds = 0.0;             ///< wall time from the first point to the last
+  double seconds = 0.0;             ///< wall time from the first row to the last
   bool interrupted = false;
 
-  [[nodiscard]] std::uint64_t points() const { return proved + refuted + unproved; }
+  [[nodiscard]] std::uint64_t rows() const { return proved + refuted + unproved; }
 };
 
 [[nodiscard]] std::string readable(const CheckReport& report);

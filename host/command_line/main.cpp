@@ -8,6 +8,7 @@
 
 #include "host/command_line/check_command.hpp"
 #include "host/command_line/devices_command.hpp"
+#include "host/command_line/distance_command.hpp"
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/map_command.hpp"
 
@@ -34,6 +35,8 @@ int run(int argc, char** argv) {
   const CLI::App& map = declare_map(program, map_arguments);
   CheckArguments check_arguments;
   const CLI::App& check = declare_check(program, check_arguments);
+  DistanceArguments distance_arguments;
+  const CLI::App& distance = declare_distance(program, distance_arguments);
   DevicesArguments devices_arguments;
   declare_devices(program, devices_arguments);
   try {
@@ -44,9 +47,10 @@ int run(int argc, char** argv) {
     return report(fmt::format("{} (see verisq --help)", error.what()).c_str(), ExitStatus::bad_input);
   }
   if (program.get_subcommands().empty()) return report("give a command (see verisq --help)", ExitStatus::bad_input);
-  const ExitStatus status = map.parsed()     ? run_map(map_arguments)
-                            : check.parsed() ? run_check(check_arguments)
-                                             : run_devices(devices_arguments);
+  const ExitStatus status = map.parsed()        ? run_map(map_arguments)
+                            : check.parsed()    ? run_check(check_arguments)
+                            : distance.parsed() ? run_distance(distance_arguments)
+                                                : run_devices(devices_arguments);
   if (std::fflush(stdout) != 0) return report("cannot write to the standard output", ExitStatus::failed);
   return static_cast<int>(status);
 }

@@ -5,22 +5,24 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <system_error>
-#include <verisq/distance_map.hpp>
+#include <utility>
 #include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
+#include <verisq/uncertain_map.hpp>
 
 #include "host/command_line/interruption.hpp"
+#include "host/command_line/length_option.hpp"
 #include "host/command_line/map_summary.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/triangle_stream.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -29,41 +31,38 @@ constexpr double default_relative_tolerance = 1e-6;  // of the radius of the mod
 
 constexpr const char* closing_words =
     "Each row of the map is [lo, hi], which contains the exact signed distance from the point to the model: positive\n"
-    "outside, negative inside. \"Verified\" rows are at most the tolerance wide; \"wide\" ones are valid all the "
-    "same.\n"
+    "outside, negative inside; or the distance from the whole triangle, 0 where it meets the model. \"Verified\"\n"
+    "rows are at most the tolerance wide; \"wide\" ones are valid all the same.\n"
+    "Where the model gives intervals [lo, hi] for semi-axes, exponents or translations, or points have a radius, each\n"
+    "row contains the distances of all that they allow: give a --tol above that uncertainty to call rows verified.\n"
     "Ctrl-C keeps the finished rows of a .csv under OUT.partial; a second Ctrl-C stops at once.\n"
     "\n"
     "Examples:\n"
     "  verisq map --model stem.json --mesh femur.off -o clearance.vtp\n"
+    "  verisq map --model stem.json --mesh femur.off --on triangles -o clearance.vtp\n"
     "  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json";
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorKind::input, message);
 }
 
-double parse_tolerance(const std::string& text) {
-  double value = 0.0;
-  const char* const end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
-  const bool is_number = error == std::errc() && rest == end;
-  if (!is_number || !std::isfinite(value) || value < 0.0) {
-    refuse(fmt::format("--tol: {} is not a finite number of at least 0", text));
-  }
-  return value;
-}
-
-double default_tolerance(const Model& model) {
-  const double tolerance = default_relative_tolerance * bounding_radius(model);
+double default_tolerance(const UncertainModel& model) {
+  const double tolerance = default_relative_tolerance * bounding_radius(bracket(model).largest);
   // An infinite tolerance would call every enclosure verified.
   if (!std::isfinite(tolerance)) refuse("--tol: give one, because the size of the model overflows");
   return tolerance;
 }
 
+MapElements parse_elements(const MapArguments& arguments) {
+  if (arguments.on == "vertices") return MapElements::vertices;
+  if (arguments.on != "triangles") refuse(fmt::format("--on: {} is not one of vertices, triangles", arguments.on));
+  if (arguments.inputs.mesh.empty()) refuse("--on triangles: give their --mesh");
+  return MapElements::triangles;
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const MapArguments& arguments) {
   check_usage(arguments.inputs);
-  if (arguments.on == "triangles") refuse("--on triangles: not supported yet, only vertices");
-  if (arguments.on != "vertices") refuse(fmt::format("--on: {} is not one of vertices, triangles", arguments.on));
   for (const auto& input : {arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points}) {
     std::error_code missing;  // a file that does not exist is not overwritten
     if (!input.empty() && std::filesystem::equivalent(input, arguments.output, missing)) {
@@ -78,30 +77,42 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double>(end - start).count();
 }
 
+void append(MapWriter& writer, std::span<const Point> points, std::span<const MapResult> results,
+            std::span<const Certificate> certificates) {
+  writer.append(points, results, certificates);
+}
+
+void append(MapWriter& writer, std::span<const Triangle> /*the mesh has them*/, std::span<const MapResult> results,
+            std::span<const Certificate> certificates) {
+  writer.append(results, certificates);
+}
+
 struct MappedStream {
   MapSummary summary;
-  Clock::time_point first_point;  ///< when the first point was asked for: the device is ready then
+  Clock::time_point first_element;  ///< when the first element was asked for: the device is ready then
 };
 
-MappedStream map_stream(const Model& model, PointStream& stream, MapWriter& writer, const MapOptions& options,
-                        bool show_progress) {
-  std::optional<ProgressBar> bar;  // begins at the first point: compiling kernels is no part of the rate
-  auto first_point = Clock::now();
-  const auto source = [&](std::span<Point> points) {
+template <typename Mapper, typename Stream>
+MappedStream map_stream(Mapper mapper, Stream& stream, MapWriter& writer, bool show_progress) {
+  using Element = typename Stream::Element;
+  std::optional<ProgressBar> bar;  // begins at the first element: compiling kernels is no part of the rate
+  auto first_element = Clock::now();
+  const auto source = [&](std::span<Element> elements) {
     if (!bar) {
-      first_point = Clock::now();
+      first_element = Clock::now();
       bar.emplace(show_progress);
     }
-    return stream.read(points);
+    return stream.read(elements);
   };
   std::uint64_t done = 0;
-  const auto sink = [&](std::span<const Point> points, std::span<const MapResult> results,
+  const auto sink = [&](std::span<const Element> elements, std::span<const MapResult> results,
                         std::span<const Certificate> certificates) {
-    writer.append(points, results, certificates);
-    done += points.size();
+    append(writer, elements, results, certificates);
+    done += elements.size();
     bar->update(done, stream.fraction(done));
   };
-  return {map_points(model, source, sink, options), first_point};
+  auto summary = mapper.map(source, sink);
+  return {std::move(summary), first_element};
 }
 
 /// Returns the name of the file that holds the map; empty when an interrupted map left none.
@@ -124,17 +135,46 @@ ExitStatus status_of(const MapSummary& summary) {
   return summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
 }
 
+/// Maps `elements`, which `Stream` delivers and `Mapper` encloses, and prints the summary.
+template <typename Mapper, typename Stream>
+ExitStatus map_and_report(const UncertainModel& model, double point_radius, MapElements elements,
+                          const MapArguments& arguments, const MapOptions& options) {
+  Stream stream(arguments.inputs);
+  watch_for_interruption();
+  MapWriter writer(arguments.output, stream.mesh(),
+                   arguments.certificates ? MapContents::certified : MapContents::enclosures, elements);
+  const auto start = Clock::now();
+  const auto [summary, first_element] =
+      map_stream(Mapper(model, point_radius, options), stream, writer, !arguments.no_progress);
+  const auto written = end_map(writer, summary, arguments.output);
+  const auto end = Clock::now();
+
+  if (!summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", summary.notice);
+  const MapReport report{.summary = summary,
+                         .elements = elements,
+                         .output = written,
+                         .units = model.units,
+                         .tolerance = options.tolerance,
+                         .preparation_seconds = seconds_between(start, first_element),
+                         .seconds = seconds_between(first_element, end)};
+  fmt::print("{}", arguments.json ? json(report) : readable(report));
+  return status_of(summary);
+}
+
 }  // namespace
 
 const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
-  CLI::App& map = *program.add_subcommand("map", "Enclose the signed distance of each vertex or point to a model");
+  CLI::App& map = *program.add_subcommand("map", "Enclose the distance of each vertex, triangle or point to a model");
   map.footer(closing_words);
   declare_inputs(map, arguments.inputs);
-  map.add_option("--on", arguments.on, "What of the mesh is mapped: vertices (triangles: not supported yet)")
+  map.add_option("--on", arguments.on, "What of the mesh is mapped: vertices (default) or triangles")
       ->option_text("WHAT");
   map.add_option("--tol", arguments.tolerance,
                  "Largest width of a verified enclosure, in model units; 0 asks for the tightest.\n"
                  "Default: 1e-6 times the radius of the model's bounding sphere")
+      ->option_text("NUMBER");
+  map.add_option("--point-radius", arguments.point_radius,
+                 "Each vertex or point is any within this distance of the given one, in model units (default 0)")
       ->option_text("NUMBER");
   map.add_option("--device", arguments.device,
                  "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
@@ -151,33 +191,20 @@ const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
 
 ExitStatus run_map(const MapArguments& arguments) {
   check_usage(arguments);
+  const MapElements elements = parse_elements(arguments);
   std::optional<double> tolerance;
-  if (arguments.tolerance) tolerance = parse_tolerance(*arguments.tolerance);
+  if (arguments.tolerance) tolerance = parse_length("--tol", *arguments.tolerance);
 
-  const Model model = read_model(arguments.inputs.model);
-  PointStream stream(arguments.inputs);
+  const double radius = parse_length("--point-radius", arguments.point_radius);
+
+  const UncertainModel model = read_uncertain_model(arguments.inputs.model);
   const MapOptions options{.tolerance = tolerance ? *tolerance : default_tolerance(model),
                            .device = arguments.device,
                            .certificates = arguments.certificates,
                            .interrupted = interrupted};
-
-  watch_for_interruption();
-  MapWriter writer(arguments.output, stream.mesh(),
-                   arguments.certificates ? MapContents::certified : MapContents::enclosures);
-  const auto start = Clock::now();
-  const auto [summary, first_point] = map_stream(model, stream, writer, options, !arguments.no_progress);
-  const auto written = end_map(writer, summary, arguments.output);
-  const auto end = Clock::now();
-
-  if (!summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", summary.notice);
-  const MapReport report{.summary = summary,
-                         .output = written,
-                         .units = model.units,
-                         .tolerance = options.tolerance,
-                         .preparation_seconds = seconds_between(start, first_point),
-                         .seconds = seconds_between(first_point, end)};
-  fmt::print("{}", arguments.json ? json(report) : readable(report));
-  return status_of(summary);
+  return elements == MapElements::vertices
+             ? map_and_report<UncertainDistanceMapper, PointStream>(model, radius, elements, arguments, options)
+             : map_and_report<UncertainTriangleMapper, TriangleStream>(model, radius, elements, arguments, options);
 }
 
 }  // namespace verisq::command_line

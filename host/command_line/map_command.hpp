@@ -1,4 +1,4 @@
-/// `verisq map`: an enclosure of the signed distance for each vertex of a mesh or point of a file.
+/// `verisq map`: an enclosure of the distance for each vertex or triangle of a mesh or point of a file.
 #pragma once
 
 #include <optional>
@@ -14,6 +14,7 @@ struct MapArguments {
   InputArguments inputs;
   std::string on = "vertices";
   std::optional<std::string> tolerance;  ///< text, so that it is read to the nearest binary64
+  std::string point_radius = "0";        ///< text, likewise
   std::string device = "auto";
   std::string output;
   bool certificates = false;

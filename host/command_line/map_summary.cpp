@@ -5,12 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/command_line/element_words.hpp"
 #include "host/command_line/progress_bar.hpp"
 
 namespace verisq::command_line {
 namespace {
 
-double points_per_second(const MapReport& report) {
+double elements_per_second(const MapReport& report) {
   return report.seconds > 0.0 ? static_cast<double>(report.summary.points) / report.seconds : 0.0;
 }
 
@@ -19,7 +20,7 @@ double points_per_second(const MapReport& report) {
 std::string readable(const MapReport& report) {
   const auto& summary = report.summary;
   const auto units = report.units.empty() ? std::string() : " " + report.units;
-  auto text = fmt::format("points             {}\n", summary.points);
+  auto text = fmt::format("{:<19}{}\n", plural(report.elements), summary.points);
   text += fmt::format("  device-verified  {}\n", summary.device_verified);
   text += fmt::format("  host-verified    {}\n", summary.host_verified);
   text += fmt::format("  wide             {}\n", summary.wide);
@@ -30,9 +31,9 @@ std::string readable(const MapReport& report) {
     text += fmt::format("largest width      {:.3g}{}\n", summary.largest_width, units);
   }
   text += fmt::format("preparation        {:.3g} s\n", report.preparation_seconds);
-  text +=
-      fmt::format("time               {:.3g} s (device {:.3g} s, host proofs {:.3g} s), {} points/s\n", report.seconds,
-                  summary.device_seconds, summary.host_seconds, with_prefix(points_per_second(report)));
+  text += fmt::format("time               {:.3g} s (device {:.3g} s, host proofs {:.3g} s), {} {}/s\n", report.seconds,
+                      summary.device_seconds, summary.host_seconds, with_prefix(elements_per_second(report)),
+                      plural(report.elements));
   text += fmt::format("map                {}\n", report.output.empty() ? "not kept" : report.output);
   return text;
 }
@@ -40,7 +41,7 @@ std::string readable(const MapReport& report) {
 std::string json(const MapReport& report) {
   const auto& summary = report.summary;
   auto object = nlohmann::ordered_json{
-      {"points", summary.points},
+      {plural(report.elements), summary.points},
       {"device_verified", summary.device_verified},
       {"host_verified", summary.host_verified},
       {"wide", summary.wide},
@@ -53,7 +54,7 @@ std::string json(const MapReport& report) {
       {"device_seconds", summary.device_seconds},
       {"host_seconds", summary.host_seconds},
       {"seconds", report.seconds},
-      {"points_per_second", points_per_second(report)},
+      {fmt::format("{}_per_second", plural(report.elements)), elements_per_second(report)},
       {"interrupted", summary.interrupted},
       {"output", report.output},
   };

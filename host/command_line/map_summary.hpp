@@ -3,16 +3,18 @@
 
 #include <string>
 #include <verisq/distance_map.hpp>
+#include <verisq/map_file.hpp>
 
 namespace verisq::command_line {
 
 struct MapReport {
   MapSummary summary;
-  std::string output;  ///< the file that holds the map; empty when none was kept
-  std::string units;   ///< of the model; empty when not given
+  MapElements elements;  ///< what the rows are of
+  std::string output;    ///< the file that holds the map; empty when none was kept
+  std::string units;     ///< of the model; empty when not given
   double tolerance;
   double preparation_seconds;  ///< wall time until the device was ready: kernels compiled, self-test passed
-  double seconds;              ///< wall time from the first point to the last row written
+  double seconds;              ///< wall time from the first element to the last row written
 };
 
 [[nodiscard]] std::string readable(const MapReport& report);

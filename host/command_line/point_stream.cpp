@@ -12,7 +12,7 @@ void declare_inputs(CLI::App& command, InputArguments& inputs) {
   command.add_option("--model", inputs.model, "Model of posed superquadrics (verisq-model/1, JSON)")
       ->required()
       ->option_text("FILE REQUIRED");
-  command.add_option("--mesh", inputs.mesh, "Mesh whose vertices are the points: .stl .obj .ply .off")
+  command.add_option("--mesh", inputs.mesh, "Mesh whose vertices or triangles are meant: .stl .obj .ply .off")
       ->option_text("FILE");
   command.add_option("--points", inputs.points, "Points instead of a mesh: .csv with x,y,z a line")
       ->option_text("FILE");

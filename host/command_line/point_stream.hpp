@@ -30,6 +30,8 @@ void check_usage(const InputArguments& inputs);
 /// The points in order, a chunk at a time.
 class PointStream {
  public:
+  using Element = Point;
+
   /// Reads the mesh or opens the file of points. Throws Error(input). Precondition: `check_usage` passed.
   explicit PointStream(const InputArguments& inputs);
 

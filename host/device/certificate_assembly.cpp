@@ -47,4 +47,15 @@ Certificate CertificateAssembly::operator()(const Point& point, const Enclosure&
   return certificate;
 }
 
+Certificate certificate_of(const TriangleEvidence& evidence) {
+  const auto nearest = std::min_element(evidence.begin(), evidence.end(),
+                                        [](const auto& a, const auto& b) { return a.bounds.hi < b.bounds.hi; });
+  const auto first = static_cast<std::uint32_t>(nearest - evidence.begin());
+  Certificate certificate{{{first, nearest->bounds.normal}}, {}, nearest->weights};
+  for (std::uint32_t i = 0; i < evidence.size(); ++i) {
+    if (i != first && usable(evidence[i].bounds.normal)) certificate.normals.push_back({i, evidence[i].bounds.normal});
+  }
+  return certificate;
+}
+
 }  // namespace verisq::device

@@ -19,6 +19,16 @@ struct Evidence {
   Point escape;  ///< meaningful where the union's lower end is finite and not positive
 };
 
+/// Of each primitive, the same about a triangle, and where on it the upper end's point lies.
+struct TriangleEvidenceOfPrimitive {
+  Evidence::OfPrimitive bounds;
+  std::array<double, 2> weights;
+};
+using TriangleEvidence = std::vector<TriangleEvidenceOfPrimitive>;
+
+/// With every normal that a kernel found: a primitive without one is far by its bounding sphere.
+[[nodiscard]] Certificate certificate_of(const TriangleEvidence& evidence);
+
 class CertificateAssembly {
  public:
   explicit CertificateAssembly(const Model& model);

@@ -52,7 +52,8 @@ Device open(const cl::Device& device) {
     throw Error(ErrorKind::failure, "no binary64 arithmetic (cl_khr_fp64)");
   const cl::Context context(device);
   const int width = vector_width(device);
-  return {device.getInfo<CL_DEVICE_NAME>(), device, context, build_program(context, device, width), width};
+  return {device.getInfo<CL_DEVICE_NAME>(), device, context,
+          build_program(context, device, width, kernels::embedded_sources()), width};
 }
 
 // The first failure of the self-test, or an empty string; from the cache where the same build, device and driver were

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "host/device/cache.hpp"
-#include "kernels/embedded_sources.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq::device {
@@ -22,8 +21,9 @@ std::optional<cl::Program> from_binary(const cl::Context& context, const cl::Dev
   }
 }
 
-cl::Program from_sources(const cl::Context& context, const cl::Device& device, const std::string& options) {
-  cl::Program program(context, std::string(kernels::embedded_sources()));
+cl::Program from_sources(const cl::Context& context, const cl::Device& device, std::string_view sources,
+                         const std::string& options) {
+  cl::Program program(context, std::string(sources));
   try {
     program.build({device}, options.c_str());
   } catch (const cl::Error& error) {
@@ -43,14 +43,14 @@ std::string identity(const cl::Device& device) {
 }
 
 cl::Program build_program(const cl::Context& context, const cl::Device& device, int vector_width,
-                          const std::string& extra_options) {
+                          std::string_view sources, const std::string& extra_options) {
   // Never -cl-unsafe-math-optimizations, -cl-mad-enable, -cl-denorms-are-zero: design 3.
   std::string options = fmt::format("-cl-std=CL1.2 -DVECTOR_WIDTH={}", vector_width);
   if (!extra_options.empty()) options += " " + extra_options;
-  const std::string key = fmt::format("program\n{}\n{}\n{}", identity(device), options, kernels::embedded_sources());
+  const std::string key = fmt::format("program\n{}\n{}\n{}", identity(device), options, sources);
   if (const auto binary = cached(key))
     if (auto program = from_binary(context, device, *binary, options)) return *program;
-  cl::Program program = from_sources(context, device, options);
+  cl::Program program = from_sources(context, device, sources, options);
   const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
   if (!binaries.empty()) store_in_cache(key, std::string(binaries.front().begin(), binaries.front().end()));
   return program;

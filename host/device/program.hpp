@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "host/device/opencl.hpp"
 
@@ -10,10 +11,10 @@ namespace verisq::device {
 /// Identifies a device with its driver, for caches and messages.
 [[nodiscard]] std::string identity(const cl::Device& device);
 
-/// Compiles the embedded sources for `vector_width` points a work-item (16, 8, 4 or 1), or takes the binary of an
-/// earlier run. `extra_options` are further compiler options (the benchmarks use them). Throws Error(failure) with the
-/// compiler's log.
+/// Compiles `sources` (kernels/embedded_sources.hpp) for `vector_width` queries a work-item (16, 8, 4 or 1), or takes
+/// the binary of an earlier run. `extra_options` are further compiler options (the benchmarks use them). Throws
+/// Error(failure) with the compiler's log.
 [[nodiscard]] cl::Program build_program(const cl::Context& context, const cl::Device& device, int vector_width,
-                                        const std::string& extra_options = {});
+                                        std::string_view sources, const std::string& extra_options = {});
 
 }  // namespace verisq::device

@@ -4,12 +4,25 @@
 #include <cmath>
 
 namespace verisq {
+namespace {
+
+template <std::size_t N>
+std::optional<std::array<double, N>> unless_none(const std::array<double, N>& numbers) {
+  if (std::isnan(numbers[0])) return std::nullopt;
+  return numbers;
+}
+
+}  // namespace
 
 void CertificateColumns::append(const Certificate& certificate) {
   const std::vector<Normal>& normals = certificate.normals;
   primitive.push_back(normals.empty() ? no_primitive : static_cast<std::int32_t>(normals[0].primitive));
   normal.push_back(normals.empty() ? Point{} : normals[0].vector);
-  escape.push_back(certificate.escape.value_or(no_escape));
+  if (elements == MapElements::vertices) {
+    escape.push_back(certificate.escape.value_or(no_escape));
+  } else {
+    weights.push_back(certificate.weights.value_or(no_weights));
+  }
   for (std::size_t k = 1; k < normals.size(); ++k) {
     further_primitive.push_back(static_cast<std::int32_t>(normals[k].primitive));
     further_normal.push_back(normals[k].vector);
@@ -24,7 +37,6 @@ CertificateColumns::Range CertificateColumns::further_normals(std::size_t row) c
 
 void CertificateColumns::read(std::size_t row, Certificate& certificate) const {
   certificate.normals.clear();
-  certificate.escape.reset();
   if (primitive[row] != no_primitive) {
     certificate.normals.push_back({static_cast<std::uint32_t>(primitive[row]), normal[row]});
   }
@@ -32,7 +44,9 @@ void CertificateColumns::read(std::size_t row, Certificate& certificate) const {
   for (std::size_t k = begin; k < end; ++k) {
     certificate.normals.push_back({static_cast<std::uint32_t>(further_primitive[k]), further_normal[k]});
   }
-  if (!std::isnan(escape[row][0])) certificate.escape = escape[row];
+  const bool of_vertex = elements == MapElements::vertices;
+  certificate.escape = of_vertex ? unless_none(escape[row]) : std::nullopt;
+  certificate.weights = of_vertex ? std::nullopt : unless_none(weights[row]);
 }
 
 }  // namespace verisq

@@ -5,25 +5,30 @@
 #include <limits>
 #include <vector>
 #include <verisq/certificate.hpp>
+#include <verisq/map_file.hpp>
 
 namespace verisq {
 
-/// A row for each certificate. The mesh formats know only arrays of one tuple a point, so the first normal is a column
-/// of its own (to be drawn as glyphs) and all others of all rows follow each other in a separate table.
+/// A row for each certificate. The mesh formats know only arrays of one tuple a point or cell, so the first normal is a
+/// column of its own (to be drawn as glyphs) and all others of all rows follow each other in a separate table.
 struct CertificateColumns {
   static constexpr std::int32_t no_primitive = -1;
-  static constexpr Point no_escape{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
-                                   std::numeric_limits<double>::quiet_NaN()};
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  static constexpr Point no_escape{none, none, none};
+  static constexpr std::array<double, 2> no_weights{none, none};
 
+  MapElements elements = MapElements::vertices;
   std::vector<std::int32_t> primitive;  ///< of the first normal, or no_primitive: then there are no normals at all
   std::vector<Point> normal;            ///< zero where there is none: a glyph of no length
-  std::vector<Point> escape;
+  std::vector<Point> escape;            ///< of vertices; empty for triangles
+  std::vector<std::array<double, 2>> weights;     ///< of triangles; empty for vertices
   std::vector<std::int64_t> further_normals_end;  ///< after the last of the row's in the table below
 
   std::vector<std::int32_t> further_primitive;
   std::vector<Point> further_normal;
 
-  /// Precondition: indices of primitives below 2^31 (those of any model in memory are), the escape not NaN.
+  /// Precondition: indices of primitives below 2^31 (those of any model in memory are), the escape and the
+  /// weights not NaN.
   void append(const Certificate& certificate);
 
   struct Range {

@@ -8,11 +8,11 @@
 
 namespace verisq {
 
-CollectedMap::CollectedMap(const Mesh* mesh) : mesh_(mesh) {
-  if (mesh_ == nullptr) return;
-  lo_.reserve(mesh_->vertices.size());
-  hi_.reserve(mesh_->vertices.size());
-  statuses_.reserve(mesh_->vertices.size());
+CollectedMap::CollectedMap(const MapKind& kind) : mesh_(kind.mesh), elements_(kind.elements) {
+  const std::size_t rows = complete_size();
+  lo_.reserve(rows);
+  hi_.reserve(rows);
+  statuses_.reserve(rows);
 }
 
 void CollectedMap::append(std::span<const Point> points, std::span<const MapResult> results) {
@@ -25,8 +25,13 @@ void CollectedMap::append(std::span<const Point> points, std::span<const MapResu
 }
 
 void CollectedMap::check_complete(const OutputFile& output) const {
-  if (vertices().size() == statuses_.size()) return;
-  output.fail(fmt::format("{} results for {} vertices", statuses_.size(), vertices().size()));
+  if (complete_size() == statuses_.size()) return;
+  output.fail(fmt::format("{} results for {} {}", statuses_.size(), complete_size(),
+                          elements_ == MapElements::vertices ? "vertices" : "triangles"));
+}
+
+std::size_t CollectedMap::complete_size() const {
+  return elements_ == MapElements::vertices ? vertices().size() : triangles().size();
 }
 
 std::span<const Point> CollectedMap::vertices() const {

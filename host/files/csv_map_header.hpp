@@ -7,9 +7,13 @@ namespace verisq {
 
 inline constexpr std::string_view csv_map_header = "index,lo,hi,status";
 
-/// With certificates. `primitive` and `normal_*` are the first normal, `further_normals` the others, each as
+/// With certificates, of points. `primitive` and `normal_*` are the first normal, `further_normals` the others, each as
 /// "primitive:x:y:z" with a blank between two; fields of what a certificate does not have are empty.
 inline constexpr std::string_view csv_certified_map_header =
     "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,escape_x,escape_y,escape_z";
+
+/// The same of triangles, whose certificates have weights instead of an escape.
+inline constexpr std::string_view csv_certified_triangle_map_header =
+    "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,weight_1,weight_2";
 
 }  // namespace verisq

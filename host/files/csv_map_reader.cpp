@@ -13,24 +13,28 @@
 namespace verisq {
 namespace {
 
-constexpr std::size_t columns = 12;
-static_assert(std::count(csv_certified_map_header.begin(), csv_certified_map_header.end(), ',') + 1 == columns);
+constexpr std::size_t fields_of(std::string_view line) {
+  return static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+}
 
-/// Precondition: the text has N - 1 separators.
+/// The last part is what follows the first N - 1 separators. Precondition: the text has that many.
 template <std::size_t N>
 std::array<std::string_view, N> split(std::string_view text, char separator) {
   std::array<std::string_view, N> parts;
-  for (std::string_view& part : parts) {
-    const std::size_t length = std::min(text.find(separator), text.size());
-    part = text.substr(0, length);
-    text.remove_prefix(std::min(length + 1, text.size()));
+  for (std::size_t k = 0; k < N - 1; ++k) {
+    const std::size_t length = text.find(separator);
+    parts[k] = text.substr(0, length);
+    text.remove_prefix(length + 1);
   }
+  parts.back() = text;
   return parts;
 }
 
 class CsvRows final : public MapRows {
  public:
-  explicit CsvRows(const std::filesystem::path& path) : file_(path) { read_header(); }
+  explicit CsvRows(const std::filesystem::path& path) : file_(path), elements_(read_header()) {}
+
+  [[nodiscard]] MapElements elements() const override { return elements_; }
 
   std::size_t read(std::span<CertifiedRow> rows) override {
     std::size_t count = 0;
@@ -43,33 +47,46 @@ class CsvRows final : public MapRows {
   }
 
  private:
-  void read_header() {
+  MapElements read_header() {
     const std::string_view header = file_.next_line().value_or("");
-    if (header == csv_certified_map_header) return;
+    if (header == csv_certified_map_header) return MapElements::vertices;
+    if (header == csv_certified_triangle_map_header) return MapElements::triangles;
     if (header == csv_map_header) file_.fail(without_certificates);
-    file_.fail(fmt::format("{}: not the header of a map: expected {}", in_quotes(header), csv_certified_map_header));
+    file_.fail(fmt::format("{}: not the header of a map: expected {}; of triangles {}", in_quotes(header),
+                           csv_certified_map_header, csv_certified_triangle_map_header));
   }
 
   /// A last line that was cut short has too few fields, or a shorter number in the last one: its enclosure is whole.
   void read_row(std::string_view line, CertifiedRow& row) {
-    const auto fields = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
-    if (fields != columns) {
-      file_.fail(fmt::format("{}: {} fields, expected {}", in_quotes(line), fields, columns));
-    }
-    const auto [index, lo, hi, status, primitive, normal_x, normal_y, normal_z, further_normals, escape_x, escape_y,
-                escape_z] = split<columns>(line, ',');
+    check_fields(line);
+    const auto [index, lo, hi, status, primitive, normal_x, normal_y, normal_z, further_normals, rest] =
+        split<10>(line, ',');
     check_index(index);
     row.result = {{end(lo, "lo"), end(hi, "hi")}, status_of(status)};
-    auto& [normals, escape] = row.certificate;
+    auto& [normals, escape, weights] = row.certificate;
     normals.clear();
-    if (const auto vector = optional_vector({normal_x, normal_y, normal_z}, {"normal_x", "normal_y", "normal_z"})) {
+    if (const auto vector = optional_numbers<3>({normal_x, normal_y, normal_z}, {"normal_x", "normal_y", "normal_z"})) {
       normals.push_back({primitive_of(primitive), *vector});
       read_further_normals(further_normals, normals);
     } else {
       expect_none(primitive, "primitive");
       expect_none(further_normals, "further_normals");
     }
-    escape = optional_vector({escape_x, escape_y, escape_z}, {"escape_x", "escape_y", "escape_z"});
+    escape.reset();
+    weights.reset();
+    if (elements_ == MapElements::vertices) {
+      escape = optional_numbers(split<3>(rest, ','), {"escape_x", "escape_y", "escape_z"});
+    } else {
+      weights = optional_numbers(split<2>(rest, ','), {"weight_1", "weight_2"});
+    }
+  }
+
+  void check_fields(std::string_view line) const {
+    const std::size_t fields = fields_of(line);
+    const std::size_t expected =
+        fields_of(elements_ == MapElements::vertices ? csv_certified_map_header : csv_certified_triangle_map_header);
+    if (fields == expected) return;
+    file_.fail(fmt::format("{}: {} fields, expected {}", in_quotes(line), fields, expected));
   }
 
   void check_index(std::string_view word) {
@@ -97,17 +114,21 @@ class CsvRows final : public MapRows {
     file_.fail(fmt::format("primitive = {}: not an index of a primitive", in_quotes(word)));
   }
 
-  /// Nothing when all three words are empty.
-  [[nodiscard]] std::optional<Point> optional_vector(const std::array<std::string_view, 3>& words,
-                                                     const std::array<std::string_view, 3>& names) const {
-    if (words[0].empty() && words[1].empty() && words[2].empty()) return std::nullopt;
-    return vector(words, names);
+  /// Nothing when all words are empty.
+  template <std::size_t N>
+  [[nodiscard]] std::optional<std::array<double, N>> optional_numbers(
+      const std::array<std::string_view, N>& words, const std::array<std::string_view, N>& names) const {
+    if (std::all_of(words.begin(), words.end(), [](std::string_view word) { return word.empty(); })) {
+      return std::nullopt;
+    }
+    return numbers<N>(words, names);
   }
 
-  [[nodiscard]] Point vector(const std::array<std::string_view, 3>& words,
-                             const std::array<std::string_view, 3>& names) const {
-    Point result{};
-    for (std::size_t k = 0; k < 3; ++k) result[k] = finite_number(file_, words[k], names[k]);
+  template <std::size_t N>
+  [[nodiscard]] std::array<double, N> numbers(const std::array<std::string_view, N>& words,
+                                              const std::array<std::string_view, N>& names) const {
+    std::array<double, N> result{};
+    for (std::size_t k = 0; k < N; ++k) result[k] = finite_number(file_, words[k], names[k]);
     return result;
   }
 
@@ -118,7 +139,7 @@ class CsvRows final : public MapRows {
         file_.fail(fmt::format("further_normals: {}: expected primitive:x:y:z", in_quotes(word)));
       }
       const auto [primitive, x, y, z] = split<4>(word, ':');
-      normals.push_back({primitive_of(primitive), vector({x, y, z}, {"x", "y", "z"})});
+      normals.push_back({primitive_of(primitive), numbers<3>({x, y, z}, {"x", "y", "z"})});
     }
   }
 
@@ -127,6 +148,7 @@ class CsvRows final : public MapRows {
   }
 
   InputFile file_;
+  MapElements elements_;
   std::int64_t next_index_ = 0;
 };
 

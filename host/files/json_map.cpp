@@ -1,4 +1,5 @@
-/// Maps as JSON: {"format": "verisq-map/1", "results": [{"index", "lo", "hi", "status"}, ...]}, streamed to the disk.
+/// Maps as JSON: {"format": "verisq-map/1", "results": [{"index", "lo", "hi", "status"}, ...]}, streamed to the disk. A
+/// map of triangles says so by "elements": "triangles".
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
@@ -21,8 +22,10 @@ void append_number(fmt::memory_buffer& text, double value) {
 
 class JsonMap final : public MapFormat {
  public:
-  explicit JsonMap(OutputFile& output) : output_(output) {
-    output_.write("{\"format\": \"verisq-map/1\",\n \"results\": [");
+  JsonMap(OutputFile& output, MapElements elements) : output_(output) {
+    output_.write("{\"format\": \"verisq-map/1\",\n ");
+    if (elements == MapElements::triangles) output_.write("\"elements\": \"triangles\",\n ");
+    output_.write("\"results\": [");
   }
 
   void append(std::span<const Point> /*not in this format*/, std::span<const MapResult> results,
@@ -50,9 +53,8 @@ class JsonMap final : public MapFormat {
 
 }  // namespace
 
-std::unique_ptr<MapFormat> make_json_map(OutputFile& output, const Mesh* /*not in this format*/,
-                                         MapContents /*enclosures*/) {
-  return std::make_unique<JsonMap>(output);
+std::unique_ptr<MapFormat> make_json_map(OutputFile& output, const MapKind& kind) {
+  return std::make_unique<JsonMap>(output, kind.elements);
 }
 
 }  // namespace verisq

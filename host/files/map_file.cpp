@@ -12,7 +12,7 @@
 namespace verisq {
 namespace {
 
-using Maker = std::unique_ptr<MapFormat> (*)(OutputFile&, const Mesh*, MapContents);
+using Maker = std::unique_ptr<MapFormat> (*)(OutputFile&, const MapKind&);
 
 Maker maker_for(const std::filesystem::path& path, MapContents contents) {
   const std::string extension = lower_case(path.extension().string());
@@ -34,8 +34,8 @@ Maker maker_for(const std::filesystem::path& path, MapContents contents) {
 /// The file and the format that fills it.
 class MapWriter::Format {
  public:
-  Format(const std::filesystem::path& path, const Mesh* mesh, MapContents contents)
-      : target_(path), make_(maker_for(path, contents)), output_(path), rows_(make_(output_, mesh, contents)) {}
+  Format(const std::filesystem::path& path, const MapKind& kind)
+      : target_(path), make_(maker_for(path, kind.contents)), output_(path), rows_(make_(output_, kind)) {}
 
   void append(std::span<const Point> points, std::span<const MapResult> results,
               std::span<const Certificate> certificates) {
@@ -60,8 +60,8 @@ class MapWriter::Format {
   std::unique_ptr<MapFormat> rows_;
 };
 
-MapWriter::MapWriter(const std::filesystem::path& path, const Mesh* mesh, MapContents contents)
-    : format_(std::make_unique<Format>(path, mesh, contents)) {}
+MapWriter::MapWriter(const std::filesystem::path& path, const Mesh* mesh, MapContents contents, MapElements elements)
+    : format_(std::make_unique<Format>(path, MapKind{mesh, contents, elements})) {}
 MapWriter::~MapWriter() = default;
 MapWriter::MapWriter(MapWriter&&) noexcept = default;
 MapWriter& MapWriter::operator=(MapWriter&&) noexcept = default;
@@ -69,6 +69,10 @@ MapWriter& MapWriter::operator=(MapWriter&&) noexcept = default;
 void MapWriter::append(std::span<const Point> points, std::span<const MapResult> results,
                        std::span<const Certificate> certificates) {
   format_->append(points, results, certificates);
+}
+
+void MapWriter::append(std::span<const MapResult> results, std::span<const Certificate> certificates) {
+  format_->append({}, results, certificates);
 }
 
 void MapWriter::finish() {

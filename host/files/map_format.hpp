@@ -12,6 +12,13 @@
 
 namespace verisq {
 
+/// As the constructor of `MapWriter` states it.
+struct MapKind {
+  const Mesh* mesh;  ///< must outlive the format; may be null for vertices: then the appended points are the vertices
+  MapContents contents;
+  MapElements elements;
+};
+
 /// Writes one map to the output file it was made with. Throws Error(failure).
 class MapFormat {
  public:
@@ -20,7 +27,7 @@ class MapFormat {
   MapFormat& operator=(const MapFormat&) = delete;
   virtual ~MapFormat() = default;
 
-  /// Precondition: as for `MapWriter::append`.
+  /// Precondition: as for `MapWriter::append`; the points may be left out where there is a mesh.
   virtual void append(std::span<const Point> points, std::span<const MapResult> results,
                       std::span<const Certificate> certificates) = 0;
   virtual void finish() = 0;  ///< writes what is left; the file itself stays to be finished
@@ -28,11 +35,10 @@ class MapFormat {
   [[nodiscard]] virtual bool valid_after_any_row() const { return false; }
 };
 
-// `output` and `mesh` must outlive the format. `mesh` may be null: then the appended points are the vertices.
-// JSON and PLY have no place for certificates.
-[[nodiscard]] std::unique_ptr<MapFormat> make_csv_map(OutputFile& output, const Mesh* mesh, MapContents contents);
-[[nodiscard]] std::unique_ptr<MapFormat> make_json_map(OutputFile& output, const Mesh* mesh, MapContents contents);
-[[nodiscard]] std::unique_ptr<MapFormat> make_vtp_map(OutputFile& output, const Mesh* mesh, MapContents contents);
-[[nodiscard]] std::unique_ptr<MapFormat> make_ply_map(OutputFile& output, const Mesh* mesh, MapContents contents);
+// `output` must outlive the format. JSON and PLY have no place for certificates.
+[[nodiscard]] std::unique_ptr<MapFormat> make_csv_map(OutputFile& output, const MapKind& kind);
+[[nodiscard]] std::unique_ptr<MapFormat> make_json_map(OutputFile& output, const MapKind& kind);
+[[nodiscard]] std::unique_ptr<MapFormat> make_vtp_map(OutputFile& output, const MapKind& kind);
+[[nodiscard]] std::unique_ptr<MapFormat> make_ply_map(OutputFile& output, const MapKind& kind);
 
 }  // namespace verisq

@@ -26,6 +26,7 @@ std::unique_ptr<MapRows> open_map(const std::filesystem::path& path) {
 class MapReader::Format {
  public:
   explicit Format(const std::filesystem::path& path) : rows_(open_map(path)) {}
+  [[nodiscard]] MapElements elements() const { return rows_->elements(); }
   std::size_t read(std::span<CertifiedRow> rows) { return rows_->read(rows); }
 
  private:
@@ -39,6 +40,10 @@ MapReader::MapReader(const std::filesystem::path& path) try : format_(std::make_
 MapReader::~MapReader() = default;
 MapReader::MapReader(MapReader&&) noexcept = default;
 MapReader& MapReader::operator=(MapReader&&) noexcept = default;
+
+MapElements MapReader::elements() const {
+  return format_->elements();
+}
 
 std::size_t MapReader::read(std::span<CertifiedRow> rows) {
   return format_->read(rows);

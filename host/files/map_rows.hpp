@@ -17,6 +17,8 @@ class MapRows {
   MapRows& operator=(const MapRows&) = delete;
   virtual ~MapRows() = default;
 
+  [[nodiscard]] virtual MapElements elements() const = 0;
+
   /// Fills `rows` from the front; returns how many, fewer than asked only at the end of the map.
   virtual std::size_t read(std::span<CertifiedRow> rows) = 0;
 };

@@ -14,6 +14,9 @@ namespace {
 
 constexpr std::string_view format_name = "verisq-model/1";
 
+/// Whether a number may be an interval where the contract allows it.
+enum class Intervals { allowed, refused };
+
 bool is_interval(const nlohmann::json& value) {
   return value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number();
 }
@@ -30,57 +33,74 @@ std::array<double, N> numbers(const JsonValue& value) {
   return result;
 }
 
-/// Numbers that the contract lets be uncertain.
-template <std::size_t N>
-std::array<double, N> numbers_or_intervals(const JsonValue& value) {
-  check_size(value, N);
-  for (std::size_t k = 0; k < N; ++k) {
-    const JsonValue element = value.element(k);
-    if (is_interval(element.json())) element.fail("intervals are not supported yet");
-  }
-  return numbers<N>(value);
-}
-
-Superquadric read_superquadric(const JsonValue& value) {
-  value.check_keys({"semi_axes", "exponents"});
-  const JsonValue semi_axes = value.at("semi_axes");
-  const JsonValue exponents = value.at("exponents");
-  const Superquadric result{numbers_or_intervals<3>(semi_axes), numbers_or_intervals<2>(exponents)};
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (!(result.semi_axes[k] > 0.0)) semi_axes.element(k).fail("must be positive");
-  }
-  for (std::size_t k = 0; k < 2; ++k) {
-    if (!(0.0 < result.exponents[k] && result.exponents[k] <= 2.0)) exponents.element(k).fail("must be in (0, 2]");
-  }
+Enclosure interval(const JsonValue& value) {
+  const Enclosure result{value.element(0).number(), value.element(1).number()};
+  if (result.lo > result.hi) value.fail("the lower end of the interval exceeds the upper");
   return result;
 }
 
-Pose read_pose(const JsonValue& value) {
-  value.check_keys({"translation", "quaternion"});
-  Pose pose;
-  if (const auto translation = value.find("translation")) pose.translation = numbers_or_intervals<3>(*translation);
-  if (const auto quaternion = value.find("quaternion")) {
-    pose.quaternion = numbers<4>(*quaternion);
-    const bool zero = std::all_of(pose.quaternion.begin(), pose.quaternion.end(), [](double q) { return q == 0.0; });
-    if (zero) quaternion->fail("must not be zero");
+Enclosure number_or_interval(const JsonValue& value, Intervals intervals) {
+  const bool allowed = intervals == Intervals::allowed;
+  if (is_interval(value.json())) {
+    if (allowed) return interval(value);
+    value.fail("is an interval, where only an exact model is supported");
   }
-  return pose;
+  if (allowed && !value.json().is_number()) value.fail("must be a number or an interval [lo, hi]");
+  const double number = value.number();
+  return {number, number};
 }
 
-Primitive read_primitive(const JsonValue& value) {
+/// Numbers that the contract lets be uncertain.
+template <std::size_t N>
+std::array<Enclosure, N> numbers_or_intervals(const JsonValue& value, Intervals intervals) {
+  check_size(value, N);
+  std::array<Enclosure, N> result{};
+  for (std::size_t k = 0; k < N; ++k) result[k] = number_or_interval(value.element(k), intervals);
+  return result;
+}
+
+void read_superquadric(const JsonValue& value, Intervals intervals, UncertainPrimitive& primitive) {
+  value.check_keys({"semi_axes", "exponents"});
+  const JsonValue semi_axes = value.at("semi_axes");
+  const JsonValue exponents = value.at("exponents");
+  primitive.semi_axes = numbers_or_intervals<3>(semi_axes, intervals);
+  primitive.exponents = numbers_or_intervals<2>(exponents, intervals);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(primitive.semi_axes[k].lo > 0.0)) semi_axes.element(k).fail("must be positive");
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto& [lo, hi] = primitive.exponents[k];
+    if (!(0.0 < lo && hi <= 2.0)) exponents.element(k).fail("must be in (0, 2]");
+  }
+}
+
+void read_pose(const JsonValue& value, Intervals intervals, UncertainPrimitive& primitive) {
+  value.check_keys({"translation", "quaternion"});
+  if (const auto translation = value.find("translation")) {
+    primitive.translation = numbers_or_intervals<3>(*translation, intervals);
+  }
+  if (const auto quaternion = value.find("quaternion")) {
+    primitive.quaternion = numbers<4>(*quaternion);
+    const auto& q = primitive.quaternion;
+    if (std::all_of(q.begin(), q.end(), [](double c) { return c == 0.0; })) quaternion->fail("must not be zero");
+  }
+}
+
+UncertainPrimitive read_primitive(const JsonValue& value, Intervals intervals) {
   value.check_keys({"name", "superquadric", "bend", "pose"});
-  Primitive primitive{value.at("name").text(), read_superquadric(value.at("superquadric")), {}};
-  if (const auto pose = value.find("pose")) primitive.pose = read_pose(*pose);
+  UncertainPrimitive primitive{value.at("name").text(), {}, {}, {}, Pose{}.quaternion};
+  read_superquadric(value.at("superquadric"), intervals, primitive);
+  if (const auto pose = value.find("pose")) read_pose(*pose, intervals, primitive);
   if (const auto bend = value.find("bend")) bend->fail_key("bent superquadrics are not supported yet");
   return primitive;
 }
 
-std::vector<Primitive> read_primitives(const JsonValue& value) {
-  std::vector<Primitive> primitives;
+std::vector<UncertainPrimitive> read_primitives(const JsonValue& value, Intervals intervals) {
+  std::vector<UncertainPrimitive> primitives;
   std::set<std::string> names;
   for (std::size_t k = 0; k < value.size(); ++k) {
     const JsonValue element = value.element(k);
-    primitives.push_back(read_primitive(element));
+    primitives.push_back(read_primitive(element, intervals));
     if (!names.insert(primitives.back().name).second) {
       element.at("name").fail("another primitive has this name");
     }
@@ -92,8 +112,8 @@ std::vector<Primitive> read_primitives(const JsonValue& value) {
 /// The names in a tree of set operations, every one known.
 class SetOperations {
  public:
-  explicit SetOperations(const std::vector<Primitive>& primitives) {
-    for (const Primitive& primitive : primitives) known_.insert(primitive.name);
+  explicit SetOperations(const std::vector<UncertainPrimitive>& primitives) {
+    for (const UncertainPrimitive& primitive : primitives) known_.insert(primitive.name);
   }
 
   /// {"union": [operand, ...]}; the others are valid, but refused. Recursion is bounded by parse_json.
@@ -128,18 +148,16 @@ class SetOperations {
   std::set<std::string> used_;
 };
 
-}  // namespace
-
-Model parse_model(std::string_view json, std::string_view name) {
+UncertainModel parse(std::string_view json, std::string_view name, Intervals intervals) {
   const nlohmann::json document = parse_json(json, name);
   const JsonValue root(document, name);
   if (!document.is_object()) root.fail("must be an object");
   const JsonValue format = root.at("format");
   if (format.text() != format_name) format.fail(fmt::format("must be \"{}\"", format_name));
   root.check_keys({"format", "units", "primitives", "csg"});
-  Model model;
+  UncertainModel model;
   if (const auto units = root.find("units")) model.units = units->text();
-  model.primitives = read_primitives(root.at("primitives"));
+  model.primitives = read_primitives(root.at("primitives"), intervals);
   if (const auto csg = root.find("csg")) {
     SetOperations operations(model.primitives);
     operations.read_operator(*csg);
@@ -148,12 +166,32 @@ Model parse_model(std::string_view json, std::string_view name) {
   return model;
 }
 
-Model read_model(const std::filesystem::path& path) {
+/// Hands the text of a file to `parse`, whole.
+template <class Parse>
+auto read(const std::filesystem::path& path, Parse parse) {
   constexpr std::size_t largest = std::size_t{1} << 26;
   InputFile file(path);
   const std::string_view text = file.peek(largest + 1);
   if (text.size() > largest) file.fail_whole(fmt::format("larger than {} bytes: not a model", largest));
-  return parse_model(text, path.string());
+  return parse(text, path.string());
+}
+
+}  // namespace
+
+Model parse_model(std::string_view json, std::string_view name) {
+  return bracket(parse(json, name, Intervals::refused)).smallest;  // an exact model is its own bracket
+}
+
+UncertainModel parse_uncertain_model(std::string_view json, std::string_view name) {
+  return parse(json, name, Intervals::allowed);
+}
+
+Model read_model(const std::filesystem::path& path) {
+  return read(path, parse_model);
+}
+
+UncertainModel read_uncertain_model(const std::filesystem::path& path) {
+  return read(path, parse_uncertain_model);
 }
 
 }  // namespace verisq

@@ -1,4 +1,4 @@
-/// Maps as PLY, binary little-endian: each vertex carries dist_lo, dist_hi, dist_mid and status.
+/// Maps as PLY, binary little-endian: each vertex or each face carries dist_lo, dist_hi, dist_mid and status.
 #include <fmt/format.h>
 
 #include <array>
@@ -12,7 +12,7 @@ namespace {
 
 class PlyMap final : public MapFormat {
  public:
-  PlyMap(OutputFile& output, const Mesh* mesh) : output_(output), map_(mesh) {}
+  PlyMap(OutputFile& output, const MapKind& kind) : output_(output), map_(kind) {}
 
   void append(std::span<const Point> points, std::span<const MapResult> results,
               std::span<const Certificate> /*not in this format*/) override {
@@ -22,10 +22,14 @@ class PlyMap final : public MapFormat {
   void finish() override {
     map_.check_complete(output_);
     write_header();
-    for (std::size_t k = 0; k < map_.vertices().size(); ++k) write_vertex(k);
-    for (const auto& triangle : map_.triangles()) {
+    for (std::size_t k = 0; k < map_.vertices().size(); ++k) {
+      output_.write_little_endian<double>(map_.vertices()[k]);
+      if (map_.elements() == MapElements::vertices) write_result(k);
+    }
+    for (std::size_t k = 0; k < map_.triangles().size(); ++k) {
       output_.write(std::string_view("\3", 1));  // corners
-      output_.write_little_endian<std::uint32_t>(triangle);
+      output_.write_little_endian<std::uint32_t>(map_.triangles()[k]);
+      if (map_.elements() == MapElements::triangles) write_result(k);
     }
   }
 
@@ -34,23 +38,24 @@ class PlyMap final : public MapFormat {
     output_.write("ply\nformat binary_little_endian 1.0\ncomment verisq-map/1; status: 0 device-verified, ");
     output_.write("1 host-verified, 2 wide\n");
     output_.write(fmt::format("element vertex {}\n", map_.vertices().size()));
-    for (const char* name : {"x", "y", "z", "dist_lo", "dist_hi", "dist_mid"}) {
-      output_.write(fmt::format("property double {}\n", name));
-    }
-    output_.write("property uchar status\n");
-    if (!map_.triangles().empty()) {
+    output_.write("property double x\nproperty double y\nproperty double z\n");
+    if (map_.elements() == MapElements::vertices) output_.write(result_properties);
+    if (map_.elements() == MapElements::triangles || !map_.triangles().empty()) {
       output_.write(fmt::format("element face {}\nproperty list uchar uint vertex_indices\n", map_.triangles().size()));
     }
+    if (map_.elements() == MapElements::triangles) output_.write(result_properties);
     output_.write("end_header\n");
   }
 
-  void write_vertex(std::size_t k) {
-    const auto [x, y, z] = map_.vertices()[k];
+  void write_result(std::size_t k) {
     const double lo = map_.lo()[k];
     const double hi = map_.hi()[k];
-    output_.write_little_endian<double>(std::array{x, y, z, lo, hi, finite_middle(lo, hi)});
+    output_.write_little_endian<double>(std::array{lo, hi, finite_middle(lo, hi)});
     output_.write_little_endian(map_.statuses().subspan(k, 1));
   }
+
+  static constexpr std::string_view result_properties =
+      "property double dist_lo\nproperty double dist_hi\nproperty double dist_mid\nproperty uchar status\n";
 
   OutputFile& output_;
   CollectedMap map_;
@@ -58,8 +63,8 @@ class PlyMap final : public MapFormat {
 
 }  // namespace
 
-std::unique_ptr<MapFormat> make_ply_map(OutputFile& output, const Mesh* mesh, MapContents /*enclosures*/) {
-  return std::make_unique<PlyMap>(output, mesh);
+std::unique_ptr<MapFormat> make_ply_map(OutputFile& output, const MapKind& kind) {
+  return std::make_unique<PlyMap>(output, kind);
 }
 
 }  // namespace verisq

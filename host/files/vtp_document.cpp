@@ -12,6 +12,8 @@
 namespace verisq {
 namespace {
 
+constexpr const char* point_data = "PointData";
+constexpr const char* cell_data = "CellData";
 constexpr std::size_t longest_xml = std::size_t{1} << 20;  // the writer's is a few thousand bytes
 
 /// The file up to the '_' before the appended part, whose raw bytes are not XML.
@@ -51,15 +53,33 @@ void VtpDocument::check_attributes() const {
   expect(only_child(root, "AppendedData"), "encoding", "raw");
 }
 
-bool VtpDocument::has_point_array(std::string_view name) const {
-  const auto arrays = only_child(piece(), "PointData").children("DataArray");
+std::optional<MapElements> VtpDocument::elements_with(std::string_view name) const {
+  const bool points = has_array(point_data, name);
+  const bool cells = has_array(cell_data, name);
+  if (points && cells) fail(piece(), fmt::format("both points and cells have a DataArray {}", in_quotes(name)));
+  if (points) return MapElements::vertices;
+  return cells ? std::optional(MapElements::triangles) : std::nullopt;
+}
+
+bool VtpDocument::has_array(const char* data, std::string_view name) const {
+  if (!piece().child(data)) return false;
+  const auto arrays = only_child(piece(), data).children("DataArray");
   return std::any_of(arrays.begin(), arrays.end(),
                      [&](pugi::xml_node array) { return array.attribute("Name").value() == name; });
 }
 
-DeclaredArray VtpDocument::point_array(std::string_view name, std::string_view type, int components) const {
-  const pugi::xml_node array = only_array(only_child(piece(), "PointData"), name, type, components);
-  return {name, whole_number(piece(), "NumberOfPoints"), whole_number(array, "offset")};
+DeclaredArray VtpDocument::element_array(MapElements elements, std::string_view name, std::string_view type,
+                                         int components) const {
+  const char* const data = elements == MapElements::vertices ? point_data : cell_data;
+  const pugi::xml_node array = only_array(only_child(piece(), data), name, type, components);
+  return {name, count(elements), whole_number(array, "offset")};
+}
+
+std::uint64_t VtpDocument::count(MapElements elements) const {
+  if (elements == MapElements::vertices) return whole_number(piece(), "NumberOfPoints");
+  // Cell data has a tuple for every cell, of whatever kind: another kind would shift the rows of the triangles.
+  for (const char* other : {"NumberOfVerts", "NumberOfLines", "NumberOfStrips"}) expect(piece(), other, "0");
+  return whole_number(piece(), "NumberOfPolys");
 }
 
 DeclaredArray VtpDocument::field_array(std::string_view name, std::string_view type, int components) const {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <pugixml.hpp>
 #include <string_view>
+#include <verisq/map_file.hpp>
 
 #include "host/files/input_file.hpp"
 
@@ -23,14 +25,19 @@ class VtpDocument {
   /// Reads `file`, which must outlive this, as far as the '_' before the appended part.
   explicit VtpDocument(InputFile& file);
 
-  [[nodiscard]] bool has_point_array(std::string_view name) const;
+  /// The elements that have an array of that name: a tuple for each point or for each triangle. Nothing when neither
+  /// has; refused when both have.
+  [[nodiscard]] std::optional<MapElements> elements_with(std::string_view name) const;
 
   // The one array of that name, which must have the type and number of components. `name` must outlive the result.
-  [[nodiscard]] DeclaredArray point_array(std::string_view name, std::string_view type, int components) const;
+  [[nodiscard]] DeclaredArray element_array(MapElements elements, std::string_view name, std::string_view type,
+                                            int components) const;
   [[nodiscard]] DeclaredArray field_array(std::string_view name, std::string_view type, int components) const;
 
  private:
   void check_attributes() const;
+  [[nodiscard]] bool has_array(const char* data, std::string_view name) const;
+  [[nodiscard]] std::uint64_t count(MapElements elements) const;
   [[nodiscard]] pugi::xml_node poly_data() const;
   [[nodiscard]] pugi::xml_node piece() const;
   [[nodiscard]] pugi::xml_node only_child(pugi::xml_node parent, const char* name) const;

@@ -42,8 +42,8 @@ class ArrayDeclarations {
 
 class VtpMap final : public MapFormat {
  public:
-  VtpMap(OutputFile& output, const Mesh* mesh, MapContents contents) : output_(output), map_(mesh) {
-    if (contents == MapContents::certified) certificates_.emplace();
+  VtpMap(OutputFile& output, const MapKind& kind) : output_(output), map_(kind) {
+    if (kind.contents == MapContents::certified) certificates_.emplace().elements = kind.elements;
   }
 
   void append(std::span<const Point> points, std::span<const MapResult> results,
@@ -71,13 +71,17 @@ class VtpMap final : public MapFormat {
 
  private:
   [[nodiscard]] std::uint64_t points() const { return map_.vertices().size(); }
-  [[nodiscard]] bool has_triangles() const { return !map_.triangles().empty(); }
+  [[nodiscard]] std::uint64_t rows() const { return map_.statuses().size(); }
+  [[nodiscard]] bool has_triangles() const {
+    return map_.elements() == MapElements::triangles || !map_.triangles().empty();
+  }
   /// Triangles, or a vertex cell for each point: points without cells are invisible.
   [[nodiscard]] std::uint64_t cells() const { return has_triangles() ? map_.triangles().size() : points(); }
   [[nodiscard]] std::uint64_t corners() const { return has_triangles() ? 3 : 1; }
 
   void write_declarations() {
-    const char* cell_type = has_triangles() ? "Polys" : "Verts";
+    const char* const cell_type = has_triangles() ? "Polys" : "Verts";
+    const char* const data = map_.elements() == MapElements::vertices ? "PointData" : "CellData";
     ArrayDeclarations arrays;
     output_.write(
         "<?xml version=\"1.0\"?>\n"
@@ -93,14 +97,14 @@ class VtpMap final : public MapFormat {
     output_.write(fmt::format("      </Points>\n      <{}>\n", cell_type));
     output_.write(arrays.declare("Int64", "connectivity", 1, word * corners() * cells()));
     output_.write(arrays.declare("Int64", "offsets", 1, word * cells()));
-    output_.write(fmt::format("      </{}>\n      <PointData Scalars=\"dist_mid\"{}>\n", cell_type,
+    output_.write(fmt::format("      </{}>\n      <{} Scalars=\"dist_mid\"{}>\n", cell_type, data,
                               certificates_ ? " Vectors=\"normal\"" : ""));
-    output_.write(arrays.declare("Float64", "dist_lo", 1, word * points()));
-    output_.write(arrays.declare("Float64", "dist_hi", 1, word * points()));
-    output_.write(arrays.declare("Float64", "dist_mid", 1, word * points()));
-    output_.write(arrays.declare("UInt8", "status", 1, points()));
+    output_.write(arrays.declare("Float64", "dist_lo", 1, word * rows()));
+    output_.write(arrays.declare("Float64", "dist_hi", 1, word * rows()));
+    output_.write(arrays.declare("Float64", "dist_mid", 1, word * rows()));
+    output_.write(arrays.declare("UInt8", "status", 1, rows()));
     if (certificates_) write_certificates_declarations(arrays);
-    output_.write("      </PointData>\n");
+    output_.write(fmt::format("      </{}>\n", data));
     output_.write("    </Piece>\n  </PolyData>\n");
   }
 
@@ -113,10 +117,14 @@ class VtpMap final : public MapFormat {
   }
 
   void write_certificates_declarations(ArrayDeclarations& arrays) {
-    output_.write(arrays.declare("Int32", "primitive", 1, sizeof(std::int32_t) * points()));
-    output_.write(arrays.declare("Float64", "normal", 3, 3 * word * points()));
-    output_.write(arrays.declare("Float64", "escape", 3, 3 * word * points()));
-    output_.write(arrays.declare("Int64", "further_normals_end", 1, word * points()));
+    output_.write(arrays.declare("Int32", "primitive", 1, sizeof(std::int32_t) * rows()));
+    output_.write(arrays.declare("Float64", "normal", 3, 3 * word * rows()));
+    if (map_.elements() == MapElements::vertices) {
+      output_.write(arrays.declare("Float64", "escape", 3, 3 * word * rows()));
+    } else {
+      output_.write(arrays.declare("Float64", "weights", 2, 2 * word * rows()));
+    }
+    output_.write(arrays.declare("Int64", "further_normals_end", 1, word * rows()));
   }
 
   void write_further_normals(const CertificateColumns& columns) {
@@ -127,7 +135,11 @@ class VtpMap final : public MapFormat {
   void write_certificates(const CertificateColumns& columns) {
     write_array<std::int32_t>(columns.primitive);
     write_vectors(columns.normal);
-    write_vectors(columns.escape);
+    if (map_.elements() == MapElements::vertices) {
+      write_vectors(columns.escape);
+    } else {
+      write_tuples<2>(columns.weights);
+    }
     write_array<std::int64_t>(columns.further_normals_end);
   }
 
@@ -142,9 +154,12 @@ class VtpMap final : public MapFormat {
     output_.write_little_endian(std::span<const Number>(&number, 1));
   }
 
-  void write_vectors(std::span<const Point> vectors) {
-    write_number<std::uint64_t>(vectors.size_bytes());
-    for (const Point& vector : vectors) output_.write_little_endian<double>(vector);
+  void write_vectors(std::span<const Point> vectors) { write_tuples(vectors); }
+
+  template <std::size_t N>
+  void write_tuples(std::span<const std::array<double, N>> tuples) {
+    write_number<std::uint64_t>(tuples.size_bytes());
+    for (const auto& tuple : tuples) output_.write_little_endian<double>(tuple);
   }
 
   void write_cells() {
@@ -174,8 +189,8 @@ class VtpMap final : public MapFormat {
 
 }  // namespace
 
-std::unique_ptr<MapFormat> make_vtp_map(OutputFile& output, const Mesh* mesh, MapContents contents) {
-  return std::make_unique<VtpMap>(output, mesh, contents);
+std::unique_ptr<MapFormat> make_vtp_map(OutputFile& output, const MapKind& kind) {
+  return std::make_unique<VtpMap>(output, kind);
 }
 
 }  // namespace verisq

@@ -6,6 +6,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include "host/files/byte_order.hpp"
@@ -17,6 +19,8 @@
 namespace verisq {
 namespace {
 
+using Weights = std::array<double, 2>;
+
 template <class Item>
 Item item_from(const char* bytes) {
   return number_from<Item>(bytes, std::endian::little);
@@ -25,6 +29,11 @@ Item item_from(const char* bytes) {
 template <>
 Point item_from<Point>(const char* bytes) {
   return {item_from<double>(bytes), item_from<double>(bytes + 8), item_from<double>(bytes + 16)};
+}
+
+template <>
+Weights item_from<Weights>(const char* bytes) {
+  return {item_from<double>(bytes), item_from<double>(bytes + 8)};
 }
 
 /// The appended part of the file, read front to back, so that only arrays in ascending order can be read.
@@ -85,12 +94,12 @@ class AppendedArrays {
   std::uint64_t start_;
 };
 
-bool is_finite(const Point& vector) {
-  return std::all_of(vector.begin(), vector.end(), [](double v) { return std::isfinite(v); });
+bool is_finite(std::span<const double> numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double v) { return std::isfinite(v); });
 }
 
-bool is_no_escape(const Point& vector) {
-  return std::all_of(vector.begin(), vector.end(), [](double v) { return std::isnan(v); });
+bool is_finite_or_none(std::span<const double> numbers) {
+  return is_finite(numbers) || std::all_of(numbers.begin(), numbers.end(), [](double v) { return std::isnan(v); });
 }
 
 class VtpRows final : public MapRows {
@@ -100,8 +109,10 @@ class VtpRows final : public MapRows {
     if (file.size() == 0) file.fail_whole("not a regular file: a map as .vtp needs a known size");
     read_columns(file);
     check_further_normals(file);
-    for (std::size_t point = 0; point < lo_.size(); ++point) check_point(file, point);
+    for (std::size_t row = 0; row < lo_.size(); ++row) check_row(file, row);
   }
+
+  [[nodiscard]] MapElements elements() const override { return certificates_.elements; }
 
   std::size_t read(std::span<CertifiedRow> rows) override {
     const std::size_t count = std::min(rows.size(), lo_.size() - next_);
@@ -116,18 +127,26 @@ class VtpRows final : public MapRows {
   /// In the order in which the writer writes them.
   void read_columns(InputFile& file) {
     const VtpDocument document(file);
-    if (!document.has_point_array("primitive")) file.fail_whole(without_certificates);
+    const std::optional<MapElements> elements = document.elements_with("primitive");
+    if (!elements) file.fail_whole(without_certificates);
+    certificates_.elements = *elements;
+    const auto declared = [&](std::string_view name, std::string_view type, int components) {
+      return document.element_array(*elements, name, type, components);
+    };
     AppendedArrays arrays(file);
     certificates_.further_primitive = arrays.read<std::int32_t>(document.field_array("further_primitive", "Int32", 1));
     certificates_.further_normal = arrays.read<Point>(document.field_array("further_normal", "Float64", 3));
-    lo_ = arrays.read<double>(document.point_array("dist_lo", "Float64", 1));
-    hi_ = arrays.read<double>(document.point_array("dist_hi", "Float64", 1));
-    status_ = arrays.read<std::uint8_t>(document.point_array("status", "UInt8", 1));
-    certificates_.primitive = arrays.read<std::int32_t>(document.point_array("primitive", "Int32", 1));
-    certificates_.normal = arrays.read<Point>(document.point_array("normal", "Float64", 3));
-    certificates_.escape = arrays.read<Point>(document.point_array("escape", "Float64", 3));
-    certificates_.further_normals_end =
-        arrays.read<std::int64_t>(document.point_array("further_normals_end", "Int64", 1));
+    lo_ = arrays.read<double>(declared("dist_lo", "Float64", 1));
+    hi_ = arrays.read<double>(declared("dist_hi", "Float64", 1));
+    status_ = arrays.read<std::uint8_t>(declared("status", "UInt8", 1));
+    certificates_.primitive = arrays.read<std::int32_t>(declared("primitive", "Int32", 1));
+    certificates_.normal = arrays.read<Point>(declared("normal", "Float64", 3));
+    if (elements == MapElements::vertices) {
+      certificates_.escape = arrays.read<Point>(declared("escape", "Float64", 3));
+    } else {
+      certificates_.weights = arrays.read<Weights>(declared("weights", "Float64", 2));
+    }
+    certificates_.further_normals_end = arrays.read<std::int64_t>(declared("further_normals_end", "Int64", 1));
   }
 
   /// What `CertificateColumns::read` relies on: the ends ascend from 0 to the length of both further columns.
@@ -139,14 +158,15 @@ class VtpRows final : public MapRows {
           fmt::format("{} of further_primitive, but {} of further_normal", primitives.size(), normals.size()));
     }
     std::int64_t end = 0;
-    for (std::size_t point = 0; point < certificates_.further_normals_end.size(); ++point) {
-      const std::int64_t start = std::exchange(end, certificates_.further_normals_end[point]);
+    for (std::size_t row = 0; row < certificates_.further_normals_end.size(); ++row) {
+      const std::int64_t start = std::exchange(end, certificates_.further_normals_end[row]);
       if (end < start) {
-        fail(file, "point", point, fmt::format("further_normals_end = {}: expected at least {}", end, start));
+        fail(file, element(), row, fmt::format("further_normals_end = {}: expected at least {}", end, start));
       }
     }
     if (static_cast<std::uint64_t>(end) != normals.size()) {
-      file.fail_whole(fmt::format("further_normals_end = {} at the last point: expected {}", end, normals.size()));
+      file.fail_whole(
+          fmt::format("further_normals_end = {} at the last {}: expected {}", end, element(), normals.size()));
     }
     for (std::size_t k = 0; k < normals.size(); ++k) {
       if (primitives[k] < 0) fail(file, "further normal", k, fmt::format("primitive = {}", primitives[k]));
@@ -156,23 +176,33 @@ class VtpRows final : public MapRows {
     }
   }
 
-  void check_point(const InputFile& file, std::size_t point) const {
-    const auto refuse = [&](std::string_view message) { fail(file, "point", point, message); };
-    if (std::isnan(lo_[point])) refuse("dist_lo = nan");
-    if (std::isnan(hi_[point])) refuse("dist_hi = nan");
-    if (status_[point] > static_cast<std::uint8_t>(Status::wide)) refuse(fmt::format("status = {}", status_[point]));
-    const std::int32_t primitive = certificates_.primitive[point];
+  void check_row(const InputFile& file, std::size_t row) const {
+    const auto refuse = [&](std::string_view message) { fail(file, element(), row, message); };
+    if (std::isnan(lo_[row])) refuse("dist_lo = nan");
+    if (std::isnan(hi_[row])) refuse("dist_hi = nan");
+    if (status_[row] > static_cast<std::uint8_t>(Status::wide)) refuse(fmt::format("status = {}", status_[row]));
+    const std::int32_t primitive = certificates_.primitive[row];
     if (primitive < CertificateColumns::no_primitive) refuse(fmt::format("primitive = {}", primitive));
-    const auto [begin, end] = certificates_.further_normals(point);
+    const auto [begin, end] = certificates_.further_normals(row);
     if (primitive == CertificateColumns::no_primitive && begin < end) {
       refuse("further normals without a first normal");
     }
-    const Point& normal = certificates_.normal[point];
+    const Point& normal = certificates_.normal[row];
     if (!is_finite(normal)) refuse(fmt::format("normal = {}: not finite", fmt::join(normal, " ")));
-    const Point& escape = certificates_.escape[point];
-    if (!is_finite(escape) && !is_no_escape(escape)) {
-      refuse(fmt::format("escape = {}: neither finite nor all nan", fmt::join(escape, " ")));
+    const auto check_optional = [&](std::string_view name, std::span<const double> numbers) {
+      if (is_finite_or_none(numbers)) return;
+      refuse(fmt::format("{} = {}: neither finite nor all nan", name, fmt::join(numbers, " ")));
+    };
+    if (certificates_.elements == MapElements::vertices) {
+      check_optional("escape", certificates_.escape[row]);
+    } else {
+      check_optional("weights", certificates_.weights[row]);
     }
+  }
+
+  /// What a row of the map is about.
+  [[nodiscard]] std::string_view element() const {
+    return certificates_.elements == MapElements::vertices ? "point" : "triangle";
   }
 
   [[noreturn]] static void fail(const InputFile& file, std::string_view what, std::size_t index,

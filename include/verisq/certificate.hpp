@@ -21,16 +21,24 @@ struct Normal {
   [[nodiscard]] bool operator==(const Normal&) const = default;
 };
 
-/// The certificate of one enclosure [lo, hi] of the signed distance of q to a union of primitives.
+/// The certificate of one enclosure [lo, hi] of the signed distance of a point q to a union of primitives, or of the
+/// distance of a triangle (0 where it meets the union).
 ///
+/// Of a point:
 /// Lower end: with lo > 0, every primitive is farther than lo, by one of `normals` or by its bounding sphere. With
 /// lo <= 0, `escape` is a point outside all primitives that is no farther than -lo from q; in a model of a single
 /// primitive a normal serves as well.
 /// Upper end: by one of `normals`; with hi < 0, the ball of radius -hi about q lies inside the primitive of the first
 /// normal, which is proven by covering the ball with cones (the branch and bound needs no more than the radius).
+///
+/// Of a triangle with corners t_i: a normal v proves the lower end (min_i v·t_i - h(v)) / |v| for its primitive; the
+/// upper end is that of the point q = t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0) by the first normal, w being `weights`; 0
+/// where q is in the first normal's primitive.
 struct Certificate {
-  std::vector<Normal> normals;  ///< the first is that of the primitive that decides hi
-  std::optional<Point> escape;
+  std::vector<Normal> normals;                        ///< the first is that of the primitive that decides hi
+  std::optional<Point> escape;                        ///< of a point only
+  std::optional<std::array<double, 2>> weights = {};  ///< of a triangle only; they prove nothing unless w_1, w_2 >= 0
+                                                      ///< and w_1 + w_2 <= 1 exactly
 
   [[nodiscard]] bool operator==(const Certificate&) const = default;
 };

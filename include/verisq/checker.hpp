@@ -4,6 +4,7 @@
 #include <memory>
 #include <verisq/certificate.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
@@ -31,6 +32,10 @@ class Checker {
   /// certificate holds. Normals of primitives that the model does not have, and vectors that are zero or not finite,
   /// prove nothing. Precondition: `point` is finite, `claimed` holds no NaN.
   [[nodiscard]] Finding operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate) const;
+
+  /// The same of the distance of a triangle, which is 0 where it meets the model. Precondition: finite corners.
+  [[nodiscard]] Finding operator()(const Triangle& triangle, const Enclosure& claimed,
+                                   const Certificate& certificate) const;
 
  private:
   struct State;

@@ -8,6 +8,7 @@
 #include <string>
 #include <verisq/certificate.hpp>
 #include <verisq/map_result.hpp>
+#include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
@@ -52,6 +53,26 @@ class DistanceMapper {
   /// Maps all points of `source`. Memory is bounded by a few chunks, whatever their number; transfers overlap with
   /// work. Throws Error(input) for a point that is not finite, and what source and sink throw. One call at a time.
   MapSummary map(const PointSource& source, const MapSink& sink);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// As PointSource and MapSink.
+using TriangleSource = std::function<std::size_t(std::span<Triangle>)>;
+using TriangleSink =
+    std::function<void(std::span<const Triangle>, std::span<const MapResult>, std::span<const Certificate>)>;
+
+/// As DistanceMapper for the distance of whole triangles to the model, which is 0 where they meet it.
+class TriangleMapper {
+ public:
+  TriangleMapper(const Model& model, const MapOptions& options);
+  ~TriangleMapper();
+  TriangleMapper(TriangleMapper&&) noexcept;
+  TriangleMapper& operator=(TriangleMapper&&) noexcept;
+
+  MapSummary map(const TriangleSource& source, const TriangleSink& sink);
 
  private:
   struct State;

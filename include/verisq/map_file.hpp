@@ -16,6 +16,12 @@ enum class MapContents {
   certified,  ///< with the certificate of each enclosure; `.csv` and `.vtp` only
 };
 
+/// What a map has a row for.
+enum class MapElements {
+  vertices,   ///< of a mesh, or points of a stream: `.vtp` has point data, `.ply` properties of the vertices
+  triangles,  ///< of a mesh: `.vtp` has cell data, `.ply` properties of the faces
+};
+
 /// Rows arrive in order through `append`; `.csv` and `.json` stream them to the disk, the mesh formats (`.vtp`, `.ply`)
 /// keep them until `finish`. Everything goes to a temporary file beside the target, which `finish` renames: an
 /// interrupted run leaves no half-written map under the target's name. Without `finish` the destructor removes the
@@ -23,19 +29,23 @@ enum class MapContents {
 class MapWriter {
  public:
   /// `mesh` supplies vertices and triangles to the mesh formats; it must outlive the writer. Null for a stream of
-  /// points: then `append`'s points become vertices.
+  /// points: then `append`'s points become vertices. Precondition: a map of triangles has a mesh.
   /// Throws Error(input) for an unknown extension and for certificates in a format that has no place for them,
   /// Error(failure) when the file cannot be written.
-  MapWriter(const std::filesystem::path& path, const Mesh* mesh, MapContents contents = MapContents::enclosures);
+  MapWriter(const std::filesystem::path& path, const Mesh* mesh, MapContents contents = MapContents::enclosures,
+            MapElements elements = MapElements::vertices);
   ~MapWriter();
   MapWriter(MapWriter&&) noexcept;
   MapWriter& operator=(MapWriter&&) noexcept;
 
   /// Precondition: spans of the same length; `certificates` empty unless the contents are certified, and all their
-  /// numbers finite. Indices continue from the last call.
+  /// numbers finite; an escape in a map of vertices only, weights in a map of triangles only. Indices continue from the
+  /// last call.
   void append(std::span<const Point> points, std::span<const MapResult> results,
               std::span<const Certificate> certificates = {});
-  /// Throws Error(failure) when the file cannot be written, or when a mesh format has not one row for each vertex.
+  /// The same where a mesh has the points. Precondition: as above, and a mesh.
+  void append(std::span<const MapResult> results, std::span<const Certificate> certificates = {});
+  /// Throws Error(failure) when the file cannot be written, or when a mesh format has not one row for each element.
   void finish();
   /// Ends an interrupted map instead of `finish`: `.csv` keeps the rows appended so far under the target's name with
   /// `.partial` added and returns that path; the other formats keep nothing and return an empty path.
@@ -52,7 +62,8 @@ struct CertifiedRow {
   Certificate certificate;
 };
 
-/// Reads a certified map (`.csv`, `.vtp`; also `.csv.partial`), in the order of its points. A `.csv` is streamed, a
+/// Reads a certified map (`.csv`, `.vtp`; also `.csv.partial`), in the order of its points or triangles. A `.csv` is
+/// streamed, a
 /// `.vtp` is kept in memory.
 class MapReader {
  public:
@@ -62,6 +73,8 @@ class MapReader {
   ~MapReader();
   MapReader(MapReader&&) noexcept;
   MapReader& operator=(MapReader&&) noexcept;
+
+  [[nodiscard]] MapElements elements() const;
 
   /// Fills `rows` from the front; returns how many, fewer than asked only at the end of the map. Throws as above; ends
   /// are any binary64 numbers but NaN.

@@ -8,6 +8,9 @@
 
 namespace verisq {
 
+/// The three corners of a triangle.
+using Triangle = std::array<Point, 3>;
+
 /// Every index is below `vertices.size()`; every coordinate is finite. A point cloud has no triangles.
 struct Mesh {
   std::vector<Point> vertices;

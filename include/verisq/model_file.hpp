@@ -4,16 +4,22 @@
 #include <filesystem>
 #include <string_view>
 #include <verisq/model.hpp>
+#include <verisq/uncertain_model.hpp>
 
 namespace verisq {
 
 /// Throws Error(input) with one line naming file, key and value for everything the contract refuses: syntax
 /// errors, unknown keys, non-finite numbers, exponents outside (0, 2], non-positive semi-axes, a zero quaternion,
-/// duplicate or unknown names; also for what is valid but not supported yet (`bend`, intervals, `csg` other than
-/// a union of all primitives).
+/// duplicate or unknown names; also for what is valid but not supported yet (`bend`, `csg` other than a union of
+/// all primitives), and for intervals, which an exact model does not have.
 [[nodiscard]] Model read_model(const std::filesystem::path& path);
 
 /// The same from text; `name` stands for the file in messages.
 [[nodiscard]] Model parse_model(std::string_view json, std::string_view name);
+
+/// The same with intervals [lo, hi] for semi-axes, exponents and elements of translations; what holds for a number must
+/// hold at both ends.
+[[nodiscard]] UncertainModel read_uncertain_model(const std::filesystem::path& path);
+[[nodiscard]] UncertainModel parse_uncertain_model(std::string_view json, std::string_view name);
 
 }  // namespace verisq

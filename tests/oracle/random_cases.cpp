@@ -103,30 +103,34 @@ Primitive RandomCases::solid() {
   return {"solid", superquadric, pose(scale)};
 }
 
-Point RandomCases::boundary_point(const Superquadric& superquadric) {
+Primitive RandomCases::solid(const std::optional<Superquadric>& superquadric) {
+  if (!superquadric) return solid();
+  const auto& axes = superquadric->semi_axes;
+  return {"solid", *superquadric, pose(*std::max_element(axes.begin(), axes.end()))};
+}
+
+BoundaryPoint RandomCases::boundary_point(const Superquadric& superquadric) {
   const MixedNorm<double> norm(superquadric);
   Point u = direction();
-  // Half of the rays uniform on the sphere, half on the ellipsoid of the same semi-axes.
   if (choice(2) == 0) {
     for (std::size_t i = 0; i < 3; ++i) u[i] *= superquadric.semi_axes[i];
   }
-  return scaled(u, 1 / norm.gauge(u));
+  const Point x = scaled(u, 1 / norm.gauge(u));
+  return {x, unit_normal(norm, x)};
 }
 
 Point RandomCases::local_point(const Superquadric& superquadric, PointFamily family) {
-  const MixedNorm<double> norm(superquadric);
-  const Point x = boundary_point(superquadric);
+  const auto [x, normal] = boundary_point(superquadric);
   const double size = *std::max_element(superquadric.semi_axes.begin(), superquadric.semi_axes.end());
   switch (family) {
-    case PointFamily::along_normal: return offset(x, unit_normal(norm, x), size * log_uniform(1e-9, 1e6));
+    case PointFamily::along_normal: return offset(x, normal, size * log_uniform(1e-9, 1e6));
     case PointFamily::any_direction: return scaled(x, 1 + log_uniform(1e-9, 1e6));
     case PointFamily::deep_inside: return scaled(x, uniform(0, 1));
-    case PointFamily::just_inside: return offset(x, unit_normal(norm, x), -size * log_uniform(1e-9, 1e-1));
+    case PointFamily::just_inside: return offset(x, normal, -size * log_uniform(1e-9, 1e-1));
     case PointFamily::on_boundary: return x;
     case PointFamily::on_plane:
     case PointFamily::on_axis: {
-      Point q =
-          choice(2) == 0 ? scaled(x, uniform(0, 1)) : offset(x, unit_normal(norm, x), size * log_uniform(1e-9, 1e6));
+      Point q = choice(2) == 0 ? scaled(x, uniform(0, 1)) : offset(x, normal, size * log_uniform(1e-9, 1e6));
       const std::size_t axis = choice(3);
       if (family == PointFamily::on_plane) {
         q[axis] = 0.0;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <string_view>
 #include <verisq/model.hpp>
@@ -32,6 +33,12 @@ struct RandomPoint {
   PointFamily family;
 };
 
+/// A boundary point in the solid's own frame and the outward unit normal there, up to rounding.
+struct BoundaryPoint {
+  Point point;
+  Point normal;
+};
+
 /// The standard fixes the engine; the distributions are written out here, because it does not fix those.
 class RandomCases {
  public:
@@ -42,8 +49,14 @@ class RandomCases {
   /// or anything.
   [[nodiscard]] Primitive solid();
 
+  /// `superquadric`, or a random one where there is none, in a random pose.
+  [[nodiscard]] Primitive solid(const std::optional<Superquadric>& superquadric);
+
   /// Zero coordinates in the solid's own frame survive the pose exactly where it is the identity or a quarter turn.
   [[nodiscard]] RandomPoint point(const Primitive& solid);
+
+  /// Half of the rays from the centre uniform on the sphere, half on the ellipsoid of the same semi-axes.
+  [[nodiscard]] BoundaryPoint boundary_point(const Superquadric& superquadric);
 
   [[nodiscard]] double uniform(double low, double high);
   /// Logarithm uniform; precondition 0 < low < high.
@@ -56,7 +69,6 @@ class RandomCases {
   [[nodiscard]] double exponent();
   [[nodiscard]] Pose pose(double size);
   [[nodiscard]] Point local_point(const Superquadric& superquadric, PointFamily family);
-  [[nodiscard]] Point boundary_point(const Superquadric& superquadric);
 
   std::mt19937_64 engine_;
 };

@@ -20,24 +20,37 @@ namespace {
   return {scaled<Real>(rows[0], 1 / squared), scaled<Real>(rows[1], 1 / squared), scaled<Real>(rows[2], 1 / squared)};
 }
 
-[[nodiscard]] Real largest_semi_axis(const MixedNorm<Real>& norm) {
-  return *std::max_element(norm.semi_axes().begin(), norm.semi_axes().end());
-}
-
 }  // namespace
 
 PosedSolid::PosedSolid(const Superquadric& superquadric, const Pose& pose)
     : superquadric_(superquadric),
       norm_(superquadric),
       translation_(widened(pose.translation)),
-      rotation_(rotation_of(pose.quaternion)) {}
+      rotation_(rotation_of(pose.quaternion)),
+      largest_semi_axis_(*std::max_element(norm_.semi_axes().begin(), norm_.semi_axes().end())) {}
 
 Vector PosedSolid::to_own_frame(const Vector& point) const {
-  const Vector d = difference(point, translation_);
+  return turned_to_own_frame(difference(point, translation_));
+}
+
+Vector PosedSolid::turned_to_own_frame(const Vector& v) const {
   Vector local;
   for (std::size_t i = 0; i < 3; ++i)
-    local[i] = rotation_[0][i] * d[0] + rotation_[1][i] * d[1] + rotation_[2][i] * d[2];
+    local[i] = rotation_[0][i] * v[0] + rotation_[1][i] * v[1] + rotation_[2][i] * v[2];
   return local;
+}
+
+PosedSolid PosedSolid::moved(const Pose& motion) const {
+  const Triple<Vector> turn = rotation_of(motion.quaternion);
+  PosedSolid result = *this;
+  for (std::size_t i = 0; i < 3; ++i) {
+    result.translation_[i] = dot(turn[i], translation_) + motion.translation[i];
+    for (std::size_t j = 0; j < 3; ++j) {
+      result.rotation_[i][j] =
+          turn[i][0] * rotation_[0][j] + turn[i][1] * rotation_[1][j] + turn[i][2] * rotation_[2][j];
+    }
+  }
+  return result;
 }
 
 Vector PosedSolid::from_own_frame(const Vector& local) const {
@@ -47,7 +60,7 @@ Vector PosedSolid::from_own_frame(const Vector& local) const {
 }
 
 Real PosedSolid::magnitude(const Point& point) const {
-  return std::max<Real>(length(to_own_frame(widened(point))), largest_semi_axis(norm_));
+  return std::max<Real>(length(to_own_frame(widened(point))), largest_semi_axis_);
 }
 
 ReferenceDistance PosedSolid::signed_distance(const Point& point, Search search) const {
@@ -56,7 +69,7 @@ ReferenceDistance PosedSolid::signed_distance(const Point& point, Search search)
   for (Real& coordinate : q) coordinate = abs(coordinate);
   // Every operation is correctly rounded to 201 bits, and each result below is a handful of norms and dot products
   // whose relative errors do not add up to 2^-190 of the magnitudes involved; 2^-170 of them is beyond doubt.
-  const Real rounding = ldexp(length(global) + length(translation_) + largest_semi_axis(norm_), -170);
+  const Real rounding = ldexp(length(global) + length(translation_) + largest_semi_axis_, -170);
 
   const Real excess = norm_.gauge(q) - 1;
   if (abs(excess) < ldexp(Real(1), -160)) {

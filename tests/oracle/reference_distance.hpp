@@ -30,6 +30,15 @@ class PosedSolid {
   [[nodiscard]] Vector to_own_frame(const Vector& point) const;
   [[nodiscard]] Vector from_own_frame(const Vector& local) const;
 
+  /// R^T v, of a direction.
+  [[nodiscard]] Vector turned_to_own_frame(const Vector& v) const;
+
+  /// The solid after a further rigid motion; no rounding but that of 200 bits.
+  [[nodiscard]] PosedSolid moved(const Pose& motion) const;
+
+  [[nodiscard]] const Superquadric& superquadric() const { return superquadric_; }
+  [[nodiscard]] const Vector& centre() const { return translation_; }
+  [[nodiscard]] const Real& largest_semi_axis() const { return largest_semi_axis_; }
   [[nodiscard]] const MixedNorm<Real>& norm() const { return norm_; }
 
   /// What a gap of `signed_distance` is to be compared with: the larger of |q| and the largest semi-axis.
@@ -40,6 +49,7 @@ class PosedSolid {
   MixedNorm<Real> norm_;
   Vector translation_;
   Triple<Vector> rotation_;  ///< rows of R
+  Real largest_semi_axis_;
 };
 
 }  // namespace verisq::oracle

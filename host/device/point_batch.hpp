@@ -1,4 +1,4 @@
-/// Points in, enclosures out, a chunk at a time, while the next chunk is prepared.
+/// Points in, enclosures of their signed distances out, a chunk at a time, while the next chunk is prepared.
 #pragma once
 
 #include <memory>
@@ -12,19 +12,17 @@
 
 namespace verisq::device {
 
-/// Largest magnitudes, in units of the model's largest semi-axis, that the kernels' arithmetic is made for; a model
-/// beyond is the host's.
-[[nodiscard]] bool within_device_range(const Model& model);
-
 /// Two chunks in flight at most: `submit` starts work and returns, `collect` waits for the oldest. Device memory is
 /// bounded by two chunks. All calls from one thread.
-class Batch {
+class PointBatch {
  public:
+  using Query = Point;
+
   /// `tolerance` and `certificates` as in MapOptions. Throws Error(failure) with the name of a failed OpenCL call.
-  Batch(const Device& device, const Model& model, double tolerance, bool certificates = false);
-  ~Batch();
-  Batch(const Batch&) = delete;
-  Batch& operator=(const Batch&) = delete;
+  PointBatch(const Device& device, const Model& model, double tolerance, bool certificates);
+  ~PointBatch();
+  PointBatch(const PointBatch&) = delete;
+  PointBatch& operator=(const PointBatch&) = delete;
 
   /// Points a chunk may hold.
   [[nodiscard]] std::size_t capacity() const;
@@ -43,8 +41,6 @@ class Batch {
   [[nodiscard]] double device_seconds() const;
 
  private:
-  void warm_up(double distance);
-
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -1,0 +1,245 @@
+/// This file implements the streaming of points through a device.
+#include "host/device/point_batch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "host/device/certificate_assembly.hpp"
+#include "host/device/chunk_pipeline.hpp"
+#include "host/device/chunk_queue.hpp"
+#include "host/device/device_model.hpp"
+
+namespace verisq::device {
+namespace {
+
+constexpr std::size_t scratch_per_point = 8;  // SCRATCH_SIZE in kernels/interior_depth.cl
+
+// Interior search: lanes of a processor's work-item share a block of points, so that none idles; a graphics
+// processor's work-item owns one point.
+constexpr std::size_t block_points_of_vector_work_item = 512;
+
+// The branch and bound's limit: below this width, relative to the largest semi-axis, it would take ever more cells.
+constexpr double smallest_interior_tolerance = 0x1p-30;
+
+constexpr std::size_t numbers_per_primitive = 4;  // of its evidence: upper end and normal
+
+// One chunk on its way through the device: its own queue, so that its transfers overlap with the other's kernels.
+class Slot {
+ public:
+  // `assembly`: nothing unless certificates are asked for.
+  Slot(const Device& device, const DeviceModel& model, double tolerance,
+       const std::optional<CertificateAssembly>& assembly)
+      : width_(device.vector_width),
+        capacity_(model.chunk_size),
+        count_(model.count),
+        scale_(model.scale_exponent),
+        assembly_(assembly),
+        queue_(device),
+        primitives_(model.primitives),
+        point_distance_(device.program, "point_distance"),
+        interior_depth_(device.program, "interior_depth"),
+        union_distance_(device.program, "union_distance") {
+    for (int i = 0; i < 3; ++i) coordinates_[i] = queue_.numbers(capacity_);
+    for (int i = 0; i < 5; ++i) per_primitive_[i] = queue_.numbers(capacity_ * count_);
+    nearest_ = queue_.numbers(capacity_);
+    scratch_ = queue_.numbers(capacity_ * scratch_per_point);
+    result_[0] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[0];
+    result_[1] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[1];
+    for (cl::Buffer& escape : escape_) escape = queue_.numbers(count_ > 1 ? capacity_ : 1);
+    groups_per_block_ = width_ > 1 ? block_points_of_vector_work_item / width_ : 1;
+
+    bind_coordinates(point_distance_, 1);
+    point_distance_.setArg(4, primitives_);
+    point_distance_.setArg(6, nearest_);
+    bind_coordinates(interior_depth_, 2);
+    interior_depth_.setArg(1, static_cast<cl_uint>(groups_per_block_));
+    interior_depth_.setArg(5, primitives_);
+    interior_depth_.setArg(7, std::max(scale_.to_device(tolerance), smallest_interior_tolerance));
+    interior_depth_.setArg(8, scratch_);
+    bind_coordinates(union_distance_, 2);
+    union_distance_.setArg(1, static_cast<cl_ulong>(capacity_));
+    union_distance_.setArg(5, primitives_);
+    union_distance_.setArg(6, static_cast<cl_uint>(count_));
+    for (cl_uint i = 0; i < 5; ++i) union_distance_.setArg(7 + i, per_primitive_[i]);
+    union_distance_.setArg(12, result_[0]);
+    union_distance_.setArg(13, result_[1]);
+    for (cl_uint i = 0; i < 3; ++i) union_distance_.setArg(14 + i, escape_[i]);
+    for (auto& column : columns_) column.resize(capacity_);
+    los_.resize(capacity_);
+    his_.resize(capacity_);
+    if (assembly_) evidence_.resize(capacity_ * (numbers_per_primitive * count_ + 3));
+    make_views();
+  }
+
+  void start(std::span<const Point> points) {
+    size_ = points.size();
+    const std::size_t groups = (size_ + width_ - 1) / width_;
+    for (int i = 0; i < 3; ++i) {
+      for (std::size_t n = 0; n < size_; ++n) columns_[i][n] = scale_.to_device(points[n][i]);
+      // Lanes beyond the last point repeat it.
+      std::fill(columns_[i].begin() + size_, columns_[i].begin() + groups * width_, columns_[i][size_ - 1]);
+      queue_.write(coordinates_[i], std::span(columns_[i]).first(groups * width_));
+    }
+    for (std::size_t index = 0; index < count_; ++index) enqueue_primitive(index, groups);
+    if (count_ > 1) {
+      union_distance_.setArg(0, static_cast<cl_ulong>(groups));
+      queue_.launch(union_distance_, groups);
+    }
+    queue_.read(result_[0], std::span(los_).first(size_));
+    queue_.read(result_[1], std::span(his_).first(size_));
+    if (!evidence_.empty()) read_evidence();
+    queue_.flush();
+  }
+
+  // Returns the seconds that kernels ran.
+  double finish(std::vector<Enclosure>& enclosures) {
+    const double seconds = queue_.finish();
+    enclosures.resize(size_);
+    for (std::size_t n = 0; n < size_; ++n) enclosures[n] = scale_.to_model(Enclosure{los_[n], his_[n]});
+    return seconds;
+  }
+
+  // Fills `certificates` where they were asked for. Precondition: finished.
+  void certify(std::span<const Enclosure> enclosures, std::vector<Certificate>& certificates) const {
+    if (!assembly_) return;
+    Evidence evidence;
+    evidence.primitives.resize(count_);
+    for (std::size_t n = 0; n < size_; ++n) {
+      for (std::size_t index = 0; index < count_; ++index) {
+        const double* const column = evidence_.data() + index * numbers_per_primitive * capacity_ + n;
+        evidence.primitives[index] = {scale_.to_model(column[0]), in_model_units(column + capacity_)};
+      }
+      evidence.escape = in_model_units(evidence_.data() + count_ * numbers_per_primitive * capacity_ + n);
+      const Point point{scale_.to_model(columns_[0][n]), scale_.to_model(columns_[1][n]),
+                        scale_.to_model(columns_[2][n])};
+      certificates.push_back((*assembly_)(point, enclosures[n], evidence));
+    }
+  }
+
+ private:
+  void bind_coordinates(cl::Kernel& kernel, cl_uint first) const {
+    for (cl_uint i = 0; i < 3; ++i) kernel.setArg(first + i, coordinates_[i]);
+  }
+
+  // Upper ends and normals of every primitive, then the escapes.
+  void read_evidence() {
+    double* column = evidence_.data();
+    const auto read = [&](const cl::Buffer& buffer) {
+      queue_.read(buffer, {column, size_});
+      column += capacity_;
+    };
+    for (const auto& view : views_)
+      for (std::size_t i = 1; i < view.size(); ++i) read(view[i]);
+    if (count_ > 1)
+      for (const cl::Buffer& escape : escape_) read(escape);
+  }
+
+  [[nodiscard]] Point in_model_units(const double* x) const {
+    return {scale_.to_model(x[0]), scale_.to_model(x[capacity_]), scale_.to_model(x[2 * capacity_])};
+  }
+
+  // A window of each per-primitive array for every primitive.
+  void make_views() {
+    views_.resize(count_);
+    for (std::size_t index = 0; index < count_; ++index)
+      for (int i = 0; i < 5; ++i) {
+        const cl_buffer_region region{index * capacity_ * sizeof(double), capacity_ * sizeof(double)};
+        views_[index][i] =
+            count_ == 1 ? per_primitive_[i]
+                        : per_primitive_[i].createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region);
+      }
+  }
+
+  void enqueue_primitive(std::size_t index, std::size_t groups) {
+    point_distance_.setArg(0, static_cast<cl_ulong>(groups));
+    point_distance_.setArg(5, static_cast<cl_uint>(index));
+    interior_depth_.setArg(0, static_cast<cl_ulong>(groups));
+    interior_depth_.setArg(6, static_cast<cl_uint>(index));
+    for (cl_uint i = 0; i < 5; ++i) {
+      point_distance_.setArg(7 + i, views_[index][i]);
+      interior_depth_.setArg(9 + i, views_[index][i]);
+    }
+    queue_.launch(point_distance_, groups);
+    // A vector work-item is long here: one a work-group lets the cores share them evenly.
+    queue_.launch(interior_depth_, (groups + groups_per_block_ - 1) / groups_per_block_,
+                  width_ > 1 ? 1 : usual_group_size);
+  }
+
+  std::size_t width_;
+  std::size_t capacity_;
+  std::size_t count_;
+  Scale scale_;
+  std::optional<CertificateAssembly> assembly_;
+  ChunkQueue queue_;
+  // Kernels do not keep the buffers that they are given.
+  cl::Buffer primitives_;
+  cl::Buffer nearest_;
+  cl::Buffer scratch_;
+  cl::Kernel point_distance_;
+  cl::Kernel interior_depth_;
+  cl::Kernel union_distance_;
+  std::array<cl::Buffer, 3> coordinates_;
+  std::array<cl::Buffer, 5> per_primitive_;  // lower ends, upper ends, normals x, y, z: primitive by primitive
+  std::array<cl::Buffer, 2> result_;
+  std::array<cl::Buffer, 3> escape_;
+  std::vector<std::array<cl::Buffer, 5>> views_;
+  std::size_t groups_per_block_ = 1;
+  std::size_t size_ = 0;
+  std::array<std::vector<double>, 3> columns_;
+  std::vector<double> los_;
+  std::vector<double> his_;
+  std::vector<double> evidence_;  // columns of `capacity` numbers; empty unless certificates are asked for
+};
+
+}  // namespace
+
+struct PointBatch::State {
+  State(const Device& device, const Model& model, double tolerance, bool certificates)
+      : uploaded(device, model),
+        pipeline(device.name, uploaded.chunk_size, slots(device, model, tolerance, certificates)) {
+    const double x = far_away(uploaded);
+    pipeline.warm_up({x, 0.0, 0.0});
+  }
+
+  [[nodiscard]] std::vector<Slot> slots(const Device& device, const Model& model, double tolerance,
+                                        bool certificates) const {
+    std::optional<CertificateAssembly> assembly;
+    if (certificates) assembly.emplace(model);
+    std::vector<Slot> both;
+    for (int slot = 0; slot < 2; ++slot) both.emplace_back(device, uploaded, tolerance, assembly);
+    return both;
+  }
+
+  DeviceModel uploaded;
+  ChunkPipeline<Point, Slot, std::vector<Certificate>> pipeline;
+};
+
+PointBatch::PointBatch(const Device& device, const Model& model, double tolerance, bool certificates)
+    : state_(reporting_failures(device.name,
+                                [&] { return std::make_unique<State>(device, model, tolerance, certificates); })) {}
+
+PointBatch::~PointBatch() = default;
+
+std::size_t PointBatch::capacity() const {
+  return state_->pipeline.capacity();
+}
+
+double PointBatch::device_seconds() const {
+  return state_->pipeline.device_seconds();
+}
+
+void PointBatch::submit(std::span<const Point> points) {
+  state_->pipeline.submit(points);
+}
+
+void PointBatch::collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates) {
+  state_->pipeline.collect(enclosures, certificates);
+}
+
+void PointBatch::discard() {
+  state_->pipeline.discard();
+}
+
+}  // namespace verisq::device

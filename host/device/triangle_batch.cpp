@@ -1,0 +1,201 @@
+/// This file implements the streaming of triangles through a device.
+#include "host/device/triangle_batch.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "host/device/certificate_assembly.hpp"
+#include "host/device/chunk_pipeline.hpp"
+#include "host/device/chunk_queue.hpp"
+#include "host/device/device_model.hpp"
+#include "host/device/program.hpp"
+#include "kernels/embedded_sources.hpp"
+
+namespace verisq::device {
+namespace {
+
+constexpr std::size_t coordinates = 9;  // of a triangle: x, y, z of each corner
+
+// What triangle_distance tells about one primitive: lower and upper ends, normals x, y, z, weights 1 and 2.
+constexpr std::size_t outputs = 7;
+
+// One chunk on its way through the device: its own queue, so that its transfers overlap with the other's kernels.
+class Slot {
+ public:
+  Slot(const Device& device, const cl::Program& program, const DeviceModel& model, bool certificates)
+      : width_(device.vector_width),
+        capacity_(model.chunk_size),
+        count_(model.count),
+        scale_(model.scale_exponent),
+        queue_(device),
+        primitives_(model.primitives),
+        triangle_distance_(program, "triangle_distance"),
+        union_distance_(program, "triangle_union_distance"),
+        corners_(queue_.numbers(coordinates * capacity_)),
+        nearest_(queue_.numbers(capacity_)),
+        columns_(coordinates * capacity_),
+        los_(capacity_),
+        his_(capacity_) {
+    for (cl::Buffer& output : per_primitive_) output = queue_.numbers(capacity_ * count_);
+    for (std::size_t i = 0; i < 2; ++i) result_[i] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[i];
+    triangle_distance_.setArg(1, static_cast<cl_ulong>(capacity_));
+    triangle_distance_.setArg(2, corners_);
+    triangle_distance_.setArg(3, primitives_);
+    triangle_distance_.setArg(5, nearest_);
+    union_distance_.setArg(1, static_cast<cl_ulong>(capacity_));
+    union_distance_.setArg(2, static_cast<cl_uint>(count_));
+    for (cl_uint i = 0; i < 2; ++i) {
+      union_distance_.setArg(3 + i, per_primitive_[i]);
+      union_distance_.setArg(5 + i, result_[i]);
+    }
+    if (certificates) evidence_.resize((outputs - 1) * count_ * capacity_);
+    make_views();
+  }
+
+  void start(std::span<const Triangle> triangles) {
+    size_ = triangles.size();
+    const std::size_t groups = (size_ + width_ - 1) / width_;
+    upload(triangles, groups * width_);
+    for (std::size_t index = 0; index < count_; ++index) launch_primitive(index, groups);
+    if (count_ > 1) {
+      union_distance_.setArg(0, static_cast<cl_ulong>(groups));
+      queue_.launch(union_distance_, groups);
+    }
+    queue_.read(result_[0], std::span(los_).first(size_));
+    queue_.read(result_[1], std::span(his_).first(size_));
+    if (!evidence_.empty()) read_evidence();
+    queue_.flush();
+  }
+
+  // Returns the seconds that kernels ran.
+  double finish(std::vector<Enclosure>& enclosures) {
+    const double seconds = queue_.finish();
+    enclosures.resize(size_);
+    for (std::size_t n = 0; n < size_; ++n) enclosures[n] = scale_.to_model(Enclosure{los_[n], his_[n]});
+    return seconds;
+  }
+
+  // Fills `certificates` where they were asked for. Precondition: finished.
+  void certify(std::span<const Enclosure> /*enclosures*/, std::vector<Certificate>& certificates) const {
+    if (evidence_.empty()) return;
+    TriangleEvidence evidence(count_);
+    for (std::size_t n = 0; n < size_; ++n) {
+      for (std::size_t index = 0; index < count_; ++index) {
+        const double* const first = evidence_.data() + index * (outputs - 1) * capacity_ + n;
+        const auto column = [&](std::size_t i) { return first[i * capacity_]; };
+        const auto length = [&](std::size_t i) { return scale_.to_model(column(i)); };
+        evidence[index] = {{length(0), {length(1), length(2), length(3)}}, {column(4), column(5)}};
+      }
+      certificates.push_back(certificate_of(evidence));
+    }
+  }
+
+ private:
+  [[nodiscard]] double& coordinate(std::size_t column, std::size_t n) { return columns_[column * capacity_ + n]; }
+
+  // Lanes beyond the last triangle, up to `padded`, repeat it.
+  void upload(std::span<const Triangle> triangles, std::size_t padded) {
+    for (std::size_t c = 0; c < coordinates; ++c) {
+      for (std::size_t n = 0; n < padded; ++n) {
+        coordinate(c, n) = scale_.to_device(triangles[std::min(n, size_ - 1)][c / 3][c % 3]);
+      }
+    }
+    queue_.write(corners_, columns_);
+  }
+
+  // A window of each output for every primitive.
+  void make_views() {
+    views_.resize(count_);
+    for (std::size_t index = 0; index < count_; ++index) {
+      for (std::size_t i = 0; i < outputs; ++i) {
+        const cl_buffer_region region{index * capacity_ * sizeof(double), capacity_ * sizeof(double)};
+        views_[index][i] =
+            count_ == 1 ? per_primitive_[i]
+                        : per_primitive_[i].createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region);
+      }
+    }
+  }
+
+  void launch_primitive(std::size_t index, std::size_t groups) {
+    triangle_distance_.setArg(0, static_cast<cl_ulong>(groups));
+    triangle_distance_.setArg(4, static_cast<cl_uint>(index));
+    for (cl_uint i = 0; i < outputs; ++i) triangle_distance_.setArg(6 + i, views_[index][i]);
+    queue_.launch(triangle_distance_, groups);
+  }
+
+  // All outputs but the lower ends.
+  void read_evidence() {
+    double* column = evidence_.data();
+    for (const auto& view : views_) {
+      for (std::size_t i = 1; i < outputs; ++i, column += capacity_) queue_.read(view[i], {column, size_});
+    }
+  }
+
+  std::size_t width_;
+  std::size_t capacity_;
+  std::size_t count_;
+  Scale scale_;
+  ChunkQueue queue_;
+  // Kernels do not keep the buffers that they are given.
+  cl::Buffer primitives_;
+  cl::Kernel triangle_distance_;
+  cl::Kernel union_distance_;
+  cl::Buffer corners_;
+  cl::Buffer nearest_;
+  std::array<cl::Buffer, outputs> per_primitive_;
+  std::array<cl::Buffer, 2> result_;
+  std::vector<std::array<cl::Buffer, outputs>> views_;
+  std::size_t size_ = 0;
+  std::vector<double> columns_;
+  std::vector<double> los_;
+  std::vector<double> his_;
+  std::vector<double> evidence_;  // columns of `capacity` numbers; empty unless certificates are asked for
+};
+
+}  // namespace
+
+struct TriangleBatch::State {
+  State(const Device& device, const Model& model, bool certificates)
+      : uploaded(device, model), pipeline(device.name, uploaded.chunk_size, slots(device, certificates)) {
+    const double x = far_away(uploaded);
+    pipeline.warm_up({Point{x, 0.0, 0.0}, Point{x, x, 0.0}, Point{x, 0.0, x}});
+  }
+
+  [[nodiscard]] std::vector<Slot> slots(const Device& device, bool certificates) const {
+    const cl::Program program =
+        build_program(device.context, device.device, device.vector_width, kernels::embedded_triangle_sources());
+    std::vector<Slot> both;
+    for (int slot = 0; slot < 2; ++slot) both.emplace_back(device, program, uploaded, certificates);
+    return both;
+  }
+
+  DeviceModel uploaded;
+  ChunkPipeline<Triangle, Slot, std::vector<Certificate>> pipeline;
+};
+
+TriangleBatch::TriangleBatch(const Device& device, const Model& model, bool certificates)
+    : state_(reporting_failures(device.name, [&] { return std::make_unique<State>(device, model, certificates); })) {}
+
+TriangleBatch::~TriangleBatch() = default;
+
+std::size_t TriangleBatch::capacity() const {
+  return state_->pipeline.capacity();
+}
+
+double TriangleBatch::device_seconds() const {
+  return state_->pipeline.device_seconds();
+}
+
+void TriangleBatch::submit(std::span<const Triangle> triangles) {
+  state_->pipeline.submit(triangles);
+}
+
+void TriangleBatch::collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates) {
+  state_->pipeline.collect(enclosures, certificates);
+}
+
+void TriangleBatch::discard() {
+  state_->pipeline.discard();
+}
+
+}  // namespace verisq::device

@@ -1,0 +1,48 @@
+/// Streams poses from CSV.
+#include <array>
+#include <optional>
+#include <verisq/pose_file.hpp>
+
+#include "host/files/number_rows.hpp"
+
+namespace verisq {
+
+struct PoseFile::State {
+  NumberRows rows;
+
+  std::optional<Pose> next_pose();
+};
+
+std::optional<Pose> PoseFile::State::next_pose() {
+  std::array<double, 7> numbers{};
+  if (!rows.next(numbers)) return std::nullopt;
+  const auto [tx, ty, tz, qw, qx, qy, qz] = numbers;
+  // Also where the text is another number that rounds to zero: the nearest binary64 is the exact input.
+  if (qw == 0.0 && qx == 0.0 && qy == 0.0 && qz == 0.0) rows.fail("quaternion = 0,0,0,0: must not be zero");
+  return Pose{.translation = {tx, ty, tz}, .quaternion = {qw, qx, qy, qz}};
+}
+
+PoseFile::PoseFile(const std::filesystem::path& path)
+    : state_(new State{{path, {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}}) {}
+PoseFile::~PoseFile() = default;
+PoseFile::PoseFile(PoseFile&&) noexcept = default;
+PoseFile& PoseFile::operator=(PoseFile&&) noexcept = default;
+
+std::size_t PoseFile::read(std::span<Pose> poses) {
+  std::size_t count = 0;
+  while (count < poses.size()) {
+    const std::optional<Pose> pose = state_->next_pose();
+    if (!pose) break;
+    poses[count++] = *pose;
+  }
+  return count;
+}
+
+std::uint64_t PoseFile::bytes_read() const {
+  return state_->rows.bytes_read();
+}
+std::uint64_t PoseFile::bytes_total() const {
+  return state_->rows.bytes_total();
+}
+
+}  // namespace verisq

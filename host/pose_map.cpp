@@ -1,0 +1,74 @@
+/// This file implements the map of poses.
+#include "verisq/pose_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/device/pose_batch.hpp"
+#include "host/map_run.hpp"
+#include "verisq/error.hpp"
+#include "verisq/model_distance.hpp"
+#include "verisq/signed_distance.hpp"
+
+namespace verisq {
+namespace {
+
+// With a tolerance below this width the host is asked only for what is wider than it.
+constexpr double limit = 1e-12;  // of max(largest |translation|, radii of the models)
+
+class PoseProver {
+ public:
+  PoseProver(const Model& a, const Model& b)
+      : radius_(std::max(bounding_radius(a), bounding_radius(b))), distance_(a, b) {}
+
+  void check(const Pose& pose) const {
+    const auto finite = [](double c) { return std::isfinite(c); };
+    if (!std::ranges::all_of(pose.translation, finite) || !std::ranges::all_of(pose.quaternion, finite))
+      throw Error(ErrorKind::input, fmt::format("pose {} is not finite", describe(pose)));
+  }
+
+  [[nodiscard]] std::string describe(const Pose& pose) const {
+    const auto& [t, q] = pose;
+    return fmt::format("({}, {}, {}), quaternion ({}, {}, {}, {})", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
+  }
+
+  // False for NaN.
+  [[nodiscard]] bool at_limit(const Pose& pose, const Enclosure& found) const {
+    const auto& t = pose.translation;
+    return verified(found, limit * std::max({std::abs(t[0]), std::abs(t[1]), std::abs(t[2]), radius_}));
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Pose& pose) const { return {distance_(pose).distance, {}}; }
+
+  // There are no certificates.
+  [[nodiscard]] bool witnessed(const Pose& /*pose*/, double /*hi*/, const Certificate& /*none*/) const { return true; }
+
+ private:
+  double radius_;
+  PairDistance distance_;
+};
+
+MapOptions without_certificates(const MapOptions& options) {
+  if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
+  return options;
+}
+
+}  // namespace
+
+struct PoseMapper::State {
+  Mapping<Pose, PoseProver, device::PoseBatch> mapping;
+};
+
+PoseMapper::PoseMapper(const Model& a, const Model& b, const MapOptions& options)
+    : state_(new State{{PoseProver(a, b), without_certificates(options), device::joined(a, b),
+                        [&](auto& batch, const device::Device& device) { batch.emplace(device, a, b); }}}) {}
+PoseMapper::~PoseMapper() = default;
+PoseMapper::PoseMapper(PoseMapper&&) noexcept = default;
+PoseMapper& PoseMapper::operator=(PoseMapper&&) noexcept = default;
+
+MapSummary PoseMapper::map(const PoseSource& source, const PoseSink& sink) {
+  return state_->mapping.map(source, [&](std::span<const Pose> poses, std::span<const MapResult> results,
+                                         std::span<const Certificate> /*none*/) { sink(poses, results); });
+}
+
+}  // namespace verisq

@@ -1,0 +1,94 @@
+/// This file implements the map of triangles.
+#include <algorithm>
+#include <cmath>
+
+#include "host/device/triangle_batch.hpp"
+#include "host/map_run.hpp"
+#include "verify/witness_estimate.hpp"
+#include "verisq/distance_map.hpp"
+#include "verisq/error.hpp"
+#include "verisq/signed_distance.hpp"
+#include "verisq/triangle_distance.hpp"
+
+namespace verisq {
+namespace {
+
+// With a tolerance below this width the host is asked only for what is wider than it: certificates are then as good as
+// they get.
+constexpr double limit = 1e-12;  // of max(largest |coordinate|, radius of the model)
+
+class TriangleProver {
+ public:
+  TriangleProver(const Model& model, const MapOptions& options)
+      : certificates_(options.certificates),
+        radius_(bounding_radius(model)),
+        distance_(model),
+        witness_distance_(model) {}
+
+  void check(const Triangle& triangle) const {
+    if (!std::isfinite(largest_coordinate(triangle)))
+      throw Error(ErrorKind::input, fmt::format("triangle {} is not finite", describe(triangle)));
+  }
+
+  [[nodiscard]] std::string describe(const Triangle& triangle) const {
+    std::string text;
+    for (const Point& p : triangle) text += fmt::format("{}({}, {}, {})", text.empty() ? "" : " ", p[0], p[1], p[2]);
+    return text;
+  }
+
+  // False for NaN.
+  [[nodiscard]] bool at_limit(const Triangle& triangle, const Enclosure& found) const {
+    return verified(found, limit * std::max(largest_coordinate(triangle), radius_));
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
+    return certificates_ ? distance_.certified(triangle) : CertifiedEnclosure{distance_(triangle), {}};
+  }
+
+  [[nodiscard]] bool witnessed(const Triangle& triangle, double hi, const Certificate& certificate) const {
+    if (!certificate.weights) return false;
+    const auto [w1, w2] = *certificate.weights;
+    std::array<long double, 3> q{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const long double corner = triangle[0][i];
+      q[i] = corner + w1 * (triangle[1][i] - corner) + w2 * (triangle[2][i] - corner);
+    }
+    return witness_distance_(q, certificate.normals.front()) <= hi;
+  }
+
+ private:
+  // Not finite where a coordinate is not.
+  static double largest_coordinate(const Triangle& triangle) {
+    double largest = 0.0;
+    for (const Point& p : triangle) {
+      for (const double c : p) largest = std::isnan(c) ? c : std::max(largest, std::abs(c));
+      if (std::isnan(largest)) return largest;
+    }
+    return largest;
+  }
+
+  bool certificates_;
+  double radius_;
+  TriangleDistance distance_;
+  verify::WitnessEstimate witness_distance_;
+};
+
+}  // namespace
+
+struct TriangleMapper::State {
+  Mapping<Triangle, TriangleProver, device::TriangleBatch> mapping;
+};
+
+TriangleMapper::TriangleMapper(const Model& model, const MapOptions& options)
+    : state_(new State{{TriangleProver(model, options), options, model, [&](auto& batch, const device::Device& device) {
+                          batch.emplace(device, model, options.certificates);
+                        }}}) {}
+TriangleMapper::~TriangleMapper() = default;
+TriangleMapper::TriangleMapper(TriangleMapper&&) noexcept = default;
+TriangleMapper& TriangleMapper::operator=(TriangleMapper&&) noexcept = default;
+
+MapSummary TriangleMapper::map(const TriangleSource& source, const TriangleSink& sink) {
+  return state_->mapping.map(source, sink);
+}
+
+}  // namespace verisq

@@ -1,0 +1,34 @@
+/// Distances of two models for many poses of the second: what fitting and collision checks need.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <verisq/distance_map.hpp>
+#include <verisq/map_result.hpp>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// As PointSource and MapSink.
+using PoseSource = std::function<std::size_t(std::span<Pose>)>;
+using PoseSink = std::function<void(std::span<const Pose>, std::span<const MapResult>)>;
+
+/// As DistanceMapper for the distance of model A and of model B moved by each pose (x -> R x + t, after B's primitives'
+/// own poses): 0 where they meet. Precondition of poses: finite, quaternions not zero.
+class PoseMapper {
+ public:
+  /// Throws Error(input) as DistanceMapper does, and for options that ask for certificates: there are none.
+  PoseMapper(const Model& a, const Model& b, const MapOptions& options);
+  ~PoseMapper();
+  PoseMapper(PoseMapper&&) noexcept;
+  PoseMapper& operator=(PoseMapper&&) noexcept;
+
+  MapSummary map(const PoseSource& source, const PoseSink& sink);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace verisq

@@ -1,0 +1,57 @@
+/// Models whose numbers are known within bounds only (design 2, §8), and the ordinary models that bracket them.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+#include <verisq/enclosure.hpp>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// Each number is any of its interval; [x, x] is exact. Preconditions as for Superquadric, at both ends.
+struct UncertainPrimitive {
+  std::string name;
+  std::array<Enclosure, 3> semi_axes;
+  std::array<Enclosure, 2> exponents;
+  std::array<Enclosure, 3> translation;
+  std::array<double, 4> quaternion;
+};
+
+/// The members of the model take their numbers from the intervals independently of each other.
+struct UncertainModel {
+  std::string units;
+  std::vector<UncertainPrimitive> primitives;
+};
+
+/// An ordinary model with every interval a single number; `is_exact` tells whether a model is such a one.
+[[nodiscard]] UncertainModel uncertain(const Model& model);
+[[nodiscard]] bool is_exact(const UncertainModel& model);
+
+/// What every member lies between. The solid grows with its semi-axes and shrinks as exponents rise; the primitives of
+/// `smallest` and `largest` stand at the midpoints of their translations, from where none moves farther than `shift`.
+/// For every member M, point q and triangle T (and other model in place of T, its own shift added):
+///
+///   sd(q, M) <= min over the primitives K of `smallest` of sd(q, K), plus shift
+///   sd(q, M) >= sd(q, largest) - shift    where that is positive, and always if M has one primitive
+///   sd(q, M) >= sd(q, inflated)
+///   d(T, largest) - shift <= d(T, M) <= d(T, smallest) + shift
+///
+/// Elsewhere sd(q, largest) - shift is no lower bound: solids on either side of a narrow gap may move together, and a
+/// point in the gap then lies deep in their union.
+/// Obligation: the upper end asks for the minimum over primitives, not for sd(q, smallest), which is less where solids
+/// overlap and which a small motion may raise by any amount. All of this library's upper ends of signed distances are
+/// proven by one primitive; a proof by several together must not be combined with `shift`.
+struct Bracket {
+  Model smallest;
+  Model largest;
+  std::optional<Model> inflated;  ///< contains every member, wherever it moved; only where `largest` does not serve:
+                                  ///< in unions, if shift > 0
+  double shift;                   ///< rounded up
+};
+
+/// Throws Error(input) if the translation of a primitive is so uncertain that sizes overflow.
+[[nodiscard]] Bracket bracket(const UncertainModel& model);
+
+}  // namespace verisq

@@ -1,0 +1,35 @@
+/// The distance of two models whose numbers are known within bounds only (design 2, §8).
+#pragma once
+
+#include <memory>
+#include <verisq/enclosure.hpp>
+#include <verisq/model.hpp>
+#include <verisq/model_distance.hpp>
+#include <verisq/uncertain_model.hpp>
+
+namespace verisq {
+
+/// What holds for every member of A and every member of B.
+struct UncertainModelDistance {
+  Enclosure distance;
+  Proximity proximity;  ///< separated, overlapping: proven of all members; undecided: also where members differ
+};
+
+/// As PairDistance for two uncertain models; for exact ones the enclosures are the same.
+class UncertainPairDistance {
+ public:
+  /// Throws as `bracket`.
+  UncertainPairDistance(const UncertainModel& a, const UncertainModel& b);
+  ~UncertainPairDistance();
+  UncertainPairDistance(UncertainPairDistance&&) noexcept;
+  UncertainPairDistance& operator=(UncertainPairDistance&&) noexcept;
+
+  /// Encloses the exact distances of all members of A and of B moved by `pose`.
+  [[nodiscard]] UncertainModelDistance operator()(const Pose& pose = {}) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace verisq

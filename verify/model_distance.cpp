@@ -1,0 +1,147 @@
+/// The public entry: pairs nearest by their spheres first, each proposed and proven.
+#include "verisq/model_distance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "verify/closest_points.hpp"
+#include "verify/pair_contact.hpp"
+#include "verify/posed_pairs.hpp"
+
+namespace verisq {
+
+using namespace verify;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Where the fast proposal leaves more than this, relative to the largest length at hand, a thorough one is worth it.
+constexpr double kExpectedWidth = 1e-14;
+
+struct CandidatePair {
+  double sphere_bound;
+  std::uint32_t i;
+  std::uint32_t j;
+};
+
+std::vector<CandidatePair> by_sphere_bound(const PosedPairs& pairs) {
+  std::vector<CandidatePair> order;
+  order.reserve(pairs.size_a() * pairs.size_b());
+  for (std::uint32_t i = 0; i < pairs.size_a(); ++i) {
+    for (std::uint32_t j = 0; j < pairs.size_b(); ++j) {
+      order.push_back({pairs(i, j).lower_by_spheres().to_double(Direction::down), i, j});
+    }
+  }
+  std::ranges::sort(order, {}, &CandidatePair::sphere_bound);
+  return order;
+}
+
+Point rounded(const Proposal& x) {
+  return {static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2])};
+}
+
+struct PairResult {
+  Separation separation;
+  Enclosure distance;
+  std::optional<Point> common;  ///< in the frame of model A; not yet proven
+};
+
+class PairQuery {
+ public:
+  PairQuery(const PosedPairs& pairs, const CandidatePair& candidate)
+      : pairs_(&pairs), i_(candidate.i), j_(candidate.j), bounds_(pairs(i_, j_)) {}
+
+  [[nodiscard]] PairResult fast() const { return result(fast_pair_contact(solid_a(), solid_b(), bounds_.relative())); }
+
+  /// The better ends of both.
+  [[nodiscard]] PairResult thorough(const PairResult& fast) const {
+    PairResult found = result(thorough_pair_contact(solid_a(), solid_b(), bounds_.relative()));
+    if (fast.distance.lo > found.distance.lo) {
+      found.distance.lo = fast.distance.lo;
+      found.separation.vector = fast.separation.vector;
+    }
+    if (fast.distance.hi < found.distance.hi) {
+      found.distance.hi = fast.distance.hi;
+      found.separation.on_a = fast.separation.on_a;
+      found.separation.on_b = fast.separation.on_b;
+    }
+    return found;
+  }
+
+  /// What widths are measured against: no rounding is finer than that of the largest length.
+  [[nodiscard]] double magnitude(const PairResult& found) const {
+    return std::max({std::ranges::max(solid_a().semi_axes), std::ranges::max(solid_b().semi_axes), found.distance.hi});
+  }
+
+ private:
+  [[nodiscard]] const Superquadric& solid_a() const { return bounds_.a().superquadric(); }
+  [[nodiscard]] const Superquadric& solid_b() const { return bounds_.b().superquadric(); }
+
+  [[nodiscard]] PairResult result(const PairContact& contact) const {
+    PairResult r{{i_, j_, rounded(contact.vector), rounded(contact.on_a), rounded(contact.on_b)}, {}, std::nullopt};
+    if (contact.common) {
+      r.common = rounded(midpoint(pairs_->motion_a(i_)(verify::precise(*contact.common))));
+      r.distance = {-kInfinity, kInfinity};
+    } else {
+      r.distance = bounds_.distance(r.separation);
+    }
+    return r;
+  }
+
+  const PosedPairs* pairs_;
+  std::uint32_t i_;
+  std::uint32_t j_;
+  PairBounds bounds_;
+};
+
+}  // namespace
+
+struct PairDistance::State {
+  PosedModel a;
+  PosedModel b;
+};
+
+PairDistance::PairDistance(const Model& a, const Model& b)
+    : state_(std::make_unique<State>(State{PosedModel(a), PosedModel(b)})) {}
+
+PairDistance::~PairDistance() = default;
+PairDistance::PairDistance(PairDistance&&) noexcept = default;
+PairDistance& PairDistance::operator=(PairDistance&&) noexcept = default;
+
+ModelDistance PairDistance::operator()(const Pose& pose) const {
+  const PosedPairs pairs(state_->a, state_->b, pose);
+  ModelDistance result{{kInfinity, kInfinity}, Proximity::undecided, {}};
+  auto& [distance, proximity, certificate] = result;
+  for (const CandidatePair& candidate : by_sphere_bound(pairs)) {
+    if (candidate.sphere_bound > distance.hi) break;  // neither this pair nor a later one can be the nearest
+    const PairQuery query(pairs, candidate);
+    PairResult found = query.fast();
+    if (found.common && pairs.share(*found.common)) {
+      return {{0.0, 0.0}, Proximity::overlapping, {{}, found.common}};
+    }
+    if (!(found.distance.width() <= kExpectedWidth * query.magnitude(found))) found = query.thorough(found);
+    found.distance.lo = std::max({0.0, candidate.sphere_bound, found.distance.lo});
+    certificate.separations.push_back(found.separation);
+    if (found.distance.hi < distance.hi) std::swap(certificate.separations.front(), certificate.separations.back());
+    distance.lo = std::min(distance.lo, found.distance.lo);
+    distance.hi = std::min(distance.hi, found.distance.hi);
+  }
+  proximity = distance.lo > 0.0 ? Proximity::separated : Proximity::undecided;
+  return result;
+}
+
+std::optional<ClosestPoints> PairDistance::closest_points(const ModelDistance& found, const Pose& pose) const {
+  if (found.proximity != Proximity::separated) return std::nullopt;
+  const PosedPairs pairs(state_->a, state_->b, pose);
+  return verify::closest_points(pairs, found);
+}
+
+Enclosure prove(const Model& a, const Model& b, const Pose& pose, const PairCertificate& certificate) {
+  const PosedModel posed_a(a);
+  const PosedModel posed_b(b);
+  return proven_distance(PosedPairs(posed_a, posed_b, pose), certificate);
+}
+
+}  // namespace verisq
