@@ -254,7 +254,7 @@ TEST(ExteriorTest, EveryExponentIsTight) {
     const Proposal outside = on_surface(bounds, random.direction(), 1.0L + std::exp(random.uniform(-15.0, 7.0)));
     const PreciseVector q = precise(outside);
     const double size = std::max(largest(solid), length<Real>(q).upper().to_double(Direction::up));
-    ASSERT_LE(exterior_distance(solid, bounds, q).distance.width(), 1.001e-14 * size);
+    ASSERT_LE(exterior_distance(solid, bounds, q, 0.0).distance.width(), 1.001e-14 * size);
   }
 }
 

@@ -176,7 +176,7 @@ TEST(CheckerTest, NeverProvesAnEndPastTheTruth) {
 
 TEST(CheckerTest, RefutesAnEmptyEnclosure) {
   const Model sphere{"", {{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}}}};
-  const Finding finding = Checker(sphere)({2.0, 0.0, 0.0}, {1.5, 0.5}, {{{0, {1.0, 0.0, 0.0}}}, {}});
+  const Finding finding = Checker(sphere)(Point{2.0, 0.0, 0.0}, {1.5, 0.5}, {{{0, {1.0, 0.0, 0.0}}}, {}});
   EXPECT_EQ(finding.verdict, Verdict::refuted);
 }
 
@@ -184,9 +184,9 @@ TEST(CheckerTest, RefutesClaimsOnTheWrongSideOfTheSurface) {
   const Model sphere{"", {{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}}}};
   const Checker check(sphere);
   const Certificate certificate{{{0, {1.0, 0.0, 0.0}}}, {}};
-  EXPECT_EQ(check({2.0, 0.0, 0.0}, {1.0, 1.0}, certificate).verdict, Verdict::proved);
-  EXPECT_EQ(check({2.0, 0.0, 0.0}, {-1.0, -0.5}, certificate).verdict, Verdict::refuted);
-  EXPECT_EQ(check({0.5, 0.0, 0.0}, {0.4, 0.5}, certificate).verdict, Verdict::refuted);
+  EXPECT_EQ(check(Point{2.0, 0.0, 0.0}, {1.0, 1.0}, certificate).verdict, Verdict::proved);
+  EXPECT_EQ(check(Point{2.0, 0.0, 0.0}, {-1.0, -0.5}, certificate).verdict, Verdict::refuted);
+  EXPECT_EQ(check(Point{0.5, 0.0, 0.0}, {0.4, 0.5}, certificate).verdict, Verdict::refuted);
 }
 
 /// Whatever stands in a certificate, a claim that excludes the truth is not proved.
@@ -210,7 +210,7 @@ TEST(CheckerTest, ProvesNothingFalseFromNonsense) {
     if (random.choice(2) == 0) certificate.escape = vector();
     EXPECT_NE(check(x, {2.0000001, 3.0}, certificate).verdict, Verdict::proved);
     EXPECT_NE(check(x, {-1.0, 1.9999999}, certificate).verdict, Verdict::proved);
-    EXPECT_NE(check({0.0, 0.0, 0.0}, {-3.0, -1.0000001}, certificate).verdict, Verdict::proved);
+    EXPECT_NE(check(Point{0.0, 0.0, 0.0}, {-3.0, -1.0000001}, certificate).verdict, Verdict::proved);
   }
 }
 

@@ -168,6 +168,60 @@ TEST_F(CommandLine, WritesEveryFormat) {
   }
 }
 
+TEST_F(CommandLine, MapsTheTrianglesOfAMesh) {
+  // Of the one triangle (0, 0, 3) is the closest point to the ball of semi-axis 1 along z; the other meets the ball.
+  const auto mesh = write("mesh.off", "OFF\n5 2 0\n0 0 3\n1 0 4\n0 1 4\n9 0 0\n-9 1 0\n3 0 1 2\n3 3 4 0\n");
+  for (const std::string device : {"host", "auto"}) {
+    const auto outcome =
+        run({"map", "--device", device, "--model", ball, "--mesh", mesh, "--on", "triangles", "-o", path("map.csv")});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, StartsWith("triangles          2\n"));
+    EXPECT_THAT(outcome.out, HasSubstr(" triangles/s\n"));
+    EXPECT_THAT(outcome.out, Not(HasSubstr("point")));
+    const auto rows = rows_of(path("map.csv"));
+    ASSERT_EQ(rows.size(), 2);
+    EXPECT_LE(rows[0].lo, 2.0);
+    EXPECT_GE(rows[0].hi, 2.0);
+    EXPECT_LE(rows[0].hi - rows[0].lo, 2e-6);
+    EXPECT_EQ(rows[1].lo, 0.0);
+    EXPECT_LE(rows[1].hi, 2e-6);
+  }
+}
+
+TEST_F(CommandLine, WritesTheTrianglesInEveryFormat) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  for (const std::string name : {"map.csv", "map.vtp", "map.ply", "map.json"}) {
+    const auto outcome = map({"--model", ball, "--mesh", mesh, "--on", "triangles", "-o", path(name)});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_GT(std::filesystem::file_size(path(name)), 0);
+  }
+  EXPECT_THAT(contents(path("map.vtp")), HasSubstr("<CellData"));
+}
+
+TEST_F(CommandLine, CountsTrianglesInTheJsonSummary) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const auto outcome =
+      map({"--model", ball, "--mesh", mesh, "--on", "triangles", "--tol", "1e-9", "-o", path("map.csv"), "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary.at("triangles"), 4);
+  EXPECT_EQ(summary.at("host_verified"), 4);
+  EXPECT_GE(summary.at("triangles_per_second"), 0.0);
+  EXPECT_FALSE(summary.contains("points"));
+  EXPECT_LE(summary.at("smallest_distance").at("lo"), 2.0);
+  EXPECT_GE(summary.at("smallest_distance").at("hi"), 2.0);
+}
+
+TEST_F(CommandLine, TrianglesOfAPointCloudAreRefused) {
+  const auto cloud = write("cloud.off", "OFF\n2 0 0\n0 0 3\n1 0 4\n");
+  expect_refused(map({"--model", ball, "--mesh", cloud, "--on", "triangles", "-o", path("map.csv")}),
+                 {"cloud.off", "point cloud", "no triangles"});
+  const auto points = write("points.csv", "0,0,3\n");
+  expect_refused(map({"--model", ball, "--points", points, "--on", "triangles", "-o", path("map.csv")}),
+                 {"--on triangles", "--mesh"});
+  EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
+}
+
 TEST_F(CommandLine, PrintsTheSummaryAsOneJsonObject) {
   const auto mesh = write("mesh.off", tetrahedron);
   const auto outcome = map({"--model", ball, "--mesh", mesh, "--tol", "1e-9", "-o", path("map.csv"), "--json"});
@@ -217,6 +271,27 @@ TEST_F(CommandLine, InterruptionKeepsFinishedRows) {
   EXPECT_EQ(summary.at("output"), path("map.csv.partial"));
   EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
   EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary.at("points"));
+}
+
+TEST_F(CommandLine, InterruptionKeepsFinishedRowsOfTriangles) {
+  constexpr int count = 500'000;
+  std::string text = "OFF\n3 " + std::to_string(count) + " 0\n1 2 3\n2 2 3\n1 3 3\n";
+  for (int k = 0; k < count; ++k) text += "3 0 1 2\n";
+  const auto mesh = write("mesh.off", text);
+  const auto process = start({"map", "--device", "host", "--model", ball, "--mesh", mesh, "--on", "triangles", "-o",
+                              path("map.csv"), "--json"});
+  const auto begun = [&] {  // the map's temporary file is there
+    return std::ranges::any_of(folder_.names(), [](const auto& name) { return name.starts_with("map.csv."); });
+  };
+  while (!begun()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  process.interrupt();
+  const auto outcome = process.wait();
+  EXPECT_EQ(outcome.status, 130) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("map.csv.partial"));
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary.at("interrupted"), true);
+  EXPECT_LT(summary.at("triangles"), count);
+  EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary.at("triangles"));
 }
 
 TEST_F(CommandLine, PrintsVersionAndHelp) {
@@ -529,6 +604,82 @@ TEST_F(Check, LoadsNoOpenCl) {
   EXPECT_THAT(mapped.err, HasSubstr("libOpenCL"));
 }
 
+// ---------------------------------------------------------------- check of triangles
+
+/// `tetrahedron` above the ball: its triangles' distances are 2, 2, 2 and about 3.
+class CheckTriangles : public CommandLine {
+ protected:
+  [[nodiscard]] std::string certified_map(const std::string& name, const std::string& device = "host") const {
+    const auto outcome = run({"map", "--device", device, "--model", ball, "--mesh", mesh_, "--on", "triangles",
+                              "--certificates", "-o", path(name)});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return path(name);
+  }
+  [[nodiscard]] Outcome check(const std::string& map, Arguments more = {}) const {
+    more.insert(more.begin(), {"check", "--model", ball, "--mesh", mesh_, "--map", map});
+    return run(more);
+  }
+
+  std::string mesh_ = write("mesh.off", tetrahedron);
+};
+
+TEST_F(CheckTriangles, ProvesAFinishedMap) {
+  for (const std::string device : {"host", "auto"}) {
+    for (const std::string name : {"map.csv", "map.vtp"}) {
+      const auto outcome = check(certified_map(name, device));
+      EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+      EXPECT_EQ(outcome.err, "");
+      EXPECT_THAT(outcome.out, StartsWith("triangles            4\n  proved             4\n"));
+      EXPECT_THAT(outcome.out, HasSubstr(" triangles/s\n"));
+      EXPECT_THAT(outcome.out, Not(HasSubstr("point")));
+    }
+  }
+}
+
+TEST_F(CheckTriangles, NamesTheTriangleWhoseEnclosureIsWrong) {
+  Table table(certified_map("map.csv"));
+  table.at(1, "lo") = "1";  // the exact distance is 2
+  table.at(1, "hi") = "1.5";
+  const auto moved = write("moved.csv", table.text());
+  const auto outcome = check(moved);
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("first refuted triangle, index 1, at (0, 0, 3), (0, 1, 4), (-1, -1, 4): hi is "
+                                     "wrong"));
+  const auto summary = nlohmann::json::parse(check(moved, {"--json"}).out);
+  EXPECT_EQ(summary.at("triangles"), 4);
+  EXPECT_EQ(summary.at("proved"), 3);
+  EXPECT_EQ(summary.at("refuted"), 1);
+  EXPECT_GE(summary.at("triangles_per_second"), 0.0);
+  EXPECT_EQ(summary.at("first").at("triangle"), nlohmann::json::parse("[[0, 0, 3], [0, 1, 4], [-1, -1, 4]]"));
+}
+
+TEST_F(CheckTriangles, DoesNotProveByWeightsThatLeaveTheTriangle) {
+  Table table(certified_map("map.csv"));
+  table.at(0, "weight_1") = "-0.5";
+  table.at(2, "weight_2") = "1e300";
+  const auto outcome = check(write("false.csv", table.text()));
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("unproved           2\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("first unproved triangle, index 0,"));
+}
+
+TEST_F(CheckTriangles, RefusesAMapOfOtherLength) {
+  const auto other = write("other.off", "OFF\n3 1 0\n0 0 3\n1 0 4\n0 1 4\n3 0 1 2\n");
+  for (const std::string name : {"map.csv", "map.vtp"}) {
+    const auto map = certified_map(name);
+    expect_refused(run({"check", "--model", ball, "--mesh", other, "--map", map}),
+                   {name, "other.off", "4 rows for the 1 triangles"});
+  }
+}
+
+TEST_F(CheckTriangles, NeedsTheMesh) {
+  const auto map = certified_map("map.csv");
+  const auto points = write("points.csv", "0,0,3\n");
+  expect_refused(run({"check", "--model", ball, "--points", points, "--map", map}), {"map.csv", "triangles", "--mesh"});
+  const auto cloud = write("cloud.off", "OFF\n2 0 0\n0 0 3\n1 0 4\n");
+  expect_refused(run({"check", "--model", ball, "--mesh", cloud, "--map", map}), {"cloud.off", "no triangles"});
+}
+
 // ---------------------------------------------------------------- bad usage
 
 struct BadUsage {
@@ -568,7 +719,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"NanTolerance", {"--mesh", "MESH", "--tol", "nan", "-o", "OUT"}, {"--tol", "nan"}},
         BadUsage{"InfiniteTolerance", {"--mesh", "MESH", "--tol", "inf", "-o", "OUT"}, {"--tol", "inf"}},
         BadUsage{"TextTolerance", {"--mesh", "MESH", "--tol", "1e-3mm", "-o", "OUT"}, {"--tol", "1e-3mm"}},
-        BadUsage{"OnTriangles", {"--mesh", "MESH", "--on", "triangles", "-o", "OUT"}, {"--on", "not supported yet"}},
+        BadUsage{
+            "TrianglesOfPoints", {"--points", "MESH", "--on", "triangles", "-o", "OUT"}, {"--on triangles", "--mesh"}},
         BadUsage{"OnSomethingElse", {"--mesh", "MESH", "--on", "edges", "-o", "OUT"}, {"--on", "edges"}},
         BadUsage{
             "CertificatesInPly", {"--mesh", "MESH", "--certificates", "-o", "map.ply"}, {"map.ply", ".csv", ".vtp"}},
@@ -662,15 +814,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadModel{"Bend", bent(R"({"curvature": 0.002, "angle_deg": 70})"), {"bend", "not supported yet"}},
         BadModel{"BendTooStrong", bent(R"({"curvature": 1.0, "angle_deg": 0})"), {"bend"}},
         BadModel{"BendBeyondHalfTurn", bent(R"({"curvature": 1.1, "angle_deg": 90})"), {"bend"}},
-        BadModel{"IntervalSemiAxis",
-                 model_of(solid("[[1, 2], 2, 3]", good_exponents)),
-                 {"semi_axes", "intervals", "not supported yet"}},
-        BadModel{"IntervalExponent",
-                 model_of(solid(good_axes, "[1, [0.9, 1]]")),
-                 {"exponents", "intervals", "not supported yet"}},
-        BadModel{"IntervalTranslation",
-                 posed(R"({"translation": [0, 0, [1, 2]]})"),
-                 {"translation", "intervals", "not supported yet"}},
+        BadModel{
+            "ReversedSemiAxis", model_of(solid("[[2, 1], 2, 3]", good_exponents)), {"semi_axes", "[2,1]", "lower end"}},
+        BadModel{
+            "ReversedExponent", model_of(solid(good_axes, "[1, [1, 0.9]]")), {"exponents", "[1,0.9]", "lower end"}},
+        BadModel{
+            "ReversedTranslation", posed(R"({"translation": [0, 0, [2, 1]]})"), {"translation", "[2,1]", "lower end"}},
         BadModel{"UnknownNameInCsg", combined(R"({"union": ["a", "ghost"]})"), {"csg", "ghost"}},
         BadModel{"UnknownOperator", combined(R"({"xor": ["a"]})"), {"csg", "xor"}},
         BadModel{"Intersection", combined(R"({"intersection": ["a"]})"), {"intersection", "not supported yet"}},

@@ -450,7 +450,7 @@ class KernelInterval : public testing::Test {
     for (const Device& device : devices) {
       for (const int width : {16, 8, 4, 1}) {
         SCOPED_TRACE(fmt::format("{}, width {}", device.name, width));
-        const cl::Program program = build_program(device.context, device.device, width);
+        const cl::Program program = build_program(device.context, device.device, width, kernels::embedded_sources());
         OperationKernels kernels(device.context, device.device, program, width);
         check(kernels);
       }

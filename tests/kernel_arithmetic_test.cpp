@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "host/device/device.hpp"
+#include "host/device/operation_kernels.hpp"
 #include "host/device/program.hpp"
+#include "kernels/embedded_sources.hpp"
 
 namespace verisq::device {
 namespace {
@@ -24,10 +26,6 @@ std::size_t samples() {
   const char* const wanted = std::getenv("VERISQ_ARITHMETIC_SAMPLES");
   return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 100'000;
 }
-
-struct Operands {
-  double a, b, c;
-};
 
 // A binary64 number of MPFR; released with its owner.
 class Number {
@@ -46,29 +44,29 @@ class Number {
   mpfr_t value_;
 };
 
-// Where an operand is drawn from.
-enum class Domain { any, divisor, nonnegative, exponent, base };
+// What an operand is drawn from: infinities included, unlike SampleOperands.
+enum class Distribution { any, divisor, nonnegative, exponent, base };
 
 struct Operation {
   const char* name;
   unsigned down;  // index in kernels/self_test.cl
   unsigned up;
-  Domain a, b, c;
+  Distribution a, b, c;
   double tightness;  // largest relative distance of a bound from the exact value, as the kernels document it
 };
 
 constexpr double one_step = 0x1p-51;
 constexpr double elementary = 0x1p-50;
 const Operation operations[] = {
-    {"add", 7, 8, Domain::any, Domain::any, Domain::any, one_step},
-    {"sub", 9, 10, Domain::any, Domain::any, Domain::any, one_step},
-    {"mul", 11, 12, Domain::any, Domain::any, Domain::any, one_step},
-    {"div", 13, 14, Domain::any, Domain::divisor, Domain::any, one_step},
-    {"fma", 15, 16, Domain::any, Domain::any, Domain::any, one_step},
-    {"sqrt", 17, 18, Domain::nonnegative, Domain::any, Domain::any, one_step},
-    {"exp", 19, 20, Domain::exponent, Domain::any, Domain::any, elementary},
-    {"log", 21, 22, Domain::nonnegative, Domain::any, Domain::any, elementary},
-    {"pow_unit", 23, 24, Domain::base, Domain::nonnegative, Domain::any, infinity},
+    {"add", 7, 8, Distribution::any, Distribution::any, Distribution::any, one_step},
+    {"sub", 9, 10, Distribution::any, Distribution::any, Distribution::any, one_step},
+    {"mul", 11, 12, Distribution::any, Distribution::any, Distribution::any, one_step},
+    {"div", 13, 14, Distribution::any, Distribution::divisor, Distribution::any, one_step},
+    {"fma", 15, 16, Distribution::any, Distribution::any, Distribution::any, one_step},
+    {"sqrt", 17, 18, Distribution::nonnegative, Distribution::any, Distribution::any, one_step},
+    {"exp", 19, 20, Distribution::exponent, Distribution::any, Distribution::any, elementary},
+    {"log", 21, 22, Distribution::nonnegative, Distribution::any, Distribution::any, elementary},
+    {"pow_unit", 23, 24, Distribution::base, Distribution::nonnegative, Distribution::any, infinity},
 };
 
 // The exact value rounded down or up to a binary64 number: a binary64 bound is right exactly if it does not cross it.
@@ -93,16 +91,16 @@ double reference(const Operation& operation, const Operands& o, mpfr_rnd_t round
 
 class Sampler {
  public:
-  double draw(Domain domain) {
-    switch (domain) {
-      case Domain::any: return any();
-      case Domain::divisor: {
+  double draw(Distribution distribution) {
+    switch (distribution) {
+      case Distribution::any: return any();
+      case Distribution::divisor: {
         const double x = any();
         return x == 0.0 ? 1.0 : x;
       }
-      case Domain::nonnegative: return std::abs(any());
-      case Domain::exponent: return pick_(generator_) < 2 ? any() : 740.0 * (2.0 * unit_(generator_) - 1.0);
-      case Domain::base: break;
+      case Distribution::nonnegative: return std::abs(any());
+      case Distribution::exponent: return pick_(generator_) < 2 ? any() : 740.0 * (2.0 * unit_(generator_) - 1.0);
+      case Distribution::base: break;
     }
     return pick_(generator_) < 2 ? std::min(std::abs(any()), 1.0) : unit_(generator_);
   }
@@ -143,45 +141,6 @@ class Sampler {
   std::uniform_int_distribution<int> pick_{0, 9};
 };
 
-// Applies operations of kernels/self_test.cl on a device.
-class Applier {
- public:
-  Applier(const Device& device, int width)
-      : context_(device.context),
-        queue_(device.context, device.device),
-        kernel_(build_program(device.context, device.device, width), "apply_operation"),
-        width_(width) {}
-
-  std::vector<double> apply(unsigned operation, const std::vector<Operands>& operands) {
-    const std::size_t bytes = operands.size() * sizeof(double);
-    std::vector<double> columns[3];
-    for (const Operands& o : operands) {
-      columns[0].push_back(o.a);
-      columns[1].push_back(o.b);
-      columns[2].push_back(o.c);
-    }
-    std::vector<cl::Buffer> inputs;
-    kernel_.setArg(0, static_cast<cl_uint>(operation));
-    kernel_.setArg(1, static_cast<cl_ulong>(operands.size() / width_));
-    for (cl_uint i = 0; i < 3; ++i) {
-      inputs.emplace_back(context_, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, bytes, columns[i].data());
-      kernel_.setArg(2 + i, inputs.back());
-    }
-    const cl::Buffer output(context_, CL_MEM_WRITE_ONLY, bytes);
-    kernel_.setArg(5, output);
-    queue_.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(operands.size() / width_));
-    std::vector<double> results(operands.size());
-    queue_.enqueueReadBuffer(output, CL_TRUE, 0, bytes, results.data());
-    return results;
-  }
-
- private:
-  cl::Context context_;
-  cl::CommandQueue queue_;
-  cl::Kernel kernel_;
-  std::size_t width_;
-};
-
 struct Tally {
   std::uint64_t checked = 0;
   std::uint64_t escapes = 0;
@@ -216,7 +175,9 @@ class KernelArithmetic : public testing::TestWithParam<int> {};
 TEST_P(KernelArithmetic, ContainsTheExactValue) {
   const Selection selection = select_device("auto");
   if (!selection.device) GTEST_SKIP() << "no OpenCL device: " << selection.notice;
-  Applier applier(*selection.device, GetParam());
+  const Device& device = *selection.device;
+  const cl::Program program = build_program(device.context, device.device, GetParam(), kernels::embedded_sources());
+  OperationKernels kernels(device.context, device.device, program, GetParam());
   constexpr std::size_t chunk = 1U << 15U;
   for (const Operation& operation : operations) {
     Sampler sampler;
@@ -228,8 +189,8 @@ TEST_P(KernelArithmetic, ContainsTheExactValue) {
         // What contraction or a lost residual would show: a product and its negative rounded value.
         if (operation.down == 15 && (&o - operands.data()) % 2 == 0 && std::isfinite(o.a * o.b)) o.c = -(o.a * o.b);
       }
-      const std::vector<double> down = applier.apply(operation.down, operands);
-      const std::vector<double> up = applier.apply(operation.up, operands);
+      const std::vector<double> down = kernels.apply(operation.down, operands);
+      const std::vector<double> up = kernels.apply(operation.up, operands);
       for (std::size_t i = 0; i < chunk; ++i) check(operation, operands[i], down[i], up[i], tally);
     }
     fmt::print("width {:2} {:8}: {} samples, {} escapes, loosest bound 2^{:.2f}\n", GetParam(), operation.name,

@@ -70,6 +70,21 @@ TEST(MapFile, Csv) {
   EXPECT_THAT(folder.names(), ElementsAre("map.csv"));
 }
 
+/// `results` of the four triangles of the tetrahedron, in two pieces.
+void write_triangles(const std::filesystem::path& path) {
+  MapWriter writer(path, &tetrahedron, MapContents::enclosures, MapElements::triangles);
+  writer.append(std::span(results).first(3));
+  writer.append(std::span(results).last(1));
+  writer.finish();
+}
+
+TEST(MapFile, CsvOfTriangles) {
+  const TemporaryFolder folder;
+  write(folder / "vertices.csv", &tetrahedron);
+  write_triangles(folder / "triangles.csv");
+  EXPECT_EQ(folder.contents("triangles.csv"), folder.contents("vertices.csv"));
+}
+
 TEST(MapFile, CsvGivesBackEveryBit) {
   std::vector<MapResult> rows;
   for (std::uint64_t k = 0; k < 1000; ++k) {
@@ -101,6 +116,16 @@ TEST(MapFile, Json) {
       {"index": 1, "lo": "-inf", "hi": "inf", "status": "wide"},
       {"index": 2, "lo": -2, "hi": "inf", "status": "wide"},
       {"index": 3, "lo": "-inf", "hi": -1e-310, "status": "host-verified"}]})"));
+}
+
+TEST(MapFile, JsonSaysThatItIsOfTriangles) {
+  const TemporaryFolder folder;
+  write(folder / "vertices.json", &tetrahedron);
+  write_triangles(folder / "triangles.json");
+  nlohmann::json map = nlohmann::json::parse(folder.contents("triangles.json"));
+  EXPECT_EQ(map.at("elements"), "triangles");
+  map.erase("elements");
+  EXPECT_EQ(map, nlohmann::json::parse(folder.contents("vertices.json")));
 }
 
 TEST(MapFile, JsonWithoutRows) {
@@ -150,6 +175,36 @@ TEST(MapFile, PlyCarriesTheEnclosures) {
     EXPECT_EQ(row[48], static_cast<char>(results[k].status));
   }
   EXPECT_EQ(rows.size(), std::size_t{4 * 49 + 4 * 13});
+}
+
+TEST(MapFile, PlyOfTrianglesReadsBackAsTheMesh) {
+  const TemporaryFolder folder;
+  write_triangles(folder / "map.ply");
+  const Mesh mesh = read_mesh(folder / "map.ply");
+  EXPECT_EQ(mesh.vertices, tetrahedron.vertices);
+  EXPECT_EQ(mesh.triangles, tetrahedron.triangles);
+}
+
+TEST(MapFile, PlyFacesCarryTheEnclosuresOfTriangles) {
+  const TemporaryFolder folder;
+  write_triangles(folder / "map.ply");
+  const std::string contents = folder.contents("map.ply");
+  const std::string end =
+      "element vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face 4\nproperty list uchar uint vertex_indices\n"
+      "property double dist_lo\nproperty double dist_hi\nproperty double dist_mid\nproperty uchar status\nend_header\n";
+  ASSERT_THAT(contents, HasSubstr(end));
+  const std::string_view faces = std::string_view(contents).substr(contents.find(end) + end.size() + 4 * 24);
+  ASSERT_EQ(faces.size(), std::size_t{4 * 38});
+  const std::vector<double> middles{std::midpoint(0.1, 0.30000000000000004), 0.0, -2.0, -1e-310};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::string_view face = faces.substr(k * 38, 38);
+    EXPECT_EQ(face[0], 3);
+    EXPECT_EQ(double_at(face.substr(13)), results[k].distance.lo);
+    EXPECT_EQ(double_at(face.substr(21)), results[k].distance.hi);
+    EXPECT_EQ(double_at(face.substr(29)), middles[k]);
+    EXPECT_EQ(face[37], static_cast<char>(results[k].status));
+  }
 }
 
 // --- VTP ---------------------------------------------------------------------------------------------------------
@@ -211,6 +266,43 @@ TEST(MapFile, VtpOfPointsHasAVertexCellEach) {
   EXPECT_THAT(file.array<std::uint8_t>("UInt8", "status"), ElementsAre(0, 2, 2, 1));
 }
 
+TEST(MapFile, VtpOfTrianglesHasCellData) {
+  const TemporaryFolder folder;
+  Mesh mesh = tetrahedron;  // with other numbers of vertices and triangles
+  mesh.vertices.push_back({7, 8, 9});
+  MapWriter writer(folder / "map.vtp", &mesh, MapContents::enclosures, MapElements::triangles);
+  writer.append(results);
+  writer.finish();
+  const VtpFile file(folder.contents("map.vtp"));
+  EXPECT_THAT(file.contents(), HasSubstr("<Piece NumberOfPoints=\"5\" NumberOfVerts=\"0\" NumberOfLines=\"0\" "
+                                         "NumberOfStrips=\"0\" NumberOfPolys=\"4\">"));
+  EXPECT_THAT(file.contents(), HasSubstr("<CellData Scalars=\"dist_mid\">"));
+  EXPECT_THAT(file.contents(), Not(HasSubstr("PointData")));
+  EXPECT_THAT(file.array<std::int64_t>("Int64", "connectivity"), ElementsAre(0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3));
+  EXPECT_THAT(file.array<double>("Float64", "dist_lo"), ElementsAre(0.1, -infinity, -2.0, -infinity));
+  EXPECT_THAT(file.array<double>("Float64", "dist_hi"), ElementsAre(0.30000000000000004, infinity, infinity, -1e-310));
+  EXPECT_THAT(file.array<double>("Float64", "dist_mid"),
+              ElementsAre(std::midpoint(0.1, 0.30000000000000004), 0.0, -2.0, -1e-310));
+  EXPECT_THAT(file.array<std::uint8_t>("UInt8", "status"), ElementsAre(0, 2, 2, 1));
+}
+
+/// A map of no triangles at all: every format stays well-formed, although the mesh has vertices.
+TEST(MapFile, OfNoTriangles) {
+  const TemporaryFolder folder;
+  const Mesh cloud{tetrahedron.vertices, {}};
+  for (const char* name : {"map.csv", "map.json", "map.ply", "map.vtp"}) {
+    MapWriter(folder / name, &cloud, MapContents::enclosures, MapElements::triangles).finish();
+  }
+  EXPECT_EQ(folder.contents("map.csv"), "index,lo,hi,status\n");
+  EXPECT_EQ(nlohmann::json::parse(folder.contents("map.json"))["results"], nlohmann::json::array());
+  EXPECT_EQ(read_mesh(folder / "map.ply").vertices, cloud.vertices);
+  EXPECT_THAT(folder.contents("map.ply"), HasSubstr("element face 0\n"));
+  const VtpFile file(folder.contents("map.vtp"));
+  EXPECT_THAT(file.contents(), HasSubstr("NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+                                         "NumberOfPolys=\"0\">"));
+  EXPECT_THAT(file.array<double>("Float64", "dist_lo"), IsEmpty());
+}
+
 // --- certificates ------------------------------------------------------------------------------------------------
 
 const std::vector<Certificate> certificates{
@@ -234,6 +326,22 @@ std::string certified(const std::string& name, const Mesh* mesh = nullptr) {
   return folder.contents(name);
 }
 
+const std::vector<Certificate> triangle_certificates{
+    {{{0, {0.1, -0.0, 5e-324}}}, std::nullopt, {{0.25, 0.1}}},
+    {{}, std::nullopt, {{-0.0, 1e300}}},  // proves nothing, but is no less a certificate
+    {{{2, {1, 0, 0}}, {0, {0, 1e300, 0}}, {7, {-1.5, 0, 2}}}, std::nullopt, {{5e-324, -1}}},
+    {{}, std::nullopt, std::nullopt}};
+
+/// `results` with `triangle_certificates`, in two pieces.
+std::string certified_triangles(const std::string& name) {
+  const TemporaryFolder folder;
+  MapWriter writer(folder / name, &tetrahedron, MapContents::certified, MapElements::triangles);
+  writer.append(std::span(results).first(3), std::span(triangle_certificates).first(3));
+  writer.append(std::span(results).last(1), std::span(triangle_certificates).last(1));
+  writer.finish();
+  return folder.contents(name);
+}
+
 const std::string csv_header =
     "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,escape_x,escape_y,escape_z\n";
 const std::vector<std::string> csv_rows{
@@ -242,6 +350,34 @@ const std::vector<std::string> csv_rows{
     "2,-2,inf,wide,2,1,0,0,0:0:1e+300:0 7:-1.5:0:2,-0,1e-310,0.1\n",
     "3,-inf,-9.9999999999999694e-311,host-verified,,,,,,,,\n",
 };
+
+const std::string csv_triangle_header =
+    "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,weight_1,weight_2\n";
+const std::vector<std::string> csv_triangle_rows{
+    "0,0.10000000000000001,0.30000000000000004,device-verified,0,0.1,-0,5e-324,,0.25,0.1\n",
+    "1,-inf,inf,wide,,,,,,-0,1e+300\n",
+    "2,-2,inf,wide,2,1,0,0,0:0:1e+300:0 7:-1.5:0:2,5e-324,-1\n",
+    "3,-inf,-9.9999999999999694e-311,host-verified,,,,,,,\n",
+};
+
+TEST(CertifiedMap, CsvOfTriangles) {
+  EXPECT_EQ(certified_triangles("map.csv"), csv_triangle_header + csv_triangle_rows[0] + csv_triangle_rows[1] +
+                                                csv_triangle_rows[2] + csv_triangle_rows[3]);
+}
+
+TEST(CertifiedMap, VtpOfTrianglesHoldsTheCertificates) {
+  const VtpFile file(certified_triangles("map.vtp"));
+  const auto nan = ::testing::NanSensitiveDoubleEq(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(file.contents(), HasSubstr("<CellData Scalars=\"dist_mid\" Vectors=\"normal\">"));
+  EXPECT_THAT(file.contents(), HasSubstr("Name=\"weights\" NumberOfComponents=\"2\""));
+  EXPECT_THAT(file.contents(), Not(HasSubstr("escape")));
+  EXPECT_THAT(file.array<std::int32_t>("Int32", "further_primitive"), ElementsAre(0, 7));
+  EXPECT_THAT(file.array<double>("Float64", "dist_lo"), ElementsAre(0.1, -infinity, -2.0, -infinity));
+  EXPECT_THAT(file.array<std::int32_t>("Int32", "primitive"), ElementsAre(0, -1, 2, -1));
+  EXPECT_THAT(file.array<double>("Float64", "normal"), ElementsAre(0.1, -0.0, 5e-324, 0, 0, 0, 1, 0, 0, 0, 0, 0));
+  EXPECT_THAT(file.array<double>("Float64", "weights"), ElementsAre(0.25, 0.1, -0.0, 1e300, 5e-324, -1, nan, nan));
+  EXPECT_THAT(file.array<std::int64_t>("Int64", "further_normals_end"), ElementsAre(0, 0, 2, 2));
+}
 
 TEST(CertifiedMap, Csv) {
   EXPECT_EQ(certified("map.csv"), csv_header + csv_rows[0] + csv_rows[1] + csv_rows[2] + csv_rows[3]);
@@ -298,8 +434,7 @@ TEST(CertifiedMap, VtpHoldsTheCertificates) {
 
 /// What a VTK reader relies on: the XML before the raw bytes parses, and the arrays lie one after the other, each as
 /// long as its tuples (stated in FieldData, those of the piece elsewhere) need.
-TEST(CertifiedMap, VtpArraysFillTheAppendedPart) {
-  const std::string contents = certified("map.vtp");
+void expect_arrays_fill_the_appended_part(const std::string& contents) {
   const std::size_t start = contents.find("\n_") + 2;
   pugi::xml_document xml;
   const std::string closed = contents.substr(0, start) + "</AppendedData></VTKFile>";
@@ -310,9 +445,12 @@ TEST(CertifiedMap, VtpArraysFillTheAppendedPart) {
     const pugi::xml_node array = found.node();
     const std::string type = array.attribute("type").value();
     const std::size_t number = type == "UInt8" ? 1 : type == "Int32" ? 4 : 8;
-    const std::size_t tuples = array.parent().name() == std::string("FieldData")
-                                   ? array.attribute("NumberOfTuples").as_ullong()
-                                   : xml.select_node("//Piece").node().attribute("NumberOfPoints").as_ullong();
+    const std::string parent = array.parent().name();
+    const pugi::xml_node piece = xml.select_node("//Piece").node();
+    std::size_t tuples = piece.attribute("NumberOfPoints").as_ullong();
+    if (parent == "FieldData") tuples = array.attribute("NumberOfTuples").as_ullong();
+    if (parent == "Polys" || parent == "CellData") tuples = piece.attribute("NumberOfPolys").as_ullong();
+    if (array.attribute("Name").value() == std::string("connectivity") && parent == "Polys") tuples *= 3;
     EXPECT_EQ(array.attribute("offset").as_ullong(), end) << array.attribute("Name").value();
     const std::size_t bytes = tuples * array.attribute("NumberOfComponents").as_ullong() * number;
     EXPECT_EQ(number_from<std::uint64_t>(contents.data() + start + end, std::endian::little), bytes);
@@ -321,6 +459,12 @@ TEST(CertifiedMap, VtpArraysFillTheAppendedPart) {
   }
   EXPECT_EQ(arrays, 13U);
   EXPECT_EQ(contents.substr(start + end), "\n  </AppendedData>\n</VTKFile>\n");
+}
+
+TEST(CertifiedMap, VtpArraysFillTheAppendedPart) {
+  expect_arrays_fill_the_appended_part(certified("map.vtp"));
+  expect_arrays_fill_the_appended_part(certified("map.vtp", &tetrahedron));
+  expect_arrays_fill_the_appended_part(certified_triangles("map.vtp"));
 }
 
 TEST(CertifiedMap, IsWrittenToCsvAndVtpOnly) {
@@ -340,7 +484,7 @@ TEST(CertifiedMap, IsWrittenToCsvAndVtpOnly) {
 std::vector<CertifiedRow> read_map(const std::filesystem::path& path, std::size_t piece = 3) {
   MapReader reader(path);
   std::vector<CertifiedRow> all;
-  std::vector<CertifiedRow> rows(piece, {{{9, 9}, Status::wide}, {{{9, {9, 9, 9}}}, Point{9, 9, 9}}});
+  std::vector<CertifiedRow> rows(piece, {{{9, 9}, Status::wide}, {{{9, {9, 9, 9}}}, Point{9, 9, 9}, {{9, 9}}}});
   std::size_t count = 0;
   do {
     count = reader.read(rows);
@@ -356,6 +500,7 @@ std::string text(const MapResult& result, const Certificate& certificate) {
   for (const auto& [primitive, v] : certificate.normals)
     line += fmt::format(" {}: ({:a}, {:a}, {:a})", primitive, v[0], v[1], v[2]);
   if (const auto& e = certificate.escape) line += fmt::format(" escape ({:a}, {:a}, {:a})", (*e)[0], (*e)[1], (*e)[2]);
+  if (const auto& w = certificate.weights) line += fmt::format(" weights ({:a}, {:a})", (*w)[0], (*w)[1]);
   return line;
 }
 
@@ -374,18 +519,51 @@ TEST(MapReader, GivesBackWhatWasWritten) {
   }
 }
 
+TEST(MapReader, GivesBackWhatWasWrittenOfTriangles) {
+  const TemporaryFolder folder;
+  for (const char* name : {"map.csv", "map.vtp"}) {
+    const auto path = folder.file(name, certified_triangles(name));
+    EXPECT_EQ(MapReader(path).elements(), MapElements::triangles);
+    for (const std::size_t piece : {1, 2, 3, 4, 5}) {
+      const std::vector<CertifiedRow> rows = read_map(path, piece);
+      ASSERT_EQ(rows.size(), results.size());
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        EXPECT_EQ(text(rows[k].result, rows[k].certificate), text(results[k], triangle_certificates[k])) << name;
+    }
+  }
+}
+
+TEST(MapReader, TellsVerticesFromTriangles) {
+  const TemporaryFolder folder;
+  for (const char* name : {"map.csv", "map.vtp"}) {
+    for (const Mesh* mesh : {&tetrahedron, static_cast<const Mesh*>(nullptr)}) {
+      write_certified(folder / name, mesh);
+      EXPECT_EQ(MapReader(folder / name).elements(), MapElements::vertices);
+    }
+    const Mesh cloud{tetrahedron.vertices, {}};
+    MapWriter(folder / name, &cloud, MapContents::certified, MapElements::triangles).finish();
+    EXPECT_EQ(MapReader(folder / name).elements(), MapElements::triangles);
+    EXPECT_THAT(read_map(folder / name), IsEmpty());
+  }
+}
+
 /// Random rows of every shape.
 class RandomRows {
  public:
   MapResult result() { return {{end(), end()}, static_cast<Status>(below(3))}; }
-  Certificate certificate() {
+  Certificate certificate(MapElements elements) {
     Certificate certificate;
     const std::uint64_t normals = below(2) == 0 ? below(2) : below(9);
     for (std::uint64_t k = 0; k < normals; ++k) {
       const auto primitive = static_cast<std::uint32_t>(below(2) == 0 ? below(10) : below(std::uint64_t{1} << 31));
       certificate.normals.push_back({primitive, {finite(), finite(), finite()}});
     }
-    if (below(2) == 0) certificate.escape = {finite(), finite(), finite()};
+    if (below(2) == 0) return certificate;
+    if (elements == MapElements::vertices) {
+      certificate.escape = {finite(), finite(), finite()};
+    } else {
+      certificate.weights = {finite(), finite()};
+    }
     return certificate;
   }
 
@@ -406,18 +584,22 @@ class RandomRows {
   std::mt19937_64 bits_{20240917};
 };
 
-TEST(MapReader, GivesBackEveryBitOfRandomMaps) {
+class RandomMaps : public ::testing::TestWithParam<MapElements> {};
+INSTANTIATE_TEST_SUITE_P(MapReader, RandomMaps, ::testing::Values(MapElements::vertices, MapElements::triangles));
+
+TEST_P(RandomMaps, ComeBackInEveryBit) {
   RandomRows random;
   std::vector<MapResult> rows;
   std::vector<Certificate> proofs;
   for (std::size_t k = 0; k < 5000; ++k) {
     rows.push_back(random.result());
-    proofs.push_back(random.certificate());
+    proofs.push_back(random.certificate(GetParam()));
   }
+  const Mesh mesh{std::vector<Point>(rows.size()), std::vector<std::array<std::uint32_t, 3>>(rows.size())};
   const TemporaryFolder folder;
   for (const char* name : {"map.csv", "map.vtp"}) {
-    MapWriter writer(folder / name, nullptr, MapContents::certified);
-    writer.append(std::vector<Point>(rows.size()), rows, proofs);
+    MapWriter writer(folder / name, &mesh, MapContents::certified, GetParam());
+    writer.append(rows, proofs);
     writer.finish();
     const std::vector<CertifiedRow> read = read_map(folder / name, 777);
     ASSERT_EQ(read.size(), rows.size());
@@ -470,7 +652,8 @@ void expect_refused(const std::string& name, const std::string& contents, const 
 }
 
 TEST(MapReader, RefusesCsvWithAnotherHeader) {
-  const std::string expected = csv_header.substr(0, csv_header.size() - 1);
+  const std::string expected = csv_header.substr(0, csv_header.size() - 1) + "; of triangles " +
+                               csv_triangle_header.substr(0, csv_triangle_header.size() - 1);
   for (const std::string header : {"", "index,lo,hi", "Index,lo"}) {
     expect_refused("map.csv", header + "\n" + csv_rows[0],
                    "line 1: '" + header + "': not the header of a map: expected " + expected);
@@ -525,6 +708,31 @@ TEST(MapReader, RefusesBadCsvRows) {
   }
   expect_refused("map.csv", csv_header + csv_rows[0] + csv_rows[0], "line 3: index = '0': expected 1");
   expect_refused("map.csv", csv_header + csv_rows[0] + "\n", "line 3: '': 1 fields, expected 12");
+}
+
+TEST(MapReader, RefusesBadCsvRowsOfTriangles) {
+  const std::vector<BadRow> cases{
+      {"", "'': 1 fields, expected 11"},
+      {"0,1,2,wide,,,,,,", "'0,1,2,wide,,,,,,': 10 fields, expected 11"},
+      {"0,1,2,wide,,,,,,,,", "'0,1,2,wide,,,,,,,,': 12 fields, expected 11"},
+      {"1,1,2,wide,,,,,,,", "index = '1': expected 0"},
+      {"0,1,nan,wide,,,,,,,", "hi = 'nan': not a finite number"},
+      {"0,1,2,wide,1,1,,0,,,", "normal_y is missing"},
+      {"0,1,2,wide,1,1,1,1,1:1:1,,", "further_normals: '1:1:1': expected primitive:x:y:z"},
+      {"0,1,2,wide,,,,,,1,", "weight_2 is missing"},
+      {"0,1,2,wide,,,,,,,1", "weight_1 is missing"},
+      {"0,1,2,wide,,,,,,nan,nan", "weight_1 = 'nan': not a finite number"},
+      {"0,1,2,wide,,,,,,0,inf", "weight_2 = 'inf': not a finite number"},
+      {"0,1,2,wide,,,,,,0.5x,0", "weight_1 = '0.5x': not a number"},
+      {"0,1,2,wide,,,,,,0,1e999", "weight_2 = '1e999': beyond the range of binary64"},
+  };
+  for (const auto& [row, message] : cases) {
+    expect_refused("map.csv", csv_triangle_header + row + "\n", "line 2: " + message);
+  }
+  expect_refused("map.csv", csv_triangle_header + csv_rows[0],
+                 "line 2: '" + csv_rows[0].substr(0, 60) + "...': 12 fields, expected 11");
+  expect_refused("map.csv", csv_triangle_header + csv_triangle_rows[0] + csv_triangle_rows[0],
+                 "line 3: index = '0': expected 1");
 }
 
 TEST(MapReader, ReadsTheLargestIndexOfAPrimitive) {
@@ -630,15 +838,63 @@ TEST(MapReader, RefusesVtpSizesThatTheFileDoesNotHold) {
                  "array 'further_primitive': truncated: 9223372036854775804 bytes, the file has 682 more");
 }
 
-/// The map of `certificates` with one number of an array changed.
+/// `map`, a .vtp, with one number of an array changed.
 template <class Number>
-std::string with_number(const std::string& name, std::size_t index, Number number) {
-  std::string map = certified("map.vtp");
+std::string with_number(std::string map, const std::string& name, std::size_t index, Number number) {
   const std::string key = "offset=\"";
   const std::size_t offset = std::stoul(map.substr(map.find(key, map.find("Name=\"" + name + "\"")) + key.size()));
   const Number stored = in_little_endian(number);
   std::memcpy(map.data() + map.find("\n_") + 2 + offset + 8 + index * sizeof(Number), &stored, sizeof stored);
   return map;
+}
+
+/// The map of `certificates` with one number of an array changed.
+template <class Number>
+std::string with_number(const std::string& name, std::size_t index, Number number) {
+  return with_number(certified("map.vtp"), name, index, number);
+}
+
+TEST(MapReader, RefusesVtpTriangleValuesThatAreNone) {
+  const std::string map = certified_triangles("map.vtp");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  expect_refused("map.vtp", with_number(map, "dist_lo", 2, nan), "triangle 2: dist_lo = nan");
+  expect_refused("map.vtp", with_number(map, "primitive", 0, -2), "triangle 0: primitive = -2");
+  expect_refused("map.vtp", with_number(map, "weights", 1, nan),
+                 "triangle 0: weights = 0.25 nan: neither finite nor all nan");
+  expect_refused("map.vtp", with_number(map, "weights", 2, nan),
+                 "triangle 1: weights = nan 1e+300: neither finite nor all nan");
+  expect_refused("map.vtp", with_number(map, "weights", 6, 0.0),
+                 "triangle 3: weights = 0 nan: neither finite nor all nan");
+  expect_refused("map.vtp", with_number(map, "weights", 4, -infinity),
+                 "triangle 2: weights = -inf -1: neither finite nor all nan");
+  expect_refused("map.vtp", with_number<std::int64_t>(map, "further_normals_end", 0, -1),
+                 "triangle 0: further_normals_end = -1: expected at least 0");
+  expect_refused("map.vtp", with_number<std::int64_t>(map, "further_normals_end", 3, 3),
+                 "further_normals_end = 3 at the last triangle: expected 2");
+}
+
+/// Cell data has a row for every cell of the piece: only where all are triangles are the rows theirs.
+TEST(MapReader, RefusesVtpWhoseRowsAreNotThoseOfTriangles) {
+  const std::string map = certified_triangles("map.vtp");
+  const std::vector<BadElement> cases{
+      {"NumberOfVerts=\"0\"", "NumberOfVerts=\"1\"", "Piece", "'Piece': NumberOfVerts = '1': expected '0'"},
+      {"NumberOfLines=\"0\"", "NumberOfLines=\"4\"", "Piece", "'Piece': NumberOfLines = '4': expected '0'"},
+      {"NumberOfStrips=\"0\"", "", "Piece", "'Piece': NumberOfStrips = '': expected '0'"},
+      {"NumberOfPolys=\"4\"", "NumberOfPolys=\"-1\"", "Piece",
+       "'Piece': NumberOfPolys = '-1': not a whole number of 64 bits"},
+      {"<CellData ", "<CellData/><CellData ", "CellData S", "'CellData': a second one"},
+      {"<CellData ", "<PointData><DataArray Name=\"primitive\"/></PointData><CellData ", "Piece",
+       "'Piece': both points and cells have a DataArray 'primitive'"},
+      {"Name=\"weights\"", "Name=\"escape\"", "CellData", "'CellData': no DataArray with Name = 'weights'"},
+      {"Name=\"weights\" NumberOfComponents=\"2\"", "Name=\"weights\" NumberOfComponents=\"3\"",
+       "DataArray type=\"Float64\" Name=\"weights\"", "'DataArray': NumberOfComponents = '3': expected '2'"},
+  };
+  for (const auto& [from, to, place, message] : cases) {
+    const std::string changed = replaced(map, from, to);
+    expect_refused("map.vtp", changed, fmt::format("byte {}: {}", changed.find(place), message));
+  }
+  expect_refused("map.vtp", replaced(map, "NumberOfPolys=\"4\"", "NumberOfPolys=\"5\""),
+                 "array 'dist_lo': 32 bytes, expected 5 times 8");
 }
 
 TEST(MapReader, RefusesVtpValuesThatAreNone) {
@@ -684,24 +940,26 @@ void expect_rows_or_input_error(const std::filesystem::path& path) {
 
 TEST(MapReader, NoticesWhereAVtpIsCut) {
   const TemporaryFolder folder;
-  const std::string map = certified("map.vtp");
-  const std::size_t arrays_end = map.find("\n  </AppendedData>");
-  for (std::size_t size = 0; size < arrays_end; ++size) {
-    const auto path = folder.file("map.vtp", map.substr(0, size));
-    EXPECT_THROW(read_map(path), Error) << size;
-    expect_rows_or_input_error(path);
+  for (const std::string& map : {certified("map.vtp"), certified_triangles("map.vtp")}) {
+    const std::size_t arrays_end = map.find("\n  </AppendedData>");
+    for (std::size_t size = 0; size < arrays_end; ++size) {
+      const auto path = folder.file("map.vtp", map.substr(0, size));
+      EXPECT_THROW(read_map(path), Error) << size;
+      expect_rows_or_input_error(path);
+    }
   }
 }
 
 TEST(MapReader, SurvivesAnyChangedByte) {
   const TemporaryFolder folder;
   for (const std::string name : {"map.csv", "map.vtp"}) {
-    const std::string map = certified(name);
-    for (std::size_t k = 0; k < map.size(); ++k) {
-      for (const char byte : {'\0', '9', static_cast<char>(map[k] ^ 1)}) {
-        std::string changed = map;
-        changed[k] = byte;
-        expect_rows_or_input_error(folder.file(name, changed));
+    for (const std::string& map : {certified(name), certified_triangles(name)}) {
+      for (std::size_t k = 0; k < map.size(); ++k) {
+        for (const char byte : {'\0', '9', static_cast<char>(map[k] ^ 1)}) {
+          std::string changed = map;
+          changed[k] = byte;
+          expect_rows_or_input_error(folder.file(name, changed));
+        }
       }
     }
   }
@@ -785,6 +1043,13 @@ TEST(MapFile, FailsForAMeshWithoutAllResults) {
           writer.finish();
         },
         ErrorKind::failure, path.string(), ": cannot be written: 3 results for 4 vertices");
+    expect_error(
+        [&] {
+          MapWriter writer(path, &tetrahedron, MapContents::enclosures, MapElements::triangles);
+          writer.append(std::span(results).first(3));
+          writer.finish();
+        },
+        ErrorKind::failure, path.string(), ": cannot be written: 3 results for 4 triangles");
   }
   EXPECT_THAT(folder.names(), IsEmpty());
 }

@@ -184,11 +184,11 @@ INSTANTIATE_TEST_SUITE_P(
                              "bend": {"curvature": 0.002, "angle_deg": 70.0}})"),
                 ": primitives[0].bend: bent superquadrics are not supported yet"},
         Refusal{"IntervalSemiAxis", model_of(superquadric("[1, [5.5, 6], 1]", "[1, 1]")),
-                first + "semi_axes[1] = [5.5,6]: intervals are not supported yet"},
+                first + "semi_axes[1] = [5.5,6]: is an interval, where only an exact model is supported"},
         Refusal{"IntervalExponent", model_of(superquadric("[1, 1, 1]", "[[0.5, 0.6], 1]")),
-                first + "exponents[0] = [0.5,0.6]: intervals are not supported yet"},
+                first + "exponents[0] = [0.5,0.6]: is an interval, where only an exact model is supported"},
         Refusal{"IntervalTranslation", model_of(posed(R"({"translation": [0, 0, [-1, 1]]})")),
-                ": primitives[0].pose.translation[2] = [-1,1]: intervals are not supported yet"},
+                ": primitives[0].pose.translation[2] = [-1,1]: is an interval, where only an exact model is supported"},
         Refusal{"IntervalNotAllowed", model_of(posed(R"({"quaternion": [1, 0, 0, [0, 1]]})")),
                 ": primitives[0].pose.quaternion[3] = [0,1]: must be a number"},
         Refusal{"NotAnInterval", model_of(superquadric("[1, [5, 6, 7], 1]", "[1, 1]")),
@@ -199,6 +199,60 @@ INSTANTIATE_TEST_SUITE_P(
                 ": csg.intersection" + only_union},
         Refusal{"LeavesOutAPrimitive", stem_head_bore(R"({"union": ["stem", {"union": ["bore"]}]})"),
                 ": csg: leaves out primitive \"head\": not supported yet, only the union of all primitives is"}),
+    name_of);
+
+TEST(UncertainModelFile, ReadsIntervalsAndNumbers) {
+  const UncertainModel model = parse_uncertain_model(R"({
+    "format": "verisq-model/1", "units": "mm",
+    "primitives": [
+      {"name": "stem", "superquadric": {"semi_axes": [[5.5, 6], 9, [60, 60]], "exponents": [[0.4, 0.5], 2]},
+       "pose": {"translation": [0, [-1, 0.1], -40], "quaternion": [1, 0, 0, -2]}}],
+    "csg": {"union": ["stem"]}})",
+                                                     "m.json");
+  EXPECT_EQ(model.units, "mm");
+  ASSERT_EQ(model.primitives.size(), 1U);
+  const UncertainPrimitive& stem = model.primitives[0];
+  EXPECT_EQ(stem.name, "stem");
+  EXPECT_EQ(stem.semi_axes, (std::array<Enclosure, 3>{{{5.5, 6}, {9, 9}, {60, 60}}}));
+  EXPECT_EQ(stem.exponents, (std::array<Enclosure, 2>{{{0.4, 0.5}, {2, 2}}}));
+  EXPECT_EQ(stem.translation, (std::array<Enclosure, 3>{{{0, 0}, {-1, 0.1}, {-40, -40}}}));
+  EXPECT_EQ(stem.quaternion, (std::array<double, 4>{1, 0, 0, -2}));
+}
+
+TEST(UncertainModelFile, ReadsExactModels) {
+  EXPECT_TRUE(is_exact(read_uncertain_model(VERISQ_EXAMPLES "/stem.json")));
+  EXPECT_FALSE(is_exact(read_uncertain_model(VERISQ_EXAMPLES "/uncertain_stem.json")));
+}
+
+class UncertainModelRefusal : public ::testing::TestWithParam<Refusal> {};
+
+TEST_P(UncertainModelRefusal, NamesKeyAndValue) {
+  expect_input_error([] { (void)parse_uncertain_model(GetParam().json, "m.json"); }, "m.json", GetParam().message);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Values, UncertainModelRefusal,
+    ::testing::Values(Refusal{"LowerEndAboveTheUpper", model_of(superquadric("[1, [6, 5.5], 1]", "[1, 1]")),
+                              first + "semi_axes[1] = [6,5.5]: the lower end of the interval exceeds the upper"},
+                      Refusal{"SemiAxisReachesZero", model_of(superquadric("[1, 1, [0, 1]]", "[1, 1]")),
+                              first + "semi_axes[2] = [0,1]: must be positive"},
+                      Refusal{"ExponentReachesZero", model_of(superquadric("[1, 1, 1]", "[[0.0, 1], 1]")),
+                              first + "exponents[0] = [0.0,1]: must be in (0, 2]"},
+                      Refusal{"ExponentTooLarge", model_of(superquadric("[1, 1, 1]", "[1, [1, 2.5]]")),
+                              first + "exponents[1] = [1,2.5]: must be in (0, 2]"},
+                      Refusal{"EndOverflows", model_of(superquadric("[1, [1, 1e999], 1]", "[1, 1]")),
+                              first + "semi_axes[1][1] = 1e999: not a finite number"},
+                      Refusal{"ThreeNumbers", model_of(superquadric("[1, [5, 6, 7], 1]", "[1, 1]")),
+                              first + "semi_axes[1] = [5,6,7]: must be a number or an interval [lo, hi]"},
+                      Refusal{
+                          "EndIsText", model_of(posed(R"({"translation": [0, ["a", 1], 0]})")),
+                          ": primitives[0].pose.translation[1] = [\"a\",1]: must be a number or an interval [lo, hi]"},
+                      Refusal{"NotForQuaternions", model_of(posed(R"({"quaternion": [1, 0, 0, [0, 1]]})")),
+                              ": primitives[0].pose.quaternion[3] = [0,1]: must be a number"},
+                      Refusal{"SemiAxisNegative", model_of(superquadric("[1, -2.5, 1]", "[1, 1]")),
+                              first + "semi_axes[1] = -2.5: must be positive"},
+                      Refusal{"TwoSemiAxes", model_of(superquadric("[1, 2]", "[1, 1]")),
+                              first + "semi_axes = [1,2]: must be an array of 3 numbers"}),
     name_of);
 
 INSTANTIATE_TEST_SUITE_P(

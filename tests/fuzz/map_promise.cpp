@@ -12,17 +12,20 @@
 namespace verisq::fuzz {
 namespace {
 
-bool finite(const Point& vector) {
-  return std::ranges::all_of(vector, [](double component) { return std::isfinite(component); });
+bool finite(std::span<const double> numbers) {
+  return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
 }
 
-void check_row(const CertifiedRow& row) {
+void check_row(const CertifiedRow& row, MapElements elements) {
   const auto& [distance, status] = row.result;
   check(!std::isnan(distance.lo) && !std::isnan(distance.hi), "ends are not NaN");
   check(status == Status::device_verified || status == Status::host_verified || status == Status::wide,
         "a status is one of three");
-  for (const Normal& normal : row.certificate.normals) check(finite(normal.vector), "normals are finite");
-  check(!row.certificate.escape || finite(*row.certificate.escape), "escapes are finite");
+  const auto& [normals, escape, weights] = row.certificate;
+  for (const Normal& normal : normals) check(finite(normal.vector), "normals are finite");
+  check(!escape || (finite(*escape) && elements == MapElements::vertices), "escapes are finite, and of points only");
+  check(!weights || (finite(*weights) && elements == MapElements::triangles),
+        "weights are finite, and of triangles only");
 }
 
 void read_to_the_end(MapReader map) {
@@ -31,7 +34,7 @@ void read_to_the_end(MapReader map) {
   while (count == chunk.size()) {
     count = map.read(chunk);
     check(count <= chunk.size(), "no more rows are read than asked for");
-    for (const CertifiedRow& row : std::span(chunk).first(count)) check_row(row);
+    for (const CertifiedRow& row : std::span(chunk).first(count)) check_row(row, map.elements());
   }
   check(map.read(chunk) == 0, "nothing follows the end");
 }

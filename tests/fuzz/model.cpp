@@ -1,4 +1,4 @@
-/// Fuzz target of parse_model.
+/// Fuzz target of parse_model and parse_uncertain_model.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -10,22 +10,27 @@
 namespace verisq::fuzz {
 namespace {
 
-void check_primitive(const Primitive& primitive) {
-  const auto finite = [](double value) { return std::isfinite(value); };
-  const auto& [semi_axes, exponents] = primitive.superquadric;
-  const auto& [translation, quaternion] = primitive.pose;
-  check(std::ranges::all_of(semi_axes, [](double a) { return 0.0 < a && std::isfinite(a); }),
-        "semi-axes are positive and finite");
-  check(std::ranges::all_of(exponents, [](double e) { return 0.0 < e && e <= 2.0; }), "exponents are in (0, 2]");
-  check(std::ranges::all_of(translation, finite), "translations are finite");
-  check(std::ranges::all_of(quaternion, finite), "quaternions are finite");
+void check_interval(const Enclosure& interval) {
+  check(interval.lo <= interval.hi, "the lower end of an interval does not exceed the upper");
+  check(std::isfinite(interval.lo) && std::isfinite(interval.hi), "numbers are finite");
+}
+
+void check_primitive(const UncertainPrimitive& primitive) {
+  const auto& [name, semi_axes, exponents, translation, quaternion] = primitive;
+  for (const Enclosure& number : semi_axes) check_interval(number);
+  for (const Enclosure& number : exponents) check_interval(number);
+  for (const Enclosure& number : translation) check_interval(number);
+  check(std::ranges::all_of(semi_axes, [](const Enclosure& a) { return 0.0 < a.lo; }), "semi-axes are positive");
+  check(std::ranges::all_of(exponents, [](const Enclosure& e) { return 0.0 < e.lo && e.hi <= 2.0; }),
+        "exponents are in (0, 2]");
+  check(std::ranges::all_of(quaternion, [](double q) { return std::isfinite(q); }), "quaternions are finite");
   check(std::ranges::any_of(quaternion, [](double q) { return q != 0.0; }), "quaternions are not zero");
 }
 
-void check_model(const Model& model) {
+void check_model(const UncertainModel& model) {
   check(!model.primitives.empty(), "a model has primitives");
   std::set<std::string> names;
-  for (const Primitive& primitive : model.primitives) {
+  for (const UncertainPrimitive& primitive : model.primitives) {
     check_primitive(primitive);
     check(names.insert(primitive.name).second, "names of primitives are distinct");
   }
@@ -36,7 +41,8 @@ void check_model(const Model& model) {
 void model(Bytes bytes) {
   const std::string name = "model.json";
   const std::string json(bytes.begin(), bytes.end());  // a copy, so that reading past its end shows
-  read_or_refuse(name, [&] { check_model(parse_model(json, name)); });
+  read_or_refuse(name, [&] { check_model(parse_uncertain_model(json, name)); });
+  read_or_refuse(name, [&] { check_model(uncertain(parse_model(json, name))); });
 }
 
 }  // namespace verisq::fuzz

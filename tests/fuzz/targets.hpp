@@ -18,6 +18,7 @@ void ply(Bytes bytes);
 void off(Bytes bytes);
 void model(Bytes bytes);
 void points(Bytes bytes);
+void poses(Bytes bytes);
 void map_csv(Bytes bytes);
 void map_vtp(Bytes bytes);
 
@@ -27,8 +28,9 @@ struct Target {
 };
 
 inline constexpr std::array targets{
-    Target{"stl", stl},     Target{"obj", obj},       Target{"ply", ply},         Target{"off", off},
-    Target{"model", model}, Target{"points", points}, Target{"map_csv", map_csv}, Target{"map_vtp", map_vtp},
+    Target{"stl", stl},     Target{"obj", obj},         Target{"ply", ply},
+    Target{"off", off},     Target{"model", model},     Target{"points", points},
+    Target{"poses", poses}, Target{"map_csv", map_csv}, Target{"map_vtp", map_vtp},
 };
 
 }  // namespace verisq::fuzz

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <verisq/signed_distance.hpp>
 
-#include "host/device/batch.hpp"
+#include "host/device/point_batch.hpp"
 #include "host/parallel.hpp"
 #include "tests/mutation/mutant.hpp"
 
@@ -17,7 +17,7 @@ constexpr int width = 4;                   // compiles fast
 constexpr double inside_tolerance = 1e-7;  // of the truth, relative to the model's radius: tighter takes long
 
 std::vector<CertifiedEnclosure> mapped(const device::Device& kernels, const Scene& scene) {
-  device::Batch batch(kernels, scene.model, scene.tolerance, true);
+  device::PointBatch batch(kernels, scene.model, scene.tolerance, true);
   batch.submit(scene.points);
   std::vector<Enclosure> enclosures;
   std::vector<Certificate> certificates;
