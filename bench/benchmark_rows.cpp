@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <limits>
 #include <stdexcept>
 #include <string_view>
@@ -80,6 +81,16 @@ double counter(const Rows& rows, const std::string& row, const std::string& name
   const auto found = rows.find(row);
   if (found == rows.end() || !found->second.contains(name)) return std::numeric_limits<double>::quiet_NaN();
   return found->second.at(name);
+}
+
+int run_program(std::string_view name, void (*run)(int, char**), int argc, char** argv) {
+  try {
+    run(argc, argv);
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", name, error.what());
+    return 1;
+  }
 }
 
 }  // namespace verisq::bench

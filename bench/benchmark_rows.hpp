@@ -5,6 +5,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 
 namespace verisq::bench {
 
@@ -21,5 +22,8 @@ using Rows = std::map<std::string, Counters>;
 
 /// The counter of a row; NaN where the row did not run or has no such counter.
 [[nodiscard]] double counter(const Rows& rows, const std::string& row, const std::string& name);
+
+/// What main returns: 0, or 1 after `run` threw, which is told on standard error under the program's name.
+[[nodiscard]] int run_program(std::string_view name, void (*run)(int, char**), int argc, char** argv);
 
 }  // namespace verisq::bench

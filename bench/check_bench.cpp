@@ -119,10 +119,5 @@ void run(int argc, char** argv) {
 }  // namespace verisq::bench
 
 int main(int argc, char** argv) {
-  try {
-    verisq::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "check_bench: {}\n", error.what());
-    return 1;
-  }
+  return verisq::bench::run_program("check_bench", verisq::bench::run, argc, argv);
 }

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -140,10 +139,5 @@ void run(int argc, char** argv) {
 }  // namespace verisq::bench
 
 int main(int argc, char** argv) {
-  try {
-    verisq::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "mesh_scale_bench: {}\n", error.what());
-    return 1;
-  }
+  return verisq::bench::run_program("mesh_scale_bench", verisq::bench::run, argc, argv);
 }

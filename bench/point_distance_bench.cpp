@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <exception>
 #include <functional>
-#include <numeric>
 #include <vector>
 
 #include "bench/benchmark_rows.hpp"
@@ -17,6 +14,7 @@
 #include "bench/point_distance_kernel.hpp"
 #include "bench/point_distance_table.hpp"
 #include "bench/points.hpp"
+#include "bench/row_counters.hpp"
 #include "bench/tools.hpp"
 
 namespace verisq::bench {
@@ -44,53 +42,11 @@ struct Task {
   std::vector<Point> inside;
 };
 
-/// Registers a row timed by the clock: work that runs on other threads or devices is no processor time of ours.
-void add_row(std::string_view tool, std::string_view what, std::string_view object,
-             const std::function<void(benchmark::State&)>& run) {
-  benchmark::RegisterBenchmark(fmt::format("{}/{}/{}", tool, what, object).c_str(), run)
-      ->UseRealTime()
-      ->Unit(benchmark::kMillisecond);
-}
-
-benchmark::Counter per_second(double amount_an_iteration) {
-  return {amount_an_iteration, benchmark::Counter::kIsIterationInvariantRate};
-}
-
-void set_rate(benchmark::State& state, std::size_t points) {
-  state.counters["points_per_second"] = per_second(static_cast<double>(points));
-}
-
 /// Against the rate of FMAs measured right after the row, so that both saw the machine in the same mood.
 void set_peak_fraction(benchmark::State& state, double operations, const DeviceReport& device) {
   const double peak_rate = measured_peak_rate(device.name);
   state.counters["fp64_fma_rate"] = peak_rate;
   state.counters["peak_fraction"] = per_second(operations / peak_rate);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-void set_widths(benchmark::State& state, const std::vector<Enclosure>& enclosures, double tolerance) {
-  std::vector<double> widths;
-  std::vector<double> relative_widths;
-  for (const Enclosure& e : enclosures) {
-    widths.push_back(e.width());
-    relative_widths.push_back(e.width() / std::abs(0.5 * (e.lo + e.hi)));
-  }
-  const auto narrow = std::ranges::count_if(enclosures, [=](const Enclosure& e) { return verified(e, tolerance); });
-  state.counters["width_median"] = median(widths);
-  state.counters["width_mean"] = mean(widths);
-  state.counters["width_largest"] = std::ranges::max(widths);
-  state.counters["relative_width_median"] = median(relative_widths);
-  state.counters["relative_width_mean"] = mean(relative_widths);
-  state.counters["verified_fraction"] = static_cast<double>(narrow) / static_cast<double>(enclosures.size());
 }
 
 /// The public interface: everything that a user of the library waits for once the device is ready.
@@ -99,7 +55,7 @@ void map_row(benchmark::State& state, const Task& task, std::span<const Point> p
   std::vector<Enclosure> enclosures;
   map_all(mapper, points, enclosures);  // OpenCL puts off work to the first launch
   for (auto _ : state) map_all(mapper, points, enclosures);
-  set_rate(state, points.size());
+  set_rate(state, "points_per_second", points.size());
   set_widths(state, enclosures, options.tolerance);
 }
 
@@ -107,28 +63,8 @@ void kernel_row(benchmark::State& state, const Task& task, const DeviceReport& d
                 double operations_a_point) {
   PointDistanceKernel kernel(device, variant, task.object.solid, task.outside);
   for (auto _ : state) kernel.run();
-  set_rate(state, kernel.points());
+  set_rate(state, "points_per_second", kernel.points());
   set_peak_fraction(state, operations_a_point * static_cast<double>(kernel.points()), device);
-}
-
-/// How the peer's answers lie to the enclosures of the same points: what is outside one is certainly wrong.
-void set_errors(benchmark::State& state, const std::vector<double>& answers, const std::vector<Enclosure>& enclosures) {
-  double above = 0.0;
-  double below = 0.0;
-  double largest_above = 0.0;
-  double largest_below = 0.0;
-  for (std::size_t i = 0; i < enclosures.size(); ++i) {
-    above += answers[i] > enclosures[i].hi ? 1.0 : 0.0;
-    below += answers[i] < enclosures[i].lo ? 1.0 : 0.0;
-    largest_above = std::max(largest_above, answers[i] - enclosures[i].hi);
-    largest_below = std::max(largest_below, enclosures[i].lo - answers[i]);
-  }
-  const auto count = static_cast<double>(enclosures.size());
-  state.counters["outside_enclosure"] = (above + below) / count;
-  state.counters["errs_upwards"] = above / count;
-  state.counters["errs_downwards"] = below / count;
-  state.counters["largest_error_upwards"] = largest_above;
-  state.counters["largest_error_downwards"] = largest_below;
 }
 
 /// Compared with the enclosures of `options.device`: all points on a device, a few on the host.
@@ -136,7 +72,7 @@ void peer_row(benchmark::State& state, const Task& task, const MapOptions& optio
   const LibccdPointDistance distance(task.object.solid);
   std::vector<double> answers(task.outside.size());
   for (auto _ : state) std::ranges::transform(task.outside, answers.begin(), std::cref(distance));
-  set_rate(state, answers.size());
+  set_rate(state, "points_per_second", answers.size());
   const std::size_t compared = options.device == "host" ? host_count : task.outside.size();
   DistanceMapper mapper(task.model, options);
   std::vector<Enclosure> enclosures;
@@ -197,10 +133,5 @@ void run(int argc, char** argv) {
 }  // namespace verisq::bench
 
 int main(int argc, char** argv) {
-  try {
-    verisq::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "point_distance_bench: {}\n", error.what());
-    return 1;
-  }
+  return verisq::bench::run_program("point_distance_bench", verisq::bench::run, argc, argv);
 }

@@ -9,6 +9,7 @@
 #include "host/device/device.hpp"
 #include "host/device/primitive_parameters.hpp"
 #include "host/device/program.hpp"
+#include "kernels/embedded_sources.hpp"
 
 namespace verisq::bench {
 namespace {
@@ -23,7 +24,8 @@ device::Device selected(const DeviceReport& report) {
 
 cl::Program program_of(const device::Device& device, KernelVariant variant) {
   if (variant == KernelVariant::verified) return device.program;
-  return device::build_program(device.context, device.device, device.vector_width, "-DSOLVER_ONLY");
+  return device::build_program(device.context, device.device, device.vector_width, kernels::embedded_sources(),
+                               "-DSOLVER_ONLY");
 }
 
 }  // namespace

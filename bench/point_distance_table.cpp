@@ -4,13 +4,10 @@
 #include <fmt/format.h>
 
 #include "bench/paper_tables.hpp"
+#include "bench/row_counters.hpp"
 
 namespace verisq::bench {
 namespace {
-
-std::string row_name(std::string_view tool, std::string_view what, std::string_view object) {
-  return fmt::format("{}/{}/{}", tool, what, object);
-}
 
 double rate(const Rows& rows, std::string_view tool, std::string_view what, std::string_view object) {
   return counter(rows, row_name(tool, what, object), "points_per_second");

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <random>
 #include <vector>
 #include <verisq/model.hpp>
+
+#include "bench/uniform_numbers.hpp"
 
 namespace verisq::bench {
 
@@ -32,19 +33,15 @@ namespace verisq::bench {
 enum class Side { inside, outside };
 
 /// `count` points on the given side, uniform in the box of `scale` times the semi-axes. The sequence depends on the
-/// arguments alone: std::mt19937_64 is fixed by the standard, its distributions are not and hence not used.
+/// arguments alone.
 [[nodiscard]] inline std::vector<Point> random_points(const Superquadric& solid, Side side, std::size_t count,
                                                       std::uint64_t seed, double scale) {
-  std::mt19937_64 generator(seed);
-  const auto coordinate = [&](double bound) {
-    const double in_unit_interval = static_cast<double>(generator() >> 11) * 0x1p-53;
-    return bound * (2.0 * in_unit_interval - 1.0);
-  };
+  UniformNumbers uniform(seed);
   std::vector<Point> points;
   points.reserve(count);
   while (points.size() < count) {
     Point point{};
-    for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = coordinate(scale * solid.semi_axes[axis]);
+    for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = uniform.within(scale * solid.semi_axes[axis]);
     const bool is_outside = approximate_gauge(solid, point) > 1.0;
     if (is_outside == (side == Side::outside)) points.push_back(point);
   }

@@ -32,21 +32,28 @@ namespace verisq::bench {
   return usable;
 }
 
-/// The enclosures of all points, by the public interface: transfers, the host's fallback and delivery included.
-inline void map_all(DistanceMapper& mapper, std::span<const Point> points, std::vector<Enclosure>& enclosures) {
+/// The enclosures of all points or triangles, by the public interface: transfers, the host's fallback and delivery
+/// included. `Mapper` is DistanceMapper or TriangleMapper.
+template <class Mapper, class Query>
+MapSummary map_all(Mapper& mapper, std::span<const Query> queries, std::vector<Enclosure>& enclosures) {
   enclosures.clear();
-  enclosures.reserve(points.size());
-  const auto next = [&points](std::span<Point> chunk) {
-    const std::size_t count = std::min(chunk.size(), points.size());
-    std::copy_n(points.begin(), count, chunk.begin());
-    points = points.subspan(count);
+  enclosures.reserve(queries.size());
+  const auto next = [&queries](std::span<Query> chunk) {
+    const std::size_t count = std::min(chunk.size(), queries.size());
+    std::copy_n(queries.begin(), count, chunk.begin());
+    queries = queries.subspan(count);
     return count;
   };
-  const auto keep = [&enclosures](std::span<const Point>, std::span<const MapResult> results,
+  const auto keep = [&enclosures](std::span<const Query>, std::span<const MapResult> results,
                                   std::span<const Certificate>) {
     for (const MapResult& result : results) enclosures.push_back(result.distance);
   };
-  mapper.map(next, keep);
+  return mapper.map(next, keep);
+}
+
+template <class Mapper, class Query>
+MapSummary map_all(Mapper& mapper, const std::vector<Query>& queries, std::vector<Enclosure>& enclosures) {
+  return map_all(mapper, std::span<const Query>(queries), enclosures);
 }
 
 }  // namespace verisq::bench
