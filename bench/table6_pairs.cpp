@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <verisq/model_distance.hpp>
+#include <verisq/pose_map.hpp>
 #include <verisq/published_method.hpp>
 
 #include "bench/certified_proposal.hpp"
@@ -67,7 +68,17 @@ void Table6Pairs::add_rows(std::span<const DeviceReport> devices) const {
   });
 }
 
-// The place of the pair kernel's rows: "verisq_pocl/pair_verified/…" by add_verified_row, as in table6_points.cpp.
-void Table6Pairs::add_device_rows(const DeviceReport& /*device*/) const {}
+void Table6Pairs::add_device_rows(const DeviceReport& device) const {
+  add_verified_row(tool_name(device), queries_, count, [this, device] {
+    const MapOptions options{queries_.tolerance, std::to_string(device.index)};
+    auto mapper = std::make_unique<PoseMapper>(Model{"", {a_}}, Model{"", {b_}}, options);
+    std::vector<Enclosure> enclosures;
+    map_all(*mapper, queries_.all, enclosures);  // OpenCL puts off work to the first launch
+    return [mapper = std::move(mapper), enclosures](std::span<const Pose> poses) mutable {
+      map_all(*mapper, poses, enclosures);
+      return enclosures;
+    };
+  });
+}
 
 }  // namespace verisq::bench

@@ -32,8 +32,8 @@ namespace verisq::bench {
   return usable;
 }
 
-/// The enclosures of all points or triangles, by the public interface: transfers, the host's fallback and delivery
-/// included. `Mapper` is DistanceMapper or TriangleMapper.
+/// The enclosures of all points, triangles or poses, by the public interface: transfers, the host's fallback and
+/// delivery included. `Mapper` is DistanceMapper, TriangleMapper or PoseMapper.
 template <class Mapper, class Query>
 MapSummary map_all(Mapper& mapper, std::span<const Query> queries, std::vector<Enclosure>& enclosures) {
   enclosures.clear();
@@ -45,7 +45,7 @@ MapSummary map_all(Mapper& mapper, std::span<const Query> queries, std::vector<E
     return count;
   };
   const auto keep = [&enclosures](std::span<const Query>, std::span<const MapResult> results,
-                                  std::span<const Certificate>) {
+                                  const auto&... /*certificates; of poses there are none*/) {
     for (const MapResult& result : results) enclosures.push_back(result.distance);
   };
   return mapper.map(next, keep);

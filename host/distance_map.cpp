@@ -8,6 +8,7 @@
 #include "host/map_run.hpp"
 #include "verify/witness_estimate.hpp"
 #include "verisq/error.hpp"
+#include "verisq/published_method.hpp"
 #include "verisq/signed_distance.hpp"
 
 namespace verisq {
@@ -21,11 +22,16 @@ constexpr double inside_limit = 2e-9;    // of the radius of the model
 class PointProver {
  public:
   PointProver(const Model& model, const MapOptions& options)
-      : tolerance_(options.tolerance),
+      : model_(model),
+        tolerance_(options.tolerance),
         certificates_(options.certificates),
+        published_(options.method == Method::published),
         radius_(bounding_radius(model)),
         distance_(model),
-        witness_distance_(model) {}
+        witness_distance_(model) {
+    if (published_ && (certificates_ || options.device != "host"))
+      throw Error(ErrorKind::input, "the published method runs on the host alone and has no certificates");
+  }
 
   void check(const Point& p) const {
     if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
@@ -42,6 +48,7 @@ class PointProver {
   }
 
   [[nodiscard]] CertifiedEnclosure prove(const Point& point) const {
+    if (published_) return {published(point), {}};
     return certificates_ ? distance_.certified(point, tolerance_)
                          : CertifiedEnclosure{distance_(point, tolerance_), {}};
   }
@@ -51,8 +58,20 @@ class PointProver {
   }
 
  private:
+  // The published method knows points outside: the least of the primitives' distances where all are positive.
+  [[nodiscard]] Enclosure published(const Point& point) const {
+    Enclosure least = published_distance(model_.primitives.front(), point);
+    for (const Primitive& primitive : model_.primitives) {
+      const Enclosure other = published_distance(primitive, point);
+      least = {std::min(least.lo, other.lo), std::min(least.hi, other.hi)};
+    }
+    return least.lo > 0.0 ? least : distance_(point, tolerance_);
+  }
+
+  Model model_;
   double tolerance_;
   bool certificates_;
+  bool published_;
   double radius_;
   SignedDistance distance_;
   verify::WitnessEstimate witness_distance_;
@@ -61,12 +80,12 @@ class PointProver {
 }  // namespace
 
 struct DistanceMapper::State {
-  Mapping<Point, PointProver, device::PointBatch> mapping;
+  Mapping<Point, PointProver> mapping;
 };
 
 DistanceMapper::DistanceMapper(const Model& model, const MapOptions& options)
-    : state_(new State{{PointProver(model, options), options, model, [&](auto& batch, const device::Device& device) {
-                          batch.emplace(device, model, options.tolerance, options.certificates);
+    : state_(new State{{PointProver(model, options), options, model, [&](const device::Device& device) {
+                          return device::point_batch(device, model, options.tolerance, options.certificates);
                         }}}) {}
 DistanceMapper::~DistanceMapper() = default;
 DistanceMapper::DistanceMapper(DistanceMapper&&) noexcept = default;

@@ -7,13 +7,14 @@
 #include <chrono>
 #include <functional>
 #include <limits>
-#include <optional>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/certified_intersection.hpp"
+#include "host/device/batch.hpp"
 #include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
 #include "host/parallel.hpp"
@@ -56,8 +57,7 @@ class MapRun {
   }
 
   /// While the device works on one chunk, the next is read and the last is finished and written.
-  template <class Batch>
-  MapSummary on_device(Batch& batch) {
+  MapSummary on_device(device::Batch<Query>& batch) {
     std::vector<Query> current;
     std::vector<Query> next;
     std::vector<Enclosure> found;
@@ -145,12 +145,12 @@ class MapRun {
 };
 
 /// A prover and, unless the host does all, a device made ready: what a mapper of one kind of query holds.
-template <class Query, class Prover, class Batch>
+template <class Query, class Prover>
 class Mapping {
  public:
   using Run = MapRun<Query, Prover>;
 
-  /// `primitives` are all that the device must be able to hold; `make_batch(batch, device)` makes the device ready.
+  /// `primitives` are all that the device must be able to hold; `make_batch(device)` makes the device ready.
   template <class MakeBatch>
   Mapping(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch)
       : options_(options), prover_(std::move(prover)) {
@@ -163,7 +163,7 @@ class Mapping {
       return;
     }
     name_ = selection.device->name;
-    make_batch(batch_, *selection.device);
+    batch_ = make_batch(*selection.device);
   }
 
   MapSummary map(const typename Run::Source& source, const typename Run::Sink& sink) {
@@ -179,7 +179,7 @@ class Mapping {
   Prover prover_;
   std::string name_ = "host";
   std::string notice_;
-  std::optional<Batch> batch_;  // nothing: the host does all
+  std::unique_ptr<device::Batch<Query>> batch_;  // nothing: the host does all
 };
 
 }  // namespace verisq

@@ -25,6 +25,8 @@ class PoseProver {
     const auto finite = [](double c) { return std::isfinite(c); };
     if (!std::ranges::all_of(pose.translation, finite) || !std::ranges::all_of(pose.quaternion, finite))
       throw Error(ErrorKind::input, fmt::format("pose {} is not finite", describe(pose)));
+    if (std::ranges::all_of(pose.quaternion, [](double q) { return q == 0.0; }))
+      throw Error(ErrorKind::input, fmt::format("pose {} has a zero quaternion", describe(pose)));
   }
 
   [[nodiscard]] std::string describe(const Pose& pose) const {
@@ -56,12 +58,12 @@ MapOptions without_certificates(const MapOptions& options) {
 }  // namespace
 
 struct PoseMapper::State {
-  Mapping<Pose, PoseProver, device::PoseBatch> mapping;
+  Mapping<Pose, PoseProver> mapping;
 };
 
 PoseMapper::PoseMapper(const Model& a, const Model& b, const MapOptions& options)
     : state_(new State{{PoseProver(a, b), without_certificates(options), device::joined(a, b),
-                        [&](auto& batch, const device::Device& device) { batch.emplace(device, a, b); }}}) {}
+                        [&](const device::Device& device) { return device::pose_batch(device, a, b); }}}) {}
 PoseMapper::~PoseMapper() = default;
 PoseMapper::PoseMapper(PoseMapper&&) noexcept = default;
 PoseMapper& PoseMapper::operator=(PoseMapper&&) noexcept = default;

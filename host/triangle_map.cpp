@@ -23,7 +23,9 @@ class TriangleProver {
       : certificates_(options.certificates),
         radius_(bounding_radius(model)),
         distance_(model),
-        witness_distance_(model) {}
+        witness_distance_(model) {
+    if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
+  }
 
   void check(const Triangle& triangle) const {
     if (!std::isfinite(largest_coordinate(triangle)))
@@ -76,12 +78,12 @@ class TriangleProver {
 }  // namespace
 
 struct TriangleMapper::State {
-  Mapping<Triangle, TriangleProver, device::TriangleBatch> mapping;
+  Mapping<Triangle, TriangleProver> mapping;
 };
 
 TriangleMapper::TriangleMapper(const Model& model, const MapOptions& options)
-    : state_(new State{{TriangleProver(model, options), options, model, [&](auto& batch, const device::Device& device) {
-                          batch.emplace(device, model, options.certificates);
+    : state_(new State{{TriangleProver(model, options), options, model, [&](const device::Device& device) {
+                          return device::triangle_batch(device, model, options.certificates);
                         }}}) {}
 TriangleMapper::~TriangleMapper() = default;
 TriangleMapper::TriangleMapper(TriangleMapper&&) noexcept = default;

@@ -131,6 +131,36 @@ TEST_F(CommandLine, MapsPointsOfAStream) {
   EXPECT_GE(rows[1].hi, 10.0);
 }
 
+TEST_F(CommandLine, MapsByThePublishedMethod) {
+  const auto points = write("points.csv", "0,0,3\n1,2,2\n0.1,0,0\n");
+  const auto outcome =
+      map({"--model", ball, "--points", points, "--method", "published", "--tol", "0", "-o", path("map.csv")});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  ASSERT_EQ(map({"--model", ball, "--points", points, "--tol", "0", "-o", path("dual.csv")}).status, 3);
+  const auto rows = rows_of(path("map.csv"));
+  const auto dual = rows_of(path("dual.csv"));
+  ASSERT_EQ(rows.size(), 3);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    EXPECT_LE(rows[k].lo, dual[k].hi);  // both contain the exact distance
+    EXPECT_GE(rows[k].hi, dual[k].lo);
+    EXPECT_LT(rows[k].hi - rows[k].lo, 1e-4);
+  }
+  EXPECT_GT(rows[1].hi - rows[1].lo, 1e3 * (dual[1].hi - dual[1].lo)) << "is it the paper's method?";
+}
+
+TEST_F(CommandLine, RefusesThePublishedMethodWithWhatItDoesNotKnow) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const std::vector<std::string> common{"--model",  ball,        "--mesh", mesh,
+                                        "--method", "published", "-o",     path("map.csv")};
+  const auto with = [&](std::initializer_list<std::string> more) {
+    auto arguments = common;
+    arguments.insert(arguments.end(), more);
+    return map(arguments);
+  };
+  expect_refused(with({"--certificates"}), {"--method published", "certificates"});
+  expect_refused(with({"--on", "triangles"}), {"published", "points"});
+}
+
 TEST_F(CommandLine, MapsOnTheDefaultDevice) {
   const auto mesh = write("mesh.off", tetrahedron);
   const auto outcome = run({"map", "--model", ball, "--mesh", mesh, "-o", path("map.csv")});
@@ -721,6 +751,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"TextTolerance", {"--mesh", "MESH", "--tol", "1e-3mm", "-o", "OUT"}, {"--tol", "1e-3mm"}},
         BadUsage{
             "TrianglesOfPoints", {"--points", "MESH", "--on", "triangles", "-o", "OUT"}, {"--on triangles", "--mesh"}},
+        BadUsage{"UnknownMethod", {"--mesh", "MESH", "--method", "simplex", "-o", "OUT"}, {"--method", "simplex"}},
         BadUsage{"OnSomethingElse", {"--mesh", "MESH", "--on", "edges", "-o", "OUT"}, {"--on", "edges"}},
         BadUsage{
             "CertificatesInPly", {"--mesh", "MESH", "--certificates", "-o", "map.ply"}, {"map.ply", ".csv", ".vtp"}},

@@ -3,9 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
+#include <verisq/enclosure.hpp>
 
 #include "tests/process.hpp"
 #include "tests/temporary_folder.hpp"
@@ -31,13 +38,46 @@ class DistanceCommand : public ::testing::Test {
     return folder_.file(name, model.dump()).string();
   }
 
-  [[nodiscard]] Outcome distance(Arguments arguments) const {
+  [[nodiscard]] Process start(Arguments arguments) const {
     arguments.insert(arguments.begin(), {VERISQ_PROGRAM, "distance"});
-    return Process(arguments, folder_.path()).wait();
+    return {arguments, folder_.path()};
+  }
+  [[nodiscard]] Outcome distance(Arguments arguments) const { return start(std::move(arguments)).wait(); }
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
+    return folder_.file(name, text).string();
   }
 
   TemporaryFolder folder_;
 };
+
+/// The lines of a text, without their ends.
+std::vector<std::string> lines(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> result;
+  for (std::string line; std::getline(stream, line);) result.push_back(line);
+  return result;
+}
+
+struct Row {
+  std::size_t index;
+  Enclosure distance;
+  std::string status;
+};
+
+std::vector<Row> rows_of(const std::string& path) {
+  std::vector<std::string> text = lines(contents(path));
+  if (text.empty() || text.front() != "index,lo,hi,status") throw std::runtime_error("no map: " + path);
+  std::vector<Row> rows;
+  for (std::size_t i = 1; i < text.size(); ++i) {
+    std::ranges::replace(text[i], ',', ' ');
+    std::istringstream fields(text[i]);
+    Row row;
+    fields >> row.index >> row.distance.lo >> row.distance.hi >> row.status;
+    rows.push_back(row);
+  }
+  return rows;
+}
 
 void expect_refused(const Outcome& outcome, const std::string& words) {
   EXPECT_EQ(outcome.status, 2);
@@ -113,6 +153,174 @@ TEST_F(DistanceCommand, ExitsWithThreeWhereTheEnclosureIsWiderThanTheTolerance) 
   EXPECT_EQ(distance({a, b}).status, 0);
   EXPECT_EQ(distance({a, b, "--tol", "1e-12"}).status, 0);
   EXPECT_EQ(distance({a, b, "--tol", "1e-20"}).status, 3);
+}
+
+/// Two posed primitives, so that a wrong order of motions shows.
+const std::string two_primitives = R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+  {"name": "gem", "superquadric": {"semi_axes": [0.43, 0.6, 1.9], "exponents": [1.5, 0.4]},
+   "pose": {"translation": [1, 2, -0.5], "quaternion": [1, 2, -1, 0.5]}},
+  {"name": "soap", "superquadric": {"semi_axes": [0.34, 0.43, 0.17], "exponents": [0.1, 0.1]},
+   "pose": {"translation": [-1, 0.3, 0.7], "quaternion": [0.2, 0, 1, 0]}}]})";
+
+const std::string capsule = R"({"format": "verisq-model/1", "primitives": [
+  {"name": "capsule", "superquadric": {"semi_axes": [0.75, 0.75, 1.0], "exponents": [1.0, 0.8]},
+   "pose": {"translation": [0.1, -0.2, 0.3], "quaternion": [3, 1, 0, 0]}}]})";
+
+const std::vector<std::string> poses{"5,0,0,1,0,0,0",        "-5,0.5,0,0,0,0,2",        "1,2,8,0.3,-0.4,0.5,0.6",
+                                     "0,-7,1,1e-5,0,2e-5,0", "3,3,3,100,-200,300,-400", "-2,-2,4,0.7,0.1,0.1,0.1",
+                                     "0,0,0,1,0,0,0",        "20,30,-40,1,1,1,1",       "1e6,0,0,0.5,0.5,0.5,0.51"};
+
+std::string file_of(const std::vector<std::string>& lines_of_file) {
+  std::string text = "tx,ty,tz,qw,qx,qy,qz\n";
+  for (const std::string& line : lines_of_file) text += line + "\n";
+  return text;
+}
+
+/// With every row at a tolerance that only the tightest reach: rows and single poses differ by less than any error of
+/// a pose would make.
+TEST_F(DistanceCommand, ManyPosesMoveTheSecondModelAsOnePoseDoes) {
+  const auto a = write("a.json", capsule);
+  const auto b = write("b.json", two_primitives);
+  const auto file = write("poses.csv", file_of(poses));
+  for (const std::string device : {"auto", "host"}) {
+    const Outcome outcome =
+        distance({a, b, "--poses", file, "-o", path("map.csv"), "--device", device, "--tol", "1e-11"});
+    EXPECT_NE(outcome.status, 2) << outcome.err;
+    const std::vector<Row> rows = rows_of(path("map.csv"));
+    ASSERT_EQ(rows.size(), poses.size());
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const auto one = nlohmann::json::parse(distance({a, b, "--pose", poses[i], "--json"}).out);
+      EXPECT_EQ(rows[i].index, i);
+      EXPECT_LE(rows[i].distance.lo, one["hi"].get<double>()) << poses[i];
+      EXPECT_GE(rows[i].distance.hi, one["lo"].get<double>()) << poses[i];
+      EXPECT_LE(rows[i].distance.width(), i + 1 == poses.size() ? 1e-6 : 1e-11) << poses[i];
+    }
+  }
+}
+
+TEST_F(DistanceCommand, SumsUpManyPoses) {
+  const auto a = write("a.json", capsule);
+  const auto b = write("b.json", two_primitives);
+  const auto file = write("poses.csv", file_of(poses));
+  const Outcome words = distance({a, b, "--poses", file, "-o", path("map.csv")});
+  EXPECT_EQ(words.status, 0) << words.err;
+  EXPECT_EQ(words.err, "") << "a bar is for terminals";
+  EXPECT_THAT(words.out, StartsWith("poses              9\n"));
+  EXPECT_THAT(words.out, HasSubstr(" mm\n"));
+  EXPECT_THAT(words.out, HasSubstr(" poses/s\n"));
+  EXPECT_THAT(words.out, EndsWith("map                " + path("map.csv") + "\n"));
+  EXPECT_THAT(words.out, Not(HasSubstr("point")));
+  const Outcome outcome = distance({a, b, "--poses", file, "-o", path("map.json"), "--device", "host", "--json"});
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["poses"], 9);
+  EXPECT_EQ(summary["device_verified"], 0);
+  EXPECT_EQ(summary["host_verified"], 9);
+  EXPECT_EQ(summary["wide"], 0);
+  EXPECT_EQ(summary["device"], "host");
+  EXPECT_GT(summary["poses_per_second"].get<double>(), 0.0);
+  const auto map = nlohmann::json::parse(contents(path("map.json")));
+  EXPECT_EQ(map["elements"], "poses");
+  EXPECT_EQ(map["results"].size(), 9U);
+  EXPECT_LE(map["results"][0]["lo"], map["results"][0]["hi"]);
+}
+
+TEST_F(DistanceCommand, ExitsWithThreeWhereTheEnclosureOfAPoseIsWide) {
+  const auto a = ball("a.json", "", 0.1);
+  const auto b = ball("b.json", "", 5.0, 0.7);
+  const auto file = write("poses.csv", "1,2,3,1,0,0,0\n");
+  const Outcome outcome =
+      distance({a, b, "--poses", file, "-o", path("map.csv"), "--device", "host", "--tol", "1e-20"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_EQ(rows_of(path("map.csv")).at(0).status, "wide");
+}
+
+TEST_F(DistanceCommand, InterruptionKeepsFinishedPoses) {
+  constexpr std::size_t count = 200'000;
+  std::string text;
+  for (std::size_t k = 0; k < count; ++k) text += "5,0,0,1,0,0,0\n";
+  const auto file = write("poses.csv", text);
+  for (const std::string name : {"map.csv", "map.json"}) {
+    const Process process = start({ball("a.json", "", 0.0), ball("b.json", "", 0.0), "--poses", file, "--device",
+                                   "host", "-o", path(name), "--json"});
+    const auto begun = [&] {  // the map's temporary file is there
+      return std::ranges::any_of(folder_.names(), [&](const auto& entry) { return entry.starts_with(name + "."); });
+    };
+    while (!begun()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    process.interrupt();
+    const Outcome outcome = process.wait();
+    EXPECT_EQ(outcome.status, 130) << outcome.err;
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(summary["interrupted"], true);
+    EXPECT_LT(summary["poses"].get<std::size_t>(), count);
+    EXPECT_FALSE(std::filesystem::exists(path(name)));
+    if (name == "map.json") {
+      EXPECT_THAT(outcome.err, HasSubstr("only .csv can hold a part of a map"));
+      EXPECT_EQ(summary["output"], "");
+    } else {
+      EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary["poses"]);
+      EXPECT_EQ(summary["output"], path("map.csv.partial"));
+    }
+  }
+}
+
+TEST_F(DistanceCommand, RefusesBadUsageOfManyPoses) {
+  const auto a = ball("a.json", "", 0.0);
+  const auto b = ball("b.json", "", 5.0);
+  const auto file = write("poses.csv", "1,2,3,1,0,0,0\n");
+  const auto out = path("map.csv");
+  expect_refused(distance({a, b, "-o", out}), "-o: only for many poses: give their --poses");
+  expect_refused(distance({a, b, "--device", "host"}), "--device: only for many poses");
+  expect_refused(distance({a, b, "--poses", file}), "--poses: give the file for their distances: -o");
+  expect_refused(distance({a, b, "--poses", file, "-o", out, "--pose", "1,2,3,1,0,0,0"}),
+                 "give either --pose or --poses");
+  expect_refused(distance({a, b, "--poses", file, "-o", out, "--certificate"}), "--certificate: ");
+  expect_refused(distance({a, b, "--poses", file, "-o", file}), "would overwrite an input");
+  expect_refused(distance({a, b, "--poses", file, "-o", b}), "would overwrite an input");
+  expect_refused(distance({a, b, "--poses", file, "-o", out, "--device", "no such device"}), "no such device");
+  expect_refused(distance({a, b, "--poses", file, "-o", path("map.vtp")}),
+                 path("map.vtp") + ": maps of poses are written to .csv and .json only");
+  expect_refused(distance({a, b, "--poses", file, "-o", path("map.ply")}), ".csv and .json only");
+  expect_refused(distance({a, b, "--poses", file, "-o", path("map.txt")}), "unknown map format");
+  expect_refused(distance({a, b, "--poses", path("none.csv"), "-o", out}), "none.csv");
+  for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
+           {"1,2,3,1,0,0,0\n1,2,3,1,0,0\n", "line 2"}, {"1,2,nan,1,0,0,0\n", "nan"}, {"1,2,3,0,0,0,0\n", "zero"}}) {
+    const auto bad = write("bad.csv", text);
+    expect_refused(distance({a, b, "--poses", bad, "-o", out, "--device", "host"}), bad);
+    expect_refused(distance({a, b, "--poses", bad, "-o", out, "--device", "host"}), words);
+  }
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+const std::string uncertain_ball = R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+  {"name": "ball", "superquadric": {"semi_axes": [[1.0, 1.25], [1.0, 1.25], [1.0, 1.25]], "exponents": [1, 1]},
+   "pose": {"translation": [[4.75, 5.25], 0, 0]}}]})";
+
+TEST_F(DistanceCommand, EnclosesTheDistancesOfUncertainModels) {
+  const auto a = ball("a.json", "mm", 0.0);
+  const auto b = write("b.json", uncertain_ball);  // 2.5 to 3.25 away
+  for (const auto& both : {Arguments{a, b}, Arguments{b, a}}) {
+    const Outcome outcome = distance({both[0], both[1], "--json", "--tol", "0.8"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const auto object = nlohmann::json::parse(outcome.out);
+    EXPECT_LE(object["lo"].get<double>(), 2.5);
+    EXPECT_GE(object["hi"].get<double>(), 3.25);
+    EXPECT_LE(object["hi"].get<double>() - object["lo"].get<double>(), 0.75 + 1e-14);
+    EXPECT_EQ(object["uncertain"], true);
+    EXPECT_EQ(object["proximity"], "separated");
+    EXPECT_TRUE(object["closest_points"].is_null());
+  }
+  const Outcome words = distance({a, b, "--pose", "-3.5,0,0,1,0,0,0"});
+  EXPECT_EQ(words.status, 3) << "wider than the default tolerance";
+  EXPECT_THAT(words.out, HasSubstr("undecided (neither is proven of all that the uncertain numbers allow)\n"));
+  EXPECT_THAT(words.out, EndsWith("closest points     not enclosed, because the models are uncertain\n"));
+}
+
+TEST_F(DistanceCommand, RefusesWhatUncertainModelsLack) {
+  const auto a = ball("a.json", "mm", 0.0);
+  const auto b = write("b.json", uncertain_ball);
+  const auto file = write("poses.csv", "1,2,3,1,0,0,0\n");
+  expect_refused(distance({a, b, "--poses", file, "-o", path("map.csv")}), "--poses: not for models with intervals");
+  expect_refused(distance({b, a, "--certificate"}), "--certificate: not for models with intervals");
 }
 
 TEST_F(DistanceCommand, RefusesBadUsage) {

@@ -85,6 +85,29 @@ TEST(MapFile, CsvOfTriangles) {
   EXPECT_EQ(folder.contents("triangles.csv"), folder.contents("vertices.csv"));
 }
 
+TEST(MapFile, OfPosesIsTextWithoutCertificates) {
+  const TemporaryFolder folder;
+  const auto write_poses = [&](const char* name, MapContents contents = MapContents::enclosures) {
+    MapWriter writer(folder / name, nullptr, contents, MapElements::poses);
+    writer.append(std::span(results).first(1));
+    writer.finish();
+  };
+  write_poses("map.csv");
+  write_poses("map.json");
+  EXPECT_EQ(folder.contents("map.csv"),
+            "index,lo,hi,status\n0,0.10000000000000001,0.30000000000000004,device-verified\n");
+  EXPECT_EQ(folder.contents("map.json"),
+            "{\"format\": \"verisq-map/1\",\n \"elements\": \"poses\",\n \"results\": [\n"
+            "  {\"index\": 0, \"lo\": 0.10000000000000001, \"hi\": 0.30000000000000004, "
+            "\"status\": \"device-verified\"}\n ]}\n");
+  const std::string formats = ": maps of poses are written to .csv and .json only";
+  expect_input_error([&] { write_poses("map.vtp"); }, folder / "map.vtp", formats);
+  expect_input_error([&] { write_poses("map.ply"); }, folder / "map.ply", formats);
+  expect_input_error([&] { write_poses("certified.csv", MapContents::certified); }, folder / "certified.csv",
+                     ": maps of poses have no certificates");
+  EXPECT_THAT(folder.names(), ::testing::UnorderedElementsAre("map.csv", "map.json"));
+}
+
 TEST(MapFile, CsvGivesBackEveryBit) {
   std::vector<MapResult> rows;
   for (std::uint64_t k = 0; k < 1000; ++k) {

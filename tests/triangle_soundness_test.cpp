@@ -4,6 +4,8 @@
 /// solids, in random poses, against MPFR at 200 bits. VERISQ_TRIANGLE_CASES sets the number of cases an object for the
 /// device; the host's own proof takes a tenth of them. The full run is
 ///   VERISQ_TRIANGLE_CASES=100000 build/release/tests/triangle_soundness_test
+/// which takes hours, because most families are hard for the reference; VERISQ_TRIANGLE_FAMILY=anywhere limits it to
+/// triangles with random corners (20 minutes on two cores).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -28,11 +30,19 @@ namespace verisq::oracle {
 namespace {
 
 constexpr std::size_t triangles_a_pose = 100;
-constexpr std::size_t usual_cases = 3'000;
+constexpr std::size_t usual_cases = 1'000;
 
 [[nodiscard]] std::size_t requested_cases() {
   const char* text = std::getenv("VERISQ_TRIANGLE_CASES");
   return text == nullptr ? usual_cases : static_cast<std::size_t>(std::stoull(text));
+}
+
+/// The next triangle of the family that VERISQ_TRIANGLE_FAMILY names; of any family where it is not set.
+[[nodiscard]] RandomTriangle requested_triangle(RandomCases& random, const Primitive& solid) {
+  const char* family = std::getenv("VERISQ_TRIANGLE_FAMILY");
+  RandomTriangle query = random_triangle(random, solid);
+  while (family != nullptr && to_string(query.family) != family) query = random_triangle(random, solid);
+  return query;
 }
 
 /// The triangles around one posed solid; the same for an index whatever the number of threads.
@@ -47,7 +57,7 @@ struct Group {
     RandomCases random(index);
     primitive = random.solid(superquadric);
     for (std::size_t i = 0; i < triangles_a_pose; ++i) {
-      const RandomTriangle query = random_triangle(random, primitive);
+      const RandomTriangle query = requested_triangle(random, primitive);
       triangles.push_back(query.triangle);
       families.push_back(query.family);
     }

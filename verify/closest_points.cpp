@@ -143,11 +143,12 @@ std::optional<PairBox> by_surface(const SurfaceSystem& system, const PreciseCont
   return PairBox{v, on_a, system.separation.on_b(v)};
 }
 
-/// The part {x in K : v·x >= h(v) - depth} of a solid, in its own frame.
+/// The part {x in K : v·x >= h(v) - depth} of a solid, in its own frame, with x_k = 0 for every k in `planes`.
 struct Cap {
   const SuperquadricBounds<Real>* solid;
   PreciseVector v;
   PreciseInterval level;  ///< h(v) - depth, rounded down
+  std::array<bool, 3> planes;
 
   /// A bound of e·x over the cap, by duality: h(e + t v) - t (h(v) - depth) for any t >= 0.
   [[nodiscard]] Real largest(const PreciseVector& e, const Real& t) const {
@@ -156,7 +157,7 @@ struct Cap {
     return (PreciseInterval(solid->support(direction).upper()) - multiplier * level).upper();
   }
 
-  /// The least of these, nearly: they are convex in t. Golden section in ln t. Precondition: e is a unit vector.
+  /// The least of these, nearly: they are convex in t. Golden section in ln t. Precondition: |e| <= 1.
   [[nodiscard]] Real largest(const PreciseVector& e) const {
     constexpr double golden = 0.6180339887498949;
     const double scale = std::log(static_cast<double>(length<Real>(v).upper().to_long_double()));
@@ -191,7 +192,10 @@ struct Cap {
   [[nodiscard]] PreciseVector box(const Motion& motion) const {
     PreciseVector result;
     for (int k = 0; k < 3; ++k) {
-      const PreciseVector axis = motion.rotation.row(k).transpose();
+      PreciseVector axis = motion.rotation.row(k).transpose();
+      for (int i = 0; i < 3; ++i) {
+        if (planes[static_cast<std::size_t>(i)]) axis[i] = PreciseInterval(0);  // e_i x_i = 0
+      }
       const Real upper = largest(axis);
       const Real lower = -largest(-axis);
       result[k] = motion.translation[k] + PreciseInterval(lower, upper);
@@ -301,6 +305,21 @@ struct Remaining {
     return both(found, boxes(by_surfaces(surfaces, contact), pairs));
   }
 
+  /// The coordinates whose reflection x_k -> -x_k maps A and B onto themselves: each solid alone it does, and where
+  /// R e_k = ±e_k and c_k = 0, all exactly, it commutes with B's motion. It then maps closest points to closest points;
+  /// where there is only one pair of them, both have x_k = 0.
+  [[nodiscard]] std::array<bool, 3> planes_of_closest_points() const {
+    const auto zero = [](const PreciseInterval& x) { return x.lower() == Real(0) && x.upper() == Real(0); };
+    const auto& [rotation, translation] = bounds.relative();
+    std::array<bool, 3> planes{};
+    for (int k = 0; k < 3; ++k) {
+      bool symmetric = strictly_convex_one() && zero(translation[k]);
+      for (int l = 0; l < 3; ++l) symmetric = symmetric && (l == k || (zero(rotation(l, k)) && zero(rotation(k, l))));
+      planes[static_cast<std::size_t>(k)] = symmetric;
+    }
+    return planes;
+  }
+
   /// `upper` bounds the distance of the models.
   [[nodiscard]] Boxes by_caps(const PosedPairs& pairs, const Real& upper) const {
     const PreciseVector& v = contact.vector;
@@ -309,8 +328,9 @@ struct Remaining {
     const PreciseInterval support_b = bounds.b().bounds().support(w);
     const PreciseInterval gap = v.dot(bounds.relative().translation) - support_a - support_b;
     const PreciseInterval depth = (length<Real>(v) * PreciseInterval(upper) - gap).upper();
-    const Cap on_a{&bounds.a().bounds(), v, (support_a - depth).lower()};
-    const Cap on_b{&bounds.b().bounds(), w, (support_b - depth).lower()};
+    const std::array<bool, 3> planes = planes_of_closest_points();
+    const Cap on_a{&bounds.a().bounds(), v, (support_a - depth).lower(), planes};
+    const Cap on_b{&bounds.b().bounds(), w, (support_b - depth).lower(), planes};
     return {on_a.box(pairs.motion_a(i)), on_b.box(pairs.motion_b(j))};
   }
 };
@@ -321,8 +341,11 @@ struct BestContact {
   Real lower;
   Real upper;
 
+  /// A zero vector, as between solids that touch but for rounding, bounds nothing.
   [[nodiscard]] static BestContact of(const PairBounds& bounds, const PreciseContact& c) {
-    return {c, bounds.lower_by_vector(c.vector), bounds.upper_by_points(c.on_a, c.on_b)};
+    const bool direction = length<Real>(c.vector).lower() > Real(0);
+    return {c, direction ? bounds.lower_by_vector(c.vector) : Real(-std::numeric_limits<double>::infinity()),
+            bounds.upper_by_points(c.on_a, c.on_b)};
   }
 
   void improve(const BestContact& other) {
@@ -335,6 +358,12 @@ struct BestContact {
       contact.on_a = other.contact.on_a;
       contact.on_b = other.contact.on_b;
     }
+  }
+
+  void improve_by_refining(const PairBounds& bounds, const PreciseVector& start) {
+    const auto refined =
+        refined_pair_contact(bounds.a().superquadric(), bounds.b().superquadric(), bounds.relative(), start);
+    if (refined) improve(of(bounds, *refined));
   }
 
   /// Whether the ends leave room for nothing but the rounding errors of 127 bits.
@@ -354,10 +383,14 @@ BestContact best_contact(const PairBounds& bounds, const Separation& s) {
   const Superquadric& a = bounds.a().superquadric();
   const Superquadric& b = bounds.b().superquadric();
   const Motion& relative = bounds.relative();
+  const Enclosure proven = bounds.distance(s);
   // Where spheres separate the solids, the line of centres does.
-  const bool separates = bounds.distance(s).lo > 0.0;
-  const PreciseVector start = separates ? precise(s.vector) : thin(relative.translation);
-  BestContact best = BestContact::of(bounds, refined_pair_contact(a, b, relative, start));
+  const PreciseVector start = proven.lo > 0.0 ? precise(s.vector) : thin(relative.translation);
+  const bool points = proven.hi < std::numeric_limits<double>::infinity();
+  const Point centre{0.0, 0.0, 0.0};
+  BestContact best =
+      BestContact::of(bounds, {start, precise(points ? s.on_a : centre), precise(points ? s.on_b : centre)});
+  best.improve_by_refining(bounds, start);
   const Real magnitude = (bounds.a().radius() + bounds.b().radius() + PreciseInterval(best.upper)).upper();
   if (best.tight(magnitude)) return best;
   for (PreciseContact projected : projected_pair_contacts(a, b, relative)) {
@@ -365,9 +398,7 @@ BestContact best_contact(const PairBounds& bounds, const Separation& s) {
     projected.on_b = onto_surface(bounds.b().bounds(), projected.on_b);
     const BestContact found = BestContact::of(bounds, projected);
     best.improve(found);
-    if (found.lower > Real(0)) {
-      best.improve(BestContact::of(bounds, refined_pair_contact(a, b, relative, projected.vector)));
-    }
+    if (found.lower > Real(0)) best.improve_by_refining(bounds, projected.vector);
     if (best.tight(magnitude)) return best;
   }
   return best;

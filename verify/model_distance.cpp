@@ -30,9 +30,7 @@ std::vector<CandidatePair> by_sphere_bound(const PosedPairs& pairs) {
   std::vector<CandidatePair> order;
   order.reserve(pairs.size_a() * pairs.size_b());
   for (std::uint32_t i = 0; i < pairs.size_a(); ++i) {
-    for (std::uint32_t j = 0; j < pairs.size_b(); ++j) {
-      order.push_back({pairs(i, j).lower_by_spheres().to_double(Direction::down), i, j});
-    }
+    for (std::uint32_t j = 0; j < pairs.size_b(); ++j) order.push_back({pairs.lower_by_spheres(i, j), i, j});
   }
   std::ranges::sort(order, {}, &CandidatePair::sphere_bound);
   return order;

@@ -152,7 +152,13 @@ class NormFunction {
   }
 
   [[nodiscard]] static Number resolved(double e) {
-    return exact(is_interval<Number> ? e : std::clamp(e, 1e-9, 2.0 - 1e-7));
+    if constexpr (is_interval<Number>) {
+      return exact(e);
+    } else {
+      // As near to 2 as the digits of t^(e / (2 - e)) allow.
+      constexpr double largest = std::is_floating_point_v<Number> ? 2.0 - 1e-7 : 2.0 - 0x1p-52;
+      return exact(std::clamp(e, 1e-9, largest));
+    }
   }
 
   [[nodiscard]] std::array<Number, 3> magnitudes_of(const Vector& v) const {

@@ -50,10 +50,6 @@ PreciseVector precise(const Point& x) {
   return {Real(x[0]), Real(x[1]), Real(x[2])};
 }
 
-Real PairBounds::lower_by_spheres() const {
-  return (length<Real>(relative_.translation) - a_->radius() - b_->radius()).lower();
-}
-
 Real PairBounds::lower_by_vector(const PreciseVector& v) const {
   const PreciseVector w = relative_.rotation.transpose() * v;
   const PreciseInterval gap = v.dot(relative_.translation) - support_up(a_->bounds(), v) - support_up(b_->bounds(), w);

@@ -36,9 +36,6 @@ class PairBounds {
   [[nodiscard]] const PosedSuperquadric& b() const { return *b_; }
   [[nodiscard]] const Motion& relative() const { return relative_; }
 
-  /// d >= |c| - r_A - r_B with the radii of spheres about the centres.
-  [[nodiscard]] Real lower_by_spheres() const;
-
   /// d >= (v·c - h_A(v) - h_B(R^T v)) / |v| for every v other than 0: A lies in {v·x <= h_A(v)}, B in
   /// {v·x >= v·c - h_B(R^T v)}. Rounded down.
   [[nodiscard]] Real lower_by_vector(const PreciseVector& v) const;

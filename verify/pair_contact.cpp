@@ -11,6 +11,7 @@
 #include "verify/fifty_digits.hpp"
 #include "verify/gjk.hpp"
 #include "verify/norm_expansion.hpp"
+#include "verify/pair_midpoint.hpp"
 #include "verify/support_mapping.hpp"
 
 namespace verisq::verify {
@@ -65,6 +66,12 @@ Proposal proposal_of(const Vector<Float>& x, long double unit = 1.0L) {
   return {unit * x[0], unit * x[1], unit * x[2]};
 }
 
+template <class Float>
+bool finite(const Vector<Float>& x) {
+  using std::isfinite;
+  return isfinite(x[0]) && isfinite(x[1]) && isfinite(x[2]);
+}
+
 /// Closest points a and b, and a vector whose lower bound is near their distance.
 template <class Float>
 struct Estimate {
@@ -109,7 +116,7 @@ class SeparationProblem {
       const Matrix<Float> jacobian =
           Matrix<Float>::Identity() + s.a.hessian + relative_.rotation * s.b.hessian * relative_.rotation.transpose();
       const Vector<Float> step = -jacobian.llt().solve(s.residual);
-      if (!finite(step)) break;
+      if (!finite<Float>(step)) break;
       const std::optional<State> next = along(s, step);
       if (!next) break;
       s = *next;
@@ -120,11 +127,6 @@ class SeparationProblem {
  private:
   static constexpr int kMostSteps = 20;
   static constexpr int kMostCuts = 8;
-
-  [[nodiscard]] static bool finite(const Vector<Float>& v) {
-    using std::isfinite;
-    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-  }
 
   /// The first of the steps 1, 1/4, ... that lowers ψ, or the residual where ψ is at its rounding error.
   [[nodiscard]] std::optional<State> along(const State& s, const Vector<Float>& step) const {
@@ -255,6 +257,10 @@ class PairSolver {
       if (const auto common = common_point(a_, b_, relative_.rotation, relative_.offset)) return overlap(*common);
       return by_midpoint(start, fast_contact);
     }
+    const Vector<double> middle = (vector_of(start.on_a) + vector_of(start.on_b)) / 2;
+    if (const auto found = midpoint_contact(a_, b_, relative_.rotation, relative_.offset, middle)) {
+      return contact<double>({found->vector, found->on_a, found->on_b});
+    }
     if (const std::optional<PairContact> found = by_vector(start)) return *found;
     const GjkResult<double> finer = approximate(kFine);
     if (!(finer.lower > start.lower)) return by_midpoint(start, fast_contact);
@@ -264,7 +270,7 @@ class PairSolver {
 
   [[nodiscard]] PairContact thorough() const { return by_midpoint(approximate(kFine), thorough_contact); }
 
-  [[nodiscard]] PreciseContact refined(const Motion& motion, const PreciseVector& start) const {
+  [[nodiscard]] std::optional<PreciseContact> refined(const Motion& motion, const PreciseVector& start) const {
     const SeparationProblem<FiftyDigits> problem(a_, b_, Relative<FiftyDigits>(motion, unit_));
     const auto good = [](const auto& s) {
       return s.residual.squaredNorm() <= FiftyDigits(1e-84) * (1 + s.v.squaredNorm());
@@ -272,7 +278,8 @@ class PairSolver {
     Vector<FiftyDigits> v;
     for (int i = 0; i < 3; ++i) v[i] = to_fifty_digits(start[i].lower());
     const auto s = problem.minimise(v * FiftyDigits(problem.lower(v) / v.norm()), good);
-    return {in_proofs(s.v), in_proofs(s.a.gradient), in_proofs(-s.b.gradient)};
+    if (!finite(s.v) || !finite(s.a.gradient) || !finite(s.b.gradient) || s.v.isZero(0)) return std::nullopt;
+    return PreciseContact{in_proofs(s.v), in_proofs(s.a.gradient), in_proofs(-s.b.gradient)};
   }
 
   [[nodiscard]] std::array<PreciseContact, 3> projected(const Motion& motion) const {
@@ -372,8 +379,8 @@ PairContact thorough_pair_contact(const Superquadric& a, const Superquadric& b, 
   return PairSolver(a, b, relative).thorough();
 }
 
-PreciseContact refined_pair_contact(const Superquadric& a, const Superquadric& b, const Motion& relative,
-                                    const PreciseVector& start) {
+std::optional<PreciseContact> refined_pair_contact(const Superquadric& a, const Superquadric& b, const Motion& relative,
+                                                   const PreciseVector& start) {
   release_mpfr_cache_at_thread_exit();
   return PairSolver(a, b, relative).refined(relative, start);
 }

@@ -32,10 +32,11 @@ struct PreciseContact {
   PreciseVector on_b;
 };
 
-/// Newton's method in 50 digits on the separation vector. Precondition: `start` separates the solids; the nearer it is,
-/// the surer the method converges. Exponents of 2 are replaced by nearby ones.
-[[nodiscard]] PreciseContact refined_pair_contact(const Superquadric& a, const Superquadric& b, const Motion& relative,
-                                                  const PreciseVector& start);
+/// Newton's method in 50 digits on the separation vector; nothing where that shrinks to zero, as for touching solids.
+/// Precondition: `start` is not zero; the nearer it is to separating the solids best, the surer the method converges.
+/// Exponents of 2 are replaced by nearby ones.
+[[nodiscard]] std::optional<PreciseContact> refined_pair_contact(const Superquadric& a, const Superquadric& b,
+                                                                 const Motion& relative, const PreciseVector& start);
 
 /// The thorough points, accurate to long double, with three vectors: between them, and the normals of A and of B, whose
 /// components are accurate each relative to itself, as the faces of that solid need. Precondition: disjoint solids.

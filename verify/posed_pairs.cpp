@@ -29,6 +29,13 @@ PosedPairs::PosedPairs(const PosedModel& a, const PosedModel& b, const Pose& pos
   for (const Motion& own : b.motions) moved_.push_back(motion.after(own));
 }
 
+double PosedPairs::lower_by_spheres(std::size_t i, std::size_t j) const {
+  const PreciseVector between = moved_[j].translation - a_->motions[i].translation;
+  return (length<Real>(between) - a_->primitives[i].radius() - b_->primitives[j].radius())
+      .lower()
+      .to_double(Direction::down);
+}
+
 bool PosedPairs::share(const Point& x) const {
   if (!std::ranges::all_of(x, [](double c) { return std::isfinite(c); })) return false;
   const PreciseVector point = precise(x);
@@ -43,9 +50,7 @@ Enclosure proven_distance(const PosedPairs& pairs, const PairCertificate& certif
   if (certificate.common && pairs.share(*certificate.common)) return {0.0, 0.0};
   std::vector<double> lower;
   for (std::size_t i = 0; i < pairs.size_a(); ++i) {
-    for (std::size_t j = 0; j < pairs.size_b(); ++j) {
-      lower.push_back(pairs(i, j).lower_by_spheres().to_double(Direction::down));
-    }
+    for (std::size_t j = 0; j < pairs.size_b(); ++j) lower.push_back(pairs.lower_by_spheres(i, j));
   }
   double upper = kInfinity;
   for (const Separation& separation : certificate.separations) {

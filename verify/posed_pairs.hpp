@@ -27,6 +27,9 @@ class PosedPairs {
     return {a_->primitives[i], b_->primitives[j], a_->inverse_motions[i].after(moved_[j])};
   }
 
+  /// d >= |c| - r_A - r_B with the radii of spheres about the centres. Rounded down to binary64.
+  [[nodiscard]] double lower_by_spheres(std::size_t i, std::size_t j) const;
+
   [[nodiscard]] std::size_t size_a() const { return a_->primitives.size(); }
   [[nodiscard]] std::size_t size_b() const { return b_->primitives.size(); }
 

@@ -37,7 +37,7 @@ UncertainModelDistance UncertainPairDistance::operator()(const Pose& pose) const
   const double upper = add(add(of_smallest, shift_a, Direction::up), shift_b, Direction::up);
   const Enclosure distance{std::max(0.0, lower), upper};
   // Solids are closed: members at distance 0 have a common point.
-  const Proximity proximity = distance.lo > 0.0   ? Proximity::separated
+  const Proximity proximity = distance.lo > 0.0    ? Proximity::separated
                               : distance.hi == 0.0 ? Proximity::overlapping
                                                    : Proximity::undecided;
   return {distance, proximity};

@@ -52,7 +52,8 @@ bool comes_first(const CheckedRow& a, const CheckedRow& b) {
 template <typename Stream>
 class Tally {
  public:
-  Tally(const Stream& stream, bool show_progress) : stream_(stream), bar_(show_progress) {}
+  Tally(const Stream& stream, MapElements elements, bool show_progress)
+      : stream_(stream), bar_(show_progress, plural(elements)) {}
 
   void add(const CheckedRow& row) {
     const std::lock_guard lock(mutex_);
@@ -90,7 +91,7 @@ std::uint64_t count_rest(Stream& stream, std::vector<Item>& chunk) {
 template <typename Stream>
 CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader& map,
                        const CheckArguments& arguments) {
-  Tally tally(stream, !arguments.no_progress);
+  Tally tally(stream, map.elements(), !arguments.no_progress);
   std::vector<typename Stream::Element> elements(chunk_size);
   std::vector<CertifiedRow> rows(chunk_size);
   const auto start = std::chrono::steady_clock::now();

@@ -1,4 +1,4 @@
-/// Reads two models and a pose, encloses their distance, prints it as text or JSON.
+/// Reads two models and a pose, or many, and encloses their distance.
 #include "host/command_line/distance_command.hpp"
 
 #include <fmt/core.h>
@@ -7,13 +7,18 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <vector>
 #include <verisq/error.hpp>
-#include <verisq/model_distance.hpp>
 #include <verisq/model_file.hpp>
+#include <verisq/pose_map.hpp>
 #include <verisq/signed_distance.hpp>
+#include <verisq/uncertain_model_distance.hpp>
+
+#include "host/command_line/distance_summary.hpp"
+#include "host/command_line/length_option.hpp"
+#include "host/command_line/map_to_file.hpp"
+#include "host/command_line/pose_stream.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -21,17 +26,21 @@ namespace {
 constexpr double default_relative_tolerance = 1e-6;  // of the larger bounding radius
 
 constexpr const char* closing_words =
-    "The distance is [lo, hi], which contains the exact distance of A and of B moved by the pose: 0 where they meet. "
-    "The\n"
-    "closest points lie in the printed boxes, in the frame of A. \"undecided\": the models touch, or nearly, so that "
-    "neither\n"
-    "a gap nor a common point is proven.\n"
+    "The distance is [lo, hi], which contains the exact distance of A and of B moved by the pose: 0 where they meet.\n"
+    "The closest points lie in the printed boxes, in the frame of A. \"undecided\": the models touch, or nearly, so\n"
+    "that neither a gap nor a common point is proven.\n"
+    "Where a model gives intervals [lo, hi] for semi-axes, exponents or translations, the enclosure contains the\n"
+    "distances of all that they allow, without closest points: give a --tol above that uncertainty.\n"
+    "With --poses, OUT has a row index,lo,hi,status for each pose. Ctrl-C keeps the finished rows of a .csv under\n"
+    "OUT.partial; a second Ctrl-C stops at once.\n"
     "\n"
-    "Exit status: 0 the enclosure is at most the tolerance wide, 3 it is wider, 2 bad usage or input.\n"
+    "Exit status: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad usage or input, 130\n"
+    "interrupted by Ctrl-C.\n"
     "\n"
     "Examples:\n"
     "  verisq distance stem.json cup.json\n"
-    "  verisq distance stem.json cup.json --pose 0,0,12.5,1,0,0,0 --json";
+    "  verisq distance stem.json cup.json --pose 0,0,12.5,1,0,0,0 --json\n"
+    "  verisq distance stem.json cup.json --poses candidates.csv -o distances.csv";
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorKind::input, message);
@@ -42,12 +51,6 @@ std::optional<double> finite_number(std::string_view text) {
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || rest != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
-}
-
-double parse_tolerance(const std::string& text) {
-  const auto value = finite_number(text);
-  if (!value || *value < 0.0) refuse(fmt::format("--tol: {} is not a finite number of at least 0", text));
-  return *value;
 }
 
 /// "tx,ty,tz,qw,qx,qy,qz"
@@ -72,116 +75,79 @@ Pose parse_pose(const std::string& text) {
   return pose;
 }
 
-double default_tolerance(const Model& a, const Model& b) {
-  const double tolerance = default_relative_tolerance * std::max(bounding_radius(a), bounding_radius(b));
-  // An infinite tolerance would call every enclosure verified.
-  if (!std::isfinite(tolerance)) refuse("--tol: give one, because the size of the models overflows");
-  return tolerance;
+/// Everything that the options alone tell, before any file is opened.
+void check_usage(const DistanceArguments& arguments) {
+  if (!arguments.poses) {
+    if (arguments.output) refuse("-o: only for many poses: give their --poses");
+    if (arguments.device) refuse("--device: only for many poses: give their --poses");
+    return;
+  }
+  if (!arguments.output) refuse("--poses: give the file for their distances: -o");
+  if (arguments.pose) refuse("give either --pose or --poses");
+  if (arguments.certificate) refuse("--certificate: distances for --poses have none");
+  refuse_to_overwrite(*arguments.output, {arguments.model_a, arguments.model_b, *arguments.poses});
+}
+
+void refuse_what_uncertain_models_lack(const DistanceArguments& arguments) {
+  const auto refuse_option = [&arguments](std::string_view option) {
+    refuse(fmt::format("{}: not for models with intervals: {} or {} is one", option, arguments.model_a,
+                       arguments.model_b));
+  };
+  if (arguments.poses) refuse_option("--poses");
+  if (arguments.certificate) refuse_option("--certificate");
 }
 
 /// Lengths of two models can be compared only in one unit.
-std::string common_units(const Model& a, const Model& b, const DistanceArguments& arguments) {
+std::string common_units(const UncertainModel& a, const UncertainModel& b, const DistanceArguments& arguments) {
   if (!a.units.empty() && !b.units.empty() && a.units != b.units) {
     refuse(fmt::format("{}: units {} differ from {} of {}", arguments.model_b, b.units, a.units, arguments.model_a));
   }
   return a.units.empty() ? b.units : a.units;
 }
 
-struct DistanceReport {
-  ModelDistance found;
-  std::optional<ClosestPoints> closest;
-  std::string units;
-  double tolerance;
-  bool with_certificate;
+/// The models as large as they may be: exact ones themselves.
+struct LargestModels {
+  Model a;
+  Model b;
 };
 
-std::string_view word(Proximity proximity) {
-  switch (proximity) {
-    case Proximity::separated: return "separated";
-    case Proximity::overlapping: return "overlapping";
-    case Proximity::undecided: return "undecided";
-  }
-  return "";
+double default_tolerance(const LargestModels& models) {
+  const double tolerance = default_relative_tolerance * std::max(bounding_radius(models.a), bounding_radius(models.b));
+  // An infinite tolerance would call every enclosure verified.
+  if (!std::isfinite(tolerance)) refuse("--tol: give one, because the size of the models overflows");
+  return tolerance;
 }
 
-std::string_view explanation(Proximity proximity) {
-  switch (proximity) {
-    case Proximity::separated: return "proven: no common point";
-    case Proximity::overlapping: return "proven: a common point";
-    case Proximity::undecided: return "touching, or nearly: neither a gap nor a common point is proven";
-  }
-  return "";
+DistanceReport exact_distance(const LargestModels& models, const Pose& pose) {
+  const PairDistance pair(models.a, models.b);
+  const ModelDistance found = pair(pose);
+  DistanceReport report{found.distance, found.proximity};
+  report.common = found.certificate.common;
+  report.closest = pair.closest_points(found, pose);
+  report.certificate = found.certificate;
+  return report;
 }
 
-std::string text_of(const Enclosure& e) {
-  return fmt::format("[{:.17g}, {:.17g}]", e.lo, e.hi);
+DistanceReport uncertain_distance(const UncertainModel& a, const UncertainModel& b, const Pose& pose) {
+  const auto [distance, proximity] = UncertainPairDistance(a, b)(pose);
+  DistanceReport report{distance, proximity};
+  report.uncertain = true;
+  return report;
 }
 
-std::string text_of(const Point& x) {
-  return fmt::format("({:.17g}, {:.17g}, {:.17g})", x[0], x[1], x[2]);
-}
-
-std::string box_text(std::string_view name, const std::array<Enclosure, 3>& box) {
-  return fmt::format("{:<19}x {}\n{:<19}y {}\n{:<19}z {}\n", name, text_of(box[0]), "", text_of(box[1]), "",
-                     text_of(box[2]));
-}
-
-std::string readable(const PairCertificate& certificate) {
-  std::string text;
-  for (const auto& [a, b, vector, on_a, on_b] : certificate.separations) {
-    text += fmt::format("certificate        primitives {} and {}: vector {}, point of A {}, point of B {}\n", a, b,
-                        text_of(vector), text_of(on_a), text_of(on_b));
-  }
-  return text;
-}
-
-std::string readable(const DistanceReport& report) {
-  const auto& [distance, proximity, certificate] = report.found;
-  const auto units = report.units.empty() ? std::string() : " " + report.units;
-  auto text = fmt::format("distance           {}{}\n", text_of(distance), units);
-  text += fmt::format("width              {:.3g}{}, tolerance {:.3g}{}\n", distance.width(), units, report.tolerance,
-                      units);
-  text += fmt::format("proximity          {} ({})\n", word(proximity), explanation(proximity));
-  if (certificate.common) text += fmt::format("common point       {}\n", text_of(*certificate.common));
-  if (report.closest) {
-    text += box_text("closest point of A", report.closest->on_a) + box_text("closest point of B", report.closest->on_b);
-    text += fmt::format("uniqueness         {}\n",
-                        report.closest->unique ? "proven: exactly one pair of closest points, in these boxes"
-                                               : "not proven: these boxes contain every pair of closest points");
-  }
-  return report.with_certificate ? text + readable(certificate) : text;
-}
-
-nlohmann::ordered_json json_of(const std::array<Enclosure, 3>& box) {
-  auto sides = nlohmann::ordered_json::array();
-  for (const Enclosure& side : box) sides.push_back({side.lo, side.hi});
-  return sides;
-}
-
-nlohmann::ordered_json json_of(const PairCertificate& certificate) {
-  auto separations = nlohmann::ordered_json::array();
-  for (const auto& [a, b, vector, on_a, on_b] : certificate.separations) {
-    separations.push_back({{"primitive_a", a}, {"primitive_b", b}, {"vector", vector}, {"on_a", on_a}, {"on_b", on_b}});
-  }
-  return separations;
-}
-
-std::string json(const DistanceReport& report) {
-  const auto& [distance, proximity, certificate] = report.found;
-  nlohmann::ordered_json object{{"lo", distance.lo},
-                                {"hi", distance.hi},
-                                {"proximity", word(proximity)},
-                                {"closest_points", nullptr},
-                                {"unique", report.closest && report.closest->unique},
-                                {"witness", nullptr},
-                                {"units", report.units},
-                                {"tolerance", report.tolerance}};
-  if (report.closest) {
-    object["closest_points"] = {{"on_a", json_of(report.closest->on_a)}, {"on_b", json_of(report.closest->on_b)}};
-  }
-  if (certificate.common) object["witness"] = *certificate.common;
-  if (report.with_certificate) object["certificate"] = json_of(certificate);
-  return object.dump(2) + "\n";
+ExitStatus map_poses(const LargestModels& models, const std::string& units, double tolerance,
+                     const DistanceArguments& arguments) {
+  PoseStream stream(*arguments.poses);
+  const MapOptions options{
+      .tolerance = tolerance, .device = arguments.device.value_or("auto"), .interrupted = interrupted};
+  return map_to_file(stream, nullptr, [&] { return PoseMapper(models.a, models.b, options); },
+                     {.elements = MapElements::poses,
+                      .contents = MapContents::enclosures,
+                      .output = *arguments.output,
+                      .units = units,
+                      .tolerance = tolerance,
+                      .show_progress = !arguments.no_progress,
+                      .json = arguments.json});
 }
 
 }  // namespace
@@ -195,28 +161,45 @@ const CLI::App& declare_distance(CLI::App& program, DistanceArguments& arguments
   distance.add_option("B", arguments.model_b, "Model file")->required()->option_text("B.json REQUIRED");
   distance.add_option("--pose", arguments.pose, "Moves B: translation and quaternion of any length")
       ->option_text("tx,ty,tz,qw,qx,qy,qz");
+  distance.add_option("--poses", arguments.poses, "Many poses instead: .csv with tx,ty,tz,qw,qx,qy,qz a line")
+      ->option_text("FILE");
+  distance.add_option("-o,--output", arguments.output, "The distances for --poses, by extension: .csv .json")
+      ->option_text("FILE");
+  distance
+      .add_option("--device", arguments.device,
+                  "For --poses: auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
+      ->option_text("DEVICE");
   distance
       .add_option("--tol", arguments.tolerance,
                   "Width up to which the enclosure is called verified, in model units (default: 1e-6 of the larger "
                   "bounding radius)")
       ->option_text("T");
-  distance.add_flag("--json", arguments.json, "Print one JSON object");
+  distance.add_flag("--json", arguments.json, "Print one JSON object: the answer; for --poses, the summary");
   distance.add_flag("--certificate", arguments.certificate, "Print what proves the enclosure again");
+  distance.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
   return distance;
 }
 
 ExitStatus run_distance(const DistanceArguments& arguments) {
+  check_usage(arguments);
   const Pose pose = arguments.pose ? parse_pose(*arguments.pose) : Pose{};
-  std::optional<double> tolerance;
-  if (arguments.tolerance) tolerance = parse_tolerance(*arguments.tolerance);
-  const Model a = read_model(arguments.model_a);
-  const Model b = read_model(arguments.model_b);
-  const PairDistance pair(a, b);
-  const ModelDistance found = pair(pose);
-  const DistanceReport report{found, pair.closest_points(found, pose), common_units(a, b, arguments),
-                              tolerance ? *tolerance : default_tolerance(a, b), arguments.certificate};
+  std::optional<double> wanted;
+  if (arguments.tolerance) wanted = parse_length("--tol", *arguments.tolerance);
+  const UncertainModel a = read_uncertain_model(arguments.model_a);
+  const UncertainModel b = read_uncertain_model(arguments.model_b);
+  const std::string units = common_units(a, b, arguments);
+  const bool exact = is_exact(a) && is_exact(b);
+  if (!exact) refuse_what_uncertain_models_lack(arguments);
+  const LargestModels models{bracket(a).largest, bracket(b).largest};
+  const double tolerance = wanted ? *wanted : default_tolerance(models);
+  if (arguments.poses) return map_poses(models, units, tolerance, arguments);
+
+  DistanceReport report = exact ? exact_distance(models, pose) : uncertain_distance(a, b, pose);
+  report.units = units;
+  report.tolerance = tolerance;
+  if (!arguments.certificate) report.certificate.reset();
   fmt::print("{}", arguments.json ? json(report) : readable(report));
-  return verified(found.distance, report.tolerance) ? ExitStatus::verified : ExitStatus::unverified;
+  return verified(report.distance, tolerance) ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 }  // namespace verisq::command_line

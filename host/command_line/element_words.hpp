@@ -7,11 +7,21 @@
 namespace verisq::command_line {
 
 [[nodiscard]] constexpr std::string_view singular(MapElements elements) {
-  return elements == MapElements::vertices ? "point" : "triangle";
+  switch (elements) {
+    case MapElements::vertices: return "point";
+    case MapElements::triangles: return "triangle";
+    case MapElements::poses: break;
+  }
+  return "pose";
 }
 
 [[nodiscard]] constexpr std::string_view plural(MapElements elements) {
-  return elements == MapElements::vertices ? "points" : "triangles";
+  switch (elements) {
+    case MapElements::vertices: return "points";
+    case MapElements::triangles: return "triangles";
+    case MapElements::poses: break;
+  }
+  return "poses";
 }
 
 }  // namespace verisq::command_line

@@ -4,14 +4,8 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 #include <optional>
-#include <system_error>
-#include <utility>
 #include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/model_file.hpp>
@@ -20,8 +14,7 @@
 
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
-#include "host/command_line/map_summary.hpp"
-#include "host/command_line/progress_bar.hpp"
+#include "host/command_line/map_to_file.hpp"
 #include "host/command_line/triangle_stream.hpp"
 
 namespace verisq::command_line {
@@ -60,79 +53,20 @@ MapElements parse_elements(const MapArguments& arguments) {
   return MapElements::triangles;
 }
 
+Method parse_method(const MapArguments& arguments) {
+  if (arguments.method == "duality") return Method::duality;
+  if (arguments.method != "published") {
+    refuse(fmt::format("--method: {} is not one of duality, published", arguments.method));
+  }
+  if (arguments.device != "host") refuse("--method published: runs on the host alone, give --device host");
+  if (arguments.certificates) refuse("--method published: has no certificates");
+  return Method::published;
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const MapArguments& arguments) {
   check_usage(arguments.inputs);
-  for (const auto& input : {arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points}) {
-    std::error_code missing;  // a file that does not exist is not overwritten
-    if (!input.empty() && std::filesystem::equivalent(input, arguments.output, missing)) {
-      refuse(fmt::format("-o {}: would overwrite an input of the map", arguments.output));
-    }
-  }
-}
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_between(Clock::time_point start, Clock::time_point end) {
-  return std::chrono::duration<double>(end - start).count();
-}
-
-void append(MapWriter& writer, std::span<const Point> points, std::span<const MapResult> results,
-            std::span<const Certificate> certificates) {
-  writer.append(points, results, certificates);
-}
-
-void append(MapWriter& writer, std::span<const Triangle> /*the mesh has them*/, std::span<const MapResult> results,
-            std::span<const Certificate> certificates) {
-  writer.append(results, certificates);
-}
-
-struct MappedStream {
-  MapSummary summary;
-  Clock::time_point first_element;  ///< when the first element was asked for: the device is ready then
-};
-
-template <typename Mapper, typename Stream>
-MappedStream map_stream(Mapper mapper, Stream& stream, MapWriter& writer, bool show_progress) {
-  using Element = typename Stream::Element;
-  std::optional<ProgressBar> bar;  // begins at the first element: compiling kernels is no part of the rate
-  auto first_element = Clock::now();
-  const auto source = [&](std::span<Element> elements) {
-    if (!bar) {
-      first_element = Clock::now();
-      bar.emplace(show_progress);
-    }
-    return stream.read(elements);
-  };
-  std::uint64_t done = 0;
-  const auto sink = [&](std::span<const Element> elements, std::span<const MapResult> results,
-                        std::span<const Certificate> certificates) {
-    append(writer, elements, results, certificates);
-    done += elements.size();
-    bar->update(done, stream.fraction(done));
-  };
-  auto summary = mapper.map(source, sink);
-  return {std::move(summary), first_element};
-}
-
-/// Returns the name of the file that holds the map; empty when an interrupted map left none.
-std::string end_map(MapWriter& writer, const MapSummary& summary, const std::string& output) {
-  if (!summary.interrupted) {
-    writer.finish();
-    return output;
-  }
-  const auto partial = writer.keep_partial().string();
-  if (partial.empty()) {
-    fmt::print(stderr, "verisq: interrupted; {} is not written, because only .csv can hold a part of a map\n", output);
-  } else {
-    fmt::print(stderr, "verisq: interrupted; the first {} rows are kept in {}\n", summary.points, partial);
-  }
-  return partial;
-}
-
-ExitStatus status_of(const MapSummary& summary) {
-  if (summary.interrupted) return ExitStatus::interrupted;
-  return summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
+  refuse_to_overwrite(arguments.output, {arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points});
 }
 
 /// Maps `elements`, which `Stream` delivers and `Mapper` encloses, and prints the summary.
@@ -140,25 +74,14 @@ template <typename Mapper, typename Stream>
 ExitStatus map_and_report(const UncertainModel& model, double point_radius, MapElements elements,
                           const MapArguments& arguments, const MapOptions& options) {
   Stream stream(arguments.inputs);
-  watch_for_interruption();
-  MapWriter writer(arguments.output, stream.mesh(),
-                   arguments.certificates ? MapContents::certified : MapContents::enclosures, elements);
-  const auto start = Clock::now();
-  const auto [summary, first_element] =
-      map_stream(Mapper(model, point_radius, options), stream, writer, !arguments.no_progress);
-  const auto written = end_map(writer, summary, arguments.output);
-  const auto end = Clock::now();
-
-  if (!summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", summary.notice);
-  const MapReport report{.summary = summary,
-                         .elements = elements,
-                         .output = written,
-                         .units = model.units,
-                         .tolerance = options.tolerance,
-                         .preparation_seconds = seconds_between(start, first_element),
-                         .seconds = seconds_between(first_element, end)};
-  fmt::print("{}", arguments.json ? json(report) : readable(report));
-  return status_of(summary);
+  return map_to_file(stream, stream.mesh(), [&] { return Mapper(model, point_radius, options); },
+                     {.elements = elements,
+                      .contents = arguments.certificates ? MapContents::certified : MapContents::enclosures,
+                      .output = arguments.output,
+                      .units = model.units,
+                      .tolerance = options.tolerance,
+                      .show_progress = !arguments.no_progress,
+                      .json = arguments.json});
 }
 
 }  // namespace
@@ -179,6 +102,10 @@ const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
   map.add_option("--device", arguments.device,
                  "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
       ->option_text("DEVICE");
+  map.add_option("--method", arguments.method,
+                 "How the host proves points outside: duality (default), or published: the paper's bisected segment,\n"
+                 "to compare with (--device host)")
+      ->option_text("METHOD");
   map.add_option("-o,--output", arguments.output, "The map, by extension: .csv .vtp .ply .json")
       ->required()
       ->option_text("FILE REQUIRED");
@@ -191,6 +118,7 @@ const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
 
 ExitStatus run_map(const MapArguments& arguments) {
   check_usage(arguments);
+  const Method method = parse_method(arguments);
   const MapElements elements = parse_elements(arguments);
   std::optional<double> tolerance;
   if (arguments.tolerance) tolerance = parse_length("--tol", *arguments.tolerance);
@@ -201,6 +129,7 @@ ExitStatus run_map(const MapArguments& arguments) {
   const MapOptions options{.tolerance = tolerance ? *tolerance : default_tolerance(model),
                            .device = arguments.device,
                            .certificates = arguments.certificates,
+                           .method = method,
                            .interrupted = interrupted};
   return elements == MapElements::vertices
              ? map_and_report<UncertainDistanceMapper, PointStream>(model, radius, elements, arguments, options)

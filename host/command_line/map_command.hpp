@@ -16,6 +16,7 @@ struct MapArguments {
   std::optional<std::string> tolerance;  ///< text, so that it is read to the nearest binary64
   std::string point_radius = "0";        ///< text, likewise
   std::string device = "auto";
+  std::string method = "duality";
   std::string output;
   bool certificates = false;
   bool json = false;

@@ -6,6 +6,8 @@
 #include <verisq/error.hpp>
 #include <verisq/mesh_file.hpp>
 
+#include "host/command_line/file_fraction.hpp"
+
 namespace verisq::command_line {
 
 void declare_inputs(CLI::App& command, InputArguments& inputs) {
@@ -46,11 +48,7 @@ std::size_t PointStream::copy_vertices(std::span<Point> points) const {
 
 double PointStream::fraction(std::uint64_t done) const {
   if (!file_) return static_cast<double>(done) / static_cast<double>(mesh_.vertices.size());
-  // How many points a file has is unknown until its end; reading runs ahead of `done` by a few chunks.
-  const auto bytes = static_cast<double>(file_->bytes_total());  // 0 for a pipe
-  if (points_read_ == 0 || bytes == 0.0) return 0.0;
-  return static_cast<double>(file_->bytes_read()) / bytes *
-         (static_cast<double>(done) / static_cast<double>(points_read_));
+  return file_fraction(*file_, points_read_, done);
 }
 
 }  // namespace verisq::command_line

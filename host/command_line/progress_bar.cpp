@@ -31,7 +31,8 @@ std::string with_prefix(double number) {
   return fmt::format("{:.3g}", number);
 }
 
-ProgressBar::ProgressBar(bool wanted) : shown_(wanted && isatty(STDERR_FILENO) != 0) {}
+ProgressBar::ProgressBar(bool wanted, std::string_view elements)
+    : shown_(wanted && isatty(STDERR_FILENO) != 0), elements_(elements) {}
 
 ProgressBar::~ProgressBar() {
   if (drawn_) std::fputs("\r\x1b[K", stderr);
@@ -42,8 +43,9 @@ void ProgressBar::update(std::uint64_t done, double fraction) {
   const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
   const double part = std::clamp(fraction, 0.0, 1.0);
   const auto filled = static_cast<int>(part * bar_cells);
-  fmt::print(stderr, "\r\x1b[K[{:=<{}}{: <{}}] {:3.0f} %  {} points/s  ETA {}", "", filled, "", bar_cells - filled,
-             100.0 * part, with_prefix(static_cast<double>(done) / elapsed), clock_text(elapsed * (1.0 - part) / part));
+  fmt::print(stderr, "\r\x1b[K[{:=<{}}{: <{}}] {:3.0f} %  {} {}/s  ETA {}", "", filled, "", bar_cells - filled,
+             100.0 * part, with_prefix(static_cast<double>(done) / elapsed), elements_,
+             clock_text(elapsed * (1.0 - part) / part));
   std::fflush(stderr);
   drawn_ = true;
   next_draw_ = Clock::now() + redraw_interval;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace verisq::command_line {
 
@@ -13,19 +14,21 @@ namespace verisq::command_line {
 /// Redraws one line at most ten times a second; the destructor clears it.
 class ProgressBar {
  public:
-  /// `wanted` false, or a standard error that is no terminal, makes every call do nothing.
-  explicit ProgressBar(bool wanted);
+  /// Of `elements`, in the plural, which must be a literal. `wanted` false, or a standard error that is no terminal,
+  /// makes every call do nothing.
+  ProgressBar(bool wanted, std::string_view elements);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `done` points so far; `fraction` of the whole in [0, 1].
+  /// `done` elements so far; `fraction` of the whole in [0, 1].
   void update(std::uint64_t done, double fraction);
 
  private:
   using Clock = std::chrono::steady_clock;
 
   bool shown_;
+  std::string_view elements_;
   bool drawn_ = false;
   Clock::time_point start_ = Clock::now();
   Clock::time_point next_draw_ = start_;

@@ -1,4 +1,4 @@
-/// Queries in, enclosures out, a chunk at a time, while the next chunk is prepared.
+/// Two slots of a device in turn, each with the buffers of one chunk.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/device/batch.hpp"
 #include "host/device/device.hpp"
-#include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq::device {
@@ -26,13 +26,12 @@ auto reporting_failures(const std::string& device, const Work& work) {
   }
 }
 
-/// Two chunks in flight at most, so that device memory is bounded: `submit` starts work and returns, `collect` waits
-/// for the oldest. A Slot holds the buffers of one chunk: start(queries), finish(enclosures) -> kernel seconds, and
-/// certify(enclosures, certificates). All calls from one thread.
-template <class Query, class Slot, class Certificates>
-class ChunkPipeline {
+/// A Slot holds the buffers of one chunk: start(queries), finish(enclosures) -> kernel seconds, and
+/// certify(enclosures, certificates).
+template <class Query, class Slot>
+class ChunkPipeline final : public Batch<Query> {
  public:
-  /// `capacity` is that of each of the two slots; `device` names it in errors.
+  /// `capacity` is that of each of the slots; `device` names it in errors.
   ChunkPipeline(std::string device, std::size_t capacity, std::vector<Slot> slots)
       : device_(std::move(device)), capacity_(capacity), slots_(std::move(slots)) {}
 
@@ -45,16 +44,16 @@ class ChunkPipeline {
     seconds_ = 0.0;
   }
 
-  [[nodiscard]] std::size_t capacity() const { return capacity_; }
-  [[nodiscard]] double device_seconds() const { return seconds_; }
+  [[nodiscard]] std::size_t capacity() const override { return capacity_; }
+  [[nodiscard]] double device_seconds() const override { return seconds_; }
 
-  void submit(std::span<const Query> queries) {
+  void submit(std::span<const Query> queries) override {
     reporting_failures(device_, [&] { slots_[next_].start(queries); });
     in_flight_.push_back(next_);
     next_ = (next_ + 1) % slots_.size();
   }
 
-  void collect(std::vector<Enclosure>& enclosures, Certificates& certificates) {
+  void collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates) override {
     Slot& oldest = slots_[in_flight_.front()];
     in_flight_.pop_front();
     seconds_ += reporting_failures(device_, [&] { return oldest.finish(enclosures); });
@@ -62,9 +61,9 @@ class ChunkPipeline {
     oldest.certify(enclosures, certificates);
   }
 
-  void discard() {
+  void discard() override {
     std::vector<Enclosure> enclosures;
-    Certificates certificates;
+    std::vector<Certificate> certificates;
     while (!in_flight_.empty()) collect(enclosures, certificates);
   }
 

@@ -195,51 +195,18 @@ class Slot {
 
 }  // namespace
 
-struct PointBatch::State {
-  State(const Device& device, const Model& model, double tolerance, bool certificates)
-      : uploaded(device, model),
-        pipeline(device.name, uploaded.chunk_size, slots(device, model, tolerance, certificates)) {
-    const double x = far_away(uploaded);
-    pipeline.warm_up({x, 0.0, 0.0});
-  }
-
-  [[nodiscard]] std::vector<Slot> slots(const Device& device, const Model& model, double tolerance,
-                                        bool certificates) const {
+std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& model, double tolerance,
+                                          bool certificates) {
+  return reporting_failures(device.name, [&] {
+    const DeviceModel uploaded(device, model);
     std::optional<CertificateAssembly> assembly;
     if (certificates) assembly.emplace(model);
-    std::vector<Slot> both;
-    for (int slot = 0; slot < 2; ++slot) both.emplace_back(device, uploaded, tolerance, assembly);
-    return both;
-  }
-
-  DeviceModel uploaded;
-  ChunkPipeline<Point, Slot, std::vector<Certificate>> pipeline;
-};
-
-PointBatch::PointBatch(const Device& device, const Model& model, double tolerance, bool certificates)
-    : state_(reporting_failures(device.name,
-                                [&] { return std::make_unique<State>(device, model, tolerance, certificates); })) {}
-
-PointBatch::~PointBatch() = default;
-
-std::size_t PointBatch::capacity() const {
-  return state_->pipeline.capacity();
-}
-
-double PointBatch::device_seconds() const {
-  return state_->pipeline.device_seconds();
-}
-
-void PointBatch::submit(std::span<const Point> points) {
-  state_->pipeline.submit(points);
-}
-
-void PointBatch::collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates) {
-  state_->pipeline.collect(enclosures, certificates);
-}
-
-void PointBatch::discard() {
-  state_->pipeline.discard();
+    std::vector<Slot> slots;
+    for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, uploaded, tolerance, assembly);
+    auto pipeline = std::make_unique<ChunkPipeline<Point, Slot>>(device.name, uploaded.chunk_size, std::move(slots));
+    pipeline->warm_up({far_away(uploaded), 0.0, 0.0});
+    return std::unique_ptr<Batch<Point>>(std::move(pipeline));
+  });
 }
 
 }  // namespace verisq::device

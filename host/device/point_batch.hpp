@@ -1,48 +1,16 @@
-/// Points in, enclosures of their signed distances out, a chunk at a time, while the next chunk is prepared.
+/// Points in, enclosures of their signed distances to a model out.
 #pragma once
 
 #include <memory>
-#include <span>
-#include <vector>
 
+#include "host/device/batch.hpp"
 #include "host/device/device.hpp"
-#include "verisq/certificate.hpp"
-#include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::device {
 
-/// Two chunks in flight at most: `submit` starts work and returns, `collect` waits for the oldest. Device memory is
-/// bounded by two chunks. All calls from one thread.
-class PointBatch {
- public:
-  using Query = Point;
-
-  /// `tolerance` and `certificates` as in MapOptions. Throws Error(failure) with the name of a failed OpenCL call.
-  PointBatch(const Device& device, const Model& model, double tolerance, bool certificates);
-  ~PointBatch();
-  PointBatch(const PointBatch&) = delete;
-  PointBatch& operator=(const PointBatch&) = delete;
-
-  /// Points a chunk may hold.
-  [[nodiscard]] std::size_t capacity() const;
-
-  /// Precondition: at most `capacity()` finite points; fewer than two chunks in flight.
-  void submit(std::span<const Point> points);
-
-  /// Fills `enclosures` with those of the oldest chunk in flight, in the order of its points; an end is infinite where
-  /// nothing was proven; `certificates` too, where they were asked for. Precondition: a chunk is in flight.
-  void collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates);
-
-  /// Waits for whatever is in flight and drops it.
-  void discard();
-
-  /// Kernel time of all chunks collected.
-  [[nodiscard]] double device_seconds() const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
+/// `tolerance` and `certificates` as in MapOptions. Throws Error(failure) with the name of a failed OpenCL call.
+[[nodiscard]] std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& model, double tolerance,
+                                                        bool certificates);
 
 }  // namespace verisq::device

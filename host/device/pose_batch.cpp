@@ -100,47 +100,17 @@ class Slot {
 
 }  // namespace
 
-struct PoseBatch::State {
-  State(const Device& device, const Model& a, const Model& b)
-      : uploaded(device, joined(a, b)), pipeline(device.name, uploaded.chunk_size, slots(device, a.primitives.size())) {
-    pipeline.warm_up(Pose{{far_away(uploaded), 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}});
-  }
-
-  [[nodiscard]] std::vector<Slot> slots(const Device& device, std::size_t primitives_of_a) const {
+std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const Model& a, const Model& b) {
+  return reporting_failures(device.name, [&] {
     const cl::Program program =
         build_program(device.context, device.device, device.vector_width, kernels::embedded_pair_sources());
-    std::vector<Slot> both;
-    for (int slot = 0; slot < 2; ++slot) both.emplace_back(device, program, uploaded, primitives_of_a);
-    return both;
-  }
-
-  DeviceModel uploaded;
-  ChunkPipeline<Pose, Slot, std::vector<Certificate>> pipeline;
-};
-
-PoseBatch::PoseBatch(const Device& device, const Model& a, const Model& b)
-    : state_(reporting_failures(device.name, [&] { return std::make_unique<State>(device, a, b); })) {}
-
-PoseBatch::~PoseBatch() = default;
-
-std::size_t PoseBatch::capacity() const {
-  return state_->pipeline.capacity();
-}
-
-double PoseBatch::device_seconds() const {
-  return state_->pipeline.device_seconds();
-}
-
-void PoseBatch::submit(std::span<const Pose> poses) {
-  state_->pipeline.submit(poses);
-}
-
-void PoseBatch::collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates) {
-  state_->pipeline.collect(enclosures, certificates);
-}
-
-void PoseBatch::discard() {
-  state_->pipeline.discard();
+    const DeviceModel both(device, joined(a, b));
+    std::vector<Slot> slots;
+    for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, both, a.primitives.size());
+    auto pipeline = std::make_unique<ChunkPipeline<Pose, Slot>>(device.name, both.chunk_size, std::move(slots));
+    pipeline->warm_up(Pose{{far_away(both), 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}});
+    return std::unique_ptr<Batch<Pose>>(std::move(pipeline));
+  });
 }
 
 }  // namespace verisq::device

@@ -154,48 +154,18 @@ class Slot {
 
 }  // namespace
 
-struct TriangleBatch::State {
-  State(const Device& device, const Model& model, bool certificates)
-      : uploaded(device, model), pipeline(device.name, uploaded.chunk_size, slots(device, certificates)) {
-    const double x = far_away(uploaded);
-    pipeline.warm_up({Point{x, 0.0, 0.0}, Point{x, x, 0.0}, Point{x, 0.0, x}});
-  }
-
-  [[nodiscard]] std::vector<Slot> slots(const Device& device, bool certificates) const {
+std::unique_ptr<Batch<Triangle>> triangle_batch(const Device& device, const Model& model, bool certificates) {
+  return reporting_failures(device.name, [&] {
     const cl::Program program =
         build_program(device.context, device.device, device.vector_width, kernels::embedded_triangle_sources());
-    std::vector<Slot> both;
-    for (int slot = 0; slot < 2; ++slot) both.emplace_back(device, program, uploaded, certificates);
-    return both;
-  }
-
-  DeviceModel uploaded;
-  ChunkPipeline<Triangle, Slot, std::vector<Certificate>> pipeline;
-};
-
-TriangleBatch::TriangleBatch(const Device& device, const Model& model, bool certificates)
-    : state_(reporting_failures(device.name, [&] { return std::make_unique<State>(device, model, certificates); })) {}
-
-TriangleBatch::~TriangleBatch() = default;
-
-std::size_t TriangleBatch::capacity() const {
-  return state_->pipeline.capacity();
-}
-
-double TriangleBatch::device_seconds() const {
-  return state_->pipeline.device_seconds();
-}
-
-void TriangleBatch::submit(std::span<const Triangle> triangles) {
-  state_->pipeline.submit(triangles);
-}
-
-void TriangleBatch::collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates) {
-  state_->pipeline.collect(enclosures, certificates);
-}
-
-void TriangleBatch::discard() {
-  state_->pipeline.discard();
+    const DeviceModel uploaded(device, model);
+    std::vector<Slot> slots;
+    for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, certificates);
+    auto pipeline = std::make_unique<ChunkPipeline<Triangle, Slot>>(device.name, uploaded.chunk_size, std::move(slots));
+    const double x = far_away(uploaded);
+    pipeline->warm_up({Point{x, 0.0, 0.0}, Point{x, x, 0.0}, Point{x, 0.0, x}});
+    return std::unique_ptr<Batch<Triangle>>(std::move(pipeline));
+  });
 }
 
 }  // namespace verisq::device

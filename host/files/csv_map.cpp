@@ -1,5 +1,5 @@
-/// Maps as CSV: a row "index,lo,hi,status" for each point or triangle, and its certificate when asked for, streamed to
-/// the disk.
+/// Maps as CSV: a row "index,lo,hi,status" for each point, triangle or pose, and its certificate when asked for,
+/// streamed to the disk.
 #include <fmt/compile.h>
 #include <fmt/format.h>
 

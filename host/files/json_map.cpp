@@ -1,5 +1,5 @@
 /// Maps as JSON: {"format": "verisq-map/1", "results": [{"index", "lo", "hi", "status"}, ...]}, streamed to the disk. A
-/// map of triangles says so by "elements": "triangles".
+/// map of triangles or poses says so by "elements": "triangles" or "poses".
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
@@ -25,6 +25,7 @@ class JsonMap final : public MapFormat {
   JsonMap(OutputFile& output, MapElements elements) : output_(output) {
     output_.write("{\"format\": \"verisq-map/1\",\n ");
     if (elements == MapElements::triangles) output_.write("\"elements\": \"triangles\",\n ");
+    if (elements == MapElements::poses) output_.write("\"elements\": \"poses\",\n ");
     output_.write("\"results\": [");
   }
 

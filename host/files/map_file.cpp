@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <string_view>
 #include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
 
@@ -14,17 +15,27 @@ namespace {
 
 using Maker = std::unique_ptr<MapFormat> (*)(OutputFile&, const MapKind&);
 
-Maker maker_for(const std::filesystem::path& path, MapContents contents) {
+Maker maker_for(const std::filesystem::path& path, const MapKind& kind) {
+  const auto refuse = [&path](std::string_view why) {
+    throw Error(ErrorKind::input, fmt::format("{}: {}", path.string(), why));
+  };
   const std::string extension = lower_case(path.extension().string());
-  if (extension == ".csv") return make_csv_map;
-  if (extension == ".vtp") return make_vtp_map;
-  const Maker make = extension == ".ply" ? make_ply_map : extension == ".json" ? make_json_map : nullptr;
+  const Maker make = extension == ".csv"    ? make_csv_map
+                     : extension == ".vtp"  ? make_vtp_map
+                     : extension == ".ply"  ? make_ply_map
+                     : extension == ".json" ? make_json_map
+                                            : nullptr;
   if (make == nullptr) {
-    throw Error(ErrorKind::input, fmt::format("{}: unknown map format {}: known are .csv, .vtp, .ply, .json",
-                                              path.string(), in_quotes(path.extension().string())));
+    refuse(
+        fmt::format("unknown map format {}: known are .csv, .vtp, .ply, .json", in_quotes(path.extension().string())));
   }
-  if (contents == MapContents::certified) {
-    throw Error(ErrorKind::input, fmt::format("{}: certificates are written to .csv and .vtp only", path.string()));
+  const bool certified = kind.contents == MapContents::certified;
+  if (kind.elements == MapElements::poses) {
+    if (make == make_vtp_map || make == make_ply_map) refuse("maps of poses are written to .csv and .json only");
+    if (certified) refuse("maps of poses have no certificates");
+  }
+  if (certified && make != make_csv_map && make != make_vtp_map) {
+    refuse("certificates are written to .csv and .vtp only");
   }
   return make;
 }
@@ -35,7 +46,7 @@ Maker maker_for(const std::filesystem::path& path, MapContents contents) {
 class MapWriter::Format {
  public:
   Format(const std::filesystem::path& path, const MapKind& kind)
-      : target_(path), make_(maker_for(path, kind.contents)), output_(path), rows_(make_(output_, kind)) {}
+      : target_(path), make_(maker_for(path, kind)), output_(path), rows_(make_(output_, kind)) {}
 
   void append(std::span<const Point> points, std::span<const MapResult> results,
               std::span<const Certificate> certificates) {

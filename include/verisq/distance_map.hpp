@@ -13,10 +13,17 @@
 
 namespace verisq {
 
+/// How the host proves points outside.
+enum class Method {
+  duality,    ///< certificates of design 2, §2: tight
+  published,  ///< the paper's bisected segment (published_method.hpp), to compare with: on the host, no certificates
+};
+
 struct MapOptions {
   double tolerance;                                          ///< absolute, in model units; 0 asks for the tightest
   std::string device = "auto";                               ///< "auto", "host", an index or a part of a device's name
   bool certificates = false;                                 ///< deliver what proves each enclosure again
+  Method method = Method::duality;                           ///< of points; triangles know duality alone
   std::function<bool()> interrupted = [] { return false; };  ///< polled between chunks; true ends the map early
 };
 
@@ -44,7 +51,8 @@ using MapSink = std::function<void(std::span<const Point>, std::span<const MapRe
 /// pay for that once.
 class DistanceMapper {
  public:
-  /// Throws Error(input) when no device matches `options.device`, or when a named device failed its self-test.
+  /// Throws Error(input) when no device matches `options.device`, when a named device failed its self-test, or for the
+  /// published method with a device or certificates.
   DistanceMapper(const Model& model, const MapOptions& options);
   ~DistanceMapper();
   DistanceMapper(DistanceMapper&&) noexcept;

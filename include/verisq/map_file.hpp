@@ -20,6 +20,7 @@ enum class MapContents {
 enum class MapElements {
   vertices,   ///< of a mesh, or points of a stream: `.vtp` has point data, `.ply` properties of the vertices
   triangles,  ///< of a mesh: `.vtp` has cell data, `.ply` properties of the faces
+  poses,      ///< of a model: `.csv` and `.json` only, without certificates
 };
 
 /// Rows arrive in order through `append`; `.csv` and `.json` stream them to the disk, the mesh formats (`.vtp`, `.ply`)
@@ -30,7 +31,7 @@ class MapWriter {
  public:
   /// `mesh` supplies vertices and triangles to the mesh formats; it must outlive the writer. Null for a stream of
   /// points: then `append`'s points become vertices. Precondition: a map of triangles has a mesh.
-  /// Throws Error(input) for an unknown extension and for certificates in a format that has no place for them,
+  /// Throws Error(input) for an unknown extension and for poses or certificates in a format that has no place for them,
   /// Error(failure) when the file cannot be written.
   MapWriter(const std::filesystem::path& path, const Mesh* mesh, MapContents contents = MapContents::enclosures,
             MapElements elements = MapElements::vertices);
@@ -43,7 +44,7 @@ class MapWriter {
   /// last call.
   void append(std::span<const Point> points, std::span<const MapResult> results,
               std::span<const Certificate> certificates = {});
-  /// The same where a mesh has the points. Precondition: as above, and a mesh.
+  /// The same where a mesh has the points, and for poses. Precondition: as above, and a mesh or poses.
   void append(std::span<const MapResult> results, std::span<const Certificate> certificates = {});
   /// Throws Error(failure) when the file cannot be written, or when a mesh format has not one row for each element.
   void finish();

@@ -15,7 +15,7 @@ using PoseSource = std::function<std::size_t(std::span<Pose>)>;
 using PoseSink = std::function<void(std::span<const Pose>, std::span<const MapResult>)>;
 
 /// As DistanceMapper for the distance of model A and of model B moved by each pose (x -> R x + t, after B's primitives'
-/// own poses): 0 where they meet. Precondition of poses: finite, quaternions not zero.
+/// own poses): 0 where they meet.
 class PoseMapper {
  public:
   /// Throws Error(input) as DistanceMapper does, and for options that ask for certificates: there are none.
@@ -24,6 +24,7 @@ class PoseMapper {
   PoseMapper(PoseMapper&&) noexcept;
   PoseMapper& operator=(PoseMapper&&) noexcept;
 
+  /// As DistanceMapper::map; throws Error(input) for a pose that is not finite or whose quaternion is zero.
   MapSummary map(const PoseSource& source, const PoseSink& sink);
 
  private:

@@ -1,0 +1,113 @@
+/// The two forms of the answer for one pose.
+#include "host/command_line/distance_summary.hpp"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+namespace verisq::command_line {
+namespace {
+
+std::string_view word(Proximity proximity) {
+  switch (proximity) {
+    case Proximity::separated: return "separated";
+    case Proximity::overlapping: return "overlapping";
+    case Proximity::undecided: return "undecided";
+  }
+  return "";
+}
+
+std::string_view explanation(Proximity proximity) {
+  switch (proximity) {
+    case Proximity::separated: return "proven: no common point";
+    case Proximity::overlapping: return "proven: a common point";
+    case Proximity::undecided: return "touching, or nearly: neither a gap nor a common point is proven";
+  }
+  return "";
+}
+
+std::string_view explanation_of_uncertain(Proximity proximity) {
+  switch (proximity) {
+    case Proximity::separated: return "proven: no common point, whatever the uncertain numbers are";
+    case Proximity::overlapping: return "proven: a common point, whatever the uncertain numbers are";
+    case Proximity::undecided: return "neither is proven of all that the uncertain numbers allow";
+  }
+  return "";
+}
+
+std::string text_of(const Enclosure& e) {
+  return fmt::format("[{:.17g}, {:.17g}]", e.lo, e.hi);
+}
+
+std::string text_of(const Point& x) {
+  return fmt::format("({:.17g}, {:.17g}, {:.17g})", x[0], x[1], x[2]);
+}
+
+std::string box_text(std::string_view name, const std::array<Enclosure, 3>& box) {
+  return fmt::format("{:<19}x {}\n{:<19}y {}\n{:<19}z {}\n", name, text_of(box[0]), "", text_of(box[1]), "",
+                     text_of(box[2]));
+}
+
+std::string readable(const PairCertificate& certificate) {
+  std::string text;
+  for (const auto& [a, b, vector, on_a, on_b] : certificate.separations) {
+    text += fmt::format("certificate        primitives {} and {}: vector {}, point of A {}, point of B {}\n", a, b,
+                        text_of(vector), text_of(on_a), text_of(on_b));
+  }
+  return text;
+}
+
+nlohmann::ordered_json json_of(const std::array<Enclosure, 3>& box) {
+  auto sides = nlohmann::ordered_json::array();
+  for (const Enclosure& side : box) sides.push_back({side.lo, side.hi});
+  return sides;
+}
+
+nlohmann::ordered_json json_of(const PairCertificate& certificate) {
+  auto separations = nlohmann::ordered_json::array();
+  for (const auto& [a, b, vector, on_a, on_b] : certificate.separations) {
+    separations.push_back({{"primitive_a", a}, {"primitive_b", b}, {"vector", vector}, {"on_a", on_a}, {"on_b", on_b}});
+  }
+  return separations;
+}
+
+}  // namespace
+
+std::string readable(const DistanceReport& report) {
+  const auto units = report.units.empty() ? std::string() : " " + report.units;
+  auto text = fmt::format("distance           {}{}\n", text_of(report.distance), units);
+  text += fmt::format("width              {:.3g}{}, tolerance {:.3g}{}\n", report.distance.width(), units,
+                      report.tolerance, units);
+  text += fmt::format("proximity          {} ({})\n", word(report.proximity),
+                      report.uncertain ? explanation_of_uncertain(report.proximity) : explanation(report.proximity));
+  if (report.common) text += fmt::format("common point       {}\n", text_of(*report.common));
+  if (report.closest) {
+    text += box_text("closest point of A", report.closest->on_a) + box_text("closest point of B", report.closest->on_b);
+    text += fmt::format("uniqueness         {}\n",
+                        report.closest->unique ? "proven: exactly one pair of closest points, in these boxes"
+                                               : "not proven: these boxes contain every pair of closest points");
+  }
+  if (report.uncertain) text += "closest points     not enclosed, because the models are uncertain\n";
+  return report.certificate ? text + readable(*report.certificate) : text;
+}
+
+std::string json(const DistanceReport& report) {
+  nlohmann::ordered_json object{{"lo", report.distance.lo},
+                                {"hi", report.distance.hi},
+                                {"proximity", word(report.proximity)},
+                                {"uncertain", report.uncertain},
+                                {"closest_points", nullptr},
+                                {"unique", report.closest && report.closest->unique},
+                                {"witness", nullptr},
+                                {"units", report.units},
+                                {"tolerance", report.tolerance}};
+  if (report.closest) {
+    object["closest_points"] = {{"on_a", json_of(report.closest->on_a)}, {"on_b", json_of(report.closest->on_b)}};
+  }
+  if (report.common) object["witness"] = *report.common;
+  if (report.certificate) object["certificate"] = json_of(*report.certificate);
+  return object.dump(2) + "\n";
+}
+
+}  // namespace verisq::command_line

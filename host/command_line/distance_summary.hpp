@@ -1,0 +1,24 @@
+/// What `verisq distance` says about one pose: for people, or as one JSON object.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <verisq/model_distance.hpp>
+
+namespace verisq::command_line {
+
+struct DistanceReport {
+  Enclosure distance;
+  Proximity proximity;
+  bool uncertain = false;  ///< a model gives intervals: the enclosure holds for all members; no points, no certificate
+  std::optional<Point> common = std::nullopt;
+  std::optional<ClosestPoints> closest = std::nullopt;
+  std::optional<PairCertificate> certificate = std::nullopt;  ///< where it was asked for
+  std::string units = {};                                     ///< of both models; empty when not given
+  double tolerance = 0.0;
+};
+
+[[nodiscard]] std::string readable(const DistanceReport& report);
+[[nodiscard]] std::string json(const DistanceReport& report);
+
+}  // namespace verisq::command_line

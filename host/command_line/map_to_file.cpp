@@ -1,0 +1,67 @@
+/// How a map ends: file, messages, summary, exit status.
+#include "host/command_line/map_to_file.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+#include <verisq/error.hpp>
+
+#include "host/command_line/map_summary.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+double seconds_between(Clock::time_point start, Clock::time_point end) {
+  return std::chrono::duration<double>(end - start).count();
+}
+
+/// Returns the name of the file that holds the map; empty when an interrupted map left none.
+std::string end_file(MapWriter& writer, const MapSummary& summary, const std::string& output) {
+  if (!summary.interrupted) {
+    writer.finish();
+    return output;
+  }
+  const auto partial = writer.keep_partial().string();
+  if (partial.empty()) {
+    fmt::print(stderr, "verisq: interrupted; {} is not written, because only .csv can hold a part of a map\n", output);
+  } else {
+    fmt::print(stderr, "verisq: interrupted; the first {} rows are kept in {}\n", summary.points, partial);
+  }
+  return partial;
+}
+
+ExitStatus status_of(const MapSummary& summary) {
+  if (summary.interrupted) return ExitStatus::interrupted;
+  return summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
+}
+
+}  // namespace
+
+void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code missing;  // a file that does not exist is not overwritten
+    if (!input.empty() && std::filesystem::equivalent(input, output, missing)) {
+      throw Error(ErrorKind::input, fmt::format("-o {}: would overwrite an input of the map", output));
+    }
+  }
+}
+
+ExitStatus end_map(MapWriter& writer, const MapSummary& summary, const MapRequest& request, Clock::time_point start,
+                   Clock::time_point first_element) {
+  const std::string written = end_file(writer, summary, request.output);
+  const auto end = Clock::now();
+  if (!summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", summary.notice);
+  const MapReport report{.summary = summary,
+                         .elements = request.elements,
+                         .output = written,
+                         .units = request.units,
+                         .tolerance = request.tolerance,
+                         .preparation_seconds = seconds_between(start, first_element),
+                         .seconds = seconds_between(first_element, end)};
+  fmt::print("{}", request.json ? json(report) : readable(report));
+  return status_of(summary);
+}
+
+}  // namespace verisq::command_line
