@@ -76,14 +76,12 @@ ALWAYS_INLINE real pair_distance_down(placed_pair p, vector3 v, constant const s
 // The solid's point near x, exactly: (1 - L) |x| with L >= log g(x), rounded towards the centre (see distance_up).
 ALWAYS_INLINE vector3 point_in_solid(vector3 x, constant const superquadric* s) {
   const vector3 size = magnitudes(x);
-  const real scale = fmax(sub_down(REAL(1.0), log_gauge_up(size, s)), REAL(0.0));
+  const real scale = sub_down(REAL(1.0), log_gauge_up(size, s)); // below 0 it gives the centre
   const vector3 b = {copysign(fmax(mul_down(size.x, scale), REAL(0.0)), x.x),
                      copysign(fmax(mul_down(size.y, scale), REAL(0.0)), x.y),
                      copysign(fmax(mul_down(size.z, scale), REAL(0.0)), x.z)};
   return b;
 }
-
-ALWAYS_INLINE real apart_up(real a, real b) { return fmax(sub_up(a, b), sub_up(b, a)); }
 
 // Upper bound of the distance by the points of both solids near those given, each in its own frame.
 ALWAYS_INLINE real pair_distance_up(placed_pair p, vector3 near_a, vector3 near_b,
@@ -92,9 +90,9 @@ ALWAYS_INLINE real pair_distance_up(placed_pair p, vector3 near_a, vector3 near_
   const vector3 b = matrix_times(p.pose.rotation, point_in_solid(near_b, solid_b));
   // b + centre - a, either way round.
   const vector3 c = p.pose.centre;
-  const vector3 apart = {fmax(sub_up(add_up(b.x, c.x), a.x), sub_up(a.x, add_down(b.x, c.x))),
-                         fmax(sub_up(add_up(b.y, c.y), a.y), sub_up(a.y, add_down(b.y, c.y))),
-                         fmax(sub_up(add_up(b.z, c.z), a.z), sub_up(a.z, add_down(b.z, c.z)))};
+  const vector3 apart = {greatest_or_nan(sub_up(add_up(b.x, c.x), a.x), sub_up(a.x, add_down(b.x, c.x))),
+                         greatest_or_nan(sub_up(add_up(b.y, c.y), a.y), sub_up(a.y, add_down(b.y, c.y))),
+                         greatest_or_nan(sub_up(add_up(b.z, c.z), a.z), sub_up(a.z, add_down(b.z, c.z)))};
   const real error = fma_up(REAL(PAIR_ROTATION_ERROR), REAL(solid_b->circumradius_up), p.centre_error);
   return add_up(length_up(apart), error);
 }
@@ -110,7 +108,8 @@ ALWAYS_INLINE integer is_common_point(placed_pair p, vector3 m, constant const s
   const real gauge_a = exp_up(log_gauge_up(magnitudes(m), solid_a));
   const real gauge_b = add_up(exp_up(log_gauge_up(magnitudes(m_of_b), solid_b)),
                               div_up(error, REAL(solid_b->inradius_down)));
-  return MASK(gauge_a <= 1.0) & MASK(gauge_b <= 1.0);
+  const integer known = MASK(size <= 0x1p1000); // no coordinate is NaN, which the gauge forgets, and none overflows
+  return known & MASK(gauge_a <= 1.0) & MASK(gauge_b <= 1.0);
 }
 
 // The least of all pairs so far is in `los` and `his`, unless this pair is the `first`.
@@ -141,5 +140,5 @@ kernel void pair_distance(ulong groups, ulong stride, global const double* poses
   const real hi = select(pair_distance_up(p, near_a, near_b, solid_a, solid_b), REAL(0.0),
                          is_common_point(p, contact.point, solid_a, solid_b));
   STORE(fmin(known_lo, lo), group, los);
-  STORE(fmin(known_hi, select(REAL(INFINITY), hi, MASK(hi <= DBL_MAX))), group, his); // NaN proves nothing
+  STORE(fmin(known_hi, hi), group, his); // NaN proves nothing and is forgotten
 }

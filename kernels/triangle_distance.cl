@@ -19,7 +19,7 @@ ALWAYS_INLINE posed_triangle load_triangle(ulong group, ulong stride, global con
                        LOAD(group, corners + (3 * k + 2) * stride)};
     const local_point q = to_local(x, s);
     t.corners[k] = out_of_octant(q.point, q.sign);
-    t.error = fmax(t.error, q.error);
+    t.error = greatest_or_nan(t.error, q.error);
   }
   return t;
 }
@@ -31,9 +31,10 @@ ALWAYS_INLINE real sphere_distance_down(posed_triangle t, constant const superqu
   for (int k = 1; k < 3; ++k) {
     const vector3 a = t.corners[0];
     const vector3 b = t.corners[k];
-    const vector3 edge = {fmax(sub_up(a.x, b.x), sub_up(b.x, a.x)), fmax(sub_up(a.y, b.y), sub_up(b.y, a.y)),
-                          fmax(sub_up(a.z, b.z), sub_up(b.z, a.z))};
-    reach = fmax(reach, length_up(edge));
+    const vector3 edge = {greatest_or_nan(sub_up(a.x, b.x), sub_up(b.x, a.x)),
+                          greatest_or_nan(sub_up(a.y, b.y), sub_up(b.y, a.y)),
+                          greatest_or_nan(sub_up(a.z, b.z), sub_up(b.z, a.z))};
+    reach = greatest_or_nan(reach, length_up(edge));
   }
   const real from_centre = length_down(magnitudes(t.corners[0]));
   return sub_down(sub_down(sub_down(from_centre, reach), REAL(s->circumradius_up)), t.error);
@@ -80,7 +81,7 @@ ALWAYS_INLINE vector3 orthogonal_to_contact(contact_probe contact, local_triangl
 // Lower bound of the distance that the vector v proves, whatever it is: not below 0, also for NaN.
 ALWAYS_INLINE real triangle_distance_down(posed_triangle t, vector3 v, constant const superquadric* s) {
   const real nearest_corner =
-      fmin(dot_down(v, t.corners[0]), fmin(dot_down(v, t.corners[1]), dot_down(v, t.corners[2])));
+      least_or_nan(dot_down(v, t.corners[0]), least_or_nan(dot_down(v, t.corners[1]), dot_down(v, t.corners[2])));
   const real numerator = sub_down(nearest_corner, support_up(magnitudes(v), s));
   const real bound = div_down(numerator, length_up(magnitudes(v))); // where the numerator is below 0, 0 is the bound
   return fmax(sub_down(bound, t.error), REAL(0.0));
@@ -99,7 +100,7 @@ ALWAYS_INLINE triangle_weights certain_weights(triangle_weights w) {
 ALWAYS_INLINE real coordinate_magnitude_up(real c0, real c1, real c2, triangle_weights w) {
   const real up = fma_up(w.w2, sub_up(c2, c0), fma_up(w.w1, sub_up(c1, c0), c0));
   const real down = fma_down(w.w2, sub_down(c2, c0), fma_down(w.w1, sub_down(c1, c0), c0));
-  return fmax(up, -down);
+  return greatest_or_nan(up, -down);
 }
 
 ALWAYS_INLINE vector3 magnitudes_up(posed_triangle t, triangle_weights w) {
@@ -116,7 +117,8 @@ ALWAYS_INLINE real triangle_distance_up(posed_triangle t, triangle_weights w, ve
                                         constant const superquadric* s) {
   const vector3 q = magnitudes_up(t, w);
   const real gauge = exp_up(log_gauge_up(q, s));
-  const integer meets = MASK(add_up(gauge, div_up(t.error, REAL(s->inradius_down))) <= 1.0);
+  const integer known = MASK(q.x + q.y + q.z <= DBL_MAX); // the gauge forgets a NaN
+  const integer meets = known & MASK(add_up(gauge, div_up(t.error, REAL(s->inradius_down))) <= 1.0);
   const vector3 size = magnitudes(v);
   const vector3 closest = {fmax(q.x - size.x, REAL(0.0)), fmax(q.y - size.y, REAL(0.0)), fmax(q.z - size.z, REAL(0.0))};
   return select(add_up(distance_up(q, closest, s), t.error), REAL(0.0), meets);

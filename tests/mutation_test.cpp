@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,8 +15,10 @@
 #include "tests/mutation/bound_judge.hpp"
 #include "tests/mutation/map_judge.hpp"
 #include "tests/mutation/mutant.hpp"
+#include "tests/mutation/pair_judge.hpp"
 #include "tests/mutation/pessimistic_arithmetic.hpp"
 #include "tests/mutation/scenes.hpp"
+#include "tests/mutation/triangle_judge.hpp"
 
 namespace verisq::mutation {
 namespace {
@@ -32,14 +36,14 @@ class Judges {
   /// What finds the kernels of `sources` out, on one of the arithmetics; empty where nothing does.
   [[nodiscard]] std::string operator()(const std::string& sources, Arithmetic first = Arithmetic::usual) {
     std::string found = fault(first, sources);
-    for (const Arithmetic arithmetic : arithmetics)
+    for (const Arithmetic arithmetic : arithmetics(Program::points))
       if (found.empty() && arithmetic != first) found = fault(arithmetic, sources);
     return found;
   }
 
  private:
   [[nodiscard]] device::Device compiled_on(Arithmetic arithmetic, const std::string& sources) const {
-    return compiled(device_, with_bound_kernel(on(arithmetic, sources)));
+    return compiled(device_, with_bound_kernel(on(arithmetic, Program::points, sources)));
   }
 
   [[nodiscard]] std::string fault(Arithmetic arithmetic, const std::string& sources) {
@@ -73,7 +77,7 @@ class Judges {
   std::map<Arithmetic, std::vector<MapJudge::AcceptedMap>> true_maps_;
 };
 
-class MutationTest : public testing::TestWithParam<Layer> {
+class MutationTest : public testing::Test {
  protected:
   void SetUp() override {
     if (!selection.device) GTEST_SKIP() << "no OpenCL device: " << selection.notice;
@@ -82,12 +86,16 @@ class MutationTest : public testing::TestWithParam<Layer> {
   const device::Selection selection = device::select_device("auto");
 };
 
-TEST_P(MutationTest, AllAreKilled) {
-  const auto& [name, is_arithmetic, mutants] = GetParam();
-  Judges judges(*selection.device, is_arithmetic);
+class LayerMutationTest : public MutationTest, public testing::WithParamInterface<Layer> {};
+
+/// `find` says what finds the kernels of some sources out; the argument after them is where to look first.
+using Find = std::function<std::string(const std::string& sources, Arithmetic first)>;
+
+void expect_all_killed(std::string_view name, std::span<const Mutant> mutants, const std::string& sources,
+                       const Find& find) {
   std::size_t killed = 0;
   for (const Mutant& mutant : mutants) {
-    const std::string found = judges(mutated(true_sources(), mutant), mutant.shown_on);
+    const std::string found = find(mutated(sources, mutant), mutant.shown_on);
     fmt::print("{:<52} {}\n", mutant.name, found.empty() ? "SURVIVES" : found);
     std::fflush(stdout);
     killed += found.empty() ? 0 : 1;
@@ -96,7 +104,13 @@ TEST_P(MutationTest, AllAreKilled) {
   fmt::print("{}: {} of {} mutants killed\n", name, killed, mutants.size());
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernels, MutationTest, testing::ValuesIn(layers().begin(), layers().end()),
+TEST_P(LayerMutationTest, AllAreKilled) {
+  const auto& [name, is_arithmetic, mutants] = GetParam();
+  Judges judges(*selection.device, is_arithmetic);
+  expect_all_killed(name, mutants, true_sources(), std::ref(judges));
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, LayerMutationTest, testing::ValuesIn(layers().begin(), layers().end()),
                          [](const auto& test) {
                            return std::string(test.param.name.substr(0, test.param.name.find('.')));
                          });
@@ -105,6 +119,63 @@ INSTANTIATE_TEST_SUITE_P(Kernels, MutationTest, testing::ValuesIn(layers().begin
 TEST_F(MutationTest, TheTrueKernelsPass) {
   Judges judges(*selection.device, true);
   EXPECT_EQ(judges(true_sources()), "");
+}
+
+/// Triangles and pairs: by a false enclosure, and triangles by a certificate that `check` does not accept.
+class ConvexMutationTest : public MutationTest {
+ protected:
+  [[nodiscard]] device::Device compiled_on(Arithmetic arithmetic, Program program, const std::string& sources) const {
+    return compiled(*selection.device, on(arithmetic, program, sources));
+  }
+
+  /// The first fault that `fault(arithmetic, sources)` tells, on `first` and then on the others.
+  template <class Fault>
+  static std::string first_fault(Program program, Arithmetic first, const std::string& sources, const Fault& fault) {
+    std::string found = fault(first, sources);
+    for (const Arithmetic arithmetic : arithmetics(program))
+      if (found.empty() && arithmetic != first) found = fault(arithmetic, sources);
+    return found;
+  }
+
+  [[nodiscard]] Find triangle_faults(const TriangleJudge& judge) const {
+    const device::Device true_kernels = compiled_on(Arithmetic::usual, Program::triangles, triangle_sources);
+    return [this, &judge, true_kernels](const std::string& sources, Arithmetic first) {
+      return first_fault(Program::triangles, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
+        const device::Device kernels = compiled_on(arithmetic, Program::triangles, text);
+        const std::string found = judge.false_claim(kernels);
+        if (!found.empty()) return fmt::format("{}: {}", name_of(arithmetic), found);
+        if (arithmetic != Arithmetic::usual) return std::string();
+        const std::string unproved = judge.unproved_row(kernels, true_kernels);
+        return unproved.empty() ? unproved : "check: " + unproved;
+      });
+    };
+  }
+
+  [[nodiscard]] Find pair_faults(const PairJudge& judge) const {
+    return [this, &judge](const std::string& sources, Arithmetic first) {
+      return first_fault(Program::pairs, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
+        const std::string found = judge.false_claim(compiled_on(arithmetic, Program::pairs, text));
+        return found.empty() ? found : fmt::format("{}: {}", name_of(arithmetic), found);
+      });
+    };
+  }
+
+  const std::string triangle_sources{kernels::embedded_triangle_sources()};
+  const std::string pair_sources{kernels::embedded_pair_sources()};
+};
+
+TEST_F(ConvexMutationTest, AllOfTrianglesAreKilled) {
+  const TriangleJudge judge(triangle_scenes());
+  const Find find = triangle_faults(judge);
+  EXPECT_EQ(find(triangle_sources, Arithmetic::usual), "") << "the true kernels";
+  expect_all_killed("triangle_distance.cl", triangle_mutants(), triangle_sources, find);
+}
+
+TEST_F(ConvexMutationTest, AllOfPairsAreKilled) {
+  const PairJudge judge(pair_scenes());
+  const Find find = pair_faults(judge);
+  EXPECT_EQ(find(pair_sources, Arithmetic::usual), "") << "the true kernels";
+  expect_all_killed("pair_distance.cl", pair_mutants(), pair_sources, find);
 }
 
 }  // namespace

@@ -17,11 +17,11 @@ constexpr int width = 4;                   // compiles fast
 constexpr double inside_tolerance = 1e-7;  // of the truth, relative to the model's radius: tighter takes long
 
 std::vector<CertifiedEnclosure> mapped(const device::Device& kernels, const Scene& scene) {
-  device::PointBatch batch(kernels, scene.model, scene.tolerance, true);
-  batch.submit(scene.points);
+  const auto batch = device::point_batch(kernels, scene.model, scene.tolerance, true);
+  batch->submit(scene.points);
   std::vector<Enclosure> enclosures;
   std::vector<Certificate> certificates;
-  batch.collect(enclosures, certificates);
+  batch->collect(enclosures, certificates);
   std::vector<CertifiedEnclosure> rows;
   for (std::size_t i = 0; i < enclosures.size(); ++i) rows.push_back({enclosures[i], certificates[i]});
   return rows;

@@ -10,8 +10,7 @@
 /// - log_up without its lower limit: the bits of a subnormal x = m 2^-1074 read as 2^-1023 (1 + m 2^-52) >= x.
 ///   log_down of infinity without its limit: 1024 ln 2. The limits of exp_up and exp_down do matter.
 /// - distance_up with a negative scale: b lies beyond the centre, farther than the centre, which is in the solid.
-/// - distance_up's b_up rounded down: where b_k > q_k, moving b_k to q_k leads to a nearer point of the solid, because
-///   the gauge is monotone in each |coordinate|; no lower value of |q_k - b_k| is too low.
+/// - distance_up without the 0 where b_k > q_k: the distance of q from b itself, which is in the solid, is a bound too.
 /// - union_distance taking lo >= 0 for outside: a device's lower end is never 0, a difference of 0 is rounded to less.
 
 #include <array>
@@ -245,15 +244,13 @@ constexpr std::array superquadric{
     Mutant{"distance_up, b_down rounded up",
            "b_down = {mul_down(x.x, scale), mul_down(x.y, scale), mul_down(x.z, scale)}",
            "b_down = {mul_up(x.x, scale), mul_up(x.y, scale), mul_up(x.z, scale)}"},
-    Mutant{
-        "distance_up, q - b rounded down",
-        "{fmax(sub_up(q.x, b_down.x), sub_up(b_up.x, q.x)),\n                         fmax(sub_up(q.y, b_down.y), "
-        "sub_up(b_up.y, q.y)),\n                         fmax(sub_up(q.z, b_down.z), sub_up(b_up.z, q.z))};",
-        "{fmax(sub_down(q.x, b_down.x), sub_up(b_up.x, q.x)),\n                         fmax(sub_down(q.y, b_down.y), "
-        "sub_up(b_up.y, q.y)),\n                         fmax(sub_down(q.z, b_down.z), sub_up(b_up.z, q.z))};",
-        Arithmetic::loose_below},
-    Mutant{"distance_up, lesser of the two differences", "fmax(sub_up(q.x, b_down.x), sub_up(b_up.x, q.x))",
-           "fmin(sub_up(q.x, b_down.x), sub_up(b_up.x, q.x))", Arithmetic::loose_below},
+    Mutant{"distance_up, q - b rounded down",
+           "{positive_part(sub_up(q.x, b_down.x)), positive_part(sub_up(q.y, b_down.y)),\n                         "
+           "positive_part(sub_up(q.z, b_down.z))};",
+           "{positive_part(sub_down(q.x, b_down.x)), positive_part(sub_down(q.y, b_down.y)), "
+           "positive_part(sub_down(q.z, b_down.z))};",
+           Arithmetic::loose_below},
+    Mutant{"distance_up, negative part", "MASK(a < 0.0)); // NaN where a is", "MASK(a > 0.0));"},
     Mutant{"distance_up, length rounded down", "return length_up(apart);", "return length_down(apart);"},
     Mutant{"distance_up, b outside", "sub_down(REAL(1.0), log_gauge_up(x, s))", "REAL(1.0)"},
 };

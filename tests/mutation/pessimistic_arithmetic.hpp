@@ -1,7 +1,7 @@
 /// The kernels on arithmetics as bad as their proofs allow, so that a flaw in a proof shows in its result.
 #pragma once
 
-#include <array>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -13,19 +13,25 @@ namespace verisq::mutation {
 /// that, one of the others in their place leaves the bound wrong beyond doubt.
 enum class Arithmetic {
   usual,
-  loose_below,     ///< everything rounded down is; the local point is moved by most of what its error bound allows
-  loose_above,     ///< everything rounded up is; the local point likewise
+  loose_below,     ///< everything rounded down is
+  loose_above,     ///< everything rounded up is
   loose_products,  ///< products, quotients and differences rounded up are: a length is then tighter than they
   loose_dot,       ///< dot_up is
-  poor_search,     ///< tangent planes seem up to twice as far, and the branch and bound soon lowers its target
+  erratic,         ///< one result in sixteen is, whatever side it is rounded to
+  displaced,       ///< what is moved by a pose is off by most of what its error bound allows
+  poor_search,     ///< proposals are spoilt
 };
 
-inline constexpr std::array arithmetics{Arithmetic::usual,          Arithmetic::loose_below, Arithmetic::loose_above,
-                                        Arithmetic::loose_products, Arithmetic::loose_dot,   Arithmetic::poor_search};
+/// The programs of kernels/embedded_sources.hpp.
+enum class Program { points, triangles, pairs };
+
+/// Those that show the mutants of a program. With points and loose_below or loose_above, results are displaced too.
+[[nodiscard]] std::span<const Arithmetic> arithmetics(Program program);
 
 [[nodiscard]] std::string_view name_of(Arithmetic arithmetic);
 
-/// The kernels' proofs hold on each of them as on the usual one, because they ask no more of it.
-[[nodiscard]] std::string on(Arithmetic arithmetic, std::string sources);
+/// The kernels' proofs hold on each of them as on the usual one, because they ask no more of it. Precondition: the
+/// sources are those of the program, changed where no arithmetic changes them.
+[[nodiscard]] std::string on(Arithmetic arithmetic, Program program, std::string sources);
 
 }  // namespace verisq::mutation
