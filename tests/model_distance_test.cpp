@@ -126,6 +126,19 @@ TEST(ModelDistanceTest, OverlappingSolidsHaveAProvenCommonPoint) {
   }
 }
 
+/// A face touches a face but for rounding: the common point that is proposed is proven to lie in neither solid.
+TEST(ModelDistanceTest, TouchingFacesHaveASmallUpperEnd) {
+  const Primitive capsule{"capsule",
+                          {{0.75, 0.75, 1.0}, {1.0, 0.8}},
+                          {{6.757450984529313, -11.94495299105348, 2.4982095973985725}, {1, 0, 0, 0}}};
+  const Primitive soap{"soap",
+                       {{3.4, 4.3, 1.7}, {0.1, 0.1}},
+                       {{10.907450984529312, -11.721427064048612, 2.4982095973985725}, {0, 0, 0, 1}}};
+  const ModelDistance found = PairDistance({"", {capsule}}, {"", {soap}})();
+  EXPECT_EQ(found.distance.lo, 0.0);
+  EXPECT_LT(found.distance.hi, 1e-14);
+}
+
 TEST(ModelDistanceTest, TouchingIsNeverCalledSeparated) {
   for (const double e : {0.1, 0.5, 1.0, 1.5, 2.0}) {
     const Superquadric solid{{1.0, 1.0, 1.0}, {e, e}};

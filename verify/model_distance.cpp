@@ -80,11 +80,12 @@ class PairQuery {
   [[nodiscard]] PairResult result(const PairContact& contact) const {
     PairResult r{{i_, j_, rounded(contact.vector), rounded(contact.on_a), rounded(contact.on_b)}, {}, std::nullopt};
     if (contact.common) {
-      r.common = rounded(midpoint(pairs_->motion_a(i_)(verify::precise(*contact.common))));
-      r.distance = {-kInfinity, kInfinity};
-    } else {
-      r.distance = bounds_.distance(r.separation);
+      const PreciseVector x = verify::precise(*contact.common);
+      r.common = rounded(midpoint(pairs_->motion_a(i_)(x)));
+      // Where rounding keeps it from being proven, the nearest points of both are next to it.
+      r.separation = {i_, j_, {}, rounded(*contact.common), rounded(midpoint(bounds_.relative().inverse()(x)))};
     }
+    r.distance = bounds_.distance(r.separation);
     return r;
   }
 
