@@ -250,7 +250,7 @@ constexpr std::array superquadric{
            "{positive_part(sub_down(q.x, b_down.x)), positive_part(sub_down(q.y, b_down.y)), "
            "positive_part(sub_down(q.z, b_down.z))};",
            Arithmetic::loose_below},
-    Mutant{"distance_up, negative part", "MASK(a < 0.0)); // NaN where a is", "MASK(a > 0.0));"},
+    Mutant{"distance_up, negative part", "select(a, REAL(0.0), MASK(a < 0.0))", "select(a, REAL(0.0), MASK(a > 0.0))"},
     Mutant{"distance_up, length rounded down", "return length_up(apart);", "return length_down(apart);"},
     Mutant{"distance_up, b outside", "sub_down(REAL(1.0), log_gauge_up(x, s))", "REAL(1.0)"},
 };
