@@ -108,8 +108,7 @@ ALWAYS_INLINE integer is_common_point(placed_pair p, vector3 m, constant const s
   const real gauge_a = exp_up(log_gauge_up(magnitudes(m), solid_a));
   const real gauge_b = add_up(exp_up(log_gauge_up(magnitudes(m_of_b), solid_b)),
                               div_up(error, REAL(solid_b->inradius_down)));
-  const integer known = MASK(size <= 0x1p1000); // no coordinate is NaN, which the gauge forgets, and none overflows
-  return known & MASK(gauge_a <= 1.0) & MASK(gauge_b <= 1.0);
+  return MASK(gauge_a <= 1.0) & MASK(gauge_b <= 1.0);
 }
 
 // The least of all pairs so far is in `los` and `his`, unless this pair is the `first`.

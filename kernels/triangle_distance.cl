@@ -117,8 +117,7 @@ ALWAYS_INLINE real triangle_distance_up(posed_triangle t, triangle_weights w, ve
                                         constant const superquadric* s) {
   const vector3 q = magnitudes_up(t, w);
   const real gauge = exp_up(log_gauge_up(q, s));
-  const integer known = MASK(q.x + q.y + q.z <= DBL_MAX); // the gauge forgets a NaN
-  const integer meets = known & MASK(add_up(gauge, div_up(t.error, REAL(s->inradius_down))) <= 1.0);
+  const integer meets = MASK(add_up(gauge, div_up(t.error, REAL(s->inradius_down))) <= 1.0);
   const vector3 size = magnitudes(v);
   const vector3 closest = {fmax(q.x - size.x, REAL(0.0)), fmax(q.y - size.y, REAL(0.0)), fmax(q.z - size.z, REAL(0.0))};
   return select(add_up(distance_up(q, closest, s), t.error), REAL(0.0), meets);
