@@ -35,6 +35,9 @@ struct CertifiedDistance {
 /// A floating-point point near the middle of a thin box.
 [[nodiscard]] Proposal midpoint(const PreciseVector& v);
 
+/// To nearest; zero, which proves nothing, where that is not finite.
+[[nodiscard]] std::array<double, 3> rounded(const Proposal& v);
+
 /// Whether every coordinate is finite and one of them is not zero.
 [[nodiscard]] bool usable(const Proposal& v);
 

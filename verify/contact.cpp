@@ -1,18 +1,12 @@
 /// The contact problem in long double and in 50 digits.
 #include "verify/contact.hpp"
 
-#include <boost/multiprecision/mpfr.hpp>
-
 #include "verify/contact_problem.hpp"
+#include "verify/fifty_digits.hpp"
 
 namespace verisq::verify {
 
 namespace {
-
-using boost::multiprecision::allocate_stack;
-using boost::multiprecision::mpfr_float_backend;
-using FiftyDigits =
-    boost::multiprecision::number<mpfr_float_backend<50, allocate_stack>, boost::multiprecision::et_off>;
 
 template <class Float>
 Contact solve(const Superquadric& solid, const Proposal& q, const logarithmic::Resolution& resolution) {
@@ -26,7 +20,7 @@ Contact solve(const Superquadric& solid, const Proposal& q, const logarithmic::R
 }  // namespace
 
 Contact fast_contact(const Superquadric& solid, const Proposal& q) {
-  return solve<long double>(solid, q, {.surface = 1e-16, .step = 1e-10, .below_two = 1e-10, .above_zero = 1e-7});
+  return solve<long double>(solid, q, logarithmic::kResolution<long double>);
 }
 
 Contact thorough_contact(const Superquadric& solid, const Proposal& q) {

@@ -36,6 +36,14 @@ struct Resolution {
 };
 
 template <class Float>
+constexpr Resolution kResolution{};
+template <>
+inline constexpr Resolution kResolution<double>{.surface = 1e-14, .step = 1e-8, .below_two = 1e-8, .above_zero = 1e-6};
+template <>
+inline constexpr Resolution kResolution<long double>{
+    .surface = 1e-16, .step = 1e-10, .below_two = 1e-10, .above_zero = 1e-7};
+
+template <class Float>
 [[nodiscard]] Float infinity() {
   return std::numeric_limits<Float>::infinity();
 }

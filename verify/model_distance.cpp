@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/candidates.hpp"
 #include "verify/closest_points.hpp"
 #include "verify/pair_contact.hpp"
 #include "verify/posed_pairs.hpp"
@@ -20,26 +21,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Where the fast proposal leaves more than this, relative to the largest length at hand, a thorough one is worth it.
 constexpr double kExpectedWidth = 1e-14;
 
-struct CandidatePair {
-  double sphere_bound;
-  std::uint32_t i;
-  std::uint32_t j;
-};
-
-std::vector<CandidatePair> by_sphere_bound(const PosedPairs& pairs) {
-  std::vector<CandidatePair> order;
-  order.reserve(pairs.size_a() * pairs.size_b());
-  for (std::uint32_t i = 0; i < pairs.size_a(); ++i) {
-    for (std::uint32_t j = 0; j < pairs.size_b(); ++j) order.push_back({pairs.lower_by_spheres(i, j), i, j});
-  }
-  std::ranges::sort(order, {}, &CandidatePair::sphere_bound);
-  return order;
-}
-
-Point rounded(const Proposal& x) {
-  return {static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2])};
-}
-
 struct PairResult {
   Separation separation;
   Enclosure distance;
@@ -48,8 +29,8 @@ struct PairResult {
 
 class PairQuery {
  public:
-  PairQuery(const PosedPairs& pairs, const CandidatePair& candidate)
-      : pairs_(&pairs), i_(candidate.i), j_(candidate.j), bounds_(pairs(i_, j_)) {}
+  PairQuery(const PosedPairs& pairs, std::uint32_t i, std::uint32_t j)
+      : pairs_(&pairs), i_(i), j_(j), bounds_(pairs(i_, j_)) {}
 
   [[nodiscard]] PairResult fast() const { return result(fast_pair_contact(solid_a(), solid_b(), bounds_.relative())); }
 
@@ -113,15 +94,17 @@ ModelDistance PairDistance::operator()(const Pose& pose) const {
   const PosedPairs pairs(state_->a, state_->b, pose);
   ModelDistance result{{kInfinity, kInfinity}, Proximity::undecided, {}};
   auto& [distance, proximity, certificate] = result;
-  for (const CandidatePair& candidate : by_sphere_bound(pairs)) {
-    if (candidate.sphere_bound > distance.hi) break;  // neither this pair nor a later one can be the nearest
-    const PairQuery query(pairs, candidate);
+  const std::size_t size_b = pairs.size_b();
+  const auto sphere_bound = [&](std::size_t k) { return pairs.lower_by_spheres(k / size_b, k % size_b); };
+  for (const auto& [bound, k] : nearest_spheres_first(pairs.size_a() * size_b, sphere_bound)) {
+    if (bound > distance.hi) break;  // neither this pair nor a later one can be the nearest
+    const PairQuery query(pairs, static_cast<std::uint32_t>(k / size_b), static_cast<std::uint32_t>(k % size_b));
     PairResult found = query.fast();
     if (found.common && pairs.share(*found.common)) {
       return {{0.0, 0.0}, Proximity::overlapping, {{}, found.common}};
     }
     if (!(found.distance.width() <= kExpectedWidth * query.magnitude(found))) found = query.thorough(found);
-    found.distance.lo = std::max({0.0, candidate.sphere_bound, found.distance.lo});
+    found.distance.lo = std::max({0.0, bound, found.distance.lo});
     certificate.separations.push_back(found.separation);
     if (found.distance.hi < distance.hi) std::swap(certificate.separations.front(), certificate.separations.back());
     distance.lo = std::min(distance.lo, found.distance.lo);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "verify/candidates.hpp"
 #include "verify/triangle.hpp"
 
 namespace verisq::verify {
@@ -15,27 +16,6 @@ namespace verisq::verify {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// A solid that may decide the distance.
-struct Candidate {
-  double sphere_bound;
-  std::uint32_t index;
-};
-
-/// The nearest bounding sphere first.
-std::vector<Candidate> by_sphere_bound(std::span<const Solid> solids, const Point& x) {
-  std::vector<Candidate> order;
-  order.reserve(solids.size());
-  for (std::uint32_t i = 0; i < solids.size(); ++i) order.push_back({solids[i].posed().lower_by_sphere(x), i});
-  std::ranges::sort(order, {}, &Candidate::sphere_bound);
-  return order;
-}
-
-/// Zero, which proves nothing, where that is not finite.
-std::array<double, 3> rounded(const Proposal& v) {
-  const std::array result{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-  return std::ranges::all_of(result, [](double c) { return std::isfinite(c); }) ? result : std::array<double, 3>{};
-}
 
 /// The direction as long as the distance (design 2, §3: the closest point is x - v).
 Proposal normal_vector(const CertifiedDistance& found) {
@@ -113,7 +93,9 @@ CertifiedEnclosure signed_distance(std::span<const Solid> solids, const Point& x
   // A certificate's normals are rounded: where that may hide on which side of a surface x lies, an escape is added.
   const double touching = 0x1p-50 * (std::fabs(x[0]) + std::fabs(x[1]) + std::fabs(x[2]));
   std::vector<Proposal> directions;  // of the solids that may touch x
-  for (const auto& [bound, index] : by_sphere_bound(solids, x)) {
+  const auto sphere_bound = [&](std::size_t i) { return solids[i].posed().lower_by_sphere(x); };
+  for (const auto& [bound, i] : nearest_spheres_first(solids.size(), sphere_bound)) {
+    const auto index = static_cast<std::uint32_t>(i);
     if (bound > distance.hi) break;  // neither this solid nor a later one can be the nearest
     const CertifiedDistance nearest = solids[index].signed_distance(x, tolerance);
     const std::vector<Normal> normals = normals_of(index, nearest, touching);

@@ -57,15 +57,6 @@ std::optional<Weights> face_point(const Superquadric& solid, const std::array<Pr
 }
 
 template <class Float>
-constexpr logarithmic::Resolution kResolution{};
-template <>
-constexpr logarithmic::Resolution kResolution<double>{
-    .surface = 1e-14, .step = 1e-8, .below_two = 1e-8, .above_zero = 1e-6};
-template <>
-constexpr logarithmic::Resolution kResolution<long double>{
-    .surface = 1e-16, .step = 1e-10, .below_two = 1e-10, .above_zero = 1e-7};
-
-template <class Float>
 class BoundarySearch {
  public:
   using Vector = Coordinates<Float>;
@@ -101,7 +92,7 @@ class BoundarySearch {
 
   [[nodiscard]] Gradient gradient(const Vector& q) const {
     const Proposal point{q[0], q[1], q[2]};
-    const Contact contact = logarithmic::ContactProblem<Float>(solid_, point, kResolution<Float>).solve();
+    const Contact contact = logarithmic::ContactProblem<Float>(solid_, point, logarithmic::kResolution<Float>).solve();
     return {{static_cast<Float>(contact.normal[0]), static_cast<Float>(contact.normal[1]),
              static_cast<Float>(contact.normal[2])},
             contact.point == point};

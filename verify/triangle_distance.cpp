@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "verify/candidates.hpp"
 #include "verify/contact.hpp"
 #include "verify/triangle.hpp"
 #include "verify/triangle_certificate.hpp"
@@ -126,53 +127,32 @@ class TriangleProof {
   ProvenDistance proven_;
 };
 
-/// In binary64; zero, which proves nothing, where that is not finite.
-Normal rounded_normal(std::uint32_t primitive, const Proposal& v) {
-  Normal normal{primitive, {}};
-  std::ranges::transform(v, normal.vector.begin(), [](long double c) { return static_cast<double>(c); });
-  const bool finite = std::ranges::all_of(normal.vector, [](double c) { return std::isfinite(c); });
-  return finite ? normal : Normal{primitive, {}};
-}
-
 /// As long as the distance, for a vector that only needs a direction: within the range of binary64.
 Proposal scaled(const Proposal& direction, double distance) {
   const long double length = std::hypot(direction[0], direction[1], direction[2]);
   return along(Proposal{}, direction, std::max(distance, kShortest) / length);
 }
 
-/// A primitive that may decide the distance.
-struct Candidate {
-  double sphere_bound;
-  std::uint32_t index;
-};
-
 }  // namespace
 
 struct TriangleDistance::State {
   explicit State(const Model& model) : checker(model), primitives(model.primitives.begin(), model.primitives.end()) {}
 
-  [[nodiscard]] std::vector<Candidate> by_sphere_bound(const Triangle& triangle) const {
-    std::vector<Candidate> order;
-    order.reserve(primitives.size());
-    for (std::uint32_t i = 0; i < primitives.size(); ++i)
-      order.push_back({lower_by_sphere(primitives[i], triangle), i});
-    std::ranges::sort(order, {}, &Candidate::sphere_bound);
-    return order;
-  }
-
   [[nodiscard]] CertifiedEnclosure enclose(const Triangle& triangle) const {
     CertifiedEnclosure result{{kInfinity, kInfinity}, {}};
     auto& [distance, certificate] = result;
     Normal first{};  // that of the nearest primitive's point
-    for (const auto& [bound, index] : by_sphere_bound(triangle)) {
+    const auto sphere_bound = [&](std::size_t i) { return lower_by_sphere(primitives[i], triangle); };
+    for (const auto& [bound, i] : nearest_spheres_first(primitives.size(), sphere_bound)) {
+      const auto index = static_cast<std::uint32_t>(i);
       if (bound >= distance.hi) break;  // neither this primitive nor a later one is nearer
       const ProvenDistance found = TriangleProof(primitives[index], triangle)();
-      certificate.normals.push_back(rounded_normal(index, scaled(found.lower_normal, found.distance.hi)));
+      certificate.normals.push_back({index, rounded(scaled(found.lower_normal, found.distance.hi))});
       distance.lo = std::min(distance.lo, found.distance.lo);
       if (!(found.distance.hi < distance.hi)) continue;
       distance.hi = found.distance.hi;
       certificate.weights = found.weights;
-      first = rounded_normal(index, found.upper_normal);
+      first = {index, rounded(found.upper_normal)};
     }
     if (!(distance.lo > 0.0)) certificate.normals.clear();  // that distances are not negative needs no proof
     std::erase(certificate.normals, first);
