@@ -18,6 +18,7 @@
 #include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
 #include "host/parallel.hpp"
+#include "host/summary_count.hpp"
 #include "verisq/distance_map.hpp"
 
 namespace verisq {
@@ -35,9 +36,7 @@ class MapRun {
   using Sink = std::function<void(std::span<const Query>, std::span<const MapResult>, std::span<const Certificate>)>;
 
   MapRun(const Prover& prover, const MapOptions& options, const Source& source, const Sink& sink)
-      : prover_(prover), options_(options), source_(source), sink_(sink) {
-    summary_.minimum_lo = summary_.minimum_hi = std::numeric_limits<double>::infinity();
-  }
+      : prover_(prover), options_(options), source_(source), sink_(sink) {}
 
   MapSummary on_host() {
     constexpr std::size_t chunk = 4096;
@@ -110,7 +109,7 @@ class MapRun {
       rows_[i] = {found[i], verified(found[i], options_.tolerance) ? Status::device_verified : Status::wide};
     for (const std::size_t i : open)
       if (rows_[i].status == Status::device_verified) rows_[i].status = Status::host_verified;
-    for (const MapResult& row : rows_) count(row);
+    for (const MapResult& row : rows_) count(summary_, row);
     sink_(queries, rows_, certificates);
   }
 
@@ -124,24 +123,12 @@ class MapRun {
     }
   }
 
-  void count(const MapResult& row) {
-    ++summary_.points;
-    switch (row.status) {
-      case Status::device_verified: ++summary_.device_verified; break;
-      case Status::host_verified: ++summary_.host_verified; break;
-      case Status::wide: ++summary_.wide; break;
-    }
-    summary_.minimum_lo = std::min(summary_.minimum_lo, row.distance.lo);
-    summary_.minimum_hi = std::min(summary_.minimum_hi, row.distance.hi);
-    summary_.largest_width = std::max(summary_.largest_width, row.distance.width());
-  }
-
   const Prover& prover_;
   const MapOptions& options_;
   const Source& source_;
   const Sink& sink_;
   std::vector<MapResult> rows_;  // of the current chunk; kept to spare allocations
-  MapSummary summary_;
+  MapSummary summary_ = empty_summary();
 };
 
 /// A prover and, unless the host does all, a device made ready: what a mapper of one kind of query holds.

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <concepts>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "host/summary_count.hpp"
 #include "verify/uncertain_distance.hpp"
 
 namespace verisq {
@@ -94,18 +94,6 @@ Certificate merge(const BracketRows& rows, std::size_t i) {
   return merged;
 }
 
-void count(MapSummary& summary, const MapResult& row) {
-  ++summary.points;
-  switch (row.status) {
-    case Status::device_verified: ++summary.device_verified; break;
-    case Status::host_verified: ++summary.host_verified; break;
-    case Status::wide: ++summary.wide; break;
-  }
-  summary.minimum_lo = std::min(summary.minimum_lo, row.distance.lo);
-  summary.minimum_hi = std::min(summary.minimum_hi, row.distance.hi);
-  summary.largest_width = std::max(summary.largest_width, row.distance.width());
-}
-
 // Only signed distances need the inflated model, for points deep in a union (see Bracket).
 template <class Item>
 constexpr bool is_signed = std::same_as<Item, Point>;
@@ -120,8 +108,7 @@ class BracketMapper {
   template <class Source, class Sink>
   MapSummary map(const Source& source, const Sink& sink) {
     if (exact_) return smallest_.map(source, sink);
-    MapSummary summary;
-    summary.minimum_lo = summary.minimum_hi = std::numeric_limits<double>::infinity();
+    MapSummary summary = empty_summary();
     std::vector<Item> items;
     do {
       items.resize(chunk_size);

@@ -55,4 +55,26 @@ double ChunkQueue::finish() {
   return seconds;
 }
 
+void EnclosureColumns::read(ChunkQueue& queue, const std::array<cl::Buffer, 2>& ends, std::size_t size) {
+  size_ = size;
+  queue.read(ends[0], std::span(los_).first(size));
+  queue.read(ends[1], std::span(his_).first(size));
+}
+
+void EnclosureColumns::deliver(const Scale& scale, std::vector<Enclosure>& enclosures) const {
+  enclosures.resize(size_);
+  for (std::size_t n = 0; n < size_; ++n) enclosures[n] = scale.to_model(Enclosure{los_[n], his_[n]});
+}
+
+std::vector<cl::Buffer> windows(const cl::Buffer& buffer, std::size_t count, std::size_t length) {
+  if (count == 1) return {buffer};
+  cl::Buffer whole = buffer;
+  std::vector<cl::Buffer> views;
+  for (std::size_t index = 0; index < count; ++index) {
+    const cl_buffer_region region{index * length * sizeof(double), length * sizeof(double)};
+    views.push_back(whole.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region));
+  }
+  return views;
+}
+
 }  // namespace verisq::device

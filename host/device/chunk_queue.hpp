@@ -1,6 +1,7 @@
 /// One chunk's way through a device: uploads, kernels, downloads, in order, beside those of other chunks.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -50,5 +51,25 @@ class ChunkQueue {
   cl::CommandQueue queue_;
   std::vector<cl::Event> kernels_;
 };
+
+/// Both ends of a chunk's enclosures on their way to the host.
+class EnclosureColumns {
+ public:
+  explicit EnclosureColumns(std::size_t capacity) : los_(capacity), his_(capacity) {}
+
+  /// Downloads `size` enclosures; this must stay until the queue has finished.
+  void read(ChunkQueue& queue, const std::array<cl::Buffer, 2>& ends, std::size_t size);
+  /// Precondition: the queue has finished.
+  void deliver(const Scale& scale, std::vector<Enclosure>& enclosures) const;
+
+ private:
+  std::vector<double> los_;
+  std::vector<double> his_;
+  std::size_t size_ = 0;
+};
+
+/// `buffer` cut into `count` windows of `length` numbers each. Precondition: `length` keeps them aligned for any
+/// device.
+[[nodiscard]] std::vector<cl::Buffer> windows(const cl::Buffer& buffer, std::size_t count, std::size_t length);
 
 }  // namespace verisq::device

@@ -40,7 +40,8 @@ class Slot {
         primitives_(model.primitives),
         point_distance_(device.program, "point_distance"),
         interior_depth_(device.program, "interior_depth"),
-        union_distance_(device.program, "union_distance") {
+        union_distance_(device.program, "union_distance"),
+        enclosures_(capacity_) {
     for (int i = 0; i < 3; ++i) coordinates_[i] = queue_.numbers(capacity_);
     for (int i = 0; i < 5; ++i) per_primitive_[i] = queue_.numbers(capacity_ * count_);
     nearest_ = queue_.numbers(capacity_);
@@ -67,10 +68,8 @@ class Slot {
     union_distance_.setArg(13, result_[1]);
     for (cl_uint i = 0; i < 3; ++i) union_distance_.setArg(14 + i, escape_[i]);
     for (auto& column : columns_) column.resize(capacity_);
-    los_.resize(capacity_);
-    his_.resize(capacity_);
     if (assembly_) evidence_.resize(capacity_ * (numbers_per_primitive * count_ + 3));
-    make_views();
+    for (std::size_t i = 0; i < views_.size(); ++i) views_[i] = windows(per_primitive_[i], count_, capacity_);
   }
 
   void start(std::span<const Point> points) {
@@ -87,8 +86,7 @@ class Slot {
       union_distance_.setArg(0, static_cast<cl_ulong>(groups));
       queue_.launch(union_distance_, groups);
     }
-    queue_.read(result_[0], std::span(los_).first(size_));
-    queue_.read(result_[1], std::span(his_).first(size_));
+    enclosures_.read(queue_, result_, size_);
     if (!evidence_.empty()) read_evidence();
     queue_.flush();
   }
@@ -96,8 +94,7 @@ class Slot {
   // Returns the seconds that kernels ran.
   double finish(std::vector<Enclosure>& enclosures) {
     const double seconds = queue_.finish();
-    enclosures.resize(size_);
-    for (std::size_t n = 0; n < size_; ++n) enclosures[n] = scale_.to_model(Enclosure{los_[n], his_[n]});
+    enclosures_.deliver(scale_, enclosures);
     return seconds;
   }
 
@@ -130,8 +127,8 @@ class Slot {
       queue_.read(buffer, {column, size_});
       column += capacity_;
     };
-    for (const auto& view : views_)
-      for (std::size_t i = 1; i < view.size(); ++i) read(view[i]);
+    for (std::size_t index = 0; index < count_; ++index)
+      for (std::size_t i = 1; i < views_.size(); ++i) read(views_[i][index]);
     if (count_ > 1)
       for (const cl::Buffer& escape : escape_) read(escape);
   }
@@ -140,26 +137,14 @@ class Slot {
     return {scale_.to_model(x[0]), scale_.to_model(x[capacity_]), scale_.to_model(x[2 * capacity_])};
   }
 
-  // A window of each per-primitive array for every primitive.
-  void make_views() {
-    views_.resize(count_);
-    for (std::size_t index = 0; index < count_; ++index)
-      for (int i = 0; i < 5; ++i) {
-        const cl_buffer_region region{index * capacity_ * sizeof(double), capacity_ * sizeof(double)};
-        views_[index][i] =
-            count_ == 1 ? per_primitive_[i]
-                        : per_primitive_[i].createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region);
-      }
-  }
-
   void enqueue_primitive(std::size_t index, std::size_t groups) {
     point_distance_.setArg(0, static_cast<cl_ulong>(groups));
     point_distance_.setArg(5, static_cast<cl_uint>(index));
     interior_depth_.setArg(0, static_cast<cl_ulong>(groups));
     interior_depth_.setArg(6, static_cast<cl_uint>(index));
     for (cl_uint i = 0; i < 5; ++i) {
-      point_distance_.setArg(7 + i, views_[index][i]);
-      interior_depth_.setArg(9 + i, views_[index][i]);
+      point_distance_.setArg(7 + i, views_[i][index]);
+      interior_depth_.setArg(9 + i, views_[i][index]);
     }
     queue_.launch(point_distance_, groups);
     // A vector work-item is long here: one a work-group lets the cores share them evenly.
@@ -184,12 +169,11 @@ class Slot {
   std::array<cl::Buffer, 5> per_primitive_;  // lower ends, upper ends, normals x, y, z: primitive by primitive
   std::array<cl::Buffer, 2> result_;
   std::array<cl::Buffer, 3> escape_;
-  std::vector<std::array<cl::Buffer, 5>> views_;
+  std::array<std::vector<cl::Buffer>, 5> views_;  // windows of those, one for each primitive
   std::size_t groups_per_block_ = 1;
   std::size_t size_ = 0;
   std::array<std::vector<double>, 3> columns_;
-  std::vector<double> los_;
-  std::vector<double> his_;
+  EnclosureColumns enclosures_;
   std::vector<double> evidence_;  // columns of `capacity` numbers; empty unless certificates are asked for
 };
 

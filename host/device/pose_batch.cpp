@@ -30,8 +30,7 @@ class Slot {
         poses_(queue_.numbers(numbers_per_pose * capacity_)),
         result_{queue_.numbers(capacity_), queue_.numbers(capacity_)},
         columns_(numbers_per_pose * capacity_),
-        los_(capacity_),
-        his_(capacity_) {
+        enclosures_(capacity_) {
     pair_distance_.setArg(1, static_cast<cl_ulong>(capacity_));
     pair_distance_.setArg(2, poses_);
     pair_distance_.setArg(3, primitives_);
@@ -52,16 +51,14 @@ class Slot {
         queue_.launch(pair_distance_, groups);
       }
     }
-    queue_.read(result_[0], std::span(los_).first(size_));
-    queue_.read(result_[1], std::span(his_).first(size_));
+    enclosures_.read(queue_, result_, size_);
     queue_.flush();
   }
 
   // Returns the seconds that kernels ran.
   double finish(std::vector<Enclosure>& enclosures) {
     const double seconds = queue_.finish();
-    enclosures.resize(size_);
-    for (std::size_t n = 0; n < size_; ++n) enclosures[n] = scale_.to_model(Enclosure{los_[n], his_[n]});
+    enclosures_.deliver(scale_, enclosures);
     return seconds;
   }
 
@@ -94,8 +91,7 @@ class Slot {
   std::array<cl::Buffer, 2> result_;
   std::size_t size_ = 0;
   std::vector<double> columns_;
-  std::vector<double> los_;
-  std::vector<double> his_;
+  EnclosureColumns enclosures_;
 };
 
 }  // namespace

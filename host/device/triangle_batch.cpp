@@ -34,8 +34,7 @@ class Slot {
         corners_(queue_.numbers(coordinates * capacity_)),
         nearest_(queue_.numbers(capacity_)),
         columns_(coordinates * capacity_),
-        los_(capacity_),
-        his_(capacity_) {
+        enclosures_(capacity_) {
     for (cl::Buffer& output : per_primitive_) output = queue_.numbers(capacity_ * count_);
     for (std::size_t i = 0; i < 2; ++i) result_[i] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[i];
     triangle_distance_.setArg(1, static_cast<cl_ulong>(capacity_));
@@ -49,7 +48,7 @@ class Slot {
       union_distance_.setArg(5 + i, result_[i]);
     }
     if (certificates) evidence_.resize((outputs - 1) * count_ * capacity_);
-    make_views();
+    for (std::size_t i = 0; i < views_.size(); ++i) views_[i] = windows(per_primitive_[i], count_, capacity_);
   }
 
   void start(std::span<const Triangle> triangles) {
@@ -61,8 +60,7 @@ class Slot {
       union_distance_.setArg(0, static_cast<cl_ulong>(groups));
       queue_.launch(union_distance_, groups);
     }
-    queue_.read(result_[0], std::span(los_).first(size_));
-    queue_.read(result_[1], std::span(his_).first(size_));
+    enclosures_.read(queue_, result_, size_);
     if (!evidence_.empty()) read_evidence();
     queue_.flush();
   }
@@ -70,8 +68,7 @@ class Slot {
   // Returns the seconds that kernels ran.
   double finish(std::vector<Enclosure>& enclosures) {
     const double seconds = queue_.finish();
-    enclosures.resize(size_);
-    for (std::size_t n = 0; n < size_; ++n) enclosures[n] = scale_.to_model(Enclosure{los_[n], his_[n]});
+    enclosures_.deliver(scale_, enclosures);
     return seconds;
   }
 
@@ -103,31 +100,18 @@ class Slot {
     queue_.write(corners_, columns_);
   }
 
-  // A window of each output for every primitive.
-  void make_views() {
-    views_.resize(count_);
-    for (std::size_t index = 0; index < count_; ++index) {
-      for (std::size_t i = 0; i < outputs; ++i) {
-        const cl_buffer_region region{index * capacity_ * sizeof(double), capacity_ * sizeof(double)};
-        views_[index][i] =
-            count_ == 1 ? per_primitive_[i]
-                        : per_primitive_[i].createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region);
-      }
-    }
-  }
-
   void launch_primitive(std::size_t index, std::size_t groups) {
     triangle_distance_.setArg(0, static_cast<cl_ulong>(groups));
     triangle_distance_.setArg(4, static_cast<cl_uint>(index));
-    for (cl_uint i = 0; i < outputs; ++i) triangle_distance_.setArg(6 + i, views_[index][i]);
+    for (cl_uint i = 0; i < outputs; ++i) triangle_distance_.setArg(6 + i, views_[i][index]);
     queue_.launch(triangle_distance_, groups);
   }
 
   // All outputs but the lower ends.
   void read_evidence() {
     double* column = evidence_.data();
-    for (const auto& view : views_) {
-      for (std::size_t i = 1; i < outputs; ++i, column += capacity_) queue_.read(view[i], {column, size_});
+    for (std::size_t index = 0; index < count_; ++index) {
+      for (std::size_t i = 1; i < outputs; ++i, column += capacity_) queue_.read(views_[i][index], {column, size_});
     }
   }
 
@@ -144,11 +128,10 @@ class Slot {
   cl::Buffer nearest_;
   std::array<cl::Buffer, outputs> per_primitive_;
   std::array<cl::Buffer, 2> result_;
-  std::vector<std::array<cl::Buffer, outputs>> views_;
+  std::array<std::vector<cl::Buffer>, outputs> views_;  // windows of those, one for each primitive
   std::size_t size_ = 0;
   std::vector<double> columns_;
-  std::vector<double> los_;
-  std::vector<double> his_;
+  EnclosureColumns enclosures_;
   std::vector<double> evidence_;  // columns of `capacity` numbers; empty unless certificates are asked for
 };
 
