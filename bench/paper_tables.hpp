@@ -1,7 +1,8 @@
-/// The paper's figures that the benchmarks repeat: the objects of Table 5 and all rows of Table 6.
+/// The paper's figures that the benchmarks repeat: the objects of Table 5 and all rows of Tables 6 and 7.
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 #include <verisq/model.hpp>
 
@@ -63,6 +64,83 @@ inline constexpr std::array<BenchmarkPair, 3> table6_pairs{{
      table5_objects[2].solid,
      {7.64e-5, 1.34e-3, 1.753e-5, 1.76e-7},
      {0.092, 0.0927, 2.815e-8, 2.854e-10}},
+}};
+
+/// One goal of Table 7 on the same machine.
+struct PaperSearch {
+  double seconds;
+  double width;  ///< of the enclosure
+};
+
+/// Two objects of Table 5, bent or not, in their own frames, and a pose of B. The paper does not print its poses: these
+/// are ours, separated and off every plane of symmetry.
+struct BenchmarkScenario {
+  std::string_view name;
+  Superquadric a;
+  std::optional<Bend> bend_a;
+  Superquadric b;
+  std::optional<Bend> bend_b;
+  Pose pose;
+  PaperSearch coarse;               ///< with the goal 0.1
+  std::optional<PaperSearch> fine;  ///< with the goal 0.01
+};
+
+inline constexpr Bend table7_capsule_bend{1e-5, 0.0};
+inline constexpr Bend table7_soap_bend{0.001, 70.0};
+
+inline constexpr Pose table7_capsule_gem{{3.1, 1.7, 2.3}, {0.7, 0.2, -0.5, 0.4}};
+inline constexpr Pose table7_capsule_soap{{7.3, 3.9, 2.6}, {0.6, -0.3, 0.5, 0.7}};
+inline constexpr Pose table7_gem_soap{{6.7, -4.1, 3.8}, {0.8, 0.45, 0.3, -0.2}};
+
+inline constexpr std::array<BenchmarkScenario, 6> table7_scenarios{{
+    {"capsule_gem",
+     table5_objects[0].solid,
+     {},
+     table5_objects[1].solid,
+     {},
+     table7_capsule_gem,
+     {85.0, 0.06},
+     PaperSearch{574.0, 0.009}},
+    {"capsule_soap",
+     table5_objects[0].solid,
+     {},
+     table5_objects[2].solid,
+     {},
+     table7_capsule_soap,
+     {33.0, 0.09},
+     PaperSearch{557.0, 0.001}},
+    {"gem_soap",
+     table5_objects[1].solid,
+     {},
+     table5_objects[2].solid,
+     {},
+     table7_gem_soap,
+     {38.0, 0.09},
+     PaperSearch{344.0, 0.009}},
+    {"bent_capsule_gem",
+     table5_objects[0].solid,
+     table7_capsule_bend,
+     table5_objects[1].solid,
+     {},
+     table7_capsule_gem,
+     {224.0, 0.09},
+     {}},
+    {"bent_capsule_bent_soap",
+     table5_objects[0].solid,
+     table7_capsule_bend,
+     table5_objects[2].solid,
+     table7_soap_bend,
+     table7_capsule_soap,
+     {1206.0, 0.17},
+     {}},
+    {"gem_bent_soap",
+     table5_objects[1].solid,
+     {},
+     table5_objects[2].solid,
+     table7_soap_bend,
+     table7_gem_soap,
+     {1284.0, 0.12},
+     {}},
 }};
 
 }  // namespace verisq::bench

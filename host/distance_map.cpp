@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/device/model_source.hpp"
 #include "host/device/point_batch.hpp"
+#include "host/device/solid_batch.hpp"
 #include "host/map_run.hpp"
+#include "verify/convex_union.hpp"
 #include "verify/witness_estimate.hpp"
 #include "verisq/error.hpp"
 #include "verisq/published_method.hpp"
@@ -31,6 +34,8 @@ class PointProver {
         witness_distance_(model) {
     if (published_ && (certificates_ || options.device != "host"))
       throw Error(ErrorKind::input, "the published method runs on the host alone and has no certificates");
+    if (published_) verify::require_union_of_convex(model, "the published method");
+    if (certificates_) verify::require_union_of_convex(model, "certificates");
   }
 
   void check(const Point& p) const {
@@ -85,7 +90,9 @@ struct DistanceMapper::State {
 
 DistanceMapper::DistanceMapper(const Model& model, const MapOptions& options)
     : state_(new State{{PointProver(model, options), options, model, [&](const device::Device& device) {
-                          return device::point_batch(device, model, options.tolerance, options.certificates);
+                          return is_union_of_convex(model)
+                                     ? device::point_batch(device, model, options.tolerance, options.certificates)
+                                     : device::solid_batch(device, model, options.tolerance);
                         }}}) {}
 DistanceMapper::~DistanceMapper() = default;
 DistanceMapper::DistanceMapper(DistanceMapper&&) noexcept = default;

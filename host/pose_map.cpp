@@ -6,6 +6,7 @@
 
 #include "host/device/pose_batch.hpp"
 #include "host/map_run.hpp"
+#include "verify/convex_union.hpp"
 #include "verisq/error.hpp"
 #include "verisq/model_distance.hpp"
 #include "verisq/signed_distance.hpp"
@@ -16,10 +17,15 @@ namespace {
 // With a tolerance below this width the host is asked only for what is wider than it.
 constexpr double limit = 1e-12;  // of max(largest |translation|, radii of the models)
 
+const Model& supported(const Model& model) {
+  verify::require_union_of_convex(model, "maps of poses");
+  return model;
+}
+
 class PoseProver {
  public:
   PoseProver(const Model& a, const Model& b)
-      : radius_(std::max(bounding_radius(a), bounding_radius(b))), distance_(a, b) {}
+      : radius_(std::max(bounding_radius(a), bounding_radius(b))), distance_(supported(a), supported(b)) {}
 
   void check(const Pose& pose) const {
     const auto finite = [](double c) { return std::isfinite(c); };

@@ -122,9 +122,22 @@ class BracketMapper {
 
  private:
   BracketMapper(const Bracket& models, double point_radius, const MapOptions& options, bool exact)
-      : exact_(exact), options_(options), bounds_(models, point_radius), smallest_(models.smallest, of_one_model()) {
+      : exact_(exact),
+        options_(options),
+        bounds_(models, point_radius),
+        smallest_(models.smallest, by_single_primitives(models, of_one_model())) {
     if (!same_solids(models.smallest, models.largest)) largest_.emplace(models.largest, of_one_model());
     if (models.inflated && is_signed<Item>) inflated_.emplace(*models.inflated, of_one_model());
+  }
+
+  // The obligation of Bracket: where the primitives of a union move independently of each other, no upper end may be
+  // proven by several of them together. Certificates never are.
+  static MapOptions by_single_primitives(const Bracket& models, MapOptions options) {
+    if (is_signed<Item> && models.inflated) {
+      options.certificates = true;
+      options.method = Method::duality;  // the published one has none
+    }
+    return options;
   }
 
   [[nodiscard]] MapOptions of_one_model() const {

@@ -11,4 +11,10 @@ namespace verisq::kernels {
 [[nodiscard]] std::string_view embedded_triangle_sources();
 [[nodiscard]] std::string_view embedded_pair_sources();
 
+/// Of programs for models with bends or set operations: the layers, after which the model's own tree is inserted
+/// (host/device/model_source.hpp), and the kernels that call it.
+[[nodiscard]] std::string_view embedded_solid_layers();
+[[nodiscard]] std::string_view embedded_solid_distance();
+[[nodiscard]] std::string_view embedded_octree();
+
 }  // namespace verisq::kernels

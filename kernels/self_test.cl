@@ -34,6 +34,8 @@ kernel void apply_operation(uint operation, ulong groups, global const double* a
     case 22: result = log_up(a); break;
     case 23: result = pow_unit_down(a, b); break;
     case 24: result = pow_unit_up(a, b); break;
+    case 25: result = atan_ratio_down(a); break;
+    case 26: result = atan_ratio_up(a); break;
     default: break;
   }
   STORE(result, group, results);
@@ -65,6 +67,7 @@ kernel void apply_interval_operation(uint operation, ulong groups, global const 
     case 13: result = interval_max(a, b); break;
     case 14: result = interval_hull(a, b); break;
     case 15: result = interval_intersection(a, b); break;
+    case 16: result = interval_atan_ratio(a); break;
     default: break;
   }
   STORE(result.lo, group, results_lo);

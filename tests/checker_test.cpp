@@ -10,13 +10,13 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "tests/map_in_memory.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "tests/requested_count.hpp"
 #include "verisq/model_file.hpp"
 #include "verisq/signed_distance.hpp"
 
@@ -89,8 +89,7 @@ struct MapCase {
 };
 
 std::size_t model_factor() {
-  const char* const wanted = std::getenv("VERISQ_CHECKED_MODELS");
-  return wanted == nullptr ? 1 : std::strtoull(wanted, nullptr, 10);
+  return oracle::requested_count("VERISQ_CHECKED_MODELS", 1);
 }
 
 class CheckerMapTest : public testing::TestWithParam<MapCase> {};

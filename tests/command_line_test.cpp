@@ -12,6 +12,7 @@
 #include <iomanip>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -842,9 +843,14 @@ INSTANTIATE_TEST_SUITE_P(
         BadModel{"ZeroQuaternion", posed(R"({"quaternion": [0, 0, 0, 0]})"), {"quaternion", "[0,0,0,0]", "zero"}},
         BadModel{"ShortQuaternion", posed(R"({"quaternion": [1, 0, 0]})"), {"quaternion", "4"}},
         BadModel{"HugeTranslation", posed(R"({"translation": [0, 0, -1e400]})"), {"-1e400"}},
-        BadModel{"Bend", bent(R"({"curvature": 0.002, "angle_deg": 70})"), {"bend", "not supported yet"}},
-        BadModel{"BendTooStrong", bent(R"({"curvature": 1.0, "angle_deg": 0})"), {"bend"}},
-        BadModel{"BendBeyondHalfTurn", bent(R"({"curvature": 1.1, "angle_deg": 90})"), {"bend"}},
+        BadModel{"BendTooStrong", bent(R"({"curvature": 1.0, "angle_deg": 0})"), {"bend.curvature", "1.0", "below 1"}},
+        BadModel{"BendTooLong",
+                 model_of(solid("[0.1, 0.1, 3]", good_exponents, R"(, "bend": {"curvature": -1.1, "angle_deg": 90})")),
+                 {"bend.curvature", "-1.1", "below pi"}},
+        BadModel{"BendWithoutAngle", bent(R"({"curvature": 0.1})"), {"bend.angle_deg", "missing"}},
+        BadModel{"BendOfIntervals",
+                 model_of(solid("[[1, 2], 2, 3]", good_exponents, R"(, "bend": {"curvature": 0.1, "angle_deg": 90})")),
+                 {"intervals", "bent", "primitives[0].bend"}},
         BadModel{
             "ReversedSemiAxis", model_of(solid("[[2, 1], 2, 3]", good_exponents)), {"semi_axes", "[2,1]", "lower end"}},
         BadModel{
@@ -853,11 +859,77 @@ INSTANTIATE_TEST_SUITE_P(
             "ReversedTranslation", posed(R"({"translation": [0, 0, [2, 1]]})"), {"translation", "[2,1]", "lower end"}},
         BadModel{"UnknownNameInCsg", combined(R"({"union": ["a", "ghost"]})"), {"csg", "ghost"}},
         BadModel{"UnknownOperator", combined(R"({"xor": ["a"]})"), {"csg", "xor"}},
-        BadModel{"Intersection", combined(R"({"intersection": ["a"]})"), {"intersection", "not supported yet"}},
-        BadModel{"Difference",
-                 combined(R"({"union": ["a", {"difference": ["a", "a"]}]})"),
-                 {"difference", "not supported yet"}}),
+        BadModel{"EmptyIntersection", combined(R"({"intersection": []})"), {"intersection", "[]", "one operand"}},
+        BadModel{"DifferenceOfOne",
+                 combined(R"({"union": ["a", {"difference": ["a"]}]})"),
+                 {"csg.union[1].difference", "two operands"}},
+        BadModel{"DifferenceOfIntervals",
+                 model_of(solid("[[1, 2], 2, 3]", good_exponents), R"(, "csg": {"difference": ["a", "a"]})"),
+                 {"intervals", "csg"}}),
     name_of);
+
+// ---------------------------------------------------------------- bends and set operations
+
+const std::string shell = model_of(R"(
+    {"name": "all", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}},
+    {"name": "hollow", "superquadric": {"semi_axes": [0.5, 0.5, 0.5], "exponents": [1, 1]}})",
+                                   R"(, "csg": {"difference": ["all", "hollow"]})");
+const std::string bow = bent(R"({"curvature": 0.1, "angle_deg": 70})");
+
+TEST_F(CommandLine, MapsADifference) {
+  const auto points = write("points.csv", "0.25,0,0\n0,0,0.75\n0,-2,0\n");
+  const auto outcome =
+      map({"--model", write("shell.json", shell), "--points", points, "--tol", "1e-3", "-o", path("map.csv")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto rows = rows_of(path("map.csv"));
+  ASSERT_EQ(rows.size(), 3);
+  const double exact[] = {0.25, -0.25, 1.0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_LE(rows[k].lo, exact[k]) << k;
+    EXPECT_GE(rows[k].hi, exact[k]) << k;
+    EXPECT_LE(rows[k].hi - rows[k].lo, 1e-3) << k;
+  }
+}
+
+TEST_F(CommandLine, MapsABentSolid) {
+  // The pole (0, 0, 3) goes to R = 10 (1 - cos 0.3) in the direction of 70 degrees and Z = 10 sin 0.3, its normal to
+  // (sin 0.3, cos 0.3) in that plane: it is the nearest point to one that lies 0.1 along that normal.
+  const double r = 10.0 * (1.0 - std::cos(0.3)) + 0.1 * std::sin(0.3);
+  const double z = 10.0 * std::sin(0.3) + 0.1 * std::cos(0.3);
+  const double angle = 70.0 / 180.0 * std::acos(-1.0);
+  std::ostringstream point;
+  point << std::setprecision(17) << r * std::cos(angle) << ',' << r * std::sin(angle) << ',' << z << '\n';
+  const auto outcome = map({"--model", write("bow.json", bow), "--points", write("points.csv", point.str()), "--tol",
+                            "1e-3", "-o", path("map.csv")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto rows = rows_of(path("map.csv"));
+  ASSERT_EQ(rows.size(), 1);
+  EXPECT_LE(rows[0].lo, 0.1 + 1e-12);
+  EXPECT_GE(rows[0].hi, 0.1 - 1e-12);
+  EXPECT_LE(rows[0].hi - rows[0].lo, 1e-3);
+}
+
+TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const auto poses = write("poses.csv", "0,0,3,1,0,0,0\n");
+  for (const auto& [name, text] : {std::pair{"shell.json", shell}, std::pair{"bow.json", bow}}) {
+    const std::string model = write(name, text);
+    const Arguments common{"--model", model, "--mesh", mesh, "-o", path("map.csv")};
+    const auto with = [&](std::initializer_list<std::string> more) {
+      auto arguments = common;
+      arguments.insert(arguments.end(), more);
+      return map(arguments);
+    };
+    expect_refused(with({"--on", "triangles"}), {"--on triangles", name, "not supported", "bends", "csg"});
+    expect_refused(with({"--certificates"}), {"--certificates", name, "not supported", "bends", "csg"});
+    expect_refused(with({"--method", "published"}), {"--method published", name, "not supported", "bends", "csg"});
+    expect_refused(run({"check", "--model", model, "--mesh", mesh, "--map", write("old.csv", "index,lo,hi,status\n")}),
+                   {name, "certificates", "bends", "csg"});
+    expect_refused(run({"distance", model, ball, "--poses", poses, "-o", path("map.csv"), "--device", "host"}),
+                   {"poses", "not supported"});
+    EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
+  }
+}
 
 TEST_F(CommandLine, MissingModelIsRefused) {
   const auto mesh = write("mesh.off", tetrahedron);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -153,6 +154,69 @@ TEST_F(DistanceCommand, ExitsWithThreeWhereTheEnclosureIsWiderThanTheTolerance) 
   EXPECT_EQ(distance({a, b}).status, 0);
   EXPECT_EQ(distance({a, b, "--tol", "1e-12"}).status, 0);
   EXPECT_EQ(distance({a, b, "--tol", "1e-20"}).status, 3);
+}
+
+/// A ball, bent by nothing that counts, 3 from a unit ball at the origin.
+const std::string bent_ball = R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+  {"name": "ball", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]},
+   "bend": {"curvature": 1e-300, "angle_deg": 30}, "pose": {"translation": [0, 5, 0]}}]})";
+
+const std::string bored_ball = R"({"format": "verisq-model/1", "primitives": [
+  {"name": "ball", "superquadric": {"semi_axes": [2, 2, 2], "exponents": [1, 1]}},
+  {"name": "bore", "superquadric": {"semi_axes": [1, 1, 10], "exponents": [0.1, 1]}}],
+  "csg": {"difference": ["ball", "bore"]}})";
+
+TEST_F(DistanceCommand, SearchesBentModels) {
+  const auto a = ball("a.json", "mm", 0.0);
+  const auto b = write("b.json", bent_ball);
+  const Outcome outcome = distance({a, b});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, HasSubstr("separated (proven: no common point)\nnear point of A    ("));
+  EXPECT_THAT(outcome.out, HasSubstr("not enclosed, because a model is bent or built by set operations\n"));
+  const auto object = nlohmann::json::parse(distance({a, b, "--json", "--tol", "1e-8"}).out);
+  EXPECT_LE(object["lo"].get<double>(), 3.0);
+  EXPECT_GE(object["hi"].get<double>(), 3.0);
+  EXPECT_LE(object["hi"].get<double>() - object["lo"].get<double>(), 1e-8);
+  EXPECT_TRUE(object["closest_points"].is_null());
+  EXPECT_EQ(object["unique"], false);
+}
+
+TEST_F(DistanceCommand, SearchesModelsBuiltBySetOperations) {
+  const auto bored = write("bored.json", bored_ball);
+  const auto object =
+      nlohmann::json::parse(distance({bored, ball("b.json", "", 0.25, 0.25), "--json", "--time-limit", "60"}).out);
+  EXPECT_LE(object["lo"].get<double>(), 0.5);
+  EXPECT_GE(object["hi"].get<double>(), 0.5);
+  EXPECT_EQ(object["proximity"], "separated");
+  const auto meeting = nlohmann::json::parse(distance({bored, ball("b.json", "", 0.9, 0.25), "--json"}).out);
+  EXPECT_EQ(meeting["hi"], 0.0);
+  EXPECT_EQ(meeting["proximity"], "overlapping");
+  EXPECT_EQ(meeting["witness"].size(), 3U);
+}
+
+TEST_F(DistanceCommand, EndsASearchAtTheTimeLimit) {
+  const auto a = write("a.json", bent_ball);
+  const auto b = ball("b.json", "", 9.0);
+  const Outcome outcome = distance({a, b, "--json", "--tol", "1e-12", "--time-limit", "1e-9"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("the time limit is reached; the enclosure is valid, and wide\n"));
+  const auto object = nlohmann::json::parse(outcome.out);
+  const double exact = std::hypot(9.0, 5.0) - 2.0;
+  EXPECT_LE(object["lo"].get<double>(), exact);
+  EXPECT_GE(object["hi"].get<double>(), exact);
+}
+
+TEST_F(DistanceCommand, RefusesWhatSearchesLack) {
+  const auto a = ball("a.json", "", 0.0);
+  const auto b = write("b.json", bent_ball);
+  expect_refused(distance({a, b, "--certificate"}), "--certificate: " + b + ": not supported for bends");
+  const auto poses = write("poses.csv", "0,0,0,1,0,0,0\n");
+  expect_refused(distance({b, a, "--poses", poses, "-o", path("o.csv")}), "--poses: " + b + ": not supported");
+  expect_refused(distance({a, a, "--poses", poses, "-o", path("o.csv"), "--time-limit", "1"}), "--time-limit");
+  for (const std::string seconds : {"0", "-1", "soon", "inf", ""}) {
+    expect_refused(distance({a, b, "--time-limit=" + seconds}), "--time-limit");
+  }
 }
 
 /// Two posed primitives, so that a wrong order of motions shows.

@@ -8,12 +8,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "tests/map_in_memory.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "tests/requested_count.hpp"
 #include "verify/posed_superquadric.hpp"
 
 namespace verisq::oracle {
@@ -23,8 +23,7 @@ constexpr std::size_t points_a_solid = 200;
 constexpr std::size_t usual_cases = 20'000;
 
 [[nodiscard]] std::size_t requested_cases() {
-  const char* text = std::getenv("VERISQ_HARD_CASES");
-  return text == nullptr ? usual_cases : static_cast<std::size_t>(std::stoull(text));
+  return requested_count("VERISQ_HARD_CASES", usual_cases);
 }
 
 [[nodiscard]] double hard_exponent(RandomCases& random) {

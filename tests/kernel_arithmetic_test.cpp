@@ -6,7 +6,6 @@
 #include <mpfr.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <random>
 #include <string>
@@ -16,6 +15,7 @@
 #include "host/device/operation_kernels.hpp"
 #include "host/device/program.hpp"
 #include "kernels/embedded_sources.hpp"
+#include "tests/requested_count.hpp"
 
 namespace verisq::device {
 namespace {
@@ -23,14 +23,13 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::size_t samples() {
-  const char* const wanted = std::getenv("VERISQ_ARITHMETIC_SAMPLES");
-  return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 100'000;
+  return oracle::requested_count("VERISQ_ARITHMETIC_SAMPLES", 100'000);
 }
 
-// A binary64 number of MPFR; released with its owner.
+// A binary64 number of MPFR, or a longer one; released with its owner.
 class Number {
  public:
-  Number() { mpfr_init2(value_, 53); }
+  explicit Number(mpfr_prec_t bits = 53) { mpfr_init2(value_, bits); }
   ~Number() { mpfr_clear(value_); }
   Number(const Number&) = delete;
   Number& operator=(const Number&) = delete;
@@ -45,7 +44,7 @@ class Number {
 };
 
 // What an operand is drawn from: infinities included, unlike SampleOperands.
-enum class Distribution { any, divisor, nonnegative, exponent, base };
+enum class Distribution { any, divisor, nonnegative, exponent, base, tangent };
 
 struct Operation {
   const char* name;
@@ -57,6 +56,7 @@ struct Operation {
 
 constexpr double one_step = 0x1p-51;
 constexpr double elementary = 0x1p-50;
+constexpr double inverse_tangent = 0x1.99p-50;
 const Operation operations[] = {
     {"add", 7, 8, Distribution::any, Distribution::any, Distribution::any, one_step},
     {"sub", 9, 10, Distribution::any, Distribution::any, Distribution::any, one_step},
@@ -67,7 +67,20 @@ const Operation operations[] = {
     {"exp", 19, 20, Distribution::exponent, Distribution::any, Distribution::any, elementary},
     {"log", 21, 22, Distribution::nonnegative, Distribution::any, Distribution::any, elementary},
     {"pow_unit", 23, 24, Distribution::base, Distribution::nonnegative, Distribution::any, infinity},
+    {"atan_ratio", 25, 26, Distribution::tangent, Distribution::any, Distribution::any, inverse_tangent},
 };
+
+// atan(a)/a of |a|, or 1. The arc is rounded far beyond binary64, in the same direction.
+void divided_arc(mpfr_ptr result, double a, mpfr_rnd_t rounding) {
+  thread_local Number size, arc(256);
+  if (a == 0.0) {
+    mpfr_set_ui(result, 1, rounding);
+    return;
+  }
+  size.set(std::abs(a));
+  mpfr_atan(arc.get(), size.get(), rounding);
+  mpfr_div(result, arc.get(), size.get(), rounding);
+}
 
 // The exact value rounded down or up to a binary64 number: a binary64 bound is right exactly if it does not cross it.
 double reference(const Operation& operation, const Operands& o, mpfr_rnd_t rounding) {
@@ -84,6 +97,7 @@ double reference(const Operation& operation, const Operands& o, mpfr_rnd_t round
     case 17: mpfr_sqrt(result.get(), a.get(), rounding); break;
     case 19: mpfr_exp(result.get(), a.get(), rounding); break;
     case 21: mpfr_log(result.get(), a.get(), rounding); break;
+    case 25: divided_arc(result.get(), o.a, rounding); break;
     default: mpfr_pow(result.get(), a.get(), b.get(), rounding); break;
   }
   return mpfr_get_d(result.get(), rounding);
@@ -100,6 +114,7 @@ class Sampler {
       }
       case Distribution::nonnegative: return std::abs(any());
       case Distribution::exponent: return pick_(generator_) < 2 ? any() : 740.0 * (2.0 * unit_(generator_) - 1.0);
+      case Distribution::tangent: return pick_(generator_) < 2 ? any() : tangent();
       case Distribution::base: break;
     }
     return pick_(generator_) < 2 ? std::min(std::abs(any()), 1.0) : unit_(generator_);
@@ -134,6 +149,15 @@ class Sampler {
     const int range = kind < 7 ? 12 : 1070;
     const int exponent = std::min(static_cast<int>(generator_() % static_cast<unsigned>(2 * range)) - range, 1023);
     return sign * std::ldexp(1.0 + unit_(generator_), exponent);
+  }
+
+  // Numbers in [-4, 4], and near those at which the kernels change their course.
+  double tangent() {
+    static constexpr double borders[] = {1.0, 0x1p1021, 0x1p-511, 0x1p-1022};
+    const double sign = (generator_() & 1U) != 0 ? 1.0 : -1.0;
+    if (pick_(generator_) < 7) return sign * 4.0 * unit_(generator_);
+    const double border = borders[generator_() % std::size(borders)];
+    return sign * border * (1.0 + std::ldexp(unit_(generator_) - 0.5, -static_cast<int>(generator_() % 53)));
   }
 
   std::mt19937_64 generator_{511};
@@ -198,6 +222,19 @@ TEST_P(KernelArithmetic, ContainsTheExactValue) {
     EXPECT_EQ(tally.escapes, 0U) << tally.first_escape;
     EXPECT_LE(tally.loosest, operation.tightness) << operation.name;
   }
+}
+
+// What no number is compared with: no lane may pass on NaN, or conclude anything from it.
+TEST_P(KernelArithmetic, ArcOfNoNumberIsTrivial) {
+  const Selection selection = select_device("auto");
+  if (!selection.device) GTEST_SKIP() << "no OpenCL device: " << selection.notice;
+  const Device& device = *selection.device;
+  const cl::Program program = build_program(device.context, device.device, GetParam(), kernels::embedded_sources());
+  OperationKernels kernels(device.context, device.device, program, GetParam());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<Operands> operands = {{nan, 0.0, 0.0}, {-nan, 0.0, 0.0}};
+  EXPECT_EQ(kernels.apply(25, operands), std::vector<double>(2, 0.0));
+  EXPECT_EQ(kernels.apply(26, operands), std::vector<double>(2, 1.0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Widths, KernelArithmetic, testing::Values(16, 8, 4, 1), testing::PrintToStringParamName());

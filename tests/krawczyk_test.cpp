@@ -6,11 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <random>
 #include <string>
 #include <vector>
 #include <verisq/model_distance.hpp>
+
+#include "tests/requested_count.hpp"
 
 namespace verisq::verify {
 namespace {
@@ -120,8 +121,7 @@ class RandomPoses {
 };
 
 std::size_t requested_pairs() {
-  const char* text = std::getenv("VERISQ_PAIRS");
-  return text == nullptr ? 300 : std::stoull(text);
+  return oracle::requested_count("VERISQ_PAIRS", 300);
 }
 
 double largest_side(const ClosestPoints& points) {

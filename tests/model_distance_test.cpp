@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 #include <verisq/model_distance.hpp>
+
+#include "tests/requested_count.hpp"
 
 namespace verisq {
 namespace {
@@ -322,8 +323,7 @@ const Superquadric gem{{0.43, 0.6, 1.9}, {1.5, 0.4}};
 const Superquadric soap{{3.4, 4.3, 1.7}, {0.1, 0.1}};
 
 std::size_t requested_pairs() {
-  const char* text = std::getenv("VERISQ_PAIRS");
-  return text == nullptr ? 1000 : std::stoull(text);
+  return oracle::requested_count("VERISQ_PAIRS", 1000);
 }
 
 double quantile(std::vector<double> values, double share) {

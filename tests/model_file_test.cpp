@@ -75,12 +75,74 @@ TEST(ModelFile, ReadsDecimalsToTheNearestBinary64) {
   EXPECT_EQ(model.primitives[0].superquadric.semi_axes[1], 1.0 + std::numeric_limits<double>::epsilon());
 }
 
-TEST(ModelFile, AcceptsUnionsOfAllPrimitives) {
-  for (const char* csg :
-       {R"({"union": ["stem", "head", "bore"]})", R"({"union": ["bore", {"union": ["head", "stem"]}]})",
-        R"({"union": ["bore", {"union": ["head"]}, {"union": [{"union": ["stem", "head"]}]}]})"}) {
-    EXPECT_EQ(parse_model(stem_head_bore(csg), "m.json").primitives.size(), 3U) << csg;
+std::string bent(const std::string& semi_axes, const std::string& exponents, const std::string& bend) {
+  return model_of(R"({"name": "a", "superquadric": {"semi_axes": )" + semi_axes + R"(, "exponents": )" + exponents +
+                  R"(}, "bend": )" + bend + "}");
+}
+
+TEST(ModelFile, ReadsBends) {
+  const Model model =
+      parse_model(bent("[6.0, 9.0, 60.0]", "[0.4, 0.9]", R"({"curvature": -0.002, "angle_deg": 70.5})"), "m.json");
+  ASSERT_TRUE(model.primitives[0].bend);
+  EXPECT_EQ(model.primitives[0].bend->curvature, -0.002);
+  EXPECT_EQ(model.primitives[0].bend->angle_degrees, 70.5);
+  EXPECT_FALSE(parse_model(model_of(ball("a")), "m.json").primitives[0].bend);
+}
+
+TEST(ModelFile, AcceptsEveryBendThatLeavesTheSolidWhole) {
+  // Magnitudes just below 1/extent, where the extent is that towards the bend; just below pi/a3; none; the smallest.
+  for (const auto& [semi_axes, exponents, bend] : {
+           std::tuple{"[1, 1, 1]", "[1, 1]", R"({"curvature": 0.9999999999999999, "angle_deg": 0})"},
+           std::tuple{"[1, 1, 1]", "[1, 1]", R"({"curvature": -0.9999999999999999, "angle_deg": 12.3})"},
+           std::tuple{"[5, 2, 1]", "[1, 1]", R"({"curvature": 0.4999999999999999, "angle_deg": 90})"},
+           std::tuple{"[5, 2, 1]", "[1, 1]", R"({"curvature": 0.4999999999999999, "angle_deg": -2430})"},
+           std::tuple{"[2, 2, 1]", "[1, 2]", R"({"curvature": 0.70710678, "angle_deg": 45})"},
+           std::tuple{"[1e-3, 1, 10]", "[1, 1]", R"({"curvature": 0.31415926535897, "angle_deg": 1e300})"},
+           std::tuple{"[5, 2, 1]", "[1, 1]", R"({"curvature": 0, "angle_deg": 20})"},
+           std::tuple{"[5, 2, 1]", "[1, 1]", R"({"curvature": 5e-324, "angle_deg": 20})"},
+       }) {
+    EXPECT_TRUE(parse_model(bent(semi_axes, exponents, bend), "m.json").primitives[0].bend) << bend;
   }
+}
+
+TEST(ModelFile, ReadsTheBentStem) {
+  const Model model = read_model(VERISQ_EXAMPLES "/bent_stem.json");
+  EXPECT_TRUE(model.primitives[0].bend);
+  EXPECT_FALSE(is_union_of_convex(model));
+}
+
+std::string words(const SetExpression& expression, const Model& model) {
+  if (expression.operands.empty()) return model.primitives.at(expression.primitive).name;
+  std::string text = expression.operation == SetOperation::unite       ? "union("
+                     : expression.operation == SetOperation::intersect ? "intersection("
+                                                                       : "difference(";
+  for (const SetExpression& operand : expression.operands) text += words(operand, model) + " ";
+  text.back() = ')';
+  return text;
+}
+
+TEST(ModelFile, ReadsSetOperations) {
+  const auto read = [](const char* csg) {
+    const Model model = parse_model(stem_head_bore(csg), "m.json");
+    EXPECT_EQ(model.primitives.size(), 3U);
+    EXPECT_TRUE(model.csg);
+    return words(*model.csg, model);
+  };
+  EXPECT_EQ(read(R"({"union": ["stem", {"difference": ["head", "bore"]}]})"), "union(stem difference(head bore))");
+  EXPECT_EQ(read(R"({"intersection": [{"union": ["bore", "head"]}, "stem"]})"), "intersection(union(bore head) stem)");
+  EXPECT_EQ(read(R"({"difference": ["stem", "head", "bore"]})"), "difference(stem head bore)");
+  EXPECT_EQ(read(R"({"difference": ["stem", "stem"]})"), "difference(stem stem)");
+  EXPECT_EQ(read(R"({"union": ["bore"]})"), "union(bore)");
+  EXPECT_EQ(read(R"({"intersection": [{"union": [{"union": ["bore"]}]}]})"), "intersection(union(union(bore)))");
+  EXPECT_FALSE(parse_model(model_of(ball("a")), "m.json").csg);
+}
+
+TEST(ModelFile, TellsUnionsOfAllPrimitives) {
+  const auto is_union = [](const char* csg) { return is_union_of_convex(parse_model(stem_head_bore(csg), "m.json")); };
+  EXPECT_TRUE(is_union(R"({"union": ["stem", "head", "bore"]})"));
+  EXPECT_TRUE(is_union(R"({"union": ["bore", {"union": ["head"]}, {"union": [{"union": ["stem", "head"]}]}]})"));
+  EXPECT_FALSE(is_union(R"({"union": ["stem", {"union": ["bore"]}]})"));
+  EXPECT_FALSE(is_union(R"({"union": ["stem", "head", {"intersection": ["bore"]}]})"));
 }
 
 std::string hundred_times(const std::string& text) {
@@ -110,7 +172,9 @@ TEST_P(ModelRefusal, NamesKeyAndValue) {
 }
 
 const std::string first = ": primitives[0].superquadric.";
-const std::string only_union = ": not supported yet: only the union of all primitives is";
+const std::string curvature = ": primitives[0].bend.curvature";
+const std::string too_strong = ": its magnitude times the solid's extent towards angle_deg, ";
+const std::string to_be_below_1 = ", must be below 1";
 
 INSTANTIATE_TEST_SUITE_P(
     Values, ModelRefusal,
@@ -178,11 +242,34 @@ INSTANTIATE_TEST_SUITE_P(
     name_of);
 
 INSTANTIATE_TEST_SUITE_P(
-    NotYet, ModelRefusal,
+    Bend, ModelRefusal,
     ::testing::Values(
-        Refusal{"Bend", model_of(R"({"name": "a", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]},
-                             "bend": {"curvature": 0.002, "angle_deg": 70.0}})"),
-                ": primitives[0].bend: bent superquadrics are not supported yet"},
+        Refusal{"ReachesItsCentre", bent("[1, 1, 1]", "[1, 1]", R"({"curvature": 1, "angle_deg": 0})"),
+                curvature + " = 1" + too_strong + "1" + to_be_below_1},
+        Refusal{"ReachesItsCentreTheOtherWay", bent("[5, 2, 1]", "[1, 1]", R"({"curvature": -0.2, "angle_deg": 0})"),
+                curvature + " = -0.2" + too_strong + "5" + to_be_below_1},
+        Refusal{"ReachesItsCentreAcross", bent("[5, 2, 1]", "[1, 1]", R"({"curvature": 0.5, "angle_deg": 90})"),
+                curvature + " = 0.5" + too_strong + "2" + to_be_below_1},
+        Refusal{"ReachesItsCentreAlongADiagonal",
+                bent("[2, 2, 1]", "[1, 2]", R"({"curvature": 0.7072, "angle_deg": 45})"),
+                curvature + " = 0.7072" + too_strong + "1.41421" + to_be_below_1},
+        Refusal{"EndsMeet", bent("[1, 1, 10]", "[1, 1]", R"({"curvature": -0.3141592653589794, "angle_deg": 0})"),
+                curvature + " = -0.3141592653589794: its magnitude times a3, 10, must be below pi"},
+        Refusal{"CurvatureMissing", bent("[1, 1, 1]", "[1, 1]", R"({"angle_deg": 0})"), curvature + ": missing"},
+        Refusal{"AngleMissing", bent("[1, 1, 1]", "[1, 1]", R"({"curvature": 0})"),
+                ": primitives[0].bend.angle_deg: missing"},
+        Refusal{"AngleOverflows", bent("[1, 1, 1]", "[1, 1]", R"({"curvature": 0, "angle_deg": 1e999})"),
+                ": primitives[0].bend.angle_deg = 1e999: not a finite number"},
+        Refusal{"CurvatureInterval", bent("[1, 1, 1]", "[1, 1]", R"({"curvature": [0, 0.1], "angle_deg": 0})"),
+                curvature + " = [0,0.1]: must be a number"},
+        Refusal{"UnknownKey", bent("[1, 1, 1]", "[1, 1]", R"({"curvature": 0, "angle": 0})"),
+                ": primitives[0].bend.angle = 0: unknown key"},
+        Refusal{"NotAnObject", bent("[1, 1, 1]", "[1, 1]", "0.1"), ": primitives[0].bend = 0.1: must be an object"}),
+    name_of);
+
+INSTANTIATE_TEST_SUITE_P(
+    OnlyExactNumbers, ModelRefusal,
+    ::testing::Values(
         Refusal{"IntervalSemiAxis", model_of(superquadric("[1, [5.5, 6], 1]", "[1, 1]")),
                 first + "semi_axes[1] = [5.5,6]: is an interval, where only an exact model is supported"},
         Refusal{"IntervalExponent", model_of(superquadric("[1, 1, 1]", "[[0.5, 0.6], 1]")),
@@ -192,13 +279,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"IntervalNotAllowed", model_of(posed(R"({"quaternion": [1, 0, 0, [0, 1]]})")),
                 ": primitives[0].pose.quaternion[3] = [0,1]: must be a number"},
         Refusal{"NotAnInterval", model_of(superquadric("[1, [5, 6, 7], 1]", "[1, 1]")),
-                first + "semi_axes[1] = [5,6,7]: must be a number"},
-        Refusal{"Difference", stem_head_bore(R"({"union": ["stem", {"difference": ["head", "bore"]}]})"),
-                ": csg.union[1].difference" + only_union},
-        Refusal{"Intersection", stem_head_bore(R"({"intersection": ["stem", "head", "bore"]})"),
-                ": csg.intersection" + only_union},
-        Refusal{"LeavesOutAPrimitive", stem_head_bore(R"({"union": ["stem", {"union": ["bore"]}]})"),
-                ": csg: leaves out primitive \"head\": not supported yet, only the union of all primitives is"}),
+                first + "semi_axes[1] = [5,6,7]: must be a number"}),
     name_of);
 
 TEST(UncertainModelFile, ReadsIntervalsAndNumbers) {
@@ -222,6 +303,22 @@ TEST(UncertainModelFile, ReadsIntervalsAndNumbers) {
 TEST(UncertainModelFile, ReadsExactModels) {
   EXPECT_TRUE(is_exact(read_uncertain_model(VERISQ_EXAMPLES "/stem.json")));
   EXPECT_FALSE(is_exact(read_uncertain_model(VERISQ_EXAMPLES "/uncertain_stem.json")));
+}
+
+TEST(UncertainModelFile, KeepsBendsAndSetOperationsOfExactModels) {
+  const auto exact = [](const std::string& text) { return bracket(parse_uncertain_model(text, "m.json")).largest; };
+  const Model stem = exact(bent("[1, 1, 1]", "[1, 1]", R"({"curvature": 0.5, "angle_deg": 20})"));
+  ASSERT_TRUE(stem.primitives[0].bend);
+  EXPECT_EQ(stem.primitives[0].bend->curvature, 0.5);
+  const Model difference = exact(stem_head_bore(R"({"difference": ["stem", "head"]})"));
+  ASSERT_TRUE(difference.csg);
+  EXPECT_EQ(words(*difference.csg, difference), "difference(stem head)");
+}
+
+TEST(UncertainModelFile, AllowsIntervalsInUnionsOfAllPrimitives) {
+  const std::string primitives = ball("a") + R"(, {"name": "b", "superquadric": {"semi_axes": [1, [1, 2], 1],
+      "exponents": [1, 1]}, "bend": {"curvature": 0, "angle_deg": 20}})";
+  EXPECT_FALSE(is_exact(parse_uncertain_model(model_of(primitives, R"(, "csg": {"union": ["b", "a"]})"), "m.json")));
 }
 
 class UncertainModelRefusal : public ::testing::TestWithParam<Refusal> {};
@@ -256,6 +353,23 @@ INSTANTIATE_TEST_SUITE_P(
     name_of);
 
 INSTANTIATE_TEST_SUITE_P(
+    OtherSolids, UncertainModelRefusal,
+    ::testing::Values(Refusal{"Bent", bent("[1, [1, 2], 1]", "[1, 1]", R"({"curvature": 0.1, "angle_deg": 0})"),
+                              ": intervals: not supported for bent solids: primitives[0].bend"},
+                      Refusal{"ReachesItsCentreAtTheUpperEnd",
+                              bent("[[1, 5], 1, 1]", "[1, 1]", R"({"curvature": 0.2, "angle_deg": 0})"),
+                              curvature + " = 0.2" + too_strong + "5" + to_be_below_1},
+                      Refusal{"Difference",
+                              model_of(ball("b") + "," + superquadric("[1, [1, 2], 1]", "[1, 1]"),
+                                       R"(, "csg": {"difference": ["b", "a"]})"),
+                              ": intervals: not supported for csg other than the union of all primitives"},
+                      Refusal{"LeavesOutAPrimitive",
+                              model_of(ball("b") + "," + superquadric("[1, [1, 2], 1]", "[1, 1]"),
+                                       R"(, "csg": {"union": ["b"]})"),
+                              ": intervals: not supported for csg other than the union of all primitives"}),
+    name_of);
+
+INSTANTIATE_TEST_SUITE_P(
     Csg, ModelRefusal,
     ::testing::Values(Refusal{"UnknownName", stem_head_bore(R"({"union": ["stem", "Head", "bore"]})"),
                               ": csg.union[1] = \"Head\": no primitive has this name"},
@@ -269,6 +383,11 @@ INSTANTIATE_TEST_SUITE_P(
                               ": csg = {}: must have exactly one key: union, intersection or difference"},
                       Refusal{"NoOperands", stem_head_bore(R"({"union": []})"),
                               ": csg.union = []: must have at least one operand"},
+                      Refusal{"NoOperandsDeepInside", stem_head_bore(R"({"union": ["stem", {"intersection": []}]})"),
+                              ": csg.union[1].intersection = []: must have at least one operand"},
+                      Refusal{"DifferenceOfOne", stem_head_bore(R"({"difference": ["stem"]})"),
+                              ": csg.difference = [\"stem\"]: must have at least two operands: the first without the "
+                              "others"},
                       Refusal{"OperandsNotAnArray", stem_head_bore(R"({"union": "stem"})"),
                               ": csg.union = \"stem\": must be an array"},
                       Refusal{"OperandNumber", stem_head_bore(R"({"union": ["stem", 3]})"),

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -21,6 +20,7 @@
 #include "tests/oracle/pair_reference.hpp"
 #include "tests/oracle/published_solids.hpp"
 #include "tests/oracle/random_pairs.hpp"
+#include "tests/requested_count.hpp"
 
 namespace verisq::oracle {
 namespace {
@@ -28,8 +28,7 @@ namespace {
 constexpr std::size_t usual_cases = 300;
 
 [[nodiscard]] std::size_t requested_cases() {
-  const char* text = std::getenv("VERISQ_PAIR_CASES");
-  return text == nullptr ? usual_cases : static_cast<std::size_t>(std::stoull(text));
+  return requested_count("VERISQ_PAIR_CASES", usual_cases);
 }
 
 /// Two superquadrics, or none for random ones.

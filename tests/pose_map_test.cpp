@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -21,6 +20,7 @@
 
 #include "tests/oracle/in_parallel.hpp"
 #include "tests/oracle/random_pairs.hpp"
+#include "tests/requested_count.hpp"
 #include "tests/uncertain_scenes.hpp"
 
 namespace verisq::oracle {
@@ -224,8 +224,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, PoseMapTest,
 
 /// How many random pairs a test tries: the variable VERISQ_PAIR_CASES of the environment.
 [[nodiscard]] std::size_t requested_pairs() {
-  const char* const wanted = std::getenv("VERISQ_PAIR_CASES");
-  return wanted == nullptr ? 30 : std::strtoull(wanted, nullptr, 10);
+  return requested_count("VERISQ_PAIR_CASES", 30);
 }
 
 /// The pairs of the soundness tests, each with B's pose in the query: gaps and overlaps down to 1e-9 of the size,

@@ -60,7 +60,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Mutant{"Contraction", "FP_CONTRACT OFF", "FP_CONTRACT ON", "a * b + c without contraction"},
                     Mutant{"NoWideningOfExp", "ELEMENTARY_WIDENING 0x1p-51", "ELEMENTARY_WIDENING 0x0p0", "exp_down"},
                     Mutant{"WrongDigitInExp", "0x1.5555555553cd9p-5", "0x1.5555555563cd9p-5", "exp_"},
-                    Mutant{"WrongDigitInLog", "0x1.99999999952d9p-2", "0x1.99999999a52d9p-2", "log_"}),
+                    Mutant{"WrongDigitInLog", "0x1.99999999952d9p-2", "0x1.99999999a52d9p-2", "log_"},
+                    Mutant{"NoWideningOfAtan", "ATAN_WIDENING 0x1.ap-51", "ATAN_WIDENING 0x0p0", "atan_ratio_"},
+                    Mutant{"WrongDigitInAtan", "0x1.c71c71bd6d43ap-4", "0x1.c71c71bd7d43ap-4", "atan_ratio_"},
+                    Mutant{"AtanBeyondOne", "select(near, far, MASK(size > 1.0))", "near", "atan_ratio_"}),
     [](const auto& test) { return test.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
@@ -102,7 +105,16 @@ INSTANTIATE_TEST_SUITE_P(
                "interval_of(lesser(a.lo, b.lo), greater(a.hi, b.hi))", "interval_max"},
         Mutant{"HullOfOne", "fmax(a.hi, b.hi)", "a.hi", "interval_hull"},
         Mutant{"IntersectionOfDisjoint", "MASK(a.lo <= b.hi) & MASK(b.lo <= a.hi)", "MASK(a.lo <= b.hi)",
-               "interval_intersection"}),
+               "interval_intersection"},
+        Mutant{"AtanOfTheWrongEnd", "atan_ratio_up(magnitude.lo)", "atan_ratio_up(magnitude.hi)",
+               "interval_atan_ratio"},
+        Mutant{"AtanForgetsTheSign", "const interval magnitude = interval_abs(a);", "const interval magnitude = a;",
+               "interval_atan_ratio"},
+        Mutant{"AtanOfEmpty",
+               "return empty_unless(MASK(a.lo <= a.hi), interval_of(atan_ratio_down(magnitude.hi), "
+               "atan_ratio_up(magnitude.lo)));",
+               "return interval_of(atan_ratio_down(magnitude.hi), atan_ratio_up(magnitude.lo));",
+               "interval_atan_ratio"}),
     [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -23,6 +22,7 @@
 #include "tests/oracle/containment.hpp"
 #include "tests/oracle/in_parallel.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "tests/requested_count.hpp"
 
 namespace verisq::oracle {
 namespace {
@@ -32,8 +32,7 @@ constexpr std::size_t solids_a_batch = 64;
 constexpr std::size_t usual_cases = 20'000;
 
 [[nodiscard]] std::size_t requested_cases() {
-  const char* text = std::getenv("VERISQ_SOUNDNESS_CASES");
-  return text == nullptr ? usual_cases : static_cast<std::size_t>(std::stoull(text));
+  return requested_count("VERISQ_SOUNDNESS_CASES", usual_cases);
 }
 
 /// The cases of one solid; the same for an index whatever the number of threads.

@@ -25,6 +25,7 @@
 #include "tests/oracle/published_solids.hpp"
 #include "tests/oracle/random_triangles.hpp"
 #include "tests/oracle/triangle_reference.hpp"
+#include "tests/requested_count.hpp"
 
 namespace verisq::oracle {
 namespace {
@@ -33,8 +34,7 @@ constexpr std::size_t triangles_a_pose = 100;
 constexpr std::size_t usual_cases = 1'000;
 
 [[nodiscard]] std::size_t requested_cases() {
-  const char* text = std::getenv("VERISQ_TRIANGLE_CASES");
-  return text == nullptr ? usual_cases : static_cast<std::size_t>(std::stoull(text));
+  return requested_count("VERISQ_TRIANGLE_CASES", usual_cases);
 }
 
 /// The next triangle of the family that VERISQ_TRIANGLE_FAMILY names; of any family where it is not set.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdlib>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "tests/map_in_memory.hpp"
 #include "tests/oracle/mixed_norm.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "tests/requested_count.hpp"
 
 namespace verisq::oracle {
 
@@ -76,7 +76,7 @@ struct Uncertainty {
 [[nodiscard]] inline std::vector<Model> members(const UncertainModel& model, std::size_t count) {
   Model least;
   Model most;
-  for (const auto& [name, axes, exponents, at, quaternion] : model.primitives) {
+  for (const auto& [name, axes, exponents, at, quaternion, bend] : model.primitives) {
     const Pose pose{{at[0].lo, at[1].lo, at[2].lo}, quaternion};
     least.primitives.push_back(
         {name, {{axes[0].lo, axes[1].lo, axes[2].lo}, {exponents[0].hi, exponents[1].hi}}, pose});
@@ -90,8 +90,7 @@ struct Uncertainty {
 
 /// How many members a test tries: the variable VERISQ_MEMBERS of the environment.
 [[nodiscard]] inline std::size_t member_count(std::size_t otherwise) {
-  const char* const wanted = std::getenv("VERISQ_MEMBERS");
-  return wanted == nullptr ? otherwise : std::strtoull(wanted, nullptr, 10);
+  return requested_count("VERISQ_MEMBERS", otherwise);
 }
 
 /// As map_in_memory.

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "verify/convex_union.hpp"
 #include "verify/triangle_certificate.hpp"
 
 namespace verisq {
@@ -108,6 +109,7 @@ struct Checker::State {
 };
 
 Checker::Checker(const Model& model) : state_(std::make_unique<State>()) {
+  require_union_of_convex(model, "certificates");
   for (const Primitive& primitive : model.primitives) state_->primitives.emplace_back(primitive);
 }
 

@@ -7,6 +7,7 @@
 
 #include "verify/candidates.hpp"
 #include "verify/closest_points.hpp"
+#include "verify/convex_union.hpp"
 #include "verify/pair_contact.hpp"
 #include "verify/posed_pairs.hpp"
 
@@ -79,12 +80,15 @@ class PairQuery {
 }  // namespace
 
 struct PairDistance::State {
+  State(const Model& model_a, const Model& model_b) : a(model_a), b(model_b) {
+    for (const Model* model : {&model_a, &model_b}) require_union_of_convex(*model, "distances by certificates");
+  }
+
   PosedModel a;
   PosedModel b;
 };
 
-PairDistance::PairDistance(const Model& a, const Model& b)
-    : state_(std::make_unique<State>(State{PosedModel(a), PosedModel(b)})) {}
+PairDistance::PairDistance(const Model& a, const Model& b) : state_(std::make_unique<State>(a, b)) {}
 
 PairDistance::~PairDistance() = default;
 PairDistance::PairDistance(PairDistance&&) noexcept = default;
@@ -121,6 +125,7 @@ std::optional<ClosestPoints> PairDistance::closest_points(const ModelDistance& f
 }
 
 Enclosure prove(const Model& a, const Model& b, const Pose& pose, const PairCertificate& certificate) {
+  for (const Model* model : {&a, &b}) require_union_of_convex(*model, "certificates");
   const PosedModel posed_a(a);
   const PosedModel posed_b(b);
   return proven_distance(PosedPairs(posed_a, posed_b, pose), certificate);

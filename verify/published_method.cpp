@@ -9,8 +9,10 @@
 #include "verisq/published_method.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 #include "verify/bisected_enclosure.hpp"
+#include "verify/convex_union.hpp"
 #include "verify/gjk.hpp"
 #include "verify/pose.hpp"
 #include "verify/support_mapping.hpp"
@@ -20,6 +22,8 @@ namespace verisq {
 namespace {
 
 using namespace verify;
+
+constexpr std::string_view method_name = "the published method";
 
 Interval rounded_outward(const PreciseInterval& x) {
   return {x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)};
@@ -54,40 +58,46 @@ GjkResult<double> closest(const Primitive& a, const Primitive& b, double accurac
 
 /// The surface near p, first along d as the paper has it; where that line misses the solid (touching, where d is
 /// rounding error) along the ray from the centre, which cannot.
-Box surface_near(const BisectedEnclosure& solid, const Coordinates<double>& p, const Coordinates<double>& d) {
+IntervalVector surface_near(const BisectedEnclosure& solid, const Coordinates<double>& p,
+                            const Coordinates<double>& d) {
   if (const auto box = solid.surface_point(p, d)) return *box;
   if (const auto box = solid.surface_point(p, p)) return *box;
-  return solid.support_point(Box(1, 0, 0));
+  return solid.support_point(IntervalVector(1, 0, 0));
 }
 
 /// B's frame seen from A's: x_B = turn x_A + shift.
 struct RelativeFrame {
   Eigen::Matrix<Interval, 3, 3> turn;
-  Box shift;
+  IntervalVector shift;
 
   RelativeFrame(const Frame& a, const Frame& b)
       : turn(rounded_outward(b.rotation().transpose() * a.rotation())),
         shift(rounded_outward(b.rotation().transpose() * PreciseVector(a.origin() - b.origin()))) {}
 
-  [[nodiscard]] Box point_of_b(const Box& x_a) const { return turn * x_a + shift; }
-  [[nodiscard]] Box direction_of_b(const Box& v_a) const { return turn * v_a; }
-  [[nodiscard]] Box point_of_a(const Box& x_b) const { return turn.transpose() * Box(x_b - shift); }
+  [[nodiscard]] IntervalVector point_of_b(const IntervalVector& x_a) const { return turn * x_a + shift; }
+  [[nodiscard]] IntervalVector direction_of_b(const IntervalVector& v_a) const { return turn * v_a; }
+  [[nodiscard]] IntervalVector point_of_a(const IntervalVector& x_b) const {
+    return turn.transpose() * IntervalVector(x_b - shift);
+  }
 };
 
 }  // namespace
 
 Enclosure published_distance(const Primitive& solid, const Point& point, double accuracy) {
+  require_convex(solid, method_name);
   const BisectedEnclosure enclosure(solid.superquadric);
   const PreciseVector local = Frame(solid.pose).local_point(point);
-  const Box q = rounded_outward(local);
+  const IntervalVector q = rounded_outward(local);
   if (enclosure.bounds().gauge(q).upper() <= 1.0) return {0.0, 0.0};
   const GjkResult<double> found = closest(solid, middle(local), accuracy);
-  const Box p = surface_near(enclosure, found.on_a, difference(found.on_b, found.on_a));
-  const Box to = q - p;
+  const IntervalVector p = surface_near(enclosure, found.on_a, difference(found.on_b, found.on_a));
+  const IntervalVector to = q - p;
   return {plane_distance(enclosure.normal(p), to), length<double>(to).upper()};
 }
 
 Enclosure published_distance(const Primitive& a, const Primitive& b, double accuracy) {
+  require_convex(a, method_name);
+  require_convex(b, method_name);
   const BisectedEnclosure enclosure_a(a.superquadric);
   const BisectedEnclosure enclosure_b(b.superquadric);
   const RelativeFrame relative(Frame(a.pose), Frame(b.pose));
@@ -98,27 +108,30 @@ Enclosure published_distance(const Primitive& a, const Primitive& b, double accu
   const Coordinates<double> p_a = of_a.inverse_point(found.on_a);
   const Coordinates<double> to_b = of_a.inverse_direction(difference(found.on_b, found.on_a));
   const Coordinates<double> to_a = of_b.inverse_direction(difference(found.on_a, found.on_b));
-  const Box p = surface_near(enclosure_a, p_a, to_b);
-  const Box q = surface_near(enclosure_b, of_b.inverse_point(found.on_b), to_a);
+  const IntervalVector p = surface_near(enclosure_a, p_a, to_b);
+  const IntervalVector q = surface_near(enclosure_b, of_b.inverse_point(found.on_b), to_a);
 
-  const Box common(p_a[0], p_a[1], p_a[2]);
+  const IntervalVector common(p_a[0], p_a[1], p_a[2]);
   if (found.end == GjkEnd::common && enclosure_a.bounds().gauge(common).upper() <= 1.0 &&
       enclosure_b.bounds().gauge(relative.point_of_b(common)).upper() <= 1.0) {
     return {0.0, 0.0};
   }
-  const double hi = length<double>(Box(relative.point_of_a(q) - p)).upper();
-  const Box normal = enclosure_a.normal(p);
+  const double hi = length<double>(IntervalVector(relative.point_of_a(q) - p)).upper();
+  const IntervalVector normal = enclosure_a.normal(p);
   if (!bounded(normal)) return {0.0, hi};
-  const Box r = enclosure_b.support_point(-relative.direction_of_b(normal));
+  const IntervalVector r = enclosure_b.support_point(-relative.direction_of_b(normal));
   return {plane_distance(normal, relative.point_of_a(r) - p), hi};
 }
 
 double unverified_distance(const Primitive& solid, const Point& point, double accuracy) {
+  require_convex(solid, method_name);
   const GjkResult<double> found = closest(solid, RigidMotion<double>(solid.pose).inverse_point(point), accuracy);
   return found.end == GjkEnd::common ? 0.0 : found.upper;
 }
 
 double unverified_distance(const Primitive& a, const Primitive& b, double accuracy) {
+  require_convex(a, method_name);
+  require_convex(b, method_name);
   const GjkResult<double> found = closest(a, b, accuracy);
   return found.end == GjkEnd::common ? 0.0 : found.upper;
 }

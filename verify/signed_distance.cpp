@@ -1,18 +1,61 @@
-/// The public entry: a model as posed solids.
+/// The public entry: certificates where they are as good as any proof, the search over cubes elsewhere.
 #include "verisq/signed_distance.hpp"
 
+#include <algorithm>
+#include <limits>
+#include <optional>
 #include <vector>
 
+#include "verify/solid_distance.hpp"
 #include "verify/solid_union.hpp"
 #include "verisq/checker.hpp"
+#include "verisq/error.hpp"
 
 namespace verisq {
 
-struct SignedDistance::State {
-  explicit State(const Model& model) : checker(model), solids(model.primitives.begin(), model.primitives.end()) {}
+namespace {
+
+constexpr Enclosure nothing_known{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+
+/// Narrower enclosures are not searched for, in parts of the model's radius.
+constexpr double search_limit = 1e-10;
+
+bool never() {
+  return false;
+}
+
+/// What certificates of convex primitives need.
+struct ConvexUnion {
+  explicit ConvexUnion(const Model& model) : checker(model), solids(model.primitives.begin(), model.primitives.end()) {}
+
+  /// Outside, and of a single primitive, certificates are tight; where primitives may overlap, their union is deeper
+  /// than each of them, and the escape along a ray may be far from the shortest.
+  [[nodiscard]] bool loose(const Enclosure& found, double tolerance) const {
+    return solids.size() > 1 && !(found.lo > 0.0) && !verified(found, tolerance);
+  }
 
   Checker checker;
   std::vector<verify::Solid> solids;
+};
+
+Enclosure intersection(const Enclosure& a, const Enclosure& b) {
+  return {std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
+}
+
+}  // namespace
+
+struct SignedDistance::State {
+  explicit State(const Model& model) : search(model), resolution(search_limit * bounding_radius(model)) {
+    if (is_union_of_convex(model)) convex.emplace(model);
+  }
+
+  [[nodiscard]] Enclosure searched(const Point& point, double tolerance, const Enclosure& known) const {
+    return search(point, std::max(tolerance, resolution), known, never);
+  }
+
+  std::optional<ConvexUnion> convex;
+  verify::SolidDistance search;
+  double resolution;
 };
 
 SignedDistance::SignedDistance(const Model& model) : state_(std::make_unique<State>(model)) {}
@@ -22,25 +65,25 @@ SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
 SignedDistance& SignedDistance::operator=(SignedDistance&&) noexcept = default;
 
 Enclosure SignedDistance::operator()(const Point& point, double tolerance) const {
-  return verify::signed_distance(state_->solids, point, tolerance).distance;
+  if (!state_->convex) return state_->searched(point, tolerance, nothing_known);
+  const Enclosure known = verify::signed_distance(state_->convex->solids, point, tolerance).distance;
+  if (!state_->convex->loose(known, std::max(tolerance, state_->resolution))) return known;
+  return intersection(known, state_->searched(point, tolerance, known));
 }
 
 CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance) const {
-  CertifiedEnclosure found = verify::signed_distance(state_->solids, point, tolerance);
-  found.distance = state_->checker(point, found.distance, found.certificate).proven;
-  return found;
-}
-
-double bounding_radius(const Model& model) {
-  using namespace verify;
-  PreciseVector box = Solid(model.primitives.front()).bounding_box();
-  for (const Primitive& primitive : model.primitives) {
-    const PreciseVector other = Solid(primitive).bounding_box();
-    for (Eigen::Index i = 0; i < 3; ++i) box[i] = hull(box[i], other[i]);
-  }
-  PreciseVector diagonal;
-  for (Eigen::Index i = 0; i < 3; ++i) diagonal[i] = PreciseInterval(box[i].upper()) - PreciseInterval(box[i].lower());
-  return (length<Real>(diagonal) / PreciseInterval(2)).upper().to_double(Direction::up);
+  if (!state_->convex) throw Error(ErrorKind::input, "certificates: only for unions of primitives that are not bent");
+  const auto& [checker, solids] = *state_->convex;
+  const auto proven = [&](CertifiedEnclosure found) {
+    found.distance = checker(point, found.distance, found.certificate).proven;
+    return found;
+  };
+  const CertifiedEnclosure found = proven(verify::signed_distance(solids, point, tolerance));
+  if (!state_->convex->loose(found.distance, std::max(tolerance, state_->resolution))) return found;
+  CertifiedEnclosure nearer = found;
+  nearer.certificate.escape = state_->search.escape(point, std::max(tolerance, state_->resolution), never);
+  nearer = proven(nearer);
+  return nearer.distance.lo > found.distance.lo ? nearer : found;
 }
 
 }  // namespace verisq

@@ -2,7 +2,10 @@
 #include "verify/superquadric.hpp"
 
 #include <cmath>
-#include <utility>
+#include <limits>
+#include <type_traits>
+
+#include "verify/fast_functions.hpp"
 
 namespace verisq::verify {
 
@@ -23,6 +26,55 @@ NormExponent<T> dual_exponent(double e) {
   return {BasicInterval<T>(2) / difference, difference / BasicInterval<T>(2)};
 }
 
+double bound_of_power(double base, double exponent, Direction direction) {
+  return fast_power(base, exponent, direction);
+}
+
+Real bound_of_power(const Real& base, const Real& exponent, Direction direction) {
+  return power(base, exponent, direction);
+}
+
+/// An e with x < 2^e, for x > 0.
+double binary_exponent(double x) {
+  return std::ilogb(x) + 1.0;
+}
+
+double binary_exponent(const Real& x) {
+  return static_cast<double>(mpfr_get_exp(x.get()));
+}
+
+double below(double x) {
+  return x;
+}
+
+double below(const Real& x) {
+  return x.to_double(Direction::down);
+}
+
+/// Whether ratio^p is proven to be too small to change 1 but for one rounding, for 0 <= ratio <= 1 and p >= 1.
+template <class T>
+bool is_negligible(const T& ratio, const NormExponent<T>& p) {
+  // Four bits and more beyond the precision: the rounding of this product does not matter.
+  constexpr double limit = std::is_same_v<T, double> ? -58.0 : -132.0;
+  return ratio == T(0) || binary_exponent(ratio) * below(p.value.lower()) < limit;
+}
+
+/// (1 + ratio^p)^(1/p) for 0 <= ratio <= 1
+template <class T>
+T norm_of_ratio(const T& ratio, const NormExponent<T>& p, Direction direction) {
+  const bool up = direction == Direction::up;
+  if (p.value.lower() == T(1) && p.value.upper() == T(1)) return add(T(1), ratio, direction);
+  if (p.value.lower() == T(2) && p.value.upper() == T(2)) {
+    return square_root(add(T(1), multiply(ratio, ratio, direction), direction), direction);
+  }
+  if (is_negligible(ratio, p)) return add(T(1), up ? T(0x1p-500) : T(0), direction);
+  // Falls with p because ratio <= 1.
+  const T term = bound_of_power(ratio, up ? p.value.lower() : p.value.upper(), direction);
+  // Rises with 1/p because the base is at least 1.
+  const T sum = add(T(1), term, direction);
+  return bound_of_power(sum, up ? p.reciprocal.upper() : p.reciprocal.lower(), direction);
+}
+
 /// A bound of (x^p + y^p)^(1/p) for nonnegative x and y. The larger operand is factored out: every power has a base in
 /// [0, 1] or [1, 2], nothing overflows, and the small term's large relative error does no harm.
 template <class T>
@@ -30,14 +82,8 @@ T norm(const T& x, const T& y, const NormExponent<T>& p, Direction direction) {
   const T& large = x < y ? y : x;
   const T& small = x < y ? x : y;
   if (p.infinite || small == T(0) || large == T(std::numeric_limits<double>::infinity())) return large;
-  const bool up = direction == Direction::up;
-  // Falls with p because ratio <= 1 (a quotient below 1 rounds to at most 1).
-  const T ratio = divide(small, large, direction);
-  const T term = power(ratio, up ? p.value.lower() : p.value.upper(), direction);
-  // Rises with 1/p because the base is at least 1.
-  const T sum = add(T(1), term, direction);
-  const T root = power(sum, up ? p.reciprocal.upper() : p.reciprocal.lower(), direction);
-  return multiply(large, root, direction);
+  // A quotient below 1 rounds to at most 1.
+  return multiply(large, norm_of_ratio<T>(divide(small, large, direction), p, direction), direction);
 }
 
 }  // namespace
@@ -51,11 +97,18 @@ SuperquadricBounds<T>::SuperquadricBounds(const Superquadric& superquadric)
       dual_outer_(dual_exponent<T>(superquadric.exponents[0])) {}
 
 template <class T>
+T SuperquadricBounds<T>::section(const T& x, const T& y, Direction direction) const {
+  return norm(divide(x, semi_axes_[0], direction), divide(y, semi_axes_[1], direction), inner_, direction);
+}
+
+template <class T>
+T SuperquadricBounds<T>::gauge(const T& section, const T& z, Direction direction) const {
+  return norm(section, divide(z, semi_axes_[2], direction), outer_, direction);
+}
+
+template <class T>
 T SuperquadricBounds<T>::gauge(const std::array<T, 3>& coordinates, Direction direction) const {
-  const T x = divide(coordinates[0], semi_axes_[0], direction);
-  const T y = divide(coordinates[1], semi_axes_[1], direction);
-  const T z = divide(coordinates[2], semi_axes_[2], direction);
-  return norm(norm(x, y, inner_, direction), z, outer_, direction);
+  return gauge(section(coordinates[0], coordinates[1], direction), coordinates[2], direction);
 }
 
 template <class T>

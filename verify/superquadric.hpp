@@ -40,6 +40,11 @@ class SuperquadricBounds {
   /// `coordinates` (nonnegative). The solid is {g <= 1}.
   [[nodiscard]] T gauge(const std::array<T, 3>& coordinates, Direction direction) const;
 
+  /// The two norms of which the gauge is made, for points that share coordinates: of (x/a1, y/a2), and of that with
+  /// z/a3.
+  [[nodiscard]] T section(const T& x, const T& y, Direction direction) const;
+  [[nodiscard]] T gauge(const T& section, const T& z, Direction direction) const;
+
   /// The same of the support function h(v), the largest v·x over the solid.
   [[nodiscard]] T support(const std::array<T, 3>& coordinates, Direction direction) const;
 

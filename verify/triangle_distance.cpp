@@ -8,6 +8,7 @@
 
 #include "verify/candidates.hpp"
 #include "verify/contact.hpp"
+#include "verify/convex_union.hpp"
 #include "verify/triangle.hpp"
 #include "verify/triangle_certificate.hpp"
 #include "verify/triangle_contact.hpp"
@@ -164,7 +165,10 @@ struct TriangleDistance::State {
   std::vector<PosedSuperquadric> primitives;
 };
 
-TriangleDistance::TriangleDistance(const Model& model) : state_(std::make_unique<State>(model)) {}
+TriangleDistance::TriangleDistance(const Model& model) {
+  require_union_of_convex(model, "distances of triangles");
+  state_ = std::make_unique<State>(model);
+}
 
 TriangleDistance::~TriangleDistance() = default;
 TriangleDistance::TriangleDistance(TriangleDistance&&) noexcept = default;

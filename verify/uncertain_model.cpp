@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "verify/convex_union.hpp"
 #include "verify/interval.hpp"
 #include "verisq/error.hpp"
 
@@ -88,10 +89,10 @@ void check_finite(double shift, const Superquadric& solid, std::size_t index) {
 }  // namespace
 
 UncertainModel uncertain(const Model& model) {
-  UncertainModel result{model.units, {}};
-  for (const auto& [name, superquadric, pose] : model.primitives) {
+  UncertainModel result{model.units, {}, model.csg};
+  for (const auto& [name, superquadric, pose, bend] : model.primitives) {
     result.primitives.push_back({name, exactly(superquadric.semi_axes), exactly(superquadric.exponents),
-                                 exactly(pose.translation), pose.quaternion});
+                                 exactly(pose.translation), pose.quaternion, bend});
   }
   return result;
 }
@@ -103,20 +104,22 @@ bool is_exact(const UncertainModel& model) {
 }
 
 Bracket bracket(const UncertainModel& model) {
-  Bracket result{{model.units, {}}, {model.units, {}}, std::nullopt, 0.0};
-  Model everywhere{model.units, {}};
+  const Model nothing_yet{model.units, {}, model.csg};
+  Bracket result{nothing_yet, nothing_yet, std::nullopt, 0.0};
+  Model everywhere = nothing_yet;
   for (const UncertainPrimitive& primitive : model.primitives) {
     // The gauge falls as a semi-axis rises and rises with an exponent, each on its own (design 2, §8).
     const Superquadric small{mapped(primitive.semi_axes, low), mapped(primitive.exponents, high)};
     const Superquadric large{mapped(primitive.semi_axes, high), mapped(primitive.exponents, low)};
     const Pose pose{mapped(primitive.translation, middle), primitive.quaternion};
     const PreciseInterval shift = shift_of(primitive);
-    result.smallest.primitives.push_back({primitive.name, small, pose});
-    result.largest.primitives.push_back({primitive.name, large, pose});
-    everywhere.primitives.push_back({primitive.name, inflated(large, shift), pose});
+    result.smallest.primitives.push_back({primitive.name, small, pose, primitive.bend});
+    result.largest.primitives.push_back({primitive.name, large, pose, primitive.bend});
+    everywhere.primitives.push_back({primitive.name, inflated(large, shift), pose, primitive.bend});
     result.shift = std::max(result.shift, shift.upper().to_double(Direction::up));
     check_finite(result.shift, everywhere.primitives.back().superquadric, everywhere.primitives.size() - 1);
   }
+  if (!is_exact(model)) require_union_of_convex(result.largest, "intervals");
   if (model.primitives.size() > 1 && result.shift > 0.0) result.inflated = std::move(everywhere);
   return result;
 }

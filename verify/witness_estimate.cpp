@@ -10,7 +10,7 @@
 namespace verisq::verify {
 
 WitnessEstimate::WitnessEstimate(const Model& model) {
-  for (const auto& [name, superquadric, pose] : model.primitives) {
+  for (const auto& [name, superquadric, pose, bend] : model.primitives) {
     const Frame frame(pose);
     std::array<Vector, 3> rotation{};
     for (std::size_t i = 0; i < 3; ++i) {

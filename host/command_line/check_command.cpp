@@ -12,6 +12,7 @@
 #include <verisq/map_file.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/uncertain_checker.hpp>
+#include <verisq/uncertain_model.hpp>
 
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/element_words.hpp"
@@ -160,6 +161,12 @@ ExitStatus run_check(const CheckArguments& arguments) {
   watch_for_interruption();
   const double point_radius = parse_length("--point-radius", arguments.point_radius);
   const UncertainModel model = read_uncertain_model(arguments.inputs.model);
+  if (!is_union_of_convex(bracket(model).largest)) {
+    throw Error(ErrorKind::input,
+                fmt::format("{}: has no certificates to check, because of bends or csg other than the "
+                            "union of all primitives",
+                            arguments.inputs.model));
+  }
   MapReader map(arguments.map);
   const UncertainChecker checker(model, point_radius);
 

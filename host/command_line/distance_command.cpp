@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <vector>
@@ -15,7 +14,10 @@
 #include <verisq/signed_distance.hpp>
 #include <verisq/uncertain_model_distance.hpp>
 
+#include "host/command_line/distance_search.hpp"
 #include "host/command_line/distance_summary.hpp"
+#include "host/command_line/finite_number.hpp"
+#include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/map_to_file.hpp"
 #include "host/command_line/pose_stream.hpp"
@@ -31,6 +33,10 @@ constexpr const char* closing_words =
     "that neither a gap nor a common point is proven.\n"
     "Where a model gives intervals [lo, hi] for semi-axes, exponents or translations, the enclosure contains the\n"
     "distances of all that they allow, without closest points: give a --tol above that uncertainty.\n"
+    "Bent models, and csg other than the union of all primitives, are searched by branch and bound until the "
+    "enclosure\n"
+    "is at most the tolerance wide: without closest points. Ctrl-C and the --time-limit end the search with the best\n"
+    "enclosure so far, which is valid.\n"
     "With --poses, OUT has a row index,lo,hi,status for each pose. Ctrl-C keeps the finished rows of a .csv under\n"
     "OUT.partial; a second Ctrl-C stops at once.\n"
     "\n"
@@ -40,17 +46,11 @@ constexpr const char* closing_words =
     "Examples:\n"
     "  verisq distance stem.json cup.json\n"
     "  verisq distance stem.json cup.json --pose 0,0,12.5,1,0,0,0 --json\n"
+    "  verisq distance bent_stem.json cup.json --tol 1e-3 --time-limit 10\n"
     "  verisq distance stem.json cup.json --poses candidates.csv -o distances.csv";
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorKind::input, message);
-}
-
-std::optional<double> finite_number(std::string_view text) {
-  double value = 0.0;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || rest != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
 }
 
 /// "tx,ty,tz,qw,qx,qy,qz"
@@ -82,6 +82,7 @@ void check_usage(const DistanceArguments& arguments) {
     if (arguments.device) refuse("--device: only for many poses: give their --poses");
     return;
   }
+  if (arguments.time_limit) refuse("--time-limit: only for one pose, not for --poses");
   if (!arguments.output) refuse("--poses: give the file for their distances: -o");
   if (arguments.pose) refuse("give either --pose or --poses");
   if (arguments.certificate) refuse("--certificate: distances for --poses have none");
@@ -97,6 +98,32 @@ void refuse_what_uncertain_models_lack(const DistanceArguments& arguments) {
   if (arguments.certificate) refuse_option("--certificate");
 }
 
+/// The models as large as they may be: exact ones themselves.
+struct LargestModels {
+  Model a;
+  Model b;
+};
+
+void refuse_what_searches_lack(const LargestModels& models, const DistanceArguments& arguments) {
+  const std::string& path = is_union_of_convex(models.a) ? arguments.model_b : arguments.model_a;
+  const auto refuse_option = [&path](std::string_view option) {
+    refuse(fmt::format("{}: {}: not supported for bends, nor for csg other than the union of all primitives", option,
+                       path));
+  };
+  if (arguments.poses) refuse_option("--poses");
+  if (arguments.certificate) refuse_option("--certificate");
+}
+
+/// Nothing: no limit.
+std::optional<double> parse_time_limit(const DistanceArguments& arguments) {
+  if (!arguments.time_limit) return std::nullopt;
+  const std::optional<double> seconds = finite_number(*arguments.time_limit);
+  if (!seconds || !(*seconds > 0.0)) {
+    refuse(fmt::format("--time-limit: {} is not a finite number of seconds above 0", *arguments.time_limit));
+  }
+  return seconds;
+}
+
 /// Lengths of two models can be compared only in one unit.
 std::string common_units(const UncertainModel& a, const UncertainModel& b, const DistanceArguments& arguments) {
   if (!a.units.empty() && !b.units.empty() && a.units != b.units) {
@@ -104,12 +131,6 @@ std::string common_units(const UncertainModel& a, const UncertainModel& b, const
   }
   return a.units.empty() ? b.units : a.units;
 }
-
-/// The models as large as they may be: exact ones themselves.
-struct LargestModels {
-  Model a;
-  Model b;
-};
 
 double default_tolerance(const LargestModels& models) {
   const double tolerance = default_relative_tolerance * std::max(bounding_radius(models.a), bounding_radius(models.b));
@@ -174,6 +195,9 @@ const CLI::App& declare_distance(CLI::App& program, DistanceArguments& arguments
                   "Width up to which the enclosure is called verified, in model units (default: 1e-6 of the larger "
                   "bounding radius)")
       ->option_text("T");
+  distance
+      .add_option("--time-limit", arguments.time_limit, "Ends a search with the best enclosure so far (default: none)")
+      ->option_text("SECONDS");
   distance.add_flag("--json", arguments.json, "Print one JSON object: the answer; for --poses, the summary");
   distance.add_flag("--certificate", arguments.certificate, "Print what proves the enclosure again");
   distance.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
@@ -185,16 +209,24 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
   const Pose pose = arguments.pose ? parse_pose(*arguments.pose) : Pose{};
   std::optional<double> wanted;
   if (arguments.tolerance) wanted = parse_length("--tol", *arguments.tolerance);
+  const std::optional<double> seconds = parse_time_limit(arguments);
   const UncertainModel a = read_uncertain_model(arguments.model_a);
   const UncertainModel b = read_uncertain_model(arguments.model_b);
   const std::string units = common_units(a, b, arguments);
   const bool exact = is_exact(a) && is_exact(b);
   if (!exact) refuse_what_uncertain_models_lack(arguments);
   const LargestModels models{bracket(a).largest, bracket(b).largest};
+  const bool searched = !is_union_of_convex(models.a) || !is_union_of_convex(models.b);
+  if (searched) refuse_what_searches_lack(models, arguments);
   const double tolerance = wanted ? *wanted : default_tolerance(models);
   if (arguments.poses) return map_poses(models, units, tolerance, arguments);
 
-  DistanceReport report = exact ? exact_distance(models, pose) : uncertain_distance(a, b, pose);
+  DistanceReport report =
+      searched
+          ? searched_distance(models.a, models.b, pose,
+                              {.tolerance = tolerance, .seconds = seconds, .show_progress = !arguments.no_progress})
+      : exact ? exact_distance(models, pose)
+              : uncertain_distance(a, b, pose);
   report.units = units;
   report.tolerance = tolerance;
   if (!arguments.certificate) report.certificate.reset();

@@ -17,10 +17,11 @@ struct DistanceArguments {
   std::string model_a;
   std::string model_b;
   std::optional<std::string> pose;
-  std::optional<std::string> poses;      ///< a file, instead of one pose
-  std::optional<std::string> output;     ///< of the distances for `poses`
-  std::optional<std::string> device;     ///< for `poses`; "auto" when not given
-  std::optional<std::string> tolerance;  ///< text, so that it is read to the nearest binary64
+  std::optional<std::string> poses;       ///< a file, instead of one pose
+  std::optional<std::string> output;      ///< of the distances for `poses`
+  std::optional<std::string> device;      ///< for `poses`; "auto" when not given
+  std::optional<std::string> tolerance;   ///< text, so that it is read to the nearest binary64
+  std::optional<std::string> time_limit;  ///< text, in seconds
   bool json = false;
   bool certificate = false;
   bool no_progress = false;

@@ -88,7 +88,13 @@ std::string readable(const DistanceReport& report) {
                         report.closest->unique ? "proven: exactly one pair of closest points, in these boxes"
                                                : "not proven: these boxes contain every pair of closest points");
   }
+  if (report.near_points && !report.common) {
+    const auto& [on_a, on_b] = *report.near_points;
+    text += fmt::format("near point of A    {}\nnear point of B    {} in its own frame; {:.17g}{} apart at most\n",
+                        text_of(on_a), text_of(on_b), report.distance.hi, units);
+  }
   if (report.uncertain) text += "closest points     not enclosed, because the models are uncertain\n";
+  if (report.searched) text += "closest points     not enclosed, because a model is bent or built by set operations\n";
   return report.certificate ? text + readable(*report.certificate) : text;
 }
 

@@ -1,6 +1,7 @@
 /// What `verisq distance` says about one pose: for people, or as one JSON object.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <verisq/model_distance.hpp>
@@ -11,7 +12,9 @@ struct DistanceReport {
   Enclosure distance;
   Proximity proximity;
   bool uncertain = false;  ///< a model gives intervals: the enclosure holds for all members; no points, no certificate
+  bool searched = false;   ///< by branch and bound: no closest points, no certificate
   std::optional<Point> common = std::nullopt;
+  std::optional<std::array<Point, 2>> near_points = std::nullopt;  ///< of a search; each in its model's own frame
   std::optional<ClosestPoints> closest = std::nullopt;
   std::optional<PairCertificate> certificate = std::nullopt;  ///< where it was asked for
   std::string units = {};                                     ///< of both models; empty when not given

@@ -7,7 +7,8 @@ enum class ExitStatus {
   verified = 0,       ///< map: every enclosure is at most the tolerance wide; check: every enclosure is proved
   failed = 1,         ///< the program, a device or the file system failed
   bad_input = 2,      ///< bad usage or input
-  unverified = 3,     ///< finished; map: some enclosures are valid but wide; check: some are not proved
+  unverified = 3,     ///< finished; map: some enclosures are valid but wide; check: some are not proved; octree: ended
+                      ///< by its budget
   interrupted = 130,  ///< ended early by Ctrl-C: 128 + SIGINT, as shells report it
 };
 

@@ -11,6 +11,7 @@
 #include "host/command_line/distance_command.hpp"
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/map_command.hpp"
+#include "host/command_line/octree_command.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -37,6 +38,8 @@ int run(int argc, char** argv) {
   const CLI::App& check = declare_check(program, check_arguments);
   DistanceArguments distance_arguments;
   const CLI::App& distance = declare_distance(program, distance_arguments);
+  OctreeArguments octree_arguments;
+  const CLI::App& octree = declare_octree(program, octree_arguments);
   DevicesArguments devices_arguments;
   declare_devices(program, devices_arguments);
   try {
@@ -50,6 +53,7 @@ int run(int argc, char** argv) {
   const ExitStatus status = map.parsed()        ? run_map(map_arguments)
                             : check.parsed()    ? run_check(check_arguments)
                             : distance.parsed() ? run_distance(distance_arguments)
+                            : octree.parsed()   ? run_octree(octree_arguments)
                                                 : run_devices(devices_arguments);
   if (std::fflush(stdout) != 0) return report("cannot write to the standard output", ExitStatus::failed);
   return static_cast<int>(status);

@@ -39,11 +39,23 @@ constexpr const char* closing_words =
   throw Error(ErrorKind::input, message);
 }
 
-double default_tolerance(const UncertainModel& model) {
-  const double tolerance = default_relative_tolerance * bounding_radius(bracket(model).largest);
+double default_tolerance(const Model& largest) {
+  const double tolerance = default_relative_tolerance * bounding_radius(largest);
   // An infinite tolerance would call every enclosure verified.
   if (!std::isfinite(tolerance)) refuse("--tol: give one, because the size of the model overflows");
   return tolerance;
+}
+
+/// The library refuses the same without naming file and option.
+void refuse_what_needs_convexity(const Model& model, const MapArguments& arguments) {
+  if (is_union_of_convex(model)) return;
+  const auto refuse_option = [&](std::string_view option) {
+    refuse(fmt::format("{}: {}: not supported for bends, nor for csg other than the union of all primitives", option,
+                       arguments.inputs.model));
+  };
+  if (arguments.on == "triangles") refuse_option("--on triangles");
+  if (arguments.certificates) refuse_option("--certificates");
+  if (arguments.method == "published") refuse_option("--method published");
 }
 
 MapElements parse_elements(const MapArguments& arguments) {
@@ -126,7 +138,9 @@ ExitStatus run_map(const MapArguments& arguments) {
   const double radius = parse_length("--point-radius", arguments.point_radius);
 
   const UncertainModel model = read_uncertain_model(arguments.inputs.model);
-  const MapOptions options{.tolerance = tolerance ? *tolerance : default_tolerance(model),
+  const Model largest = bracket(model).largest;
+  refuse_what_needs_convexity(largest, arguments);
+  const MapOptions options{.tolerance = tolerance ? *tolerance : default_tolerance(largest),
                            .device = arguments.device,
                            .certificates = arguments.certificates,
                            .method = method,

@@ -97,6 +97,8 @@ const NumberOperation number_operations[] = {
     {"pow_unit, power >= 2^-1", 23, 24, draw_unit_power<1>, exact_power, host_power},
     {"pow_unit, power >= 2^-52", 23, 24, draw_unit_power<52>, exact_power, host_power},
     {"pow_unit, power >= 2^-1020", 23, 24, draw_unit_power<1020>, exact_power, host_power},
+    {"atan_ratio", 25, 26, draw<Domain::tangent>,
+     [](const Operands& o, Direction d) { return exact::inverse_tangent_ratio(o.a, d); }, nullptr},
 };
 
 // ---------------------------------------------------------------- rows: operations on intervals

@@ -64,6 +64,15 @@ double power(double base, double exponent, Direction direction) {
   return rounded(mpfr_pow, direction, base == 0.0 ? 0.0 : base, exponent);  // to MPFR -0 is negative
 }
 
+/// The arc is rounded too, in the same direction, but 200 bits further right: no binary64 number lies in between.
+double inverse_tangent_ratio(double a, Direction direction) {
+  verify::release_mpfr_cache_at_thread_exit();
+  if (a == 0.0) return 1.0;
+  const verify::MpfrNumber<256> size(std::abs(a));
+  const auto arc = verify::rounded_result<256>(mpfr_atan, direction, size.get());
+  return verify::rounded_result<53>(mpfr_div, direction, arc.get(), size.get()).to_double(direction);
+}
+
 double last_place(double rounded_down, double rounded_up) {
   const double size = std::min(std::abs(rounded_down), std::abs(rounded_up));
   if (!(size >= std::numeric_limits<double>::min())) return 0x1p-1022;

@@ -22,6 +22,8 @@ using verify::Direction;
 [[nodiscard]] double logarithm(double a, Direction direction);
 /// base^exponent for base >= 0; 0^0 = 1.
 [[nodiscard]] double power(double base, double exponent, Direction direction);
+/// atan(a)/a, 1 at 0 and 0 at the infinities.
+[[nodiscard]] double inverse_tangent_ratio(double a, Direction direction);
 
 /// The last place of the exact value whose roundings down and up these are: the distance of the two binary64 numbers
 /// around it; where it is one itself, of those above its magnitude. At least 2^-1022, the slack of

@@ -66,6 +66,12 @@ Ends logarithm(Ends a, Ends, Direction lower) {
   return {exact::logarithm(std::max(a.lo, 0.0), lower), exact::logarithm(a.hi, opposite(lower))};
 }
 
+/// Falls with the distance from 0.
+Ends inverse_tangent_ratio(Ends a, Ends b, Direction lower) {
+  const Ends size = magnitude(a, b, lower);
+  return {exact::inverse_tangent_ratio(size.hi, lower), exact::inverse_tangent_ratio(size.lo, opposite(lower))};
+}
+
 Ends sum(Ends a, Ends b, Direction lower) {
   return {exact::sum(a.lo, b.lo, lower), exact::sum(a.hi, b.hi, opposite(lower))};
 }
@@ -123,7 +129,7 @@ Ends intersection(Ends a, Ends b, Direction) {
   return both.lo <= both.hi ? both : empty_interval;
 }
 
-// ---------------------------------------------------------------- promises of kernels/interval.clh
+// ---------------------------------------------------------------- promises of interval.clh, inverse_tangent.clh
 
 double none(Ends, Ends, double) {
   return 0.0;
@@ -158,6 +164,11 @@ double of_power(Ends a, Ends, double tightest) {
   return 0x1p-49 * tightest * (1.0 + std::abs(std::log(tightest)));
 }
 
+/// The last term: beyond ATAN_HIGHEST of kernels/inverse_tangent.clh bounds are 0 and that of the value there.
+double of_inverse_tangent_ratio(Ends, Ends, double tightest) {
+  return 0x1.ap-50 * tightest + 0x1p-1020;
+}
+
 // ---------------------------------------------------------------- preconditions
 
 bool always(Ends) {
@@ -186,6 +197,7 @@ const IntervalOperation operations[] = {
     {"interval_max", 2, Domain::line, Domain::line, always, maximum, none},
     {"interval_hull", 2, Domain::line, Domain::line, always, hull, none},
     {"interval_intersection", 2, Domain::line, Domain::line, always, intersection, none},
+    {"interval_atan_ratio", 1, Domain::tangent, Domain::line, always, inverse_tangent_ratio, of_inverse_tangent_ratio},
 };
 
 }  // namespace

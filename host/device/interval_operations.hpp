@@ -1,4 +1,5 @@
-/// The interval operations of kernels/interval.clh: the exact range of each, and how tight the kernels promise to be.
+/// The interval operations of kernels/interval.clh and kernels/inverse_tangent.clh: the exact range of each, and how
+/// tight the kernels promise to be.
 #pragma once
 
 #include <span>

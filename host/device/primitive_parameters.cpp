@@ -2,15 +2,13 @@
 #include "host/device/primitive_parameters.hpp"
 
 #include <algorithm>
-#include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
 #include <limits>
 
+#include "host/device/directed_conversion.hpp"
+
 namespace verisq::device {
 namespace {
-
-using Extended =
-    boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<60>, boost::multiprecision::et_off>;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double unit_roundoff = 0x1p-53;
@@ -18,15 +16,6 @@ constexpr double unit_roundoff = 0x1p-53;
 // An integer power of two above which (1 + t^q)^(1/q) is the maximum norm to far below rounding; as a lower bound of
 // an exponent it is always valid, since norms fall as exponents rise.
 constexpr double largest_conjugate = 0x1p60;
-
-double round_down(const Extended& x) {
-  const auto nearest = x.convert_to<double>();
-  return Extended(nearest) <= x ? nearest : std::nextafter(nearest, -infinity);
-}
-
-double round_up(const Extended& x) {
-  return -round_down(-x);
-}
 
 void set_exponents(PrimitiveParameters& out, const std::array<double, 2>& exponents) {
   for (int i = 0; i < 2; ++i) {
@@ -43,19 +32,11 @@ void set_exponents(PrimitiveParameters& out, const std::array<double, 2>& expone
   }
 }
 
-// Rotation of q/|q|, transposed (model to local frame). Each entry is the exact one rounded once.
+// Each entry is the exact one rounded once.
 void set_rotation(PrimitiveParameters& out, const std::array<double, 4>& quaternion) {
-  const Extended w(quaternion[0]);
-  const Extended x(quaternion[1]);
-  const Extended y(quaternion[2]);
-  const Extended z(quaternion[3]);
-  const Extended n = w * w + x * x + y * y + z * z;
-  const Extended rows[9] = {
-      w * w + x * x - y * y - z * z, 2 * (x * y + w * z),           2 * (x * z - w * y),
-      2 * (x * y - w * z),           w * w - x * x + y * y - z * z, 2 * (y * z + w * x),
-      2 * (x * z + w * y),           2 * (y * z - w * x),           w * w - x * x - y * y + z * z};
-  std::transform(std::begin(rows), std::end(rows), std::begin(out.rotation),
-                 [&n](const Extended& entry) { return Extended(entry / n).convert_to<double>(); });
+  const std::array<Extended, 9> rotation = rotation_to_local(quaternion);
+  std::transform(rotation.begin(), rotation.end(), std::begin(out.rotation),
+                 [](const Extended& entry) { return entry.convert_to<double>(); });
 }
 
 // Bound of |computed - exact local point| / |x - translation|_1. Each component of the local point is a sum of three
@@ -85,6 +66,18 @@ void set_radii(PrimitiveParameters& out, const std::array<double, 2>& exponents)
 }
 
 }  // namespace
+
+std::array<Extended, 9> rotation_to_local(const std::array<double, 4>& quaternion) {
+  const Extended w(quaternion[0]);
+  const Extended x(quaternion[1]);
+  const Extended y(quaternion[2]);
+  const Extended z(quaternion[3]);
+  const Extended n = w * w + x * x + y * y + z * z;
+  return {
+      (w * w + x * x - y * y - z * z) / n, 2 * (x * y + w * z) / n, 2 * (x * z - w * y) / n, 2 * (x * y - w * z) / n,
+      (w * w - x * x + y * y - z * z) / n, 2 * (y * z + w * x) / n, 2 * (x * z + w * y) / n, 2 * (y * z - w * x) / n,
+      (w * w - x * x - y * y + z * z) / n};
+}
 
 PrimitiveParameters primitive_parameters(const Primitive& primitive, int scale_exponent) {
   PrimitiveParameters out{};

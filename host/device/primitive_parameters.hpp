@@ -1,7 +1,10 @@
 /// What a kernel is told about one primitive: the counterpart of `superquadric` in kernels/superquadric.clh.
 #pragma once
 
+#include <array>
 #include <verisq/model.hpp>
+
+#include "host/device/directed_conversion.hpp"
 
 namespace verisq::device {
 
@@ -27,6 +30,9 @@ struct PrimitiveParameters {
 /// Parameters of a primitive in a frame whose unit is 2^-scale_exponent model units, which keeps the numbers of the
 /// kernels near 1. Exact but for underflow, which the kernels' error bounds cover.
 [[nodiscard]] PrimitiveParameters primitive_parameters(const Primitive& primitive, int scale_exponent);
+
+/// The rotation of q/|q|, transposed (model to local frame), row by row, to far more digits than binary64 has.
+[[nodiscard]] std::array<Extended, 9> rotation_to_local(const std::array<double, 4>& quaternion);
 
 /// The scale for a model: its largest semi-axis comes to lie in [1, 2).
 [[nodiscard]] int scale_exponent(const Model& model);

@@ -47,6 +47,14 @@ double SampleOperands::moderate() {
   return std::ldexp(1.0 + uniform(), static_cast<int>(one_of(13)) - 7);
 }
 
+double SampleOperands::tangent() {
+  static constexpr std::array borders{1.0, 0x1p1021, 0x1p-511, 0x1p-1022};  // where s^2 and s become subnormal
+  const double sign = one_of(2) == 0 ? 1.0 : -1.0;
+  if (one_of(4) != 0) return sign * 2.0 * uniform();
+  const double border = borders[one_of(borders.size())];
+  return sign * border * (1.0 + std::ldexp(uniform() - 0.5, -static_cast<int>(one_of(53))));
+}
+
 double SampleOperands::number(Domain domain) {
   switch (domain) {
     case Domain::line:
@@ -58,6 +66,7 @@ double SampleOperands::number(Domain domain) {
     case Domain::nonnegative: return std::abs(any());
     case Domain::exponent: return one_of(5) == 0 ? any() : 740.0 * (2.0 * uniform() - 1.0);
     case Domain::base: return one_of(5) == 0 ? any() : moderate();
+    case Domain::tangent: return one_of(5) == 0 ? any() : tangent();
     case Domain::power: break;
   }
   if (one_of(5) == 0) return any();

@@ -37,6 +37,7 @@ enum class Domain {
   exponent,  ///< mostly where the exponential is a normal number
   base,      ///< mostly positive and of moderate size
   power,     ///< mostly of moderate size
+  tangent,   ///< mostly in [-2, 2], or near a number at which kernels/inverse_tangent.clh changes its course
 };
 
 /// An endless sequence of operands that depends on the seed alone.
@@ -56,6 +57,7 @@ class SampleOperands {
  private:
   double any();
   double moderate();
+  double tangent();
   std::uint64_t one_of(std::uint64_t count) { return generator_() % count; }
 
   std::mt19937_64 generator_;

@@ -88,6 +88,10 @@ Exact power(const Operands& o) {
   return Exact(pow(Extended(o.a), Extended(o.b)));
 }
 
+Exact inverse_tangent_ratio(const Operands& o) {
+  return o.a == 0.0 ? Exact(1.0) : Exact(atan(Extended(o.a)) / o.a);
+}
+
 // In the order of kernels/self_test.cl.
 constexpr double outward = 0x1p-51;  // two steps of a unit in the last place
 const Operation operations[] = {
@@ -116,6 +120,8 @@ const Operation operations[] = {
     {"log_up", Promise::above, logarithm, positive_normal, 0x1p-50},
     {"pow_unit_down", Promise::below, power, unit_base, 0x1p-40},
     {"pow_unit_up", Promise::above, power, unit_base, 0x1p-40},
+    {"atan_ratio_down", Promise::below, inverse_tangent_ratio, always, 0x1.99p-50},
+    {"atan_ratio_up", Promise::above, inverse_tangent_ratio, always, 0x1.99p-50},
 };
 
 std::vector<Operands> sample_operands() {

@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <vector>
 #include <verisq/model_file.hpp>
 
 #include "host/files/input_file.hpp"
 #include "host/files/json_document.hpp"
+#include "verify/bend_range.hpp"
+#include "verify/convex_union.hpp"
 
 namespace verisq {
 namespace {
@@ -86,12 +89,35 @@ void read_pose(const JsonValue& value, Intervals intervals, UncertainPrimitive& 
   }
 }
 
+/// The largest solid that the intervals allow.
+Superquadric largest(const UncertainPrimitive& primitive) {
+  const auto& [a1, a2, a3] = primitive.semi_axes;
+  const auto& [e1, e2] = primitive.exponents;
+  return {{a1.hi, a2.hi, a3.hi}, {e1.lo, e2.lo}};
+}
+
+/// What the contract asks of a bend must be proven: a curvature within rounding errors of the limits is refused too.
+Bend read_bend(const JsonValue& value, const Superquadric& superquadric) {
+  value.check_keys({"curvature", "angle_deg"});
+  const JsonValue curvature = value.at("curvature");
+  const Bend bend{curvature.number(), value.at("angle_deg").number()};
+  if (!verify::keeps_off_its_centre(bend, superquadric)) {
+    const double extent = verify::extent(bend, superquadric).upper().to_double(verify::Direction::up);
+    curvature.fail(
+        fmt::format("its magnitude times the solid's extent towards angle_deg, {:.6g}, must be below 1", extent));
+  }
+  if (!verify::is_less_than_a_full_turn(bend, superquadric)) {
+    curvature.fail(fmt::format("its magnitude times a3, {:.6g}, must be below pi", superquadric.semi_axes[2]));
+  }
+  return bend;
+}
+
 UncertainPrimitive read_primitive(const JsonValue& value, Intervals intervals) {
   value.check_keys({"name", "superquadric", "bend", "pose"});
   UncertainPrimitive primitive{value.at("name").text(), {}, {}, {}, Pose{}.quaternion};
   read_superquadric(value.at("superquadric"), intervals, primitive);
   if (const auto pose = value.find("pose")) read_pose(*pose, intervals, primitive);
-  if (const auto bend = value.find("bend")) bend->fail_key("bent superquadrics are not supported yet");
+  if (const auto bend = value.find("bend")) primitive.bend = read_bend(*bend, largest(primitive));
   return primitive;
 }
 
@@ -109,44 +135,61 @@ std::vector<UncertainPrimitive> read_primitives(const JsonValue& value, Interval
   return primitives;
 }
 
-/// The names in a tree of set operations, every one known.
-class SetOperations {
+/// Trees of set operations on primitives that are known by name. Recursion is bounded by parse_json.
+class SetExpressions {
  public:
-  explicit SetOperations(const std::vector<UncertainPrimitive>& primitives) {
-    for (const UncertainPrimitive& primitive : primitives) known_.insert(primitive.name);
-  }
-
-  /// {"union": [operand, ...]}; the others are valid, but refused. Recursion is bounded by parse_json.
-  void read_operator(const JsonValue& value) {
-    value.check_keys({"union", "intersection", "difference"});
-    if (value.json().size() != 1) value.fail("must have exactly one key: union, intersection or difference");
-    const std::string operation = value.json().begin().key();
-    const JsonValue operands = value.at(operation);
-    if (operands.size() == 0) operands.fail("must have at least one operand");
-    for (std::size_t k = 0; k < operands.size(); ++k) read_operand(operands.element(k));
-    if (operation != "union") operands.fail_key("not supported yet: only the union of all primitives is");
-  }
-
-  void check_all_used(const JsonValue& csg) const {
-    for (const std::string& name : known_) {
-      if (used_.contains(name)) continue;
-      csg.fail_key(fmt::format("leaves out primitive {}: not supported yet, only the union of all primitives is",
-                               nlohmann::json(name).dump(-1, ' ', true)));
+  explicit SetExpressions(const std::vector<UncertainPrimitive>& primitives) {
+    for (const UncertainPrimitive& primitive : primitives) {
+      indices_.emplace(primitive.name, static_cast<std::uint32_t>(indices_.size()));
     }
   }
 
- private:
-  void read_operand(const JsonValue& value) {
-    if (value.json().is_object()) return read_operator(value);
-    if (!value.json().is_string()) value.fail("must be the name of a primitive or an operator");
-    const std::string name = value.text();
-    if (!known_.contains(name)) value.fail("no primitive has this name");
-    used_.insert(name);
+  /// {"union": [operand, ...]}, or intersection, or difference.
+  [[nodiscard]] SetExpression read_operator(const JsonValue& value) const {
+    value.check_keys({"union", "intersection", "difference"});
+    if (value.json().size() != 1) value.fail("must have exactly one key: union, intersection or difference");
+    const std::string& key = value.json().begin().key();
+    SetExpression expression{.operation = operation(key)};
+    const JsonValue operands = value.at(key);
+    check_count(operands, expression.operation);
+    for (std::size_t k = 0; k < operands.size(); ++k) expression.operands.push_back(read_operand(operands.element(k)));
+    return expression;
   }
 
-  std::set<std::string> known_;
-  std::set<std::string> used_;
+ private:
+  static SetOperation operation(std::string_view key) {
+    if (key == "union") return SetOperation::unite;
+    return key == "intersection" ? SetOperation::intersect : SetOperation::subtract;
+  }
+
+  /// One operand is its own union and intersection; a difference of one has most likely lost the others.
+  static void check_count(const JsonValue& operands, SetOperation operation) {
+    if (operands.size() == 0) operands.fail("must have at least one operand");
+    if (operation == SetOperation::subtract && operands.size() == 1) {
+      operands.fail("must have at least two operands: the first without the others");
+    }
+  }
+
+  [[nodiscard]] SetExpression read_operand(const JsonValue& value) const {
+    if (value.json().is_object()) return read_operator(value);
+    if (!value.json().is_string()) value.fail("must be the name of a primitive or an operator");
+    const auto found = indices_.find(value.text());
+    if (found == indices_.end()) value.fail("no primitive has this name");
+    return {.primitive = found->second};
+  }
+
+  std::map<std::string, std::uint32_t> indices_;
 };
+
+/// The models that bracket an uncertain one are unions of convex solids.
+void check_intervals(const UncertainModel& model, std::string_view name) {
+  if (is_exact(model)) return;
+  Model shape{model.units, {}, model.csg};
+  for (const UncertainPrimitive& primitive : model.primitives) {
+    shape.primitives.push_back({primitive.name, largest(primitive), {}, primitive.bend});
+  }
+  verify::require_union_of_convex(shape, fmt::format("{}: intervals", name));
+}
 
 UncertainModel parse(std::string_view json, std::string_view name, Intervals intervals) {
   const nlohmann::json document = parse_json(json, name);
@@ -158,11 +201,8 @@ UncertainModel parse(std::string_view json, std::string_view name, Intervals int
   UncertainModel model;
   if (const auto units = root.find("units")) model.units = units->text();
   model.primitives = read_primitives(root.at("primitives"), intervals);
-  if (const auto csg = root.find("csg")) {
-    SetOperations operations(model.primitives);
-    operations.read_operator(*csg);
-    operations.check_all_used(*csg);
-  }
+  if (const auto csg = root.find("csg")) model.csg = SetExpressions(model.primitives).read_operator(*csg);
+  check_intervals(model, name);
   return model;
 }
 

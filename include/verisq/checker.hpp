@@ -23,6 +23,7 @@ struct Finding {
 /// Immutable after construction: safe to call from many threads.
 class Checker {
  public:
+  /// Throws Error(input) unless the model is_union_of_convex.
   explicit Checker(const Model& model);
   ~Checker();
   Checker(Checker&&) noexcept;

@@ -51,8 +51,8 @@ using MapSink = std::function<void(std::span<const Point>, std::span<const MapRe
 /// pay for that once.
 class DistanceMapper {
  public:
-  /// Throws Error(input) when no device matches `options.device`, when a named device failed its self-test, or for the
-  /// published method with a device or certificates.
+  /// Throws Error(input) when no device matches `options.device`, when a named device failed its self-test, for the
+  /// published method with a device or certificates, or for either of these unless the model is_union_of_convex.
   DistanceMapper(const Model& model, const MapOptions& options);
   ~DistanceMapper();
   DistanceMapper(DistanceMapper&&) noexcept;
@@ -72,7 +72,8 @@ using TriangleSource = std::function<std::size_t(std::span<Triangle>)>;
 using TriangleSink =
     std::function<void(std::span<const Triangle>, std::span<const MapResult>, std::span<const Certificate>)>;
 
-/// As DistanceMapper for the distance of whole triangles to the model, which is 0 where they meet it.
+/// As DistanceMapper for the distance of whole triangles to the model, which is 0 where they meet it, of models that
+/// are is_union_of_convex only.
 class TriangleMapper {
  public:
   TriangleMapper(const Model& model, const MapOptions& options);

@@ -1,7 +1,10 @@
-/// Solids: posed convex superquadrics and their union, exactly as the user's binary64 numbers state them.
+/// Solids: posed superquadrics, bent or not, and trees of set operations on them, exactly as the user's binary64
+/// numbers state them.
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,16 +28,40 @@ struct Pose {
   std::array<double, 4> quaternion{1.0, 0.0, 0.0, 0.0};
 };
 
+/// Bends a primitive, in its own frame, along the z axis towards the direction at `angle_degrees` from x to y: the axis
+/// becomes an arc of curvature k in that plane (paper Eq. (2), design 2, §9). With r = x cos a + y sin a, s = y cos a -
+/// x sin a, the point (r, s, z) moves to (1/k - (1/k - r) cos kz, s, (1/k - r) sin kz); k = 0 leaves everything in
+/// place. Precondition: finite; |k| times the largest |r| of the solid below 1, |k| a3 below pi.
+struct Bend {
+  double curvature;  ///< k, 1 / model unit
+  double angle_degrees;
+};
+
 struct Primitive {
   std::string name;
   Superquadric superquadric;
   Pose pose;
+  std::optional<Bend> bend = {};
 };
 
-/// The union of its primitives. Precondition: at least one.
-struct Model {
-  std::string units;  ///< free text, as in the file ("mm"); empty when not given
-  std::vector<Primitive> primitives;
+enum class SetOperation : std::uint8_t { unite, intersect, subtract };
+
+/// A tree of set operations on closed sets. A difference removes from its first operand the interiors of all others,
+/// so that the cut faces stay. Precondition: no cycles; an operator has at least one operand.
+struct SetExpression {
+  std::vector<SetExpression> operands = {};  ///< none: the primitive itself
+  SetOperation operation = SetOperation::unite;
+  std::uint32_t primitive = 0;  ///< index in Model::primitives, where there are no operands
 };
+
+struct Model {
+  std::string units;                      ///< free text, as in the file ("mm"); empty when not given
+  std::vector<Primitive> primitives;      ///< at least one
+  std::optional<SetExpression> csg = {};  ///< nothing: the union of all primitives
+};
+
+/// Whether the model is the union of all its primitives, none of them bent: what the certificates of design 2, §2 are
+/// made for. Anything else is searched by branch and bound (§9 to §11).
+[[nodiscard]] bool is_union_of_convex(const Model& model);
 
 }  // namespace verisq

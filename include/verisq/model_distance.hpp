@@ -1,4 +1,5 @@
-/// The distance of two models: enclosure, certificate, closest points.
+/// The distance of two unions of convex primitives: enclosure, certificate, closest points. For other models there is
+/// model_search.hpp.
 #pragma once
 
 #include <array>
@@ -48,9 +49,11 @@ struct ModelDistance {
   PairCertificate certificate;
 };
 
-/// Two models in one frame. Immutable after construction: safe to call from many threads.
+/// Two models in one frame, each the union of all its primitives, none bent. Immutable after construction: safe to call
+/// from many threads.
 class PairDistance {
  public:
+  /// Throws Error(input) for other models.
   PairDistance(const Model& a, const Model& b);
   ~PairDistance();
   PairDistance(PairDistance&&) noexcept;
@@ -70,7 +73,7 @@ class PairDistance {
 
 /// What `certificate` proves about the distance of A and of B moved by `pose`, whatever it holds: an enclosure of the
 /// exact distance, [0, infinity] if it proves nothing. By MPFR alone, without any search. Primitives that a model does
-/// not have, and vectors and points that are not finite, prove nothing.
+/// not have, and vectors and points that are not finite, prove nothing. Throws Error(input) as PairDistance does.
 [[nodiscard]] Enclosure prove(const Model& a, const Model& b, const Pose& pose, const PairCertificate& certificate);
 
 }  // namespace verisq

@@ -9,16 +9,16 @@
 namespace verisq {
 
 /// Throws Error(input) with one line naming file, key and value for everything the contract refuses: syntax
-/// errors, unknown keys, non-finite numbers, exponents outside (0, 2], non-positive semi-axes, a zero quaternion,
-/// duplicate or unknown names; also for what is valid but not supported yet (`bend`, `csg` other than a union of
-/// all primitives), and for intervals, which an exact model does not have.
+/// errors, unknown keys, non-finite numbers, exponents outside (0, 2], non-positive semi-axes, a zero quaternion, a
+/// bend whose curvature is not proven to be small enough (see Bend), duplicate or unknown names, an operator without
+/// operands or a difference of one; and for intervals, which an exact model does not have.
 [[nodiscard]] Model read_model(const std::filesystem::path& path);
 
 /// The same from text; `name` stands for the file in messages.
 [[nodiscard]] Model parse_model(std::string_view json, std::string_view name);
 
 /// The same with intervals [lo, hi] for semi-axes, exponents and elements of translations; what holds for a number must
-/// hold at both ends.
+/// hold at both ends. Refuses them in models that are not is_union_of_convex.
 [[nodiscard]] UncertainModel read_uncertain_model(const std::filesystem::path& path);
 [[nodiscard]] UncertainModel parse_uncertain_model(std::string_view json, std::string_view name);
 

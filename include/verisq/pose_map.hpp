@@ -18,7 +18,8 @@ using PoseSink = std::function<void(std::span<const Pose>, std::span<const MapRe
 /// own poses): 0 where they meet.
 class PoseMapper {
  public:
-  /// Throws Error(input) as DistanceMapper does, and for options that ask for certificates: there are none.
+  /// Throws Error(input) as DistanceMapper does, for options that ask for certificates (there are none), and unless
+  /// both models are is_union_of_convex.
   PoseMapper(const Model& a, const Model& b, const MapOptions& options);
   ~PoseMapper();
   PoseMapper(PoseMapper&&) noexcept;

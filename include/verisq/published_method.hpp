@@ -13,8 +13,8 @@ namespace verisq {
 inline constexpr double published_accuracy = 1e-6;
 
 /// Eqs. (16) to (18): encloses the Euclidean distance of a point to one posed superquadric, [0, 0] where the point is
-/// proven to lie in it. `accuracy` (0: the best that binary64 gives) changes the width, never the validity. Never
-/// throws for finite points.
+/// proven to lie in it. `accuracy` (0: the best that binary64 gives) changes the width, never the validity. Throws
+/// Error(input) for a bent solid, like all here; otherwise never for finite points.
 [[nodiscard]] Enclosure published_distance(const Primitive& solid, const Point& point,
                                            double accuracy = published_accuracy);
 

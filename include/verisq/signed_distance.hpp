@@ -8,8 +8,10 @@
 
 namespace verisq {
 
-/// Signed distance to a model (outside: Euclidean distance; inside: minus the distance to the boundary), by the
-/// certificates of design 2, §2 and §5. Immutable after construction: safe to call from many threads.
+/// Signed distance to a model (outside: Euclidean distance; inside: minus the distance to the boundary): by the
+/// certificates of design 2, §2 and §5 where they are tight, by branch and bound (§9 to §11) where primitives overlap,
+/// are bent or are combined by other operations than the union. Immutable after construction: safe to call from many
+/// threads.
 class SignedDistance {
  public:
   explicit SignedDistance(const Model& model);
@@ -18,11 +20,14 @@ class SignedDistance {
   SignedDistance& operator=(SignedDistance&&) noexcept;
 
   /// Encloses the exact signed distance of `point`; works until it is at most `tolerance` wide or the method's
-  /// limit is reached (0 asks for the tightest). Never throws for finite points; the enclosure is always valid.
+  /// limit is reached (0 asks for the tightest). Never throws for finite points; the enclosure is always valid. Of an
+  /// empty solid, an intersection of what has nothing in common, the upper end is infinite.
   [[nodiscard]] Enclosure operator()(const Point& point, double tolerance) const;
 
   /// The same with what proves it: `Checker` proves the enclosure again from the certificate. The enclosure is what the
-  /// certificate's binary64 numbers prove, which may be wider than the other's by their rounding.
+  /// certificate's binary64 numbers prove, which may be wider than the other's by their rounding; inside overlaps also
+  /// because the upper end is always proven by one primitive alone (as the obligation of `Bracket` asks). Throws
+  /// Error(input) unless the model is_union_of_convex.
   [[nodiscard]] CertifiedEnclosure certified(const Point& point, double tolerance) const;
 
  private:

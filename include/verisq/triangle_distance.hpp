@@ -13,6 +13,7 @@ namespace verisq {
 /// construction: safe to call from many threads.
 class TriangleDistance {
  public:
+  /// Throws Error(input) unless the model is_union_of_convex.
   explicit TriangleDistance(const Model& model);
   ~TriangleDistance();
   TriangleDistance(TriangleDistance&&) noexcept;

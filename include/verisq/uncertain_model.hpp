@@ -17,12 +17,15 @@ struct UncertainPrimitive {
   std::array<Enclosure, 2> exponents;
   std::array<Enclosure, 3> translation;
   std::array<double, 4> quaternion;
+  std::optional<Bend> bend = {};
 };
 
-/// The members of the model take their numbers from the intervals independently of each other.
+/// The members of the model take their numbers from the intervals independently of each other. Bends, and set
+/// operations other than the union of all primitives, are for exact models only.
 struct UncertainModel {
   std::string units;
   std::vector<UncertainPrimitive> primitives;
+  std::optional<SetExpression> csg = {};
 };
 
 /// An ordinary model with every interval a single number; `is_exact` tells whether a model is such a one.
@@ -41,8 +44,8 @@ struct UncertainModel {
 /// Elsewhere sd(q, largest) - shift is no lower bound: solids on either side of a narrow gap may move together, and a
 /// point in the gap then lies deep in their union.
 /// Obligation: the upper end asks for the minimum over primitives, not for sd(q, smallest), which is less where solids
-/// overlap and which a small motion may raise by any amount. All of this library's upper ends of signed distances are
-/// proven by one primitive; a proof by several together must not be combined with `shift`.
+/// overlap and which a small motion may raise by any amount. A proof by several primitives together must not be
+/// combined with `shift`: the upper ends of certificates are each proven by one primitive, others need not be.
 struct Bracket {
   Model smallest;
   Model largest;
@@ -51,7 +54,9 @@ struct Bracket {
   double shift;                   ///< rounded up
 };
 
-/// Throws Error(input) if the translation of a primitive is so uncertain that sizes overflow.
+/// An exact model is its own bracket. Throws Error(input) if the translation of a primitive is so uncertain that sizes
+/// overflow, and for a model that is not exact unless it is the union of all its primitives, none bent: what is removed
+/// from a solid must shrink where the solid is to grow.
 [[nodiscard]] Bracket bracket(const UncertainModel& model);
 
 }  // namespace verisq

@@ -16,7 +16,7 @@ void check_interval(const Enclosure& interval) {
 }
 
 void check_primitive(const UncertainPrimitive& primitive) {
-  const auto& [name, semi_axes, exponents, translation, quaternion] = primitive;
+  const auto& [name, semi_axes, exponents, translation, quaternion, bend] = primitive;
   for (const Enclosure& number : semi_axes) check_interval(number);
   for (const Enclosure& number : exponents) check_interval(number);
   for (const Enclosure& number : translation) check_interval(number);
@@ -25,6 +25,16 @@ void check_primitive(const UncertainPrimitive& primitive) {
         "exponents are in (0, 2]");
   check(std::ranges::all_of(quaternion, [](double q) { return std::isfinite(q); }), "quaternions are finite");
   check(std::ranges::any_of(quaternion, [](double q) { return q != 0.0; }), "quaternions are not zero");
+  if (!bend) return;
+  check(std::isfinite(bend->curvature) && std::isfinite(bend->angle_degrees), "bends are finite");
+  check(std::abs(bend->curvature) * semi_axes[2].hi < 3.1415926535897936, "bends turn by less than a full turn");
+}
+
+void check_expression(const SetExpression& expression, std::size_t primitives) {
+  check(!expression.operands.empty() || expression.primitive < primitives, "operands are known");
+  check(expression.operands.size() != 1 || expression.operation != SetOperation::subtract,
+        "differences have two operands");
+  for (const SetExpression& operand : expression.operands) check_expression(operand, primitives);
 }
 
 void check_model(const UncertainModel& model) {
@@ -34,6 +44,11 @@ void check_model(const UncertainModel& model) {
     check_primitive(primitive);
     check(names.insert(primitive.name).second, "names of primitives are distinct");
   }
+  if (model.csg) check_expression(*model.csg, model.primitives.size());
+  const auto bent = [](const UncertainPrimitive& primitive) {
+    return primitive.bend && primitive.bend->curvature != 0.0;
+  };
+  check(is_exact(model) || std::ranges::none_of(model.primitives, bent), "models with intervals are not bent");
 }
 
 }  // namespace

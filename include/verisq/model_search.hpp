@@ -1,0 +1,49 @@
+/// The distance of any two models, bent or built by set operations, by branch and bound over pairs of cubes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <verisq/enclosure.hpp>
+#include <verisq/model.hpp>
+#include <verisq/model_distance.hpp>
+
+namespace verisq {
+
+struct SearchOptions {
+  double tolerance;                        ///< in model units: stop at this width; 0: at that of rounding errors
+  std::function<bool()> interrupted = {};  ///< polled; true ends the search
+  /// Called now and then with what is proven so far and the number of cubes evaluated.
+  std::function<void(const Enclosure&, std::uint64_t)> progress = {};
+};
+
+struct SearchedDistance {
+  Enclosure distance;
+  Proximity proximity;
+  /// Proven to lie in A and, stated in B's own frame, in B; `distance.hi` apart. Nothing where none was found in time.
+  std::optional<std::array<Point, 2>> near_points;
+  std::optional<Point> common;  ///< in the frame of A: proven to lie in both
+  std::uint64_t cubes;          ///< evaluated, of both models
+};
+
+/// Two models in one frame. Immutable after construction: safe to call from many threads.
+class ModelSearch {
+ public:
+  ModelSearch(const Model& a, const Model& b);
+  ~ModelSearch();
+  ModelSearch(ModelSearch&&) noexcept;
+  ModelSearch& operator=(ModelSearch&&) noexcept;
+
+  /// Encloses the exact distance of A and of B moved by `pose`, 0 where they meet; works until it is at most the
+  /// tolerance wide, interrupted, or out of its budget of cubes and pairs: then it is valid, and wide. Throws
+  /// Error(input) where a model is proven to have no point at all.
+  [[nodiscard]] SearchedDistance operator()(const Pose& pose, const SearchOptions& options) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace verisq

@@ -1,0 +1,36 @@
+/// Octrees as files that ParaView opens.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <verisq/octree.hpp>
+
+namespace verisq {
+
+/// Whether white cubes, of which a viewer sees nothing, are written too.
+enum class WhiteCubes { left_out, written };
+
+/// Writes the cubes of one octree to a `.vtu` (VTK XML, unstructured grid of voxels) with the cell data `colour` (0
+/// white, 1 gray, 2 black) and `level`. The file appears when it is complete, cubes in the order of their colours,
+/// levels and positions: the same octree gives the same file. All members throw Error(failure) naming the file and the
+/// reason.
+class OctreeWriter {
+ public:
+  /// Throws Error(input) unless the name ends in `.vtu`.
+  OctreeWriter(const std::filesystem::path& file, WhiteCubes white);
+  ~OctreeWriter();
+  OctreeWriter(OctreeWriter&&) noexcept;
+  OctreeWriter& operator=(OctreeWriter&&) noexcept;
+
+  void append(std::span<const OctreeCube> cubes);
+
+  /// Writes the file. `root` is the octree's.
+  void finish(const OctreeRoot& root);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace verisq

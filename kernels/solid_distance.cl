@@ -1,0 +1,257 @@
+// This file implements the signed distance of points to any model by branch and bound over cubes (design 2, §10, §11).
+//
+// The solid S lies in the root cube, and so does the point of the closure of its complement that is nearest to any point of
+// S. A work-item owns a query and keeps the cubes that may hold the nearest point of its target (S, or that closure) on
+// a stack, nearest first; the lanes of a vector are the eight children of one cube. A cube is given up when its proven
+// lower bound is not below the upper bound, less the tolerance, and the least of those bounds is remembered: nothing is
+// ever dropped without it. The upper bound is the distance of a point that is proven to lie strictly in the target.
+//
+// The functions of the model's own tree (host/device/model_source) come before this file: PRIMITIVES, model_node,
+// model_colour.
+
+#define CHILDREN 8
+#define DEEPEST_CUBE 40
+#define CUBE_STACK (7 * DEEPEST_CUBE + 8)
+
+// A cube of the octree by its integer coordinates at its level, and what is known of it.
+typedef struct {
+  ulong x, y, z;
+  uint level;
+  decided known;
+  double lower;
+} waiting_cube;
+
+typedef struct {
+  double x, y, z;
+} point;
+
+// The state of one search.
+typedef struct {
+  point query;
+  bool outside;                        // the target is the closure of the complement of S
+  double least_inside[PRIMITIVES];     // proven distance to each primitive
+  double least_outside[PRIMITIVES];    // and to the closure of its complement
+  double upper;                        // proven distance of a point of the target
+  double given_up;                     // least lower bound of the cubes that were given up
+  double allowance;                    // how far above a lower bound the upper may stay
+  uint stacked;
+  waiting_cube stack[CUBE_STACK];
+} search;
+
+ALWAYS_INLINE vector3 broadcast(point p) {
+  const vector3 v = {REAL(p.x), REAL(p.y), REAL(p.z)};
+  return v;
+}
+
+ALWAYS_INLINE vector3 between(vector3 from, vector3 to) {
+  const vector3 d = {to.x - from.x, to.y - from.y, to.z - from.z};
+  return d;
+}
+
+// |p - q|, rounded up: each difference is within one rounding.
+ALWAYS_INLINE real distance_between_up(vector3 p, vector3 q) {
+  const vector3 d = between(p, q);
+  const vector3 apart = {step_up(fabs(d.x)), step_up(fabs(d.y)), step_up(fabs(d.z))};
+  return length_up(apart);
+}
+
+// Margins by which proposals try to lie inside the target, a lane each, in units of the size of the numbers.
+constant double margins[CHILDREN] = {0x1p-50, 0x1p-47, 0x1p-44, 0x1p-41, 0x1p-37, 0x1p-33, 0x1p-29, 0x1p-24};
+
+// Projects a proposal onto the boundaries that are open near it, a little beyond them, and keeps what proves a lower upper
+// bound. `known` holds near the proposal; the landing may be anywhere.
+NEVER_INLINE void try_proposal(search* own, point proposal, double reach, decided known,
+                               constant const box_primitive* primitives) {
+  const decided nothing = {0, 0};
+  const double size = fabs(proposal.x) + fabs(proposal.y) + fabs(proposal.z) + reach;
+  for (uint part = 0; part < CHILDREN; part += VECTOR_WIDTH) {
+    const cube x = {broadcast(proposal), REAL(0.0)};
+    const cut_query query = {{REAL(0.0), REAL(0.0), REAL(0.0)}, REAL(reach), size * LOAD(part / VECTOR_WIDTH, margins),
+                             true};
+    newly_decided more = {INTEGER(0), INTEGER(0)};
+    const node found = model_node(x, query, own->outside, known, own->least_inside, own->least_outside, primitives,
+                                  &more);
+    const cube landing = {add_scaled(x.centre, REAL(1.0), found.nearest), REAL(0.0)};
+    const colour c = colour_on_side(model_colour(landing, nothing, primitives, &more), own->outside);
+    const real distance = distance_between_up(landing.centre, broadcast(own->query));
+    double distances[VECTOR_WIDTH];
+    STORE(select(REAL(INFINITY), distance, c.black & MASK(distance <= DBL_MAX)), 0, distances);
+    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) own->upper = fmin(own->upper, distances[lane]);
+  }
+}
+
+// What is found out about the eight children of a cube.
+typedef struct {
+  double lower[CHILDREN];
+  double upper[CHILDREN];  // of those that lie in the target, infinite for the others
+  double promise[CHILDREN]; // distance of the proposal: in this order children are searched
+  double nearest_x[CHILDREN], nearest_y[CHILDREN], nearest_z[CHILDREN];
+  long black[CHILDREN], white[CHILDREN];
+} children;
+
+NEVER_INLINE void evaluate_children(search* own, waiting_cube parent, point corner, double half_width,
+                                     constant const box_primitive* primitives, children* found) {
+  for (uint part = 0; part < CHILDREN; part += VECTOR_WIDTH) {
+    double xs[VECTOR_WIDTH], ys[VECTOR_WIDTH], zs[VECTOR_WIDTH];
+    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
+      const uint child = part + lane;
+      xs[lane] = corner.x + half_width * (double)(2 * (2 * parent.x + (child & 1)) + 1);
+      ys[lane] = corner.y + half_width * (double)(2 * (2 * parent.y + ((child >> 1) & 1)) + 1);
+      zs[lane] = corner.z + half_width * (double)(2 * (2 * parent.z + (child >> 2)) + 1);
+    }
+    const cube x = {{LOAD(0, xs), LOAD(0, ys), LOAD(0, zs)}, REAL(half_width)};
+    const vector3 q = between(x.centre, broadcast(own->query));
+    const cut_query query = {q, REAL(half_width), REAL(0.0), false};
+    newly_decided more = {INTEGER((long)parent.known.black), INTEGER((long)parent.known.white)};
+    const node n = model_node(x, query, own->outside, parent.known, own->least_inside, own->least_outside, primitives,
+                              &more);
+    // The coordinates of q from the centre are rounded once.
+    const real size = fabs(q.x) + fabs(q.y) + fabs(q.z);
+    const real lower = fmax(sub_down(n.lower, 0x1p-51 * size), REAL(parent.lower));
+    const vector3 apart = {positive_part(sub_up(step_up(fabs(q.x)), x.half_width)),
+                           positive_part(sub_up(step_up(fabs(q.y)), x.half_width)),
+                           positive_part(sub_up(step_up(fabs(q.z)), x.half_width))};
+    STORE(select(lower, REAL(INFINITY), n.colour.white), 0, found->lower + part);
+    STORE(select(REAL(INFINITY), length_up(apart), n.colour.black), 0, found->upper + part);
+    STORE(n.promise, 0, found->promise + part);
+    STORE(x.centre.x + n.nearest.x, 0, found->nearest_x + part);
+    STORE(x.centre.y + n.nearest.y, 0, found->nearest_y + part);
+    STORE(x.centre.z + n.nearest.z, 0, found->nearest_z + part);
+    STORE(more.black, 0, found->black + part);
+    STORE(more.white, 0, found->white + part);
+  }
+}
+
+ALWAYS_INLINE void give_up(search* own, double lower) { own->given_up = fmin(own->given_up, lower); }
+
+// Pushes the children that may hold the nearest point, the most promising last.
+ALWAYS_INLINE void push_children(search* own, waiting_cube parent, const children* found) {
+  double lower[CHILDREN];
+  for (uint i = 0; i < CHILDREN; ++i) {
+    lower[i] = found->lower[i];
+    if (lower[i] == INFINITY) continue; // nothing of the target
+    if (found->upper[i] == INFINITY && lower[i] < own->upper - own->allowance) continue;
+    give_up(own, lower[i]);
+    lower[i] = INFINITY;
+  }
+  for (uint n = 0; n < CHILDREN; ++n) {
+    uint farthest = CHILDREN;
+    for (uint i = 0; i < CHILDREN; ++i)
+      if (lower[i] < INFINITY && (farthest == CHILDREN || found->promise[i] > found->promise[farthest])) farthest = i;
+    if (farthest == CHILDREN) return;
+    const waiting_cube child = {2 * parent.x + (farthest & 1), 2 * parent.y + ((farthest >> 1) & 1),
+                                2 * parent.z + (farthest >> 2), parent.level + 1,
+                                {(uint)found->black[farthest], (uint)found->white[farthest]}, lower[farthest]};
+    own->stack[own->stacked++] = child;
+    lower[farthest] = INFINITY;
+  }
+}
+
+ALWAYS_INLINE uint most_promising(const children* found) {
+  uint best = 0;
+  for (uint i = 1; i < CHILDREN; ++i)
+    if (found->lower[i] < INFINITY && (found->lower[best] == INFINITY || found->promise[i] < found->promise[best])) best = i;
+  return best;
+}
+
+// The proven distance to the target, from below; own->upper is that from above.
+ALWAYS_INLINE double searched_lower(search* own, point root, double root_half_width, uint round_limit,
+                                    constant const box_primitive* primitives) {
+  const point corner = {root.x - root_half_width, root.y - root_half_width, root.z - root_half_width};
+  const waiting_cube whole = {0, 0, 0, 0, {0, 0}, 0.0};
+  own->stack[0] = whole;
+  own->stacked = 1;
+  own->given_up = INFINITY;
+  uint idle = 0; // proposals in a row that did not help
+  for (uint round = 0; own->stacked > 0 && round < round_limit; ++round) {
+    const waiting_cube parent = own->stack[--own->stacked];
+    if (!(parent.lower < own->upper - own->allowance) || parent.level >= DEEPEST_CUBE) {
+      give_up(own, parent.lower);
+      continue;
+    }
+    const double half_width = ldexp(root_half_width, -(int)(parent.level + 1));
+    children found;
+    evaluate_children(own, parent, corner, half_width, primitives, &found);
+    for (uint i = 0; i < CHILDREN; ++i) own->upper = fmin(own->upper, found.upper[i]);
+    const uint nearest = most_promising(&found);
+    const bool hopeful = found.lower[nearest] < own->upper - own->allowance;
+    if (hopeful && (idle < 4 || (round & 3) == 0)) {
+      const double before = own->upper;
+      const point proposal = {found.nearest_x[nearest], found.nearest_y[nearest], found.nearest_z[nearest]};
+      try_proposal(own, proposal, 2.0 * half_width, parent.known, primitives);
+      idle = own->upper == INFINITY || before - own->upper > 0.25 * own->allowance ? 0 : idle + 1;
+    }
+    push_children(own, parent, &found);
+  }
+  while (own->stacked > 0) give_up(own, own->stack[--own->stacked].lower);
+  return fmin(own->given_up, own->upper);
+}
+
+// The nearest points of single primitives, where their enclosures are known.
+ALWAYS_INLINE void try_parts(search* own, double root_half_width, ulong index, ulong stride,
+                             global const double* part_los, global const double* part_his,
+                             global const double* normal_xs, global const double* normal_ys,
+                             global const double* normal_zs, constant const box_primitive* primitives) {
+  const decided nothing = {0, 0};
+  for (uint i = 0; i < PRIMITIVES; ++i) {
+    const ulong k = i * stride + index;
+    const double middle = 0.5 * (part_los[k] + part_his[k]);
+    const double nx = normal_xs[k], ny = normal_ys[k], nz = normal_zs[k];
+    const double length = sqrt(nx * nx + ny * ny + nz * nz);
+    if (!(fabs(middle) < INFINITY) || !(length > 0.0)) continue;
+    constant const double* r = primitives[i].frame;
+    const double scale = middle / length;
+    const point proposal = {own->query.x - scale * (r[0] * nx + r[3] * ny + r[6] * nz),
+                            own->query.y - scale * (r[1] * nx + r[4] * ny + r[7] * nz),
+                            own->query.z - scale * (r[2] * nx + r[5] * ny + r[8] * nz)};
+    try_proposal(own, proposal, 0x1p-10 * root_half_width, nothing, primitives);
+  }
+}
+
+// `part_*` and `normal_*` are what point_distance and interior_depth, or bent_distance, found for each primitive, `stride`
+// numbers apart; infinite ends where that is nothing. Writes the enclosure of the signed distance.
+kernel void solid_distance(ulong count, ulong stride, global const double* xs, global const double* ys,
+                           global const double* zs, constant const box_primitive* primitives, double root_x,
+                           double root_y, double root_z, double root_half_width, double tolerance, uint round_limit,
+                           global const double* part_los, global const double* part_his,
+                           global const double* normal_xs, global const double* normal_ys,
+                           global const double* normal_zs, global double* los, global double* his) {
+  const ulong index = get_global_id(0);
+  if (index >= count) return;
+  search own;
+  own.query.x = xs[index];
+  own.query.y = ys[index];
+  own.query.z = zs[index];
+  own.allowance = 0.95 * tolerance; // leaves room for rounding
+  for (uint i = 0; i < PRIMITIVES; ++i) {
+    own.least_inside[i] = fmax(part_los[i * stride + index], 0.0);
+    own.least_outside[i] = fmax(-part_his[i * stride + index], 0.0);
+  }
+  const cube here = {broadcast(own.query), REAL(0.0)};
+  const decided nothing = {0, 0};
+  newly_decided more = {INTEGER(0), INTEGER(0)};
+  const colour c = model_colour(here, nothing, primitives, &more);
+  const bool inside = any(c.black);
+  const bool beyond = any(c.white);
+  const point root = {root_x, root_y, root_z};
+
+  // On the surface, as far as rounding lets one see, both distances bound the signed one whatever its sign is.
+  double lo = 0.0, hi = 0.0;
+  for (uint side = 0; side < 2; ++side) {
+    own.outside = side == 1;
+    if (own.outside ? beyond : inside) continue;
+    own.upper = INFINITY;
+    try_parts(&own, root_half_width, index, stride, part_los, part_his, normal_xs, normal_ys, normal_zs,
+              primitives);
+    const double lower = searched_lower(&own, root, root_half_width, round_limit, primitives);
+    if (own.outside) {
+      lo = -own.upper;
+      if (inside) hi = -lower;
+    } else {
+      hi = own.upper;
+      if (beyond) lo = lower;
+    }
+  }
+  los[index] = lo;
+  his[index] = hi;
+}

@@ -1,0 +1,118 @@
+/// What kind of solid a model is, and that everything which rests on convex certificates refuses the other kinds.
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <verisq/checker.hpp>
+#include <verisq/distance_map.hpp>
+#include <verisq/error.hpp>
+#include <verisq/pose_map.hpp>
+#include <verisq/published_method.hpp>
+#include <verisq/triangle_distance.hpp>
+#include <verisq/uncertain_checker.hpp>
+#include <verisq/uncertain_map.hpp>
+
+namespace verisq {
+namespace {
+
+using ::testing::StartsWith;
+
+Primitive ball(std::optional<Bend> bend = {}) {
+  return {"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}, bend};
+}
+
+SetExpression leaf(std::uint32_t primitive) {
+  return {.primitive = primitive};
+}
+
+SetExpression operation(SetOperation kind, std::vector<SetExpression> operands) {
+  return {std::move(operands), kind};
+}
+
+Model two_balls(std::optional<SetExpression> csg = {}) {
+  return {"", {ball(), ball()}, std::move(csg)};
+}
+
+const Model bent{"", {ball(), ball(Bend{0.5, 0.0})}};
+const Model difference = two_balls(operation(SetOperation::subtract, {leaf(0), leaf(1)}));
+
+TEST(ModelTest, TellsUnionsOfConvexSolids) {
+  using enum SetOperation;
+  EXPECT_TRUE(is_union_of_convex(two_balls()));
+  EXPECT_TRUE(is_union_of_convex({"", {ball(Bend{0.0, 45.0})}}));
+  EXPECT_TRUE(is_union_of_convex(two_balls(operation(unite, {leaf(1), leaf(0)}))));
+  EXPECT_TRUE(is_union_of_convex(two_balls(operation(unite, {leaf(1), operation(unite, {leaf(1), leaf(0)})}))));
+  EXPECT_TRUE(is_union_of_convex({"", {ball()}, leaf(0)}));
+  EXPECT_FALSE(is_union_of_convex(two_balls(leaf(0))));
+  EXPECT_FALSE(is_union_of_convex(two_balls(operation(unite, {leaf(1)}))));
+  EXPECT_FALSE(is_union_of_convex(two_balls(operation(intersect, {leaf(0), leaf(1)}))));
+  EXPECT_FALSE(is_union_of_convex(two_balls(operation(unite, {leaf(0), operation(subtract, {leaf(1), leaf(0)})}))));
+  EXPECT_FALSE(is_union_of_convex(bent));
+  EXPECT_FALSE(is_union_of_convex({"", {ball(Bend{-5e-324, 0.0})}}));
+  EXPECT_FALSE(is_union_of_convex(difference));
+}
+
+/// `use` of either kind of model is an input error that begins with `what`.
+void expect_refusal(const std::function<void(const Model&)>& use, const std::string& what) {
+  const auto message = [&](const Model& model) -> std::string {
+    try {
+      use(model);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(message(bent), what + ": not supported for bent solids: primitives[1].bend");
+  EXPECT_EQ(message(difference), what + ": not supported for csg other than the union of all primitives");
+  EXPECT_EQ(message(two_balls()), "no error");
+}
+
+TEST(ModelTest, ConvexCertificatesRefuseOtherSolids) {
+  MapOptions options{.tolerance = 1.0, .device = "host"};
+  expect_refusal([](const Model& model) { (void)Checker(model); }, "certificates");
+  expect_refusal([](const Model& model) { (void)UncertainChecker(uncertain(model), 0.0); }, "certificates");
+  expect_refusal([](const Model& model) { (void)TriangleDistance(model); }, "distances of triangles");
+  expect_refusal([&](const Model& model) { (void)TriangleMapper(model, options); }, "distances of triangles");
+  expect_refusal([&](const Model& model) { (void)UncertainTriangleMapper(uncertain(model), 0.0, options); },
+                 "distances of triangles");
+  expect_refusal([&](const Model& model) { (void)PoseMapper(model, two_balls(), options); }, "maps of poses");
+  expect_refusal([&](const Model& model) { (void)PoseMapper(two_balls(), model, options); }, "maps of poses");
+  options.certificates = true;
+  expect_refusal([&](const Model& model) { (void)DistanceMapper(model, options); }, "certificates");
+  options.certificates = false;
+  options.method = Method::published;
+  expect_refusal([&](const Model& model) { (void)DistanceMapper(model, options); }, "the published method");
+}
+
+TEST(ModelTest, ThePublishedMethodRefusesBentSolids) {
+  const Primitive solid = ball(Bend{0.5, 0.0});
+  EXPECT_THROW((void)published_distance(solid, Point{3.0, 0.0, 0.0}), Error);
+  EXPECT_THROW((void)published_distance(ball(), solid), Error);
+  EXPECT_THROW((void)unverified_distance(solid, Point{3.0, 0.0, 0.0}), Error);
+  EXPECT_THROW((void)unverified_distance(solid, ball()), Error);
+}
+
+TEST(ModelTest, IntervalsAreForUnionsOfConvexSolids) {
+  expect_refusal(
+      [](const Model& model) {
+        UncertainModel widened = uncertain(model);
+        widened.primitives[0].semi_axes[0] = {1.0, 1.5};
+        (void)bracket(widened);
+      },
+      "intervals");
+}
+
+TEST(ModelTest, ExactModelsAreTheirOwnBrackets) {
+  for (const Model& model : {bent, difference}) {
+    const Bracket models = bracket(uncertain(model));
+    EXPECT_EQ(models.shift, 0.0);
+    EXPECT_FALSE(models.inflated);
+    for (const Model& same : {models.smallest, models.largest}) {
+      EXPECT_EQ(same.csg.has_value(), model.csg.has_value());
+      EXPECT_EQ(same.primitives[1].bend.has_value(), model.primitives[1].bend.has_value());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace verisq

@@ -1,0 +1,94 @@
+/// Boxes of the primitives, combined along the tree of set operations.
+#include "verify/bounding_box.hpp"
+
+#include <algorithm>
+
+#include "verify/bend_range.hpp"
+#include "verify/solid.hpp"
+#include "verisq/signed_distance.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+using Rotation = Eigen::Matrix<PreciseInterval, 3, 3>;
+
+Box rounded_outward(const PreciseVector& x) {
+  Box box{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const PreciseInterval& range = x[static_cast<Eigen::Index>(i)];
+    box.lower[i] = range.lower().to_double(Direction::down);
+    box.upper[i] = range.upper().to_double(Direction::up);
+  }
+  return box;
+}
+
+Box box_of(const Primitive& primitive) {
+  if (!primitive.bend || primitive.bend->curvature == 0.0) return rounded_outward(Solid(primitive).bounding_box());
+  const Frame frame(primitive.pose);
+  const Rotation rotation = frame.rotation() * turn(*primitive.bend);
+  return rounded_outward(frame.origin() + rotation * bent_box(*primitive.bend, primitive.superquadric));
+}
+
+Box hull(Box a, const Box& b) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    a.lower[i] = std::min(a.lower[i], b.lower[i]);
+    a.upper[i] = std::max(a.upper[i], b.upper[i]);
+  }
+  return a;
+}
+
+bool is_empty(const Box& box) {
+  return !std::ranges::equal(box.lower, box.upper, std::ranges::less_equal{});
+}
+
+/// `a` itself where the boxes have nothing in common.
+Box common_part(const Box& a, const Box& b) {
+  Box common = a;
+  for (std::size_t i = 0; i < 3; ++i) {
+    common.lower[i] = std::max(a.lower[i], b.lower[i]);
+    common.upper[i] = std::min(a.upper[i], b.upper[i]);
+  }
+  return is_empty(common) ? a : common;
+}
+
+/// Of the operands that bound the result: all but those that a difference removes.
+template <class BoxOf, class Operands>
+Box combined(SetOperation operation, const Operands& operands, BoxOf box_of_operand) {
+  Box box = box_of_operand(operands.front());
+  if (operation == SetOperation::subtract) return box;
+  for (const auto& operand : operands) {
+    const Box other = box_of_operand(operand);
+    box = operation == SetOperation::unite ? hull(box, other) : common_part(box, other);
+  }
+  return box;
+}
+
+Box box_of(const SetExpression& expression, const std::vector<Primitive>& primitives) {
+  if (expression.operands.empty()) return box_of(primitives.at(expression.primitive));
+  return combined(expression.operation, expression.operands,
+                  [&](const SetExpression& operand) { return box_of(operand, primitives); });
+}
+
+}  // namespace
+
+Box bounding_box(const Model& model) {
+  if (model.csg) return box_of(*model.csg, model.primitives);
+  return combined(SetOperation::unite, model.primitives, [](const Primitive& primitive) { return box_of(primitive); });
+}
+
+}  // namespace verisq::verify
+
+namespace verisq {
+
+double bounding_radius(const Model& model) {
+  using namespace verify;
+  const Box box = bounding_box(model);
+  PreciseVector diagonal;
+  for (std::size_t i = 0; i < 3; ++i) {
+    diagonal[static_cast<Eigen::Index>(i)] = PreciseInterval(Real(box.upper[i])) - PreciseInterval(Real(box.lower[i]));
+  }
+  return (length<Real>(diagonal) / PreciseInterval(2)).upper().to_double(Direction::up);
+}
+
+}  // namespace verisq

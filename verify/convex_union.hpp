@@ -1,0 +1,17 @@
+/// Refuses the models that only branch and bound can answer for.
+#pragma once
+
+#include <string_view>
+
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+/// For what rests on certificates of convex primitives: throws Error(input), "WHAT: not supported for ...", unless
+/// is_union_of_convex(model). Without this a bend would be read as none, and a difference as a union.
+void require_union_of_convex(const Model& model, std::string_view what);
+
+/// The same of a primitive on its own.
+void require_convex(const Primitive& primitive, std::string_view what);
+
+}  // namespace verisq::verify
