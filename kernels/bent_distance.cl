@@ -50,7 +50,7 @@ ALWAYS_INLINE vector3 to_bend_axes(vector3 y, constant const box_primitive* p) {
 }
 
 // The point of K closest to t, both in the axes of the bend.
-ALWAYS_INLINE vector3 closest_in_solid(vector3 t, constant const box_primitive* p) {
+NEVER_INLINE vector3 closest_in_solid(vector3 t, constant const box_primitive* p) {
   constant const superquadric* s = &p->solid;
   const vector3 own = to_own_axes(t, p);
   const vector3 size = magnitudes(own);

@@ -187,25 +187,53 @@ ALWAYS_INLINE double searched_lower(search* own, point root, double root_half_wi
   return fmin(own->given_up, own->upper);
 }
 
-// The nearest points of single primitives, where their enclosures are known.
-ALWAYS_INLINE void try_parts(search* own, double root_half_width, ulong index, ulong stride,
-                             global const double* part_los, global const double* part_his,
-                             global const double* normal_xs, global const double* normal_ys,
-                             global const double* normal_zs, constant const box_primitive* primitives) {
+// What is known about the query and each primitive alone: ends of enclosures, infinite where there is nothing, and
+// vectors from the primitive's nearest point in its own frame (that of the bend).
+typedef struct {
+  ulong index, stride;
+  global const double *los, *his, *normal_xs, *normal_ys, *normal_zs;
+} parts;
+
+ALWAYS_INLINE double middle_of_part(parts known, uint primitive) {
+  const ulong k = primitive * known.stride + known.index;
+  return 0.5 * (known.los[k] + known.his[k]);
+}
+
+// The nearest point of one primitive alone.
+ALWAYS_INLINE void try_part(search* own, parts known, uint primitive, double reach,
+                            constant const box_primitive* primitives) {
+  const ulong k = primitive * known.stride + known.index;
+  const double nx = known.normal_xs[k], ny = known.normal_ys[k], nz = known.normal_zs[k];
+  const double length = sqrt(nx * nx + ny * ny + nz * nz);
+  if (!(length > 0.0)) return;
+  constant const double* r = primitives[primitive].frame;
+  const double scale = middle_of_part(known, primitive) / length;
+  const point proposal = {own->query.x - scale * (r[0] * nx + r[3] * ny + r[6] * nz),
+                          own->query.y - scale * (r[1] * nx + r[4] * ny + r[7] * nz),
+                          own->query.z - scale * (r[2] * nx + r[5] * ny + r[8] * nz)};
   const decided nothing = {0, 0};
+  try_proposal(own, proposal, reach, nothing, primitives);
+}
+
+// Those of all primitives, the nearest first: most of the others are then too far to matter.
+ALWAYS_INLINE void try_parts(search* own, parts known, double reach, constant const box_primitive* primitives) {
+  uint nearest = 0;
+  for (uint i = 1; i < PRIMITIVES; ++i)
+    if (fabs(middle_of_part(known, i)) < fabs(middle_of_part(known, nearest))) nearest = i;
+  try_part(own, known, nearest, reach, primitives);
+  for (uint i = 0; i < PRIMITIVES; ++i)
+    if (i != nearest && fabs(middle_of_part(known, i)) < own->upper) try_part(own, known, i, reach, primitives);
+}
+
+// Which primitives the query is proven to lie in, or outside of.
+ALWAYS_INLINE decided decided_by_parts(parts known) {
+  decided d = {0, 0};
   for (uint i = 0; i < PRIMITIVES; ++i) {
-    const ulong k = i * stride + index;
-    const double middle = 0.5 * (part_los[k] + part_his[k]);
-    const double nx = normal_xs[k], ny = normal_ys[k], nz = normal_zs[k];
-    const double length = sqrt(nx * nx + ny * ny + nz * nz);
-    if (!(fabs(middle) < INFINITY) || !(length > 0.0)) continue;
-    constant const double* r = primitives[i].frame;
-    const double scale = middle / length;
-    const point proposal = {own->query.x - scale * (r[0] * nx + r[3] * ny + r[6] * nz),
-                            own->query.y - scale * (r[1] * nx + r[4] * ny + r[7] * nz),
-                            own->query.z - scale * (r[2] * nx + r[5] * ny + r[8] * nz)};
-    try_proposal(own, proposal, 0x1p-10 * root_half_width, nothing, primitives);
+    const ulong k = i * known.stride + known.index;
+    if (known.his[k] < 0.0) d.black |= 1u << i;
+    if (known.los[k] > 0.0) d.white |= 1u << i;
   }
+  return d;
 }
 
 // `part_*` and `normal_*` are what point_distance and interior_depth, or bent_distance, found for each primitive, `stride`
@@ -223,14 +251,14 @@ kernel void solid_distance(ulong count, ulong stride, global const double* xs, g
   own.query.y = ys[index];
   own.query.z = zs[index];
   own.allowance = 0.95 * tolerance; // leaves room for rounding
+  const parts known = {index, stride, part_los, part_his, normal_xs, normal_ys, normal_zs};
   for (uint i = 0; i < PRIMITIVES; ++i) {
     own.least_inside[i] = fmax(part_los[i * stride + index], 0.0);
     own.least_outside[i] = fmax(-part_his[i * stride + index], 0.0);
   }
   const cube here = {broadcast(own.query), REAL(0.0)};
-  const decided nothing = {0, 0};
   newly_decided more = {INTEGER(0), INTEGER(0)};
-  const colour c = model_colour(here, nothing, primitives, &more);
+  const colour c = model_colour(here, decided_by_parts(known), primitives, &more);
   const bool inside = any(c.black);
   const bool beyond = any(c.white);
   const point root = {root_x, root_y, root_z};
@@ -241,8 +269,7 @@ kernel void solid_distance(ulong count, ulong stride, global const double* xs, g
     own.outside = side == 1;
     if (own.outside ? beyond : inside) continue;
     own.upper = INFINITY;
-    try_parts(&own, root_half_width, index, stride, part_los, part_his, normal_xs, normal_ys, normal_zs,
-              primitives);
+    try_parts(&own, known, 0x1p-10 * root_half_width, primitives);
     const double lower = searched_lower(&own, root, root_half_width, round_limit, primitives);
     if (own.outside) {
       lo = -own.upper;

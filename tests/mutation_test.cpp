@@ -18,6 +18,7 @@
 #include "tests/mutation/pair_judge.hpp"
 #include "tests/mutation/pessimistic_arithmetic.hpp"
 #include "tests/mutation/scenes.hpp"
+#include "tests/mutation/solid_judge.hpp"
 #include "tests/mutation/triangle_judge.hpp"
 
 namespace verisq::mutation {
@@ -121,7 +122,8 @@ TEST_F(MutationTest, TheTrueKernelsPass) {
   EXPECT_EQ(judges(true_sources()), "");
 }
 
-/// Triangles and pairs: by a false enclosure, and triangles by a certificate that `check` does not accept.
+/// Triangles, pairs and solids: by a false enclosure, triangles also by a certificate that `check` does not accept, solids
+/// by a false claim about a cube.
 class ConvexMutationTest : public MutationTest {
  protected:
   [[nodiscard]] device::Device compiled_on(Arithmetic arithmetic, Program program, const std::string& sources) const {
@@ -160,6 +162,16 @@ class ConvexMutationTest : public MutationTest {
     };
   }
 
+  [[nodiscard]] Find solid_faults(const SolidJudge& judge) const {
+    return [this, &judge](const std::string& sources, Arithmetic first) {
+      return first_fault(Program::solids, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
+        const device::Device kernels = compiled_on(arithmetic, Program::solids, text);
+        const std::string found = judge.false_claim(kernels, arithmetic == Arithmetic::usual);
+        return found.empty() ? found : fmt::format("{}: {}", name_of(arithmetic), found);
+      });
+    };
+  }
+
   const std::string triangle_sources{kernels::embedded_triangle_sources()};
   const std::string pair_sources{kernels::embedded_pair_sources()};
 };
@@ -176,6 +188,14 @@ TEST_F(ConvexMutationTest, AllOfPairsAreKilled) {
   const Find find = pair_faults(judge);
   EXPECT_EQ(find(pair_sources, Arithmetic::usual), "") << "the true kernels";
   expect_all_killed("pair_distance.cl", pair_mutants(), pair_sources, find);
+}
+
+TEST_F(ConvexMutationTest, AllOfSolidsAreKilled) {
+  const SolidJudge judge(solid_scenes());
+  const Find find = solid_faults(judge);
+  const std::string sources = SolidJudge::sources();
+  EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
+  expect_all_killed("solid_distance.cl", solid_mutants(), sources, find);
 }
 
 }  // namespace
