@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <vector>
 
-#include "host/device/model_source.hpp"
 #include "host/device/point_batch.hpp"
 #include "host/device/solid_batch.hpp"
 #include "host/map_run.hpp"
+#include "verify/coarse_distance.hpp"
 #include "verify/convex_union.hpp"
 #include "verify/witness_estimate.hpp"
 #include "verisq/error.hpp"
@@ -22,6 +24,23 @@ namespace {
 constexpr double outside_limit = 1e-12;  // of max(largest |coordinate|, radius of the model)
 constexpr double inside_limit = 2e-9;    // of the radius of the model
 
+bool never() {
+  return false;
+}
+
+// Without certificates. What is known are rough distances of the primitives' centres, which cost a few cubes each.
+verify::CoarseDistance coarse_distance(const Model& model, const SignedDistance& distance) {
+  constexpr int most_cubes = 256;
+  const double rough = 0x1p-6 * bounding_radius(model);
+  std::vector<verify::KnownDistance> known;
+  for (const Primitive& primitive : model.primitives) {
+    const Point& centre = primitive.pose.translation;
+    int polled = 0;
+    known.push_back({centre, distance(centre, rough, [&] { return ++polled > most_cubes; })});
+  }
+  return {model, known};
+}
+
 class PointProver {
  public:
   PointProver(const Model& model, const MapOptions& options)
@@ -29,6 +48,7 @@ class PointProver {
         tolerance_(options.tolerance),
         certificates_(options.certificates),
         published_(options.method == Method::published),
+        out_of_time_(options.out_of_time ? options.out_of_time : never),
         radius_(bounding_radius(model)),
         distance_(model),
         witness_distance_(model) {
@@ -36,6 +56,12 @@ class PointProver {
       throw Error(ErrorKind::input, "the published method runs on the host alone and has no certificates");
     if (published_) verify::require_union_of_convex(model, "the published method");
     if (certificates_) verify::require_union_of_convex(model, "certificates");
+    if (!options.out_of_time) return;
+    if (certificates_) {
+      coarse_proof_ = std::make_unique<verify::CoarseProof>(model);
+    } else {
+      coarse_distance_ = std::make_unique<verify::CoarseDistance>(coarse_distance(model, distance_));
+    }
   }
 
   void check(const Point& p) const {
@@ -54,8 +80,12 @@ class PointProver {
 
   [[nodiscard]] CertifiedEnclosure prove(const Point& point) const {
     if (published_) return {published(point), {}};
-    return certificates_ ? distance_.certified(point, tolerance_)
-                         : CertifiedEnclosure{distance_(point, tolerance_), {}};
+    return certificates_ ? distance_.certified(point, tolerance_, out_of_time_)
+                         : CertifiedEnclosure{distance_(point, tolerance_, out_of_time_), {}};
+  }
+
+  [[nodiscard]] CertifiedEnclosure coarse(const Point& point) const {
+    return certificates_ ? (*coarse_proof_)(point) : CertifiedEnclosure{(*coarse_distance_)(point), {}};
   }
 
   [[nodiscard]] bool witnessed(const Point& point, double hi, const Certificate& certificate) const {
@@ -77,9 +107,12 @@ class PointProver {
   double tolerance_;
   bool certificates_;
   bool published_;
+  std::function<bool()> out_of_time_;
   double radius_;
   SignedDistance distance_;
   verify::WitnessEstimate witness_distance_;
+  std::unique_ptr<verify::CoarseDistance> coarse_distance_;  // without certificates, where there is a time limit
+  std::unique_ptr<verify::CoarseProof> coarse_proof_;        // with certificates
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/certified_intersection.hpp"
+#include "host/chunk_pace.hpp"
 #include "host/device/batch.hpp"
 #include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
@@ -24,7 +25,9 @@
 namespace verisq {
 
 /// What a map asks of the host about one kind of query:
-///   prove(query) -> CertifiedEnclosure, the host's own proof, with a certificate where they were asked for;
+///   prove(query) -> CertifiedEnclosure, the host's own proof, with a certificate where they were asked for; when the
+///     options are out of time it ends early, valid and wide;
+///   coarse(query) -> CertifiedEnclosure without a search, likewise; only called when the options are out of time;
 ///   at_limit(query, found): whether the host could do no better, though `found` is wider than the tolerance;
 ///   witnessed(query, hi, certificate): whether the certificate is likely to prove that upper end;
 ///   check(query): throws Error(input) for what is not finite;
@@ -39,17 +42,16 @@ class MapRun {
       : prover_(prover), options_(options), source_(source), sink_(sink) {}
 
   MapSummary on_host() {
-    constexpr std::size_t chunk = 4096;
     const Enclosure nothing{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     std::vector<Query> queries;
     std::vector<Enclosure> found;
     std::vector<Certificate> certificates;
     while (!options_.interrupted()) {
-      read_chunk(chunk, queries);
+      read_chunk(pace_.size(), queries);
       if (queries.empty()) return summary_;
       found.assign(queries.size(), nothing);
       certificates.assign(options_.certificates ? queries.size() : 0, {});
-      finish_chunk(queries, found, certificates);
+      finish(queries, found, certificates);
     }
     summary_.interrupted = true;
     return summary_;
@@ -63,21 +65,21 @@ class MapRun {
     std::vector<Certificate> certificates;
     batch.discard();  // what an earlier run left when it failed
     const double earlier_seconds = batch.device_seconds();
-    read_chunk(batch.capacity(), current);
-    if (!current.empty()) batch.submit(current);
+    bool all_read = submit_chunk(batch, current);
     while (!current.empty()) {
       next.clear();
       if (options_.interrupted())
         summary_.interrupted = true;
       else
-        read_chunk(batch.capacity(), next);
-      if (!next.empty()) batch.submit(next);
+        all_read = submit_chunk(batch, next);
+      const auto start = std::chrono::steady_clock::now();
       batch.collect(found, certificates);
-      finish_chunk(current, found, certificates);
+      device_pace_.took(seconds_since(start));
+      finish(current, found, certificates);
       std::swap(current, next);
     }
     summary_.device_seconds = batch.device_seconds() - earlier_seconds;
-    return summary_;
+    return all_read || summary_.interrupted ? summary_ : on_host();
   }
 
  private:
@@ -87,8 +89,34 @@ class MapRun {
     for (const Query& query : queries) prover_.check(query);
   }
 
+  // Leaves `queries` empty when nothing is left to be read, and says so; also when the time is up.
+  bool submit_chunk(device::Batch<Query>& batch, std::vector<Query>& queries) const {
+    queries.clear();
+    if (out_of_time()) return false;
+    // Full chunks keep a device busiest; with a time limit, what it has begun must be done soon.
+    const std::size_t size = options_.out_of_time ? device_pace_.size() : batch.capacity();
+    read_chunk(std::min(size, batch.capacity()), queries);
+    if (!queries.empty()) batch.submit(queries);
+    return queries.empty();
+  }
+
+  [[nodiscard]] static double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+
+  [[nodiscard]] bool out_of_time() const { return options_.out_of_time && options_.out_of_time(); }
+
   // Proves on the host what `found` leaves wide, and hands the rows on. `certificates` are those of `found`; empty
   // unless they were asked for.
+  void finish(std::span<const Query> queries, std::span<Enclosure> found, std::span<Certificate> certificates) {
+    for (std::size_t first = 0; first < queries.size();) {
+      const std::size_t count = std::min(pace_.size(), queries.size() - first);
+      finish_chunk(queries.subspan(first, count), found.subspan(first, count),
+                   certificates.empty() ? certificates : certificates.subspan(first, count));
+      first += count;
+    }
+  }
+
   void finish_chunk(std::span<const Query> queries, std::span<Enclosure> found, std::span<Certificate> certificates) {
     const auto start = std::chrono::steady_clock::now();
     if (options_.certificates) drop_unwitnessed(queries, found, certificates);
@@ -98,17 +126,24 @@ class MapRun {
     }
     in_parallel(open.size(), [&](std::size_t n) {
       const std::size_t i = open[n];
-      const CertifiedEnclosure proven = prover_.prove(queries[i]);
-      if (options_.certificates) certificates[i] = merged({found[i], std::move(certificates[i])}, proven);
-      found[i] = intersection(found[i], proven.distance, prover_.describe(queries[i]));
+      const auto add = [&](const CertifiedEnclosure& proven) {
+        if (options_.certificates) certificates[i] = merged({found[i], std::move(certificates[i])}, proven);
+        found[i] = intersection(found[i], proven.distance, prover_.describe(queries[i]));
+      };
+      if (!out_of_time()) add(prover_.prove(queries[i]));
+      if (!verified(found[i], options_.tolerance) && out_of_time()) add(prover_.coarse(queries[i]));
     });
-    summary_.host_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = seconds_since(start);
+    summary_.host_seconds += seconds;
+    pace_.took(seconds);
 
     rows_.resize(queries.size());
     for (std::size_t i = 0; i < queries.size(); ++i)
       rows_[i] = {found[i], verified(found[i], options_.tolerance) ? Status::device_verified : Status::wide};
     for (const std::size_t i : open)
       if (rows_[i].status == Status::device_verified) rows_[i].status = Status::host_verified;
+    const auto is_wide = [&](std::size_t i) { return rows_[i].status == Status::wide; };
+    if (std::ranges::any_of(open, is_wide) && out_of_time()) summary_.out_of_time = true;
     for (const MapResult& row : rows_) count(summary_, row);
     sink_(queries, rows_, certificates);
   }
@@ -127,6 +162,8 @@ class MapRun {
   const MapOptions& options_;
   const Source& source_;
   const Sink& sink_;
+  ChunkPace pace_;               // of what the host finishes
+  ChunkPace device_pace_;        // of what the device is given, where there is a time limit
   std::vector<MapResult> rows_;  // of the current chunk; kept to spare allocations
   MapSummary summary_ = empty_summary();
 };

@@ -7,6 +7,7 @@
 #include "host/device/pose_batch.hpp"
 #include "host/map_run.hpp"
 #include "verify/convex_union.hpp"
+#include "verify/solid_pair_motion.hpp"
 #include "verisq/error.hpp"
 #include "verisq/model_distance.hpp"
 #include "verisq/signed_distance.hpp"
@@ -25,7 +26,10 @@ const Model& supported(const Model& model) {
 class PoseProver {
  public:
   PoseProver(const Model& a, const Model& b)
-      : radius_(std::max(bounding_radius(a), bounding_radius(b))), distance_(supported(a), supported(b)) {}
+      : radius_(std::max(bounding_radius(a), bounding_radius(b))),
+        centre_a_(a.primitives.front().pose.translation),
+        centre_b_(b.primitives.front().pose.translation),
+        distance_(supported(a), supported(b)) {}
 
   void check(const Pose& pose) const {
     const auto finite = [](double c) { return std::isfinite(c); };
@@ -48,11 +52,18 @@ class PoseProver {
 
   [[nodiscard]] CertifiedEnclosure prove(const Pose& pose) const { return {distance_(pose).distance, {}}; }
 
+  // The centre of a primitive lies in it.
+  [[nodiscard]] CertifiedEnclosure coarse(const Pose& pose) const {
+    return {{0.0, verify::SearchMotion(pose).distance_up(centre_a_, centre_b_)}, {}};
+  }
+
   // There are no certificates.
   [[nodiscard]] bool witnessed(const Pose& /*pose*/, double /*hi*/, const Certificate& /*none*/) const { return true; }
 
  private:
   double radius_;
+  Point centre_a_;
+  Point centre_b_;
   PairDistance distance_;
 };
 

@@ -4,6 +4,7 @@
 
 #include "host/device/triangle_batch.hpp"
 #include "host/map_run.hpp"
+#include "verify/coarse_distance.hpp"
 #include "verify/witness_estimate.hpp"
 #include "verisq/distance_map.hpp"
 #include "verisq/error.hpp"
@@ -23,6 +24,7 @@ class TriangleProver {
       : certificates_(options.certificates),
         radius_(bounding_radius(model)),
         distance_(model),
+        coarse_(model),
         witness_distance_(model) {
     if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
   }
@@ -46,6 +48,8 @@ class TriangleProver {
   [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
     return certificates_ ? distance_.certified(triangle) : CertifiedEnclosure{distance_(triangle), {}};
   }
+
+  [[nodiscard]] CertifiedEnclosure coarse(const Triangle& triangle) const { return coarse_(triangle); }
 
   [[nodiscard]] bool witnessed(const Triangle& triangle, double hi, const Certificate& certificate) const {
     if (!certificate.weights) return false;
@@ -72,6 +76,7 @@ class TriangleProver {
   bool certificates_;
   double radius_;
   TriangleDistance distance_;
+  verify::CoarseProof coarse_;
   verify::WitnessEstimate witness_distance_;
 };
 

@@ -2,19 +2,18 @@
 #include "verisq/uncertain_map.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <concepts>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "host/chunk_pace.hpp"
 #include "host/summary_count.hpp"
 #include "verify/uncertain_distance.hpp"
 
 namespace verisq {
 namespace {
-
-// Enough to keep a device busy, little enough for progress to show; a mapper divides it further.
-constexpr std::size_t chunk_size = std::size_t{1} << 16U;
 
 // The rows of one chunk by one mapper: fewer than its items if the map was interrupted.
 struct Rows {
@@ -110,10 +109,13 @@ class BracketMapper {
     if (exact_) return smallest_.map(source, sink);
     MapSummary summary = empty_summary();
     std::vector<Item> items;
+    ChunkPace pace;
     do {
-      items.resize(chunk_size);
+      items.resize(pace.size());
       items.resize(source(items));
+      const auto start = std::chrono::steady_clock::now();
       const BracketRows rows = map_bracket(items);
+      pace.took(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
       add_runs(summary, rows);
       deliver(items, rows, summary, sink);
     } while (!items.empty() && !summary.interrupted);
@@ -158,6 +160,7 @@ class BracketMapper {
       summary.device_seconds += run.device_seconds;
       summary.host_seconds += run.host_seconds;
       summary.interrupted = summary.interrupted || run.interrupted;
+      summary.out_of_time = summary.out_of_time || run.out_of_time;
     };
     summary.device = rows.smallest.summary.device;
     summary.notice = rows.smallest.summary.notice;

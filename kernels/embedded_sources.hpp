@@ -11,8 +11,8 @@ namespace verisq::kernels {
 [[nodiscard]] std::string_view embedded_triangle_sources();
 [[nodiscard]] std::string_view embedded_pair_sources();
 
-/// Of programs for models with bends or set operations: the layers, after which the model's own tree is inserted
-/// (host/device/model_source.hpp), and the kernels that call it.
+/// Of programs for models with bends or set operations: the layers, and kernels that call functions of the model's own
+/// tree, which come last (host/device/model_source.hpp).
 [[nodiscard]] std::string_view embedded_solid_layers();
 [[nodiscard]] std::string_view embedded_solid_distance();
 [[nodiscard]] std::string_view embedded_octree();

@@ -139,43 +139,20 @@ ALWAYS_INLINE colour children_colour(parent_cube parent, uint pass, constant con
 #if VECTOR_WIDTH == 8 && !defined(NO_SIBLINGS)
   if (is_axis_parallel(p)) return siblings_colour(parent, p);
 #endif
-  const cube x = children_of(parent, pass);
-  return p->curvature == 0.0 ? posed_colour(x, p) : bent_colour(x, p);
+  return primitive_colour(children_of(parent, pass), p);
 }
 
-// Written for the model by host/device/octree_source.cpp: the colour of its solid where its primitives have the
-// colours `c`, and for each primitive the lanes in which it still matters.
-static colour solid_colour(const colour* c, integer* matters);
-
-// What is decided about the first 32 primitives: a bit each. The others are always evaluated.
-#define REMEMBERED 32U
-
-ALWAYS_INLINE colour remembered(uint2 known, uint bit) {
-  const colour c = {INTEGER((known.x & bit) != 0 ? -1 : 0), INTEGER((known.y & bit) != 0 ? -1 : 0)};
-  return c;
-}
-
-// Colours of the children of one pass. `black` and `white` receive what is decided in each of them about each
-// primitive; one that does not matter any more counts as white (or as what it is): three-valued logic is monotone, so
-// that what is decided stays so whatever it is.
-ALWAYS_INLINE colour pass_colour(parent_cube parent, uint pass, constant const box_primitive* primitives, uint2 known,
-                                 integer* black, integer* white) {
+// Colours of the children of one pass, and what is decided in each of them about the primitives.
+ALWAYS_INLINE colour pass_colour(parent_cube parent, uint pass, constant const box_primitive* primitives,
+                                 decided known, decided_lanes* found) {
   colour c[PRIMITIVES];
-  for (uint i = 0; i < PRIMITIVES; ++i) {
-    const uint bit = i < REMEMBERED ? 1U << i : 0U;
-    if (((known.x | known.y) & bit) != 0) c[i] = remembered(known, bit);
-    else c[i] = children_colour(parent, pass, primitives + i);
-  }
   integer matters[PRIMITIVES];
-  for (uint i = 0; i < PRIMITIVES; ++i) matters[i] = INTEGER(0);
+  for (uint i = 0; i < PRIMITIVES; ++i)
+    c[i] = is_known(known, i) ? known_colour(known, i) : children_colour(parent, pass, primitives + i);
+  none_matter(matters);
   const colour solid = solid_colour(c, matters);
 #ifndef NO_SIMPLIFICATION
-  *black = *white = INTEGER(0);
-  for (uint i = 0; i < min(PRIMITIVES, REMEMBERED); ++i) {
-    const long bit = (long)(1U << i);
-    *black |= c[i].black & bit;
-    *white |= (c[i].white | ~(matters[i] | c[i].black)) & bit;
-  }
+  *found = simplified(c, matters);
 #endif
   return solid;
 }
@@ -200,16 +177,16 @@ uint prefix_sum(uint value, local uint* sums, uint* total) {
 // to `next_*` from `next_begin` on, in any order. `colours` receives the children of each cube, a bit each: x where
 // black, y where white. Local memory: a number for each work-item, and one. Work-groups of at most 64.
 kernel void split_cubes(uint count, ulong begin, double corner_x, double corner_y, double corner_z,
-                        double child_half_width, global const ulong* positions, global const uint2* decisions,
+                        double child_half_width, global const ulong* positions, global const decided* decisions,
                         constant const box_primitive* primitives, ulong next_begin, global ulong* next_positions,
-                        global uint2* next_decisions, global uint* counts, global uchar2* colours, local uint* sums) {
+                        global decided* next_decisions, global uint* counts, global uchar2* colours, local uint* sums) {
   const uint item = get_global_id(0);
   const bool active = item < count;
   const ulong position = active ? positions[begin + item] : 0;
   const ulong x = position & POSITION_MASK;
   const ulong y = (position >> POSITION_BITS) & POSITION_MASK;
   const ulong z = position >> (2 * POSITION_BITS);
-  uint2 decided_children[CHILDREN];
+  decided decided_children[CHILDREN];
   uint black = 0;
   uint white = 0;
   if (active) {
@@ -217,21 +194,23 @@ kernel void split_cubes(uint count, ulong begin, double corner_x, double corner_
                                 fma((double)(4 * y + 2), child_half_width, corner_y),
                                 fma((double)(4 * z + 2), child_half_width, corner_z), child_half_width};
 #ifdef NO_SIMPLIFICATION
-    const uint2 known = (uint2)(0, 0);
+    const decided known = {0, 0};
 #else
-    const uint2 known = decisions[begin + item];
+    const decided known = decisions[begin + item];
 #endif
     for (uint pass = 0; pass < CHILDREN / VECTOR_WIDTH; ++pass) {
-      integer black_primitives, white_primitives;
-      const colour c = pass_colour(parent, pass, primitives, known, &black_primitives, &white_primitives);
+      decided_lanes found;
+      const colour c = pass_colour(parent, pass, primitives, known, &found);
       black |= bits_of(c.black) << (pass * VECTOR_WIDTH);
       white |= bits_of(c.white) << (pass * VECTOR_WIDTH);
 #ifndef NO_SIMPLIFICATION
       long lanes_black[VECTOR_WIDTH], lanes_white[VECTOR_WIDTH];
-      STORE(black_primitives, 0, lanes_black);
-      STORE(white_primitives, 0, lanes_white);
-      for (uint lane = 0; lane < VECTOR_WIDTH; ++lane)
-        decided_children[pass * VECTOR_WIDTH + lane] = (uint2)((uint)lanes_black[lane], (uint)lanes_white[lane]);
+      STORE(found.black, 0, lanes_black);
+      STORE(found.white, 0, lanes_white);
+      for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
+        const decided child = {(uint)lanes_black[lane], (uint)lanes_white[lane]};
+        decided_children[pass * VECTOR_WIDTH + lane] = child;
+      }
 #endif
     }
     colours[item] = (uchar2)((uchar)black, (uchar)white);

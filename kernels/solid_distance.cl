@@ -6,8 +6,7 @@
 // lower bound is not below the upper bound, less the tolerance, and the least of those bounds is remembered: nothing is
 // ever dropped without it. The upper bound is the distance of a point that is proven to lie strictly in the target.
 //
-// The functions of the model's own tree (host/device/model_source) come before this file: PRIMITIVES, model_node,
-// model_colour.
+// The functions of the model's own tree (host/device/model_source) come after this file.
 
 #define CHILDREN 8
 #define DEEPEST_CUBE 40
@@ -58,6 +57,22 @@ ALWAYS_INLINE real distance_between_up(vector3 p, vector3 q) {
 // Margins by which proposals try to lie inside the target, a lane each, in units of the size of the numbers.
 constant double margins[CHILDREN] = {0x1p-50, 0x1p-47, 0x1p-44, 0x1p-41, 0x1p-37, 0x1p-33, 0x1p-29, 0x1p-24};
 
+// Of the whole solid.
+NEVER_INLINE colour colour_at(vector3 x, decided known, constant const box_primitive* primitives) {
+  const cube here = {x, REAL(0.0)};
+  colour c[PRIMITIVES];
+  integer matters[PRIMITIVES];
+  for (uint i = 0; i < PRIMITIVES; ++i)
+    c[i] = is_known(known, i) ? known_colour(known, i) : primitive_colour(here, primitives + i);
+  none_matter(matters);
+  return solid_colour(c, matters);
+}
+
+ALWAYS_INLINE void forget_colours(colour* c) {
+  const colour gray = {INTEGER(0), INTEGER(0)};
+  for (uint i = 0; i < PRIMITIVES; ++i) c[i] = gray;
+}
+
 // Projects a proposal onto the boundaries that are open near it, a little beyond them, and keeps what proves a lower upper
 // bound. `known` holds near the proposal; the landing may be anywhere.
 NEVER_INLINE void try_proposal(search* own, point proposal, double reach, decided known,
@@ -68,12 +83,12 @@ NEVER_INLINE void try_proposal(search* own, point proposal, double reach, decide
     const cube x = {broadcast(proposal), REAL(0.0)};
     const cut_query query = {{REAL(0.0), REAL(0.0), REAL(0.0)}, REAL(reach), size * LOAD(part / VECTOR_WIDTH, margins),
                              true};
-    newly_decided more = {INTEGER(0), INTEGER(0)};
-    const node found = model_node(x, query, own->outside, known, own->least_inside, own->least_outside, primitives,
-                                  &more);
-    const cube landing = {add_scaled(x.centre, REAL(1.0), found.nearest), REAL(0.0)};
-    const colour c = colour_on_side(model_colour(landing, nothing, primitives, &more), own->outside);
-    const real distance = distance_between_up(landing.centre, broadcast(own->query));
+    colour colours[PRIMITIVES];
+    forget_colours(colours);
+    const visit v = {x, query, own->outside, known, own->least_inside, own->least_outside, primitives, colours};
+    const vector3 landing = add_scaled(x.centre, REAL(1.0), solid_node(&v).nearest);
+    const colour c = colour_on_side(colour_at(landing, nothing, primitives), own->outside);
+    const real distance = distance_between_up(landing, broadcast(own->query));
     double distances[VECTOR_WIDTH];
     STORE(select(REAL(INFINITY), distance, c.black & MASK(distance <= DBL_MAX)), 0, distances);
     for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) own->upper = fmin(own->upper, distances[lane]);
@@ -102,9 +117,14 @@ NEVER_INLINE void evaluate_children(search* own, waiting_cube parent, point corn
     const cube x = {{LOAD(0, xs), LOAD(0, ys), LOAD(0, zs)}, REAL(half_width)};
     const vector3 q = between(x.centre, broadcast(own->query));
     const cut_query query = {q, REAL(half_width), REAL(0.0), false};
-    newly_decided more = {INTEGER((long)parent.known.black), INTEGER((long)parent.known.white)};
-    const node n = model_node(x, query, own->outside, parent.known, own->least_inside, own->least_outside, primitives,
-                              &more);
+    colour colours[PRIMITIVES];
+    integer matters[PRIMITIVES];
+    forget_colours(colours);
+    none_matter(matters);
+    const visit v = {x, query, own->outside, parent.known, own->least_inside, own->least_outside, primitives, colours};
+    const node n = solid_node(&v);
+    solid_colour(colours, matters);
+    const decided_lanes known = simplified(colours, matters);
     // The coordinates of q from the centre are rounded once.
     const real size = fabs(q.x) + fabs(q.y) + fabs(q.z);
     const real lower = fmax(sub_down(n.lower, 0x1p-51 * size), REAL(parent.lower));
@@ -117,8 +137,8 @@ NEVER_INLINE void evaluate_children(search* own, waiting_cube parent, point corn
     STORE(x.centre.x + n.nearest.x, 0, found->nearest_x + part);
     STORE(x.centre.y + n.nearest.y, 0, found->nearest_y + part);
     STORE(x.centre.z + n.nearest.z, 0, found->nearest_z + part);
-    STORE(more.black, 0, found->black + part);
-    STORE(more.white, 0, found->white + part);
+    STORE(known.black, 0, found->black + part);
+    STORE(known.white, 0, found->white + part);
   }
 }
 
@@ -230,8 +250,8 @@ ALWAYS_INLINE decided decided_by_parts(parts known) {
   decided d = {0, 0};
   for (uint i = 0; i < PRIMITIVES; ++i) {
     const ulong k = i * known.stride + known.index;
-    if (known.his[k] < 0.0) d.black |= 1u << i;
-    if (known.los[k] > 0.0) d.white |= 1u << i;
+    if (known.his[k] < 0.0) d.black |= bit_of(i);
+    if (known.los[k] > 0.0) d.white |= bit_of(i);
   }
   return d;
 }
@@ -256,9 +276,7 @@ kernel void solid_distance(ulong count, ulong stride, global const double* xs, g
     own.least_inside[i] = fmax(part_los[i * stride + index], 0.0);
     own.least_outside[i] = fmax(-part_his[i * stride + index], 0.0);
   }
-  const cube here = {broadcast(own.query), REAL(0.0)};
-  newly_decided more = {INTEGER(0), INTEGER(0)};
-  const colour c = model_colour(here, decided_by_parts(known), primitives, &more);
+  const colour c = colour_at(broadcast(own.query), decided_by_parts(known), primitives);
   const bool inside = any(c.black);
   const bool beyond = any(c.white);
   const point root = {root_x, root_y, root_z};

@@ -17,8 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/process.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/program_test.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -27,31 +26,31 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
-using Arguments = std::vector<std::string>;
 
 const std::string ball = VERISQ_EXAMPLES "/capsule.json";  // semi-axis 1 along z
 const std::string tetrahedron = "OFF\n4 4 0\n0 0 3\n1 0 4\n0 1 4\n-1 -1 4\n3 0 1 2\n3 0 2 3\n3 0 3 1\n3 1 3 2\n";
 
-class CommandLine : public ::testing::Test {
+const std::string bent_stem = VERISQ_EXAMPLES "/bent_stem.json";
+
+/// A grid that the model's searches take milliseconds a point for, as `x,y,z` lines.
+std::string points_about_the_bent_stem(int count) {
+  std::string text;
+  for (int k = 0; k < count; ++k) {
+    const auto coordinate = [k](int step, double middle) {
+      return std::to_string(middle + 0.004 * (k * step % 97 - 48));
+    };
+    text += coordinate(1, 0.0) + "," + coordinate(37, 0.0) + "," + coordinate(59, -0.2) + "\n";
+  }
+  return text;
+}
+
+class CommandLine : public ProgramTest {
  protected:
-  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
-    return folder_.file(name, text).string();
-  }
-
-  [[nodiscard]] Process start(Arguments arguments) const {
-    arguments.insert(arguments.begin(), VERISQ_PROGRAM);
-    return {arguments, folder_.path()};
-  }
-  [[nodiscard]] Outcome run(const Arguments& arguments) const { return start(arguments).wait(); }
-
   /// `map` without OpenCL of what `arguments` name.
   [[nodiscard]] Outcome map(Arguments arguments) const {
     arguments.insert(arguments.begin(), {"map", "--device", "host"});
     return run(arguments);
   }
-
-  TemporaryFolder folder_;
 };
 
 /// A variable of the environment that started programs inherit as long as this lives. Precondition: it was not set.
@@ -68,39 +67,8 @@ class EnvironmentVariable {
   std::string name_;
 };
 
-/// One line on the standard error that has all `words`, nothing on the standard output, exit status 2.
-void expect_refused(const Outcome& outcome, const std::vector<std::string>& words) {
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.out, "");
-  EXPECT_THAT(outcome.err, StartsWith("verisq: "));
-  EXPECT_THAT(outcome.err, EndsWith("\n"));
-  EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
-  for (const auto& word : words) EXPECT_THAT(outcome.err, HasSubstr(word));
-}
-
 /// Names a case of a parametrised test.
 constexpr auto name_of = [](const auto& test) { return test.param.name; };
-
-struct Row {
-  std::size_t index;
-  double lo, hi;
-  std::string status;
-};
-
-std::vector<Row> rows_of(const std::filesystem::path& csv) {
-  std::ifstream file(csv);
-  std::string line;
-  std::getline(file, line);
-  EXPECT_EQ(line, "index,lo,hi,status");
-  std::vector<Row> rows;
-  while (std::getline(file, line)) {
-    std::istringstream fields(line);
-    std::string index, lo, hi, status;
-    std::getline(std::getline(std::getline(fields, index, ','), lo, ','), hi, ',') >> status;
-    rows.push_back({std::stoul(index), std::stod(lo), std::stod(hi), status});
-  }
-  return rows;
-}
 
 // ---------------------------------------------------------------- results
 
@@ -112,12 +80,12 @@ TEST_F(CommandLine, MapsAMeshOnTheHost) {
   EXPECT_THAT(outcome.out, HasSubstr("host-verified    4\n"));
   const auto rows = rows_of(path("map.csv"));
   ASSERT_EQ(rows.size(), 4);
-  EXPECT_LE(rows[0].lo, 2.0);  // (0, 0, 3) is exactly 2 above the solid
-  EXPECT_GE(rows[0].hi, 2.0);
+  EXPECT_LE(rows[0].distance.lo, 2.0);  // (0, 0, 3) is exactly 2 above the solid
+  EXPECT_GE(rows[0].distance.hi, 2.0);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     EXPECT_EQ(rows[k].index, k);
-    EXPECT_LE(rows[k].lo, rows[k].hi);
-    EXPECT_LE(rows[k].hi - rows[k].lo, 2e-6);
+    EXPECT_LE(rows[k].distance.lo, rows[k].distance.hi);
+    EXPECT_LE(rows[k].distance.width(), 2e-6);
     EXPECT_EQ(rows[k].status, "host-verified");
   }
 }
@@ -128,8 +96,8 @@ TEST_F(CommandLine, MapsPointsOfAStream) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const auto rows = rows_of(path("map.csv"));
   ASSERT_EQ(rows.size(), 2);
-  EXPECT_LE(rows[1].lo, 10.0);
-  EXPECT_GE(rows[1].hi, 10.0);
+  EXPECT_LE(rows[1].distance.lo, 10.0);
+  EXPECT_GE(rows[1].distance.hi, 10.0);
 }
 
 TEST_F(CommandLine, MapsByThePublishedMethod) {
@@ -142,11 +110,11 @@ TEST_F(CommandLine, MapsByThePublishedMethod) {
   const auto dual = rows_of(path("dual.csv"));
   ASSERT_EQ(rows.size(), 3);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    EXPECT_LE(rows[k].lo, dual[k].hi);  // both contain the exact distance
-    EXPECT_GE(rows[k].hi, dual[k].lo);
-    EXPECT_LT(rows[k].hi - rows[k].lo, 1e-4);
+    EXPECT_LE(rows[k].distance.lo, dual[k].distance.hi);  // both contain the exact distance
+    EXPECT_GE(rows[k].distance.hi, dual[k].distance.lo);
+    EXPECT_LT(rows[k].distance.width(), 1e-4);
   }
-  EXPECT_GT(rows[1].hi - rows[1].lo, 1e3 * (dual[1].hi - dual[1].lo)) << "is it the paper's method?";
+  EXPECT_GT(rows[1].distance.width(), 1e3 * (dual[1].distance.width())) << "is it the paper's method?";
 }
 
 TEST_F(CommandLine, RefusesThePublishedMethodWithWhatItDoesNotKnow) {
@@ -211,11 +179,11 @@ TEST_F(CommandLine, MapsTheTrianglesOfAMesh) {
     EXPECT_THAT(outcome.out, Not(HasSubstr("point")));
     const auto rows = rows_of(path("map.csv"));
     ASSERT_EQ(rows.size(), 2);
-    EXPECT_LE(rows[0].lo, 2.0);
-    EXPECT_GE(rows[0].hi, 2.0);
-    EXPECT_LE(rows[0].hi - rows[0].lo, 2e-6);
-    EXPECT_EQ(rows[1].lo, 0.0);
-    EXPECT_LE(rows[1].hi, 2e-6);
+    EXPECT_LE(rows[0].distance.lo, 2.0);
+    EXPECT_GE(rows[0].distance.hi, 2.0);
+    EXPECT_LE(rows[0].distance.width(), 2e-6);
+    EXPECT_EQ(rows[1].distance.lo, 0.0);
+    EXPECT_LE(rows[1].distance.hi, 2e-6);
   }
 }
 
@@ -287,14 +255,8 @@ TEST_F(CommandLine, InterruptionKeepsFinishedRows) {
   std::string text;
   for (int k = 0; k < 2'000'000; ++k) text += "1,2,3\n";
   const auto points = write("points.csv", text);
-  const auto process =
-      start({"map", "--device", "host", "--model", ball, "--points", points, "-o", path("map.csv"), "--json"});
-  const auto begun = [&] {  // the map's temporary file is there
-    return std::ranges::any_of(folder_.names(), [](const auto& name) { return name.starts_with("map.csv."); });
-  };
-  while (!begun()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  process.interrupt();
-  const auto outcome = process.wait();
+  const auto outcome = run_interrupted(
+      {"map", "--device", "host", "--model", ball, "--points", points, "-o", path("map.csv"), "--json"});
   EXPECT_EQ(outcome.status, 130) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("map.csv.partial"));
   const auto summary = nlohmann::json::parse(outcome.out);
@@ -309,20 +271,102 @@ TEST_F(CommandLine, InterruptionKeepsFinishedRowsOfTriangles) {
   std::string text = "OFF\n3 " + std::to_string(count) + " 0\n1 2 3\n2 2 3\n1 3 3\n";
   for (int k = 0; k < count; ++k) text += "3 0 1 2\n";
   const auto mesh = write("mesh.off", text);
-  const auto process = start({"map", "--device", "host", "--model", ball, "--mesh", mesh, "--on", "triangles", "-o",
-                              path("map.csv"), "--json"});
-  const auto begun = [&] {  // the map's temporary file is there
-    return std::ranges::any_of(folder_.names(), [](const auto& name) { return name.starts_with("map.csv."); });
-  };
-  while (!begun()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  process.interrupt();
-  const auto outcome = process.wait();
+  const auto outcome = run_interrupted({"map", "--device", "host", "--model", ball, "--mesh", mesh, "--on", "triangles",
+                                        "-o", path("map.csv"), "--json"});
   EXPECT_EQ(outcome.status, 130) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("map.csv.partial"));
   const auto summary = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(summary.at("interrupted"), true);
   EXPECT_LT(summary.at("triangles"), count);
   EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary.at("triangles"));
+}
+
+TEST_F(CommandLine, InterruptionOfSlowSearchesKeepsFinishedRows) {
+  const auto points = write("points.csv", points_about_the_bent_stem(200'000));
+  const auto outcome = run_interrupted(
+      {"map", "--device", "host", "--model", bent_stem, "--points", points, "-o", path("map.csv"), "--json"});
+  EXPECT_EQ(outcome.status, 130) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_LT(summary.at("points"), 200'000);
+  EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary.at("points"));
+}
+
+// ---------------------------------------------------------------- time limits
+
+/// Rows of two maps of the same points contain the same numbers.
+void expect_compatible(const std::vector<Row>& some, const std::vector<Row>& others) {
+  ASSERT_EQ(some.size(), others.size());
+  for (std::size_t k = 0; k < some.size(); ++k) {
+    EXPECT_EQ(some[k].index, k);
+    EXPECT_LE(some[k].distance.lo, others[k].distance.hi) << k;
+    EXPECT_GE(some[k].distance.hi, others[k].distance.lo) << k;
+  }
+}
+
+TEST_F(CommandLine, AtTheTimeLimitAllRowsAreValid) {
+  const auto points = write("points.csv", points_about_the_bent_stem(1500));
+  ASSERT_EQ(map({"--model", bent_stem, "--points", points, "-o", path("all.csv")}).status, 0);
+  for (const std::string device : {"host", "auto"}) {
+    for (const std::string seconds : {"1e-9", "0.05"}) {
+      const auto outcome = run({"map", "--device", device, "--model", bent_stem, "--points", points, "--time-limit",
+                                seconds, "-o", path("map.csv"), "--json"});
+      const auto summary = nlohmann::json::parse(outcome.out);
+      const std::size_t wide = summary.at("wide");
+      EXPECT_EQ(outcome.status, wide > 0 ? 3 : 0);
+      EXPECT_EQ(summary.at("out_of_time"), wide > 0);
+      EXPECT_EQ(summary.at("interrupted"), false);
+      EXPECT_EQ(summary.at("points"), 1500);
+      if (seconds == "1e-9") {
+        EXPECT_EQ(wide, 1500);
+        EXPECT_EQ(outcome.err, "verisq: the time limit is reached; 1500 of 1500 rows are valid, and wide\n");
+      }
+      const std::vector<Row> rows = rows_of(path("map.csv"));
+      expect_compatible(rows, rows_of(path("all.csv")));
+      // No wider than the model is, and a bit: what costs no search says that much.
+      for (const Row& row : rows) EXPECT_LE(row.distance.width(), 0.8);
+    }
+  }
+}
+
+TEST_F(CommandLine, AtTheTimeLimitTrianglesAndUncertainModelsAreValid) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const std::string uncertain = VERISQ_EXAMPLES "/uncertain_stem.json";
+  for (const Arguments& what : {Arguments{"--model", ball, "--mesh", mesh, "--on", "triangles"},
+                                {"--model", uncertain, "--mesh", mesh, "--point-radius", "0.01", "--tol", "0.1"},
+                                {"--model", uncertain, "--mesh", mesh, "--on", "triangles", "--tol", "0.1"}}) {
+    auto arguments = what;
+    arguments.insert(arguments.end(), {"-o", path("all.csv")});
+    ASSERT_EQ(map(arguments).status, 0);
+    arguments.back() = path("map.csv");
+    arguments.insert(arguments.end(), {"--time-limit", "1e-9"});
+    EXPECT_EQ(map(arguments).status, 3);
+    expect_compatible(rows_of(path("map.csv")), rows_of(path("all.csv")));
+    for (const Row& row : rows_of(path("map.csv"))) EXPECT_LE(row.distance.width(), 7.0);
+  }
+}
+
+TEST_F(CommandLine, AtTheTimeLimitCertificatesProveTheRows) {
+  const auto mesh = write("mesh.off", "OFF\n5 2 0\n0 0 3\n1 0 4\n0 0.125 0.25\n9 0 0\n-9 1 0\n3 0 1 2\n3 0 3 4\n");
+  const std::string stem = VERISQ_EXAMPLES "/stem.json";
+  for (const std::string on : {"vertices", "triangles"}) {
+    for (const std::string& model : {ball, stem}) {
+      EXPECT_EQ(map({"--model", model, "--mesh", mesh, "--on", on, "--certificates", "--time-limit", "1e-9", "-o",
+                     path("map.csv")})
+                    .status,
+                3);
+      const auto checked = run({"check", "--model", model, "--mesh", mesh, "--map", path("map.csv"), "--json"});
+      EXPECT_EQ(checked.status, 0) << checked.out;
+      EXPECT_LE(nlohmann::json::parse(checked.out).at("largest_width_proved"), 3.0);  // no infinite ends
+    }
+  }
+}
+
+TEST_F(CommandLine, RefusesTimesThatAreNone) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  for (const std::string seconds : {"0", "-1", "soon", "inf", "nan"}) {
+    expect_refused(map({"--model", ball, "--mesh", mesh, "-o", path("map.csv"), "--time-limit=" + seconds}),
+                   {"--time-limit: " + seconds + " is not a finite number of seconds above 0"});
+  }
 }
 
 TEST_F(CommandLine, PrintsVersionAndHelp) {
@@ -885,9 +929,9 @@ TEST_F(CommandLine, MapsADifference) {
   ASSERT_EQ(rows.size(), 3);
   const double exact[] = {0.25, -0.25, 1.0};
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_LE(rows[k].lo, exact[k]) << k;
-    EXPECT_GE(rows[k].hi, exact[k]) << k;
-    EXPECT_LE(rows[k].hi - rows[k].lo, 1e-3) << k;
+    EXPECT_LE(rows[k].distance.lo, exact[k]) << k;
+    EXPECT_GE(rows[k].distance.hi, exact[k]) << k;
+    EXPECT_LE(rows[k].distance.width(), 1e-3) << k;
   }
 }
 
@@ -904,9 +948,9 @@ TEST_F(CommandLine, MapsABentSolid) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const auto rows = rows_of(path("map.csv"));
   ASSERT_EQ(rows.size(), 1);
-  EXPECT_LE(rows[0].lo, 0.1 + 1e-12);
-  EXPECT_GE(rows[0].hi, 0.1 - 1e-12);
-  EXPECT_LE(rows[0].hi - rows[0].lo, 1e-3);
+  EXPECT_LE(rows[0].distance.lo, 0.1 + 1e-12);
+  EXPECT_GE(rows[0].distance.hi, 0.1 - 1e-12);
+  EXPECT_LE(rows[0].distance.width(), 1e-3);
 }
 
 TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {

@@ -3,20 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <sstream>
-#include <stdexcept>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 #include <verisq/enclosure.hpp>
 
-#include "tests/process.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/program_test.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -25,9 +20,8 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
-using Arguments = std::vector<std::string>;
 
-class DistanceCommand : public ::testing::Test {
+class DistanceCommand : public ProgramTest {
  protected:
   [[nodiscard]] std::string ball(const std::string& name, const std::string& units, double x,
                                  double radius = 1.0) const {
@@ -39,53 +33,14 @@ class DistanceCommand : public ::testing::Test {
     return folder_.file(name, model.dump()).string();
   }
 
-  [[nodiscard]] Process start(Arguments arguments) const {
-    arguments.insert(arguments.begin(), {VERISQ_PROGRAM, "distance"});
-    return {arguments, folder_.path()};
+  [[nodiscard]] Outcome distance(Arguments arguments) const {
+    arguments.insert(arguments.begin(), "distance");
+    return run(arguments);
   }
-  [[nodiscard]] Outcome distance(Arguments arguments) const { return start(std::move(arguments)).wait(); }
-  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
-    return folder_.file(name, text).string();
-  }
-
-  TemporaryFolder folder_;
 };
-
-/// The lines of a text, without their ends.
-std::vector<std::string> lines(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> result;
-  for (std::string line; std::getline(stream, line);) result.push_back(line);
-  return result;
-}
-
-struct Row {
-  std::size_t index;
-  Enclosure distance;
-  std::string status;
-};
-
-std::vector<Row> rows_of(const std::string& path) {
-  std::vector<std::string> text = lines(contents(path));
-  if (text.empty() || text.front() != "index,lo,hi,status") throw std::runtime_error("no map: " + path);
-  std::vector<Row> rows;
-  for (std::size_t i = 1; i < text.size(); ++i) {
-    std::ranges::replace(text[i], ',', ' ');
-    std::istringstream fields(text[i]);
-    Row row;
-    fields >> row.index >> row.distance.lo >> row.distance.hi >> row.status;
-    rows.push_back(row);
-  }
-  return rows;
-}
 
 void expect_refused(const Outcome& outcome, const std::string& words) {
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.out, "");
-  EXPECT_THAT(outcome.err, StartsWith("verisq: "));
-  EXPECT_THAT(outcome.err, HasSubstr(words));
-  EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  testing::expect_refused(outcome, {words});
 }
 
 TEST_F(DistanceCommand, PrintsTheEnclosureInWords) {
@@ -207,6 +162,34 @@ TEST_F(DistanceCommand, EndsASearchAtTheTimeLimit) {
   EXPECT_GE(object["hi"].get<double>(), exact);
 }
 
+/// Two nearly boxes 1e-3 apart within each other: a search that takes a minute.
+TEST_F(DistanceCommand, InterruptionLeavesAValidEnclosure) {
+  const auto bored = write("bored.json", bored_ball);
+  const auto peg = write("peg.json", R"({"format": "verisq-model/1", "primitives": [
+    {"name": "peg", "superquadric": {"semi_axes": [0.999, 0.999, 10], "exponents": [0.1, 1]}}]})");
+  const Outcome outcome = run_interrupted({"distance", bored, peg, "--tol", "1e-15", "--json"});
+  EXPECT_EQ(outcome.status, 130);
+  EXPECT_EQ(outcome.err, "verisq: interrupted; the enclosure is valid, and wide\n");
+  const auto object = nlohmann::json::parse(outcome.out);
+  EXPECT_LE(object["lo"].get<double>(), 1e-3 + 1e-15);
+  if (!object["hi"].is_null()) {
+    EXPECT_GE(object["hi"].get<double>(), 1e-3 - 1e-15);
+  }
+}
+
+TEST_F(DistanceCommand, WhatIsNotBoundedIsNull) {
+  // Balls that hardly miss each other: what they have in common takes long to prove empty, and has no point.
+  const auto a = write("a.json", R"({"format": "verisq-model/1", "primitives": [
+    {"name": "left", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}},
+    {"name": "right", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]},
+     "pose": {"translation": [2.0000001, 0, 0]}}], "csg": {"intersection": ["left", "right"]}})");
+  const Outcome outcome = distance({a, ball("b.json", "", 9.0), "--json", "--time-limit", "1e-9"});
+  EXPECT_EQ(outcome.status, 3);
+  const auto object = nlohmann::json::parse(outcome.out);
+  EXPECT_TRUE(object.at("hi").is_null());
+  EXPECT_GT(object.at("lo").get<double>(), 0.0);
+}
+
 TEST_F(DistanceCommand, RefusesWhatSearchesLack) {
   const auto a = ball("a.json", "", 0.0);
   const auto b = write("b.json", bent_ball);
@@ -304,14 +287,8 @@ TEST_F(DistanceCommand, InterruptionKeepsFinishedPoses) {
   for (std::size_t k = 0; k < count; ++k) text += "5,0,0,1,0,0,0\n";
   const auto file = write("poses.csv", text);
   for (const std::string name : {"map.csv", "map.json"}) {
-    const Process process = start({ball("a.json", "", 0.0), ball("b.json", "", 0.0), "--poses", file, "--device",
-                                   "host", "-o", path(name), "--json"});
-    const auto begun = [&] {  // the map's temporary file is there
-      return std::ranges::any_of(folder_.names(), [&](const auto& entry) { return entry.starts_with(name + "."); });
-    };
-    while (!begun()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    process.interrupt();
-    const Outcome outcome = process.wait();
+    const Outcome outcome = run_interrupted({"distance", ball("a.json", "", 0.0), ball("b.json", "", 0.0), "--poses",
+                                             file, "--device", "host", "-o", path(name), "--json"});
     EXPECT_EQ(outcome.status, 130) << outcome.err;
     const auto summary = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(summary["interrupted"], true);

@@ -54,6 +54,42 @@ TEST(FastFunctionsTest, PowersAreBoundedAsClosely) {
   }
 }
 
+/// Ulps about x.
+template <class Check>
+void for_neighbours(double x, const Check& check) {
+  constexpr int reach = 40;
+  double y = x;
+  for (int i = 0; i < reach; ++i) y = std::nextafter(y, 0.0);
+  for (int i = 0; i <= 2 * reach; ++i, y = std::nextafter(y, 4.0)) check(y);
+}
+
+void expect_bounds_power(double base, double exponent) {
+  const Real lower = power(Real(base), Real(exponent), Direction::down);
+  const Real upper = power(Real(base), Real(exponent), Direction::up);
+  ASSERT_LE(Real(fast_power(base, exponent, Direction::down)), lower) << base << " " << exponent;
+  ASSERT_GE(Real(fast_power(base, exponent, Direction::up)), upper) << base << " " << exponent;
+}
+
+/// Where the terms of the error analysis are largest: the reduced argument of the logarithm at the ends of its range
+/// (base = 2^(n - 1/2)), its two terms of opposite signs (just above those), the reduced argument of the exponential at
+/// the ends of its range (power = 2^(n + 1/2)), and long exponents, which magnify the error of the logarithm.
+TEST(FastFunctionsTest, PowersWhereTheErrorsAreLargest) {
+  for (const int n : {1, 0, -1, -2, -3, -50, -999}) {
+    for (const double exponent : {0.5, 1.0, 1.5, 1.0 / 3.0, 0.7, 3.0}) {
+      for_neighbours(std::ldexp(std::sqrt(0.5), n), [&](double base) { expect_bounds_power(base, exponent); });
+      for_neighbours(std::ldexp(1.0, n), [&](double base) { expect_bounds_power(base, exponent); });
+    }
+  }
+  for (const double base : {0.3, 0.7, 0.75, 0.99, 1.01, 1.3, 1.5, 1.99, 2.0}) {
+    for (const double n : {0.0, 1.0, 5.0, 300.0, 1009.0}) {
+      const double exponent = std::fabs((n + 0.5) / std::log2(base));
+      for_neighbours(exponent, [&](double e) { expect_bounds_power(base, e); });
+      // The ends of the range of the own exponential.
+      for_neighbours(std::fabs(700.0 / std::log(base)), [&](double e) { expect_bounds_power(base, e); });
+    }
+  }
+}
+
 TEST(FastFunctionsTest, PowersAtTheEndsOfTheirDomain) {
   for (const double exponent : {0.0, 5e-324, 1.0, 40.0, 1e308}) {
     EXPECT_EQ(fast_power(1.0, exponent, Direction::down), 1.0);
@@ -77,10 +113,14 @@ TEST(FastFunctionsTest, ArctangentQuotientsAreBoundedAsClosely) {
     ASSERT_GE(Real(upper), exact.upper()) << t;
     ASSERT_LE(upper - lower, 2.0 * 0x1p-48) << t;
   }
-  for (const double t : {0.0, 0.125, std::nextafter(0.125, 1.0), 1.0}) {
-    const PreciseInterval exact = arctangent_quotient(PreciseInterval(Real(t)));
-    EXPECT_LE(Real(fast_arctangent_quotient(t, Direction::down)), exact.lower()) << t;
-    EXPECT_GE(Real(fast_arctangent_quotient(t, Direction::up)), exact.upper()) << t;
+  // Where a halving of the angle more or less is taken, and the last term of the series is largest: tan(2^n atan(1/8)).
+  for (const double start : {0.0, 0.125, 0.125 * 16.0 / 7.875, 0.5534412, 1.0}) {
+    for_neighbours(start, [](double t) {
+      if (t > 1.0) return;
+      const PreciseInterval exact = arctangent_quotient(PreciseInterval(Real(t)));
+      EXPECT_LE(Real(fast_arctangent_quotient(t, Direction::down)), exact.lower()) << t;
+      EXPECT_GE(Real(fast_arctangent_quotient(t, Direction::up)), exact.upper()) << t;
+    });
   }
 }
 

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "host/device/box_primitive_parameters.hpp"
+#include "host/device/model_source.hpp"
 #include "host/device/primitive_parameters.hpp"
 #include "host/device/rotation.hpp"
 #include "host/device/self_test.hpp"
@@ -84,7 +86,30 @@ class KernelRun {
     queue_.finish();
   }
 
+  /// A bent solid minus one that is not, as host/device/solid_batch.cpp has it mapped; the other is bent by nothing.
+  void solids() {
+    const auto coordinates = point_columns();
+    const cl::Buffer parameters = box_primitives();
+    const auto of_primitives = outputs<5>(queries_ * solid_model().primitives.size());
+    for (cl_uint index = 0; index < solid_model().primitives.size(); ++index)
+      launch("bent_distance", cl_ulong{groups}, coordinates, parameters, index, views(of_primitives, index));
+    const std::array<double, 4> root{0.0, 0.0, 0.0, 4.0};  // centre and half-width
+    launch("solid_distance", cl_ulong{searches}, cl_ulong{queries_}, coordinates, parameters, root[0], root[1], root[2],
+           root[3], tolerance, rounds, of_primitives, outputs<2>(searches));
+    queue_.finish();
+  }
+
+  [[nodiscard]] static Model solid_model() {
+    SetExpression difference{{}, SetOperation::subtract, 0};
+    for (const std::uint32_t i : {0U, 1U}) difference.operands.push_back({{}, SetOperation::unite, i});
+    Model both{"", {model.primitives[0], model.primitives[1]}, difference};
+    both.primitives[0].bend = Bend{0.3, 20.0};
+    return both;
+  }
+
  private:
+  static constexpr std::size_t searches = 5;
+  static constexpr cl_uint rounds = 6;  // each takes a simulator tens of milliseconds
   static constexpr std::size_t groups = 13;
   static constexpr cl_uint groups_per_block = 4;
   static constexpr std::size_t work_items = 16;  // more than there are groups: some have nothing to do
@@ -123,6 +148,14 @@ class KernelRun {
     cl::Buffer buffer = numbers(values.size());
     queue_.enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size() * sizeof(double), values.data());
     return buffer;
+  }
+
+  [[nodiscard]] cl::Buffer box_primitives() const {
+    std::vector<BoxPrimitiveParameters> parameters;
+    for (const Primitive& primitive : solid_model().primitives)
+      parameters.push_back(box_primitive_parameters(primitive, scale_exponent(model)));
+    return {context_, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, parameters.size() * sizeof(BoxPrimitiveParameters),
+            parameters.data()};
   }
 
   // On all sides of the surfaces of the first two.
@@ -221,6 +254,12 @@ class KernelMemoryTest : public ::testing::TestWithParam<int> {
                   "static __attribute__((noinline))");
   }
 
+  /// Likewise.
+  static std::string solid_sources() {
+    return broken(model_source(KernelRun::solid_model(), kernels::embedded_solid_distance()),
+                  "static __attribute__((always_inline))", "static __attribute__((noinline))");
+  }
+
   /// Of one of the runs above.
   std::string reported_of(void (KernelRun::*run)(), std::string_view sources) const {
     return reported(std::string(sources),
@@ -253,6 +292,10 @@ TEST_P(KernelMemoryTest, FindsNothingInPairs) {
   EXPECT_EQ(reported_of(&KernelRun::pairs, kernels::embedded_pair_sources()), "");
 }
 
+TEST_P(KernelMemoryTest, FindsNothingInAMapOfSolids) {
+  EXPECT_EQ(reported_of(&KernelRun::solids, solid_sources()), "");
+}
+
 TEST_P(KernelMemoryTest, FindsNothingInTheSelfTest) {
   const auto use = [](const cl::Context& context, const cl::Device& device, const cl::Program& program) {
     EXPECT_EQ(self_test(context, device, program, GetParam()), "");
@@ -274,6 +317,11 @@ TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffers) {
   EXPECT_THAT(reported_of(&KernelRun::pairs,
                           unguarded(kernels::embedded_pair_sources(), "constant const superquadric* solid_a")),
               HasSubstr("Invalid read"));
+  EXPECT_THAT(reported_of(&KernelRun::solids, unguarded(solid_sources(), "constant const box_primitive* p")),
+              HasSubstr("Invalid read"));
+  EXPECT_THAT(reported_of(&KernelRun::solids,
+                          broken(solid_sources(), "if (index >= count) return;\n  search own;", "search own;")),
+              HasSubstr("Invalid write"));
 }
 
 TEST_P(KernelMemoryTest, FindsAReadOfWhatWasNotWritten) {
@@ -285,6 +333,8 @@ TEST_P(KernelMemoryTest, FindsAReadOfWhatWasNotWritten) {
       HasSubstr("ninitialized"));
   EXPECT_THAT(reported_of(&KernelRun::pairs,
                           broken(kernels::embedded_pair_sources(), "STORE(fmin(known_lo, lo), group, los);", "")),
+              HasSubstr("ninitialized"));
+  EXPECT_THAT(reported_of(&KernelRun::solids, broken(solid_sources(), "  STORE(distance.hi, group, his);\n", "")),
               HasSubstr("ninitialized"));
 }
 

@@ -122,8 +122,8 @@ TEST_F(MutationTest, TheTrueKernelsPass) {
   EXPECT_EQ(judges(true_sources()), "");
 }
 
-/// Triangles, pairs and solids: by a false enclosure, triangles also by a certificate that `check` does not accept, solids
-/// by a false claim about a cube.
+/// Triangles, pairs and solids: by a false enclosure, triangles also by a certificate that `check` does not accept,
+/// solids by a false claim about a cube.
 class ConvexMutationTest : public MutationTest {
  protected:
   [[nodiscard]] device::Device compiled_on(Arithmetic arithmetic, Program program, const std::string& sources) const {

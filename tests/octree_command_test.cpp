@@ -2,17 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <pugixml.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "tests/process.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/program_test.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -20,15 +17,13 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-using Arguments = std::vector<std::string>;
 
-class OctreeCommand : public ::testing::Test {
+class OctreeCommand : public ProgramTest {
  protected:
-  [[nodiscard]] Process start(Arguments arguments) const {
-    arguments.insert(arguments.begin(), {VERISQ_PROGRAM, "octree"});
-    return {arguments, folder_.path()};
+  [[nodiscard]] Outcome octree(Arguments arguments) const {
+    arguments.insert(arguments.begin(), "octree");
+    return run(arguments);
   }
-  [[nodiscard]] Outcome octree(Arguments arguments) const { return start(std::move(arguments)).wait(); }
   /// With the ball of radius 1 and the output cubes.vtu.
   [[nodiscard]] Outcome octree_of_ball(Arguments arguments) const {
     arguments.insert(arguments.begin(), {"--model", ball(), "-o", cubes()});
@@ -48,8 +43,6 @@ class OctreeCommand : public ::testing::Test {
     EXPECT_EQ(outcome.out, "");
     EXPECT_FALSE(std::filesystem::exists(cubes()));
   }
-
-  TemporaryFolder folder_;
 };
 
 constexpr double ball_volume = 4.0 / 3.0 * std::numbers::pi;
@@ -120,11 +113,8 @@ TEST_F(OctreeCommand, SaysThatTheBudgetIsHit) {
 }
 
 TEST_F(OctreeCommand, LeavesNothingBehindWhenInterrupted) {
-  const Process process =
-      start({"--model", ball(), "-o", cubes(), "--depth", "20", "--budget", "100000000", "--device", "host", "--json"});
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  process.interrupt();
-  const Outcome outcome = process.wait();
+  const Outcome outcome = run_interrupted({"octree", "--model", ball(), "-o", cubes(), "--depth", "20", "--budget",
+                                           "100000000", "--device", "host", "--json"});
   EXPECT_EQ(outcome.status, 130);
   EXPECT_EQ(outcome.err, "verisq: interrupted; " + cubes() + " is not written\n");
   const auto json = nlohmann::json::parse(outcome.out);

@@ -6,12 +6,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace verisq::testing {
@@ -48,6 +50,11 @@ class Process {
     if (error != 0) throw std::runtime_error("cannot start " + arguments[0]);
   }
 
+  /// Waits until the program catches SIGINT, or has ended: a signal before that would kill it.
+  void wait_until_interruptible() const {
+    while (!catches_interrupts()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
   void interrupt() const { kill(id_, SIGINT); }
 
   [[nodiscard]] Outcome wait() const {
@@ -57,6 +64,17 @@ class Process {
   }
 
  private:
+  /// As the kernel says in hexadecimal, one bit a signal; true when the process has ended.
+  [[nodiscard]] bool catches_interrupts() const {
+    std::ifstream status("/proc/" + std::to_string(id_) + "/status");
+    for (std::string line; std::getline(status, line);) {
+      if (line.starts_with("State:") && line.find('Z') != std::string::npos) return true;
+      if (!line.starts_with("SigCgt:")) continue;
+      return (std::stoull(line.substr(line.find(':') + 1), nullptr, 16) >> (SIGINT - 1U) & 1U) != 0;
+    }
+    return true;
+  }
+
   std::filesystem::path out_;
   std::filesystem::path err_;
   pid_t id_ = 0;

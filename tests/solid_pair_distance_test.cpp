@@ -12,6 +12,7 @@
 #include <verisq/model_distance.hpp>
 #include <verisq/model_search.hpp>
 
+#include "tests/bitten_ball.hpp"
 #include "verify/solid_pair_bound.hpp"
 #include "verify/solid_pair_polytope.hpp"
 
@@ -117,6 +118,53 @@ TEST(SolidPairDistanceTest, UnionWithinADifference) {
   // C meets A's surface at x = 1 - 0.25/2: the nearest point to (2.5, 0, 0) is on that circle.
   const double x = 0.875;
   expect_distance(eaten, model(ball(0.5), at(2.5, 0, 0)), std::hypot(2.5 - x, std::sqrt(1 - x * x)) - 0.5, 1e-6);
+}
+
+// ---------------------------------------------------------------- sets that are simpler within cubes
+
+/// What is proven to lie in a model need not lie in the cube that proposed it, where the tree is simpler: what is
+/// bitten off beside a cube must not come back.
+TEST(SolidPairDistanceTest, PointsBesideTheirCubesLieInTheModel) {
+  int cases = 0;
+  for (unsigned seed = 0; seed < 150; ++seed) {
+    const auto& [solid, above] = oracle::random_bitten_ball(seed);
+    const double distance = solid.distance(above);
+    if (std::hypot(above[0], above[1], above[2]) < 1.1 || distance < 0.1) continue;
+    ++cases;
+    SCOPED_TRACE(fmt::format("seed {}", seed));
+    const double radius = (0.1 + 0.8 * (seed % 10) / 10.0) * distance;
+    expect_distance(solid.model(), model(ball(radius), at(above[0], above[1], above[2])), distance - radius, 0.01);
+  }
+  EXPECT_GT(cases, 100);
+}
+
+/// a and (b or c) as (a and b) or (a and c): with a once, with a twice, and with a copy of it.
+TEST(SolidPairDistanceTest, OnePrimitiveMayOccurTwice) {
+  const std::vector<Primitive> primitives{{"a", ball(1.0), {}},
+                                          {"b", {{0.5, 0.6, 0.7}, {0.4, 1.2}}, at(0.9, 0.3, 0.0)},
+                                          {"c", ball(0.5), at(-0.2, 1.1, 0.1)},
+                                          {"copy", ball(1.0), {}}};
+  const auto both = [](std::uint32_t i, std::uint32_t j) {
+    return SetExpression{{leaf(i), leaf(j)}, SetOperation::intersect};
+  };
+  const SetExpression either{{leaf(1), leaf(2)}, SetOperation::unite};
+  const Model factored{"", primitives, SetExpression{{leaf(0), either}, SetOperation::intersect}};
+  const Model repeated{"", primitives, SetExpression{{both(0, 1), both(0, 2)}, SetOperation::unite}};
+  const Model copied{"", primitives, SetExpression{{both(0, 1), both(3, 2)}, SetOperation::unite}};
+  const std::vector<Model> parts{{"", primitives, both(0, 1)}, {"", primitives, both(0, 2)}};
+  for (const Point& p :
+       {Point{2, 0.5, 0}, Point{1.2, 1.3, 0.4}, Point{0, 2, 0.1}, Point{-1, 0, 0.5}, Point{0.5, 0.6, 1}}) {
+    SCOPED_TRACE(fmt::format("({}, {}, {})", p[0], p[1], p[2]));
+    const Model probe = model(ball(0.1), at(p[0], p[1], p[2]));
+    const Enclosure found = search(repeated, probe, 1e-6).distance;
+    EXPECT_LE(found.width(), 1e-6);
+    EXPECT_FALSE(disjoint(found, search(factored, probe, 1e-6).distance));
+    EXPECT_FALSE(disjoint(found, search(copied, probe, 1e-6).distance));
+    EXPECT_FALSE(disjoint(found, search(probe, repeated, 1e-6).distance));
+    const Enclosure first = search(parts[0], probe, 1e-6).distance;
+    const Enclosure second = search(parts[1], probe, 1e-6).distance;
+    EXPECT_FALSE(disjoint(found, {std::min(first.lo, second.lo), std::min(first.hi, second.hi)}));
+  }
 }
 
 // ---------------------------------------------------------------- against the certificates of convex pairs

@@ -60,6 +60,18 @@ Vector3<T> BendMap<T>::bent(const Vector3<T>& unbent) const {
   return turned_back({along, v[1], up});
 }
 
+/// A turn by γ = k z in the plane of the bend, that stretches z by 1 - k r.
+template <class T>
+Vector3<T> BendMap<T>::pulled_back(const Vector3<T>& v, const Vector3<T>& unbent) const {
+  const Vector3<T> x = turned(unbent);
+  const Vector3<T> w = turned(v);
+  const BasicInterval<T> angle = curvature_ * x[2];
+  const BasicInterval<T> c = cos(angle);
+  const BasicInterval<T> s = sin(angle);
+  const BasicInterval<T> stretch = BasicInterval<T>(1) - curvature_ * x[0];
+  return turned_back({c * w[0] - s * w[2], w[1], stretch * (s * w[0] + c * w[2])});
+}
+
 template <class T>
 typename BendMap<T>::Polar BendMap<T>::polar(const Vector3<T>& turned) const {
   const BasicInterval<T> m = BasicInterval<T>(1) - curvature_ * turned[0];

@@ -19,6 +19,10 @@ class BendMap {
   /// Inclusion function of the bend: x, y, z of the primitive's own frame before -> after.
   [[nodiscard]] Vector3<T> bent(const Vector3<T>& unbent) const;
 
+  /// Of its transposed derivative: (∂bent / ∂x)ᵀ v at x, so that of a function of the bent point with gradient v it is
+  /// the gradient in x.
+  [[nodiscard]] Vector3<T> pulled_back(const Vector3<T>& v, const Vector3<T>& unbent) const;
+
   /// Inclusion function of its inverse. At the cut both values of z are included.
   [[nodiscard]] Vector3<T> unbent(const Vector3<T>& bent) const;
 

@@ -30,14 +30,6 @@ Box box_of(const Primitive& primitive) {
   return rounded_outward(frame.origin() + rotation * bent_box(*primitive.bend, primitive.superquadric));
 }
 
-Box hull(Box a, const Box& b) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    a.lower[i] = std::min(a.lower[i], b.lower[i]);
-    a.upper[i] = std::max(a.upper[i], b.upper[i]);
-  }
-  return a;
-}
-
 bool is_empty(const Box& box) {
   return !std::ranges::equal(box.lower, box.upper, std::ranges::less_equal{});
 }
@@ -71,6 +63,15 @@ Box box_of(const SetExpression& expression, const std::vector<Primitive>& primit
 }
 
 }  // namespace
+
+Box hull(const Box& a, const Box& b) {
+  Box both = a;
+  for (std::size_t i = 0; i < 3; ++i) {
+    both.lower[i] = std::min(a.lower[i], b.lower[i]);
+    both.upper[i] = std::max(a.upper[i], b.upper[i]);
+  }
+  return both;
+}
 
 Box bounding_box(const Model& model) {
   if (model.csg) return box_of(*model.csg, model.primitives);

@@ -50,12 +50,6 @@ OctreeRoot centred_on(const Box& box, double half_width) {
   return root;
 }
 
-/// Where the set of that primitive matters.
-void mark_primitives(const SetNode& node, std::vector<bool>& used) {
-  if (node.kind == SetNode::Kind::leaf) used.at(node.primitive) = true;
-  for (const SetNode& operand : node.operands) mark_primitives(operand, used);
-}
-
 }  // namespace
 
 OctreeRoot octree_root(const Model& model) {

@@ -49,8 +49,9 @@ struct SignedDistance::State {
     if (is_union_of_convex(model)) convex.emplace(model);
   }
 
-  [[nodiscard]] Enclosure searched(const Point& point, double tolerance, const Enclosure& known) const {
-    return search(point, std::max(tolerance, resolution), known, never);
+  [[nodiscard]] Enclosure searched(const Point& point, double tolerance, const Enclosure& known,
+                                   const std::function<bool()>& interrupted) const {
+    return search(point, std::max(tolerance, resolution), known, interrupted);
   }
 
   std::optional<ConvexUnion> convex;
@@ -65,13 +66,23 @@ SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
 SignedDistance& SignedDistance::operator=(SignedDistance&&) noexcept = default;
 
 Enclosure SignedDistance::operator()(const Point& point, double tolerance) const {
-  if (!state_->convex) return state_->searched(point, tolerance, nothing_known);
+  return (*this)(point, tolerance, never);
+}
+
+Enclosure SignedDistance::operator()(const Point& point, double tolerance,
+                                     const std::function<bool()>& interrupted) const {
+  if (!state_->convex) return state_->searched(point, tolerance, nothing_known, interrupted);
   const Enclosure known = verify::signed_distance(state_->convex->solids, point, tolerance).distance;
   if (!state_->convex->loose(known, std::max(tolerance, state_->resolution))) return known;
-  return intersection(known, state_->searched(point, tolerance, known));
+  return intersection(known, state_->searched(point, tolerance, known, interrupted));
 }
 
 CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance) const {
+  return certified(point, tolerance, never);
+}
+
+CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance,
+                                             const std::function<bool()>& interrupted) const {
   if (!state_->convex) throw Error(ErrorKind::input, "certificates: only for unions of primitives that are not bent");
   const auto& [checker, solids] = *state_->convex;
   const auto proven = [&](CertifiedEnclosure found) {
@@ -81,7 +92,7 @@ CertifiedEnclosure SignedDistance::certified(const Point& point, double toleranc
   const CertifiedEnclosure found = proven(verify::signed_distance(solids, point, tolerance));
   if (!state_->convex->loose(found.distance, std::max(tolerance, state_->resolution))) return found;
   CertifiedEnclosure nearer = found;
-  nearer.certificate.escape = state_->search.escape(point, std::max(tolerance, state_->resolution), never);
+  nearer.certificate.escape = state_->search.escape(point, std::max(tolerance, state_->resolution), interrupted);
   nearer = proven(nearer);
   return nearer.distance.lo > found.distance.lo ? nearer : found;
 }

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "verify/bent_distance.hpp"
 #include "verify/candidates.hpp"
 #include "verify/cube_division.hpp"
 #include "verify/set_relaxation.hpp"
@@ -34,6 +35,7 @@ struct Scene {
       origins.push_back(primitive.pose.translation);
       const bool bent = primitive.bend && primitive.bend->curvature != 0.0;
       solids.push_back(bent ? std::nullopt : std::optional<Solid>(primitive));
+      bent_solids.push_back(bent ? std::optional<BentDistance>(primitive) : std::nullopt);
     }
   }
 
@@ -43,22 +45,25 @@ struct Scene {
   std::vector<BoxPrimitive> primitives;
   std::vector<Point> origins;                ///< of the primitives' frames
   std::vector<std::optional<Solid>> solids;  ///< nothing where the primitive is bent
+  std::vector<std::optional<BentDistance>> bent_solids;
 };
-
-void mark_leaves(const SetNode& node, std::vector<bool>& marks) {
-  if (node.kind == SetNode::Kind::leaf) marks[node.primitive] = true;
-  for (const SetNode& operand : node.operands) mark_leaves(operand, marks);
-}
 
 void mark_leaves(const SetNode& node, Side side, std::vector<bool>& marks) {
   if (node.kind == SetNode::Kind::leaf && node.side == side) marks[node.primitive] = true;
   for (const SetNode& operand : node.operands) mark_leaves(operand, side, marks);
 }
 
+/// Primitives that are subsets of the whole set: operands of unions alone.
+void mark_subsets(const SetNode& node, std::vector<bool>& marks) {
+  if (node.kind == SetNode::Kind::leaf && node.side == Side::inside) marks[node.primitive] = true;
+  if (node.kind != SetNode::Kind::union_of) return;
+  for (const SetNode& operand : node.operands) mark_subsets(operand, marks);
+}
+
 /// Of the primitives in the tree; those of the others are not looked at.
 std::vector<Colour> colours(const Scene& scene, const SetNode& tree, const Cube& cube) {
   std::vector<bool> wanted(scene.primitives.size(), false);
-  mark_leaves(tree, wanted);
+  mark_primitives(tree, wanted);
   std::vector<Colour> result(scene.primitives.size(), Colour::gray);
   for (std::size_t i = 0; i < result.size(); ++i) {
     if (wanted[i]) result[i] = scene.primitives[i].colour(cube);
@@ -135,7 +140,7 @@ class Search {
   Search(const Search&) = delete;  // refers to itself
   Search& operator=(const Search&) = delete;
 
-  /// The point of T that proved the upper bound, unless a whole cube or what was known did.
+  /// The point of T that proved the upper bound, unless a whole cube, a certificate or what was known did.
   [[nodiscard]] const std::optional<Point>& witness() const { return witness_; }
 
   [[nodiscard]] Enclosure run(const std::function<bool()>& interrupted) {
@@ -223,7 +228,7 @@ class Search {
   void improve_upper(const Node& node) {
     constexpr std::array<int, 7> halvings{1, 2, 3, 5, 8, 13, 21};
     constexpr double reach = 8.0;  // in margins: how far the nearest point moves at corners that are not too sharp
-    const double margin = tolerance_ / 8;
+    const double margin = std::min(tolerance_, node.cube.half_width) / 8;
     Cube about{node.candidate, node.cube.half_width};
     for (const int n : halvings) {
       const double half_width = std::ldexp(node.cube.half_width, -n);
@@ -252,7 +257,7 @@ class Search {
       if (!marks[i]) continue;
       const Proposal inwards = from(node.candidate, scene_.origins[i]);
       if (!usable(inwards)) continue;
-      for (double far = tolerance_ / 8; far < 4 * node.cube.half_width; far *= 2) {
+      for (double far = std::min(tolerance_, node.cube.half_width) / 8; far < 4 * node.cube.half_width; far *= 2) {
         if (accept_proposal(moved(node.candidate, inwards, far), node)) break;
       }
     }
@@ -266,7 +271,7 @@ class Search {
     }
   }
 
-  // --- What convex primitives prove by their certificates ---
+  // --- What single primitives prove by their certificates ---
 
   [[nodiscard]] std::vector<bool> leaves(Side side) const {
     std::vector<bool> marks(scene_.primitives.size(), false);
@@ -274,29 +279,49 @@ class Search {
     return marks;
   }
 
+  /// Primitives K that are subsets of T.
+  [[nodiscard]] std::vector<bool> subsets() const {
+    std::vector<bool> marks(scene_.primitives.size(), false);
+    mark_subsets(target_, marks);
+    return marks;
+  }
+
   double& leaf_bound_of(std::size_t primitive, Side side) {
     return leaf_bounds_[static_cast<std::size_t>(side)][primitive];
+  }
+
+  [[nodiscard]] double bound_by_sphere(std::size_t primitive) const {
+    const auto& solid = scene_.solids[primitive];
+    return std::max(0.0,
+                    solid ? solid->posed().lower_by_sphere(x_) : scene_.bent_solids[primitive]->lower_by_sphere(x_));
+  }
+
+  /// d(x, K) and a point beside K's nearest.
+  [[nodiscard]] BentDistance::Nearest nearest_of(std::size_t primitive) const {
+    if (!scene_.solids[primitive]) return (*scene_.bent_solids[primitive])(x_);
+    const Solid& solid = *scene_.solids[primitive];
+    const CertifiedDistance found = solid.signed_distance(x_, tolerance_ / 4);
+    const Proposal out = solid.model_direction(usable(found.witness) ? found.witness : found.direction);
+    const Point surface = usable(out) ? moved(x_, out, -static_cast<long double>(found.distance.hi)) : x_;
+    return {found.distance, surface};
   }
 
   /// d(x, K) of primitives K that x is outside of.
   void bound_primitives(std::span<const Colour> at_x) {
     const std::vector<bool> wanted = leaves(Side::inside);
+    const std::vector<bool> subset = subsets();
     const auto by_sphere = [&](std::size_t i) {
-      const bool bounded = wanted[i] && scene_.solids[i] && at_x[i] == Colour::white;
-      return bounded ? std::max(0.0, scene_.solids[i]->posed().lower_by_sphere(x_)) : -1.0;
+      return wanted[i] && at_x[i] == Colour::white ? bound_by_sphere(i) : -1.0;
     };
     for (const auto& [bound, i] : nearest_spheres_first(scene_.primitives.size(), by_sphere)) {
       if (bound < 0.0) continue;
       leaf_bound_of(i, Side::inside) = bound;
       if (bound > upper_) continue;
-      const Solid& solid = *scene_.solids[i];
-      const CertifiedDistance found = solid.signed_distance(x_, tolerance_ / 4);
+      const BentDistance::Nearest found = nearest_of(i);
       leaf_bound_of(i, Side::inside) = std::max(bound, found.distance.lo);
-      const Proposal& v = usable(found.witness) ? found.witness : found.direction;
-      const Proposal out = solid.model_direction(v);
-      if (!usable(out)) continue;
-      const Point surface = moved(x_, out, -static_cast<long double>(found.distance.hi));
-      accept_along(surface, from(surface, scene_.origins[i]));
+      // First, for the witness: tighter bounds than its own have none.
+      accept_along(found.point, from(found.point, scene_.origins[i]));
+      if (subset[i]) upper_ = std::min(upper_, found.distance.hi);  // d(x, T) <= d(x, K)
     }
   }
 

@@ -10,8 +10,7 @@ namespace verisq::verify {
 [[nodiscard]] Point unit(const Point& n);
 
 /// At least 0: proven by the slab between the planes normal to n, which is in the frame of A like x, and about as long
-/// as
-/// 1. Any n is valid.
+/// as 1. Any n is valid.
 [[nodiscard]] double lower_by_direction(const CutCube& x, const CutCube& y, const SearchMotion& motion, const Point& n);
 
 /// What alternating projections find.

@@ -14,14 +14,6 @@ namespace verisq::verify {
 
 namespace {
 
-Box hull(Box a, const Box& b) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    a.lower[i] = std::min(a.lower[i], b.lower[i]);
-    a.upper[i] = std::max(a.upper[i], b.upper[i]);
-  }
-  return a;
-}
-
 double largest_side(const Box& box) {
   return std::max({box.upper[0] - box.lower[0], box.upper[1] - box.lower[1], box.upper[2] - box.lower[2]});
 }

@@ -21,6 +21,7 @@
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/map_to_file.hpp"
 #include "host/command_line/pose_stream.hpp"
+#include "host/command_line/time_limit.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -114,16 +115,6 @@ void refuse_what_searches_lack(const LargestModels& models, const DistanceArgume
   if (arguments.certificate) refuse_option("--certificate");
 }
 
-/// Nothing: no limit.
-std::optional<double> parse_time_limit(const DistanceArguments& arguments) {
-  if (!arguments.time_limit) return std::nullopt;
-  const std::optional<double> seconds = finite_number(*arguments.time_limit);
-  if (!seconds || !(*seconds > 0.0)) {
-    refuse(fmt::format("--time-limit: {} is not a finite number of seconds above 0", *arguments.time_limit));
-  }
-  return seconds;
-}
-
 /// Lengths of two models can be compared only in one unit.
 std::string common_units(const UncertainModel& a, const UncertainModel& b, const DistanceArguments& arguments) {
   if (!a.units.empty() && !b.units.empty() && a.units != b.units) {
@@ -198,7 +189,8 @@ const CLI::App& declare_distance(CLI::App& program, DistanceArguments& arguments
   distance
       .add_option("--time-limit", arguments.time_limit, "Ends a search with the best enclosure so far (default: none)")
       ->option_text("SECONDS");
-  distance.add_flag("--json", arguments.json, "Print one JSON object: the answer; for --poses, the summary");
+  distance.add_flag("--json", arguments.json,
+                    "Print one JSON object: the answer; for --poses, the summary. What is not bounded is null");
   distance.add_flag("--certificate", arguments.certificate, "Print what proves the enclosure again");
   distance.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
   return distance;
@@ -209,7 +201,7 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
   const Pose pose = arguments.pose ? parse_pose(*arguments.pose) : Pose{};
   std::optional<double> wanted;
   if (arguments.tolerance) wanted = parse_length("--tol", *arguments.tolerance);
-  const std::optional<double> seconds = parse_time_limit(arguments);
+  const std::optional<double> seconds = parse_time_limit(arguments.time_limit);
   const UncertainModel a = read_uncertain_model(arguments.model_a);
   const UncertainModel b = read_uncertain_model(arguments.model_b);
   const std::string units = common_units(a, b, arguments);
@@ -231,6 +223,7 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
   report.tolerance = tolerance;
   if (!arguments.certificate) report.certificate.reset();
   fmt::print("{}", arguments.json ? json(report) : readable(report));
+  if (report.interrupted) return ExitStatus::interrupted;
   return verified(report.distance, tolerance) ? ExitStatus::verified : ExitStatus::unverified;
 }
 

@@ -3,18 +3,16 @@
 
 #include <fmt/core.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <verisq/model_search.hpp>
 
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/time_limit.hpp"
 
 namespace verisq::command_line {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// From 0 at the first width to 1 at the tolerance, in the logarithm of the width: it falls by about the same factor
 /// from level to level.
@@ -37,27 +35,26 @@ class WidthFraction {
 
 DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pose, const DistanceSearch& search) {
   watch_for_interruption();
-  const Clock::time_point start = Clock::now();
-  const auto out_of_time = [&] {
-    return search.seconds && std::chrono::duration<double>(Clock::now() - start).count() >= *search.seconds;
-  };
+  TimeLimit limit(search.seconds);
+  limit.start();
   SearchedDistance found{};
   {
     ProgressBar bar(search.show_progress, "cubes");
     WidthFraction fraction(search.tolerance);
     found = ModelSearch(a, b)(
         pose, {.tolerance = search.tolerance,
-               .interrupted = [&] { return interrupted() || out_of_time(); },
+               .interrupted = [&] { return interrupted() || limit.passed(); },
                .progress = [&](const Enclosure& e, std::uint64_t cubes) { bar.update(cubes, fraction(e.width())); }});
   }
   if (!verified(found.distance, search.tolerance)) {
-    const char* const reason = interrupted()   ? "interrupted"
-                               : out_of_time() ? "the time limit is reached"
-                                               : "the search has spent its budget of cubes";
+    const char* const reason = interrupted()    ? "interrupted"
+                               : limit.passed() ? "the time limit is reached"
+                                                : "the search has reached rounding errors or its budget of cubes";
     fmt::print(stderr, "verisq: {}; the enclosure is valid, and wide\n", reason);
   }
   DistanceReport report{found.distance, found.proximity};
   report.searched = true;
+  report.interrupted = interrupted() && !verified(found.distance, search.tolerance);
   report.common = found.common;
   report.near_points = found.near_points;
   return report;

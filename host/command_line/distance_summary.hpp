@@ -13,6 +13,7 @@ struct DistanceReport {
   Proximity proximity;
   bool uncertain = false;  ///< a model gives intervals: the enclosure holds for all members; no points, no certificate
   bool searched = false;   ///< by branch and bound: no closest points, no certificate
+  bool interrupted = false;  ///< Ctrl-C ended the search before the tolerance was reached
   std::optional<Point> common = std::nullopt;
   std::optional<std::array<Point, 2>> near_points = std::nullopt;  ///< of a search; each in its model's own frame
   std::optional<ClosestPoints> closest = std::nullopt;
@@ -22,6 +23,8 @@ struct DistanceReport {
 };
 
 [[nodiscard]] std::string readable(const DistanceReport& report);
+
+/// JSON has no infinity: an unbounded upper end is null.
 [[nodiscard]] std::string json(const DistanceReport& report);
 
 }  // namespace verisq::command_line

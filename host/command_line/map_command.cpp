@@ -15,6 +15,7 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/map_to_file.hpp"
+#include "host/command_line/time_limit.hpp"
 #include "host/command_line/triangle_stream.hpp"
 
 namespace verisq::command_line {
@@ -28,7 +29,11 @@ constexpr const char* closing_words =
     "rows are at most the tolerance wide; \"wide\" ones are valid all the same.\n"
     "Where the model gives intervals [lo, hi] for semi-axes, exponents or translations, or points have a radius, each\n"
     "row contains the distances of all that they allow: give a --tol above that uncertainty to call rows verified.\n"
-    "Ctrl-C keeps the finished rows of a .csv under OUT.partial; a second Ctrl-C stops at once.\n"
+    "At the --time-limit running searches end and no other begins: every row is written all the same, and the rest is\n"
+    "valid, and wide. Ctrl-C keeps the finished rows of a .csv under OUT.partial; a second Ctrl-C stops at once.\n"
+    "\n"
+    "Exit status: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad usage or input, 130\n"
+    "interrupted by Ctrl-C.\n"
     "\n"
     "Examples:\n"
     "  verisq map --model stem.json --mesh femur.off -o clearance.vtp\n"
@@ -81,12 +86,18 @@ void check_usage(const MapArguments& arguments) {
   refuse_to_overwrite(arguments.output, {arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points});
 }
 
-/// Maps `elements`, which `Stream` delivers and `Mapper` encloses, and prints the summary.
+/// Maps `elements`, which `Stream` delivers and `Mapper` encloses, and prints the summary. Starts the limit, which the
+/// options ask for, when the mapper is ready.
 template <typename Mapper, typename Stream>
 ExitStatus map_and_report(const UncertainModel& model, double point_radius, MapElements elements,
-                          const MapArguments& arguments, const MapOptions& options) {
+                          const MapArguments& arguments, const MapOptions& options, TimeLimit& limit) {
   Stream stream(arguments.inputs);
-  return map_to_file(stream, stream.mesh(), [&] { return Mapper(model, point_radius, options); },
+  const auto make_mapper = [&] {
+    Mapper mapper(model, point_radius, options);
+    limit.start();
+    return mapper;
+  };
+  return map_to_file(stream, stream.mesh(), make_mapper,
                      {.elements = elements,
                       .contents = arguments.certificates ? MapContents::certified : MapContents::enclosures,
                       .output = arguments.output,
@@ -111,6 +122,9 @@ const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
   map.add_option("--point-radius", arguments.point_radius,
                  "Each vertex or point is any within this distance of the given one, in model units (default 0)")
       ->option_text("NUMBER");
+  map.add_option("--time-limit", arguments.time_limit,
+                 "Ends the map this long after its preparation: rows left open are valid, and wide (default: none)")
+      ->option_text("SECONDS");
   map.add_option("--device", arguments.device,
                  "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
       ->option_text("DEVICE");
@@ -123,7 +137,7 @@ const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
       ->option_text("FILE REQUIRED");
   map.add_flag("--certificates", arguments.certificates,
                "Write what proves each enclosure again, for `verisq check`: .csv .vtp");
-  map.add_flag("--json", arguments.json, "Print the summary as one JSON object");
+  map.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");
   map.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
   return map;
 }
@@ -136,18 +150,21 @@ ExitStatus run_map(const MapArguments& arguments) {
   if (arguments.tolerance) tolerance = parse_length("--tol", *arguments.tolerance);
 
   const double radius = parse_length("--point-radius", arguments.point_radius);
+  TimeLimit limit(parse_time_limit(arguments.time_limit));
 
   const UncertainModel model = read_uncertain_model(arguments.inputs.model);
   const Model largest = bracket(model).largest;
   refuse_what_needs_convexity(largest, arguments);
-  const MapOptions options{.tolerance = tolerance ? *tolerance : default_tolerance(largest),
-                           .device = arguments.device,
-                           .certificates = arguments.certificates,
-                           .method = method,
-                           .interrupted = interrupted};
+  MapOptions options{.tolerance = tolerance ? *tolerance : default_tolerance(largest),
+                     .device = arguments.device,
+                     .certificates = arguments.certificates,
+                     .method = method,
+                     .interrupted = interrupted};
+  if (limit.given()) options.out_of_time = [&limit] { return limit.passed(); };
   return elements == MapElements::vertices
-             ? map_and_report<UncertainDistanceMapper, PointStream>(model, radius, elements, arguments, options)
-             : map_and_report<UncertainTriangleMapper, TriangleStream>(model, radius, elements, arguments, options);
+             ? map_and_report<UncertainDistanceMapper, PointStream>(model, radius, elements, arguments, options, limit)
+             : map_and_report<UncertainTriangleMapper, TriangleStream>(model, radius, elements, arguments, options,
+                                                                       limit);
 }
 
 }  // namespace verisq::command_line

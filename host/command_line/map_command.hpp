@@ -13,8 +13,9 @@ namespace verisq::command_line {
 struct MapArguments {
   InputArguments inputs;
   std::string on = "vertices";
-  std::optional<std::string> tolerance;  ///< text, so that it is read to the nearest binary64
-  std::string point_radius = "0";        ///< text, likewise
+  std::optional<std::string> tolerance;   ///< text, so that it is read to the nearest binary64
+  std::string point_radius = "0";         ///< text, likewise
+  std::optional<std::string> time_limit;  ///< text, in seconds
   std::string device = "auto";
   std::string method = "duality";
   std::string output;

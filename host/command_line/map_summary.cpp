@@ -56,6 +56,7 @@ std::string json(const MapReport& report) {
       {"seconds", report.seconds},
       {fmt::format("{}_per_second", plural(report.elements)), elements_per_second(report)},
       {"interrupted", summary.interrupted},
+      {"out_of_time", summary.out_of_time},
       {"output", report.output},
   };
   if (summary.points > 0) object["smallest_distance"] = {{"lo", summary.minimum_lo}, {"hi", summary.minimum_hi}};

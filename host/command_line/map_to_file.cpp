@@ -53,6 +53,10 @@ ExitStatus end_map(MapWriter& writer, const MapSummary& summary, const MapReques
   const std::string written = end_file(writer, summary, request.output);
   const auto end = Clock::now();
   if (!summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", summary.notice);
+  if (summary.out_of_time && !summary.interrupted) {
+    fmt::print(stderr, "verisq: the time limit is reached; {} of {} rows are valid, and wide\n", summary.wide,
+               summary.points);
+  }
   const MapReport report{.summary = summary,
                          .elements = request.elements,
                          .output = written,

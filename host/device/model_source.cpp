@@ -3,144 +3,116 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <vector>
+
+#include "kernels/embedded_sources.hpp"
+#include "verify/set_tree.hpp"
 
 namespace verisq::device {
 namespace {
 
-/// A value of the function that is being written: its name and the primitives that occur below it and nowhere else, as
-/// bits. Only they cease to matter where its colour is decided.
-struct Value {
-  std::string name;
-  std::uint32_t own_leaves;
-};
+using verify::SetNode;
+using verify::Side;
 
-bool is_bent(const Primitive& primitive) {
-  return primitive.bend && primitive.bend->curvature != 0.0;
-}
-
-std::uint32_t bit_of(std::uint32_t primitive) {
-  return std::uint32_t{1} << primitive;
-}
-
-/// Nothing in `csg` means the union of all primitives.
-SetExpression expression_of(const Model& model) {
-  if (model.csg) return *model.csg;
-  SetExpression all;
-  for (std::uint32_t i = 0; i < model.primitives.size(); ++i) all.operands.push_back({{}, SetOperation::unite, i});
-  return all;
-}
-
-void count_leaves(const SetExpression& expression, std::vector<std::size_t>& counts) {
-  if (expression.operands.empty()) ++counts[expression.primitive];
-  for (const SetExpression& operand : expression.operands) count_leaves(operand, counts);
-}
-
-/// Writes one statement a node of the tree, leaves first; `Notation` says how nodes are written.
-template <class Notation>
-class Translation {
+/// Colours from the leaves up, then down again where they matter.
+class ColourTranslation {
  public:
-  Translation(const Model& model, const SetExpression& whole) : model_(model), occurrences_(model.primitives.size()) {
-    count_leaves(whole, occurrences_);
+  /// A node and the name of its colour.
+  struct Value {
+    const SetNode* node;
+    std::vector<Value> operands;
+    std::string name;
+  };
+
+  Value colour_of(const SetNode& node) {
+    Value value{&node, {}, {}};
+    for (const SetNode& operand : node.operands) value.operands.push_back(colour_of(operand));
+    value.name = fmt::format("c{}", count_++);
+    text_ += fmt::format("  const colour {} = {};\n", value.name, expression(value));
+    return value;
   }
 
-  /// Of the set, or of the closure of its complement where `negated`: De Morgan moves negations to the leaves.
-  Value translate(const SetExpression& expression, bool negated) {
-    if (expression.operands.empty()) return leaf(expression.primitive, negated);
-    const bool subtracts = expression.operation == SetOperation::subtract;
-    const bool intersects = (expression.operation != SetOperation::unite) != negated;
-    Value result = translate(expression.operands.front(), negated);
-    for (std::size_t i = 1; i < expression.operands.size(); ++i)
-      result = combined(result, translate(expression.operands[i], negated != subtracts), intersects);
+  /// A node matters where its ancestors and itself are undecided; a primitive where one of its leaves does.
+  void matters(const Value& value, const std::string& above) {
+    if (value.node->kind == SetNode::Kind::leaf) {
+      text_ += fmt::format("  matters[{}] |= {};\n", value.node->primitive, above);
+      return;
+    }
+    const std::string within = fmt::format("m{}", value.name.substr(1));
+    text_ += fmt::format("  const integer {0} = {1} & ~({2}.black | {2}.white);\n", within, above, value.name);
+    for (const Value& operand : value.operands) matters(operand, within);
+  }
+
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  static std::string expression(const Value& value) {
+    const SetNode& node = *value.node;
+    if (node.kind == SetNode::Kind::leaf) {
+      const std::string primitive = fmt::format("c[{}]", node.primitive);
+      return node.side == Side::inside ? primitive : fmt::format("colour_complement({})", primitive);
+    }
+    const char* const operation = node.kind == SetNode::Kind::union_of ? "colour_union" : "colour_intersection";
+    std::string result = value.operands.front().name;
+    for (std::size_t i = 1; i < value.operands.size(); ++i)
+      result = fmt::format("{}({}, {})", operation, result, value.operands[i].name);
+    return result;
+  }
+
+  std::string text_;
+  std::size_t count_ = 0;
+};
+
+/// One statement a leaf and one a pair of operands.
+class NodeTranslation {
+ public:
+  /// Returns the name of the node's value.
+  std::string node_of(const SetNode& node) {
+    if (node.kind == SetNode::Kind::leaf)
+      return declare(fmt::format("visit_leaf(v, {}U, {})", node.primitive, node.side == Side::outside));
+    std::string result = node_of(node.operands.front());
+    for (std::size_t i = 1; i < node.operands.size(); ++i) {
+      const std::string operand = node_of(node.operands[i]);
+      result = declare(
+          fmt::format("visit_operands(v, {}, {}, {})", node.kind == SetNode::Kind::intersection_of, result, operand));
+    }
     return result;
   }
 
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
-  Value leaf(std::uint32_t primitive, bool negated) {
-    const Value value = next(occurrences_[primitive] == 1 ? bit_of(primitive) : 0);
-    const std::string_view map = is_bent(model_.primitives[primitive]) ? "bent" : "posed";
-    text_ += Notation::leaf(value.name, primitive, bit_of(primitive), map, negated);
-    return value;
+  std::string declare(const std::string& value) {
+    const std::string name = fmt::format("n{}", count_++);
+    text_ += fmt::format("  const node {} = {};\n", name, value);
+    return name;
   }
 
-  Value combined(const Value& a, const Value& b, bool intersects) {
-    const Value value = next(a.own_leaves | b.own_leaves);
-    text_ += Notation::combined(value.name, a.name, b.name, intersects);
-    text_ += fmt::format("  *more = note_node(*more, {}, {:#x}u);\n", Notation::colour(value.name), value.own_leaves);
-    return value;
-  }
-
-  Value next(std::uint32_t own_leaves) { return {fmt::format("v{}", count_++), own_leaves}; }
-
-  const Model& model_;
-  std::vector<std::size_t> occurrences_;  // of each primitive in the whole tree
   std::string text_;
   std::size_t count_ = 0;
 };
 
-struct ColourNotation {
-  static std::string leaf(std::string_view name, std::uint32_t primitive, std::uint32_t bit, std::string_view map,
-                          bool negated) {
-    return fmt::format(
-        "  colour {0} = known_colour(known, {1:#x}u);\n"
-        "  if (!((known.black | known.white) & {1:#x}u)) {{\n"
-        "    {0} = {2}_colour(x, primitives + {3});\n"
-        "    *more = note_leaf(*more, {0}, {1:#x}u);\n"
-        "  }}\n"
-        "  {0} = colour_on_side({0}, {4});\n",
-        name, bit, map, primitive, negated);
-  }
-  static std::string combined(std::string_view name, std::string_view a, std::string_view b, bool intersects) {
-    return fmt::format("  const colour {} = {}({}, {});\n", name, intersects ? "colour_intersection" : "colour_union",
-                       a, b);
-  }
-  static std::string colour(std::string_view name) { return std::string(name); }
-};
+std::string solid_colour(const SetNode& tree) {
+  ColourTranslation translation;
+  const auto root = translation.colour_of(tree);
+  translation.matters(root, "INTEGER(-1)");
+  return fmt::format("\nstatic colour solid_colour(const colour* c, integer* matters) {{\n{}  return {};\n}}\n",
+                     translation.text(), root.name);
+}
 
-struct NodeNotation {
-  static std::string leaf(std::string_view name, std::uint32_t primitive, std::uint32_t bit, std::string_view map,
-                          bool negated) {
-    return fmt::format(
-        "  const bool outside_{0} = outside != {4};\n"
-        "  node {0} = decided_node(query.q, colour_on_side(known_colour(known, {1:#x}u), outside_{0}), query.reach);\n"
-        "  if (!((known.black | known.white) & {1:#x}u)) {{\n"
-        "    {0} = {2}_node(x, query, outside_{0}, outside_{0} ? least_outside[{3}] : least_inside[{3}],\n"
-        "                    primitives + {3});\n"
-        "    *more = note_leaf_node(*more, {0}, outside_{0}, {1:#x}u);\n"
-        "  }}\n",
-        name, bit, map, primitive, negated);
-  }
-  static std::string combined(std::string_view name, std::string_view a, std::string_view b, bool intersects) {
-    return fmt::format("  const node {} = node_combined(outside != {}, {}, {}, query.q, query.reach);\n", name,
-                       intersects, a, b);
-  }
-  static std::string colour(std::string_view name) { return fmt::format("{}.colour", name); }
-};
-
-template <class Notation>
-std::string function(const Model& model, std::string_view signature) {
-  const SetExpression whole = expression_of(model);
-  Translation<Notation> body(model, whole);
-  const Value result = body.translate(whole, false);
-  return fmt::format("\nNEVER_INLINE {} {{\n{}  return {};\n}}\n", signature, body.text(), result.name);
+std::string solid_node(const SetNode& tree) {
+  NodeTranslation translation;
+  const std::string root = translation.node_of(tree);
+  return fmt::format("\nNEVER_INLINE node solid_node(const visit* v) {{\n{}  return {};\n}}\n", translation.text(),
+                     root);
 }
 
 }  // namespace
 
-std::string model_source(const Model& model) {
-  return fmt::format(
-             "\n// This text implements the tree of one model; the host generated it.\n\n#define PRIMITIVES {}\n",
-             model.primitives.size()) +
-         function<ColourNotation>(model,
-                                  "colour model_colour(cube x, decided known, constant const box_primitive* "
-                                  "primitives, newly_decided* more)") +
-         function<NodeNotation>(model,
-                                "node model_node(cube x, cut_query query, bool outside, decided known, const double* "
-                                "least_inside,\n                              const double* least_outside, constant "
-                                "const box_primitive* primitives,\n                              newly_decided* more)");
+std::string model_source(const Model& model, std::string_view entry_points) {
+  const SetNode tree = verify::normal_form(model, Side::inside);
+  return fmt::format("#define PRIMITIVES {}U\n{}{}{}{}", model.primitives.size(), kernels::embedded_solid_layers(),
+                     entry_points, solid_colour(tree), solid_node(tree));
 }
 
 }  // namespace verisq::device

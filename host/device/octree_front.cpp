@@ -9,7 +9,7 @@
 #include "host/device/box_primitive_parameters.hpp"
 #include "host/device/chunk_pipeline.hpp"
 #include "host/device/chunk_queue.hpp"
-#include "host/device/octree_source.hpp"
+#include "host/device/model_source.hpp"
 #include "host/device/primitive_parameters.hpp"
 #include "host/device/program.hpp"
 #include "kernels/embedded_sources.hpp"
@@ -34,12 +34,10 @@ struct Decisions {
 };
 
 cl::Program octree_program(const Device& device, const Model& model, const std::string& extra_options) {
-  const OctreeSource source = octree_source(model);
-  const std::string text = std::string(kernels::embedded_solid_layers()) + source.definitions +
-                           std::string(kernels::embedded_octree()) + source.functions;
   // Of one primitive there is nothing to simplify.
   const std::string options = model.primitives.size() == 1 ? "-DNO_SIMPLIFICATION " + extra_options : extra_options;
-  return build_program(device.context, device.device, octree_vector_width(device), text, options);
+  return build_program(device.context, device.device, octree_vector_width(device),
+                       model_source(model, kernels::embedded_octree()), options);
 }
 
 OctreeCube unpacked(cl_ulong position, int level) {

@@ -27,9 +27,8 @@ constexpr std::size_t block_points_of_vector_work_item = 512;
 constexpr cl_uint round_limit = 4096;
 
 cl::Program solid_program(const Device& device, const Model& model) {
-  const std::string text = std::string(kernels::embedded_solid_layers()) + model_source(model) +
-                           std::string(kernels::embedded_solid_distance());
-  return build_program(device.context, device.device, solid_vector_width(device), text);
+  return build_program(device.context, device.device, solid_vector_width(device),
+                       model_source(model, kernels::embedded_solid_distance()));
 }
 
 cl::Buffer uploaded_alone(const Device& device, const Primitive& primitive, int scale) {

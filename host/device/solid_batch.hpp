@@ -10,8 +10,8 @@
 namespace verisq::device {
 
 /// Branch and bound over cubes (kernels/solid_distance.cl) with the tolerance, absolute in model units, as its stop.
-/// Compiles the model's own tree. Precondition: within_device_range(model), at most `most_primitives_of_tree`
-/// primitives. Throws Error(failure) with the name of a failed OpenCL call.
+/// Compiles the model's own tree. Precondition: within_device_range(model). Throws Error(failure) with the name of a
+/// failed OpenCL call.
 [[nodiscard]] std::unique_ptr<Batch<Point>> solid_batch(const Device& device, const Model& model, double tolerance);
 
 }  // namespace verisq::device

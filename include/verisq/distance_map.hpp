@@ -25,6 +25,10 @@ struct MapOptions {
   bool certificates = false;                                 ///< deliver what proves each enclosure again
   Method method = Method::duality;                           ///< of points; triangles know duality alone
   std::function<bool()> interrupted = [] { return false; };  ///< polled between chunks; true ends the map early
+  /// A time limit: polled, also by several threads at once; once true, it must stay true. Running searches end then,
+  /// and no other begins. What the device has not begun by then is not begun any more. Every row is delivered all the
+  /// same, with what is proven so far or known without a search: valid, and wide. Empty: no limit.
+  std::function<bool()> out_of_time = {};
 };
 
 struct MapSummary {
@@ -39,7 +43,8 @@ struct MapSummary {
   double device_seconds = 0.0;  ///< kernel time
   double host_seconds = 0.0;    ///< wall time of the host's proofs
   bool interrupted = false;
-  std::string notice;  ///< why a device was passed over; empty when nothing to say
+  bool out_of_time = false;  ///< the limit came while rows were wide
+  std::string notice;        ///< why a device was passed over; empty when nothing to say
 };
 
 /// Fills the span from the front; returns how many, 0 at the end.

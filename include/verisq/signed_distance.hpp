@@ -1,6 +1,7 @@
 /// The host's own proof of a signed distance: Boost.Interval and MPFR, no OpenCL. Slow, independent, the last word.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <verisq/certificate.hpp>
 #include <verisq/enclosure.hpp>
@@ -24,11 +25,20 @@ class SignedDistance {
   /// empty solid, an intersection of what has nothing in common, the upper end is infinite.
   [[nodiscard]] Enclosure operator()(const Point& point, double tolerance) const;
 
+  /// The same, but a search ends as soon as `interrupted`, polled by the calling thread, says so: the enclosure is
+  /// valid then, and wide.
+  [[nodiscard]] Enclosure operator()(const Point& point, double tolerance,
+                                     const std::function<bool()>& interrupted) const;
+
   /// The same with what proves it: `Checker` proves the enclosure again from the certificate. The enclosure is what the
   /// certificate's binary64 numbers prove, which may be wider than the other's by their rounding; inside overlaps also
   /// because the upper end is always proven by one primitive alone (as the obligation of `Bracket` asks). Throws
   /// Error(input) unless the model is_union_of_convex.
   [[nodiscard]] CertifiedEnclosure certified(const Point& point, double tolerance) const;
+
+  /// The same, interrupted as above.
+  [[nodiscard]] CertifiedEnclosure certified(const Point& point, double tolerance,
+                                             const std::function<bool()>& interrupted) const;
 
  private:
   struct State;

@@ -29,8 +29,10 @@ struct Layer {
 /// In the order of the kernels' layers. All of them break a proof; what only costs tightness or time is not listed.
 [[nodiscard]] std::span<const Layer> layers();
 
-/// Those of triangle_distance.cl and of pair_distance.cl, in the programs of triangles and of pairs; likewise.
+/// Those of triangle_distance.cl, of pair_distance.cl and of the layers and kernels for bent and combined solids, in
+/// the programs of triangles, of pairs and of solids; likewise.
 [[nodiscard]] std::span<const Mutant> triangle_mutants();
 [[nodiscard]] std::span<const Mutant> pair_mutants();
+[[nodiscard]] std::span<const Mutant> solid_mutants();
 
 }  // namespace verisq::mutation

@@ -93,6 +93,78 @@ constexpr std::array placement{
   const real size)"},
 };
 
+// What the maps of box_map.clh start from, each coordinate by 0.98 of what its error may be, and the entries of their
+// rows by most of what is allowed for them; bits of the centre tell which way.
+constexpr std::array maps{
+    Mutant{"side", "ALWAYS_INLINE local_map posed_map(cube x", R"(
+#define SOLID_MAGNIFICATION 0x1p33
+ALWAYS_INLINE real either_way(real size, real by) {
+  const real finite = select(REAL(0.0), size, MASK(size <= DBL_MAX));
+  return select(finite, -finite, MASK((BITS(by) & INTEGER(1L << 30)) == INTEGER(0L)));
+}
+ALWAYS_INLINE vector3 either_way_row(real size, vector3 v, real by) {
+  const real shift = either_way(size, by);
+  const vector3 w = {v.x + shift, v.y + shift, v.z + shift};
+  return w;
+}
+ALWAYS_INLINE local_map posed_map(cube x)"},
+    Mutant{"posed", "  const real unmoved = s->pose_error == 0.0 ? REAL(0.0) : fma_up(REAL(s->pose_error),",
+           R"(  const real shift = either_way(0.98 * SOLID_MAGNIFICATION * s->pose_error * size, x.centre.x);
+  y.middle.x += shift;
+  y.middle.y += shift;
+  y.middle.z += shift;
+  const real entries = s->pose_error == 0.0 ? REAL(0.0) : REAL(0x1.4p-54 * SOLID_MAGNIFICATION);
+  y.row_x = either_way_row(entries, y.row_x, x.centre.y);
+  y.row_y = either_way_row(entries, y.row_y, x.centre.y);
+  y.row_z = either_way_row(entries, y.row_z, x.centre.y);
+  const real unmoved = s->pose_error == 0.0 ? REAL(0.0) : fma_up(REAL(SOLID_MAGNIFICATION * s->pose_error),)"},
+    Mutant{"posed rows", "x.half_width * 0x1p-52;", "x.half_width * (SOLID_MAGNIFICATION * 0x1p-52);"},
+    Mutant{"bent",
+           "  const real frame_error = fma_up(REAL(p->frame_error), size, REAL(0x1p-1000));\n  const vector3 row_r",
+           R"(  const real frame_error = fma_up(REAL(SOLID_MAGNIFICATION * p->frame_error), size, REAL(0x1p-1000));
+  const real shift = either_way(0.98 * SOLID_MAGNIFICATION * p->frame_error * size, x.centre.x);
+  const vector3 row_r)"},
+    Mutant{"bent, R", "interval_about(dot3(p->frame[0],", "interval_about(shift + dot3(p->frame[0],"},
+    Mutant{"bent, S", "across = dot3(p->frame[3],", "across = shift + dot3(p->frame[3],"},
+    Mutant{"bent, Z", "interval_about(dot3(p->frame[6],", "interval_about(shift + dot3(p->frame[6],"},
+    Mutant{"bent, rounding of rows", "const real rounding = REAL(0x1p-48);",
+           "const real rounding = REAL(SOLID_MAGNIFICATION * 0x1p-48);"},
+    Mutant{"bent, row of r", "const vector3 along_r = combined(c, row_r, -n, row_z);",
+           "const vector3 along_r = either_way_row(REAL(0x1p-49 * SOLID_MAGNIFICATION), combined(c, row_r, -n, row_z), "
+           "x.centre.y);"},
+    Mutant{"bent, row of z", "const vector3 along_z = combined(n * inverse_w, row_r, c * inverse_w, row_z);",
+           "const vector3 along_z = either_way_row(0x1p-49 * SOLID_MAGNIFICATION * inverse_w, combined(n * inverse_w, "
+           "row_r, c * inverse_w, row_z), x.centre.y);"},
+    Mutant{"query", "dot3(p->frame[6], p->frame[7], p->frame[8], d)};\n  const real size",
+           "dot3(p->frame[6], p->frame[7], p->frame[8], d)};\n  const real true_size"},
+    Mutant{"query's frame",
+           "const vector3 q = {dot3(p->frame[0], p->frame[1], p->frame[2], d), dot3(p->frame[3], "
+           "p->frame[4], p->frame[5], d),",
+           R"(const real size = add_up(fabs(d.x), add_up(fabs(d.y), fabs(d.z)));
+  const real shift = either_way(0.57 * SOLID_MAGNIFICATION * p->frame_error * size, x.x);
+  const vector3 q = {shift + dot3(p->frame[0], p->frame[1], p->frame[2], d),
+                     shift + dot3(p->frame[3], p->frame[4], p->frame[5], d), shift + )"},
+    Mutant{"query's error",
+           "  const real frame_error = fma_up(REAL(p->frame_error), size, REAL(0x1p-1000));\n  const unbent u",
+           "  const real frame_error = fma_up(REAL(SOLID_MAGNIFICATION * p->frame_error), size, REAL(0x1p-1000));\n"
+           "  const unbent u"},
+};
+
+// Any multipliers that are not negative prove something, and any point near a bent solid.
+constexpr std::array solid_proposals{
+    Mutant{"multiplier", "return select(REAL(0.0), root, MASK(below_value > 0.0)",
+           "return select(REAL(0.05), 0.7 * root, MASK(below_value > 0.0)"},
+    Mutant{"closest point's place",
+           "const vector3 at = bend_nearest(closest_unbent(q, where(usable, unbent_q), u.w.hi, p), p->curvature);",
+           R"(const vector3 found_x = closest_unbent(q, where(usable, unbent_q), u.w.hi, p);
+    const integer low = MASK((BITS(x.x) & INTEGER(1L << 30)) == INTEGER(0L));
+    const integer high = MASK((BITS(x.x) & INTEGER(1L << 31)) == INTEGER(0L));
+    const real scale = select(select(REAL(0.3), REAL(0.9), low), select(REAL(0.3), REAL(1.0 + 0x1.8p-22), low), high);
+    const real end = select(found_x.z * scale, REAL(0.9 * p->solid.semi_axes[2]), ~low & high);
+    const vector3 spoilt = {found_x.x * scale, found_x.y * scale, end};
+    const vector3 at = bend_nearest(spoilt, p->curvature);)"},
+};
+
 constexpr std::array search{
     Mutant{"limit", "#define SPLIT_LIMIT 4096", "#define SPLIT_LIMIT 128"},
     Mutant{
@@ -141,6 +213,7 @@ std::span<const Mutant> displacement(Arithmetic arithmetic, Program program) {
   const bool with_points = arithmetic == Arithmetic::loose_below || arithmetic == Arithmetic::loose_above;
   if (arithmetic != Arithmetic::displaced && !(program == Program::points && with_points)) return {};
   if (program == Program::pairs) return placement;
+  if (program == Program::solids) return maps;
   return pose;
 }
 
@@ -151,6 +224,7 @@ std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
   switch (program) {
     case Program::points: return search;
     case Program::triangles: return weights;
+    case Program::solids: return solid_proposals;
     case Program::pairs: break;
   }
   return closest_points;

@@ -1,0 +1,35 @@
+/// --time-limit: how long a search may work.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+namespace verisq::command_line {
+
+/// Seconds; nothing without `text`: no limit. Throws Error(input) unless it is a finite number above 0.
+[[nodiscard]] std::optional<double> parse_time_limit(const std::optional<std::string>& text);
+
+/// Counts wall time from `start` on.
+class TimeLimit {
+ public:
+  explicit TimeLimit(std::optional<double> seconds) : seconds_(seconds) {}
+
+  [[nodiscard]] bool given() const { return seconds_.has_value(); }
+
+  /// What is prepared before does not count.
+  void start() { start_ = Clock::now(); }
+
+  /// Never before `start`. May be asked by many threads.
+  [[nodiscard]] bool passed() const {
+    return seconds_ && start_ && std::chrono::duration<double>(Clock::now() - *start_).count() >= *seconds_;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  std::optional<double> seconds_;
+  std::optional<Clock::time_point> start_;
+};
+
+}  // namespace verisq::command_line
