@@ -12,6 +12,7 @@
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/map_command.hpp"
 #include "host/command_line/octree_command.hpp"
+#include "host/command_line/stance_command.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -40,6 +41,8 @@ int run(int argc, char** argv) {
   const CLI::App& distance = declare_distance(program, distance_arguments);
   OctreeArguments octree_arguments;
   const CLI::App& octree = declare_octree(program, octree_arguments);
+  StanceArguments stance_arguments;
+  const CLI::App& stance = declare_stance(program, stance_arguments);
   DevicesArguments devices_arguments;
   declare_devices(program, devices_arguments);
   try {
@@ -54,6 +57,7 @@ int run(int argc, char** argv) {
                             : check.parsed()    ? run_check(check_arguments)
                             : distance.parsed() ? run_distance(distance_arguments)
                             : octree.parsed()   ? run_octree(octree_arguments)
+                            : stance.parsed()   ? run_stance(stance_arguments)
                                                 : run_devices(devices_arguments);
   if (std::fflush(stdout) != 0) return report("cannot write to the standard output", ExitStatus::failed);
   return static_cast<int>(status);

@@ -21,6 +21,7 @@ void points(Bytes bytes);
 void poses(Bytes bytes);
 void map_csv(Bytes bytes);
 void map_vtp(Bytes bytes);
+void stance_model(Bytes bytes);
 
 struct Target {
   std::string_view name;  ///< also of its seeds' folder in tests/fuzz/corpus
@@ -28,9 +29,11 @@ struct Target {
 };
 
 inline constexpr std::array targets{
-    Target{"stl", stl},     Target{"obj", obj},         Target{"ply", ply},
-    Target{"off", off},     Target{"model", model},     Target{"points", points},
-    Target{"poses", poses}, Target{"map_csv", map_csv}, Target{"map_vtp", map_vtp},
+    Target{"stl", stl},         Target{"obj", obj},
+    Target{"ply", ply},         Target{"off", off},
+    Target{"model", model},     Target{"points", points},
+    Target{"poses", poses},     Target{"map_csv", map_csv},
+    Target{"map_vtp", map_vtp}, Target{"stance_model", stance_model},
 };
 
 }  // namespace verisq::fuzz

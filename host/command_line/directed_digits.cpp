@@ -1,0 +1,35 @@
+/// MPFR's formatted output, which rounds in a given direction.
+#include "host/command_line/directed_digits.hpp"
+
+#include <fmt/format.h>
+// After <cstdio>, which makes MPFR declare its formatted output.
+#include <mpfr.h>
+
+#include <array>
+
+namespace verisq::command_line {
+namespace {
+
+std::string formatted(const char* format, double x) {
+  mpfr_t number;
+  mpfr_init2(number, 53);
+  mpfr_set_d(number, x + 0.0, MPFR_RNDN);  // -0 + 0 is 0
+  std::array<char, 64> text{};
+  mpfr_snprintf(text.data(), text.size(), format, number);
+  mpfr_clear(number);
+  return text.data();
+}
+
+}  // namespace
+
+std::string outward_digits(const Enclosure& enclosure) {
+  const std::string lower = formatted("%.10RDg", enclosure.lo);
+  const std::string upper = upper_digits(enclosure.hi);
+  return lower == upper ? lower : fmt::format("[{}, {}]", lower, upper);
+}
+
+std::string upper_digits(double x) {
+  return formatted("%.10RUg", x);
+}
+
+}  // namespace verisq::command_line

@@ -1,0 +1,15 @@
+/// Decimal digits of enclosures, rounded outward: what is printed contains what is proven.
+#pragma once
+
+#include <string>
+#include <verisq/enclosure.hpp>
+
+namespace verisq::command_line {
+
+/// "[lo, hi]", ten significant digits each, lo rounded down and hi up; a single number where ten digits hold it.
+[[nodiscard]] std::string outward_digits(const Enclosure& enclosure);
+
+/// Ten significant digits of a number that is no smaller.
+[[nodiscard]] std::string upper_digits(double x);
+
+}  // namespace verisq::command_line

@@ -1,0 +1,325 @@
+/// Reads the options and the model of `verisq stance`, runs what was asked for, reports.
+#include "host/command_line/stance_command.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <numeric>
+#include <verisq/error.hpp>
+#include <verisq/stance_file.hpp>
+
+#include "host/command_line/interruption.hpp"
+#include "host/command_line/length_option.hpp"
+#include "host/command_line/progress_bar.hpp"
+#include "host/command_line/stance_summary.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+using namespace stance;
+
+constexpr const char* closing_words =
+    "Prints enclosures of the wrench on the model's root (w1, w2, w3: forces; w4, w5, w6: moments) over the box of "
+    "the\n"
+    "uncertain parameters; the others are at their nominal values. What is asked for besides follows. Printed digits\n"
+    "are rounded outward. The model's format: docs/stance.md.\n"
+    "\n"
+    "Exit status: 0 all is proven; 1 a sample escapes from an enclosure, which is a defect, or the program failed; 2 "
+    "bad\n"
+    "usage or input; 3 something stayed unproven (an infinite end), or a cell of --report differs; 130 interrupted by\n"
+    "Ctrl-C, with what was proven so far.\n"
+    "\n"
+    "Examples:\n"
+    "  verisq stance stance.xml --monte-carlo 1000000\n"
+    "  verisq stance stance.xml --uncertain mp,px,Fx --sensitivities\n"
+    "  verisq stance stance.xml --uncertain mp,px --accelerations --monte-carlo 100000\n"
+    "  verisq stance stance.xml --report";
+
+constexpr double default_drop_height = 0.01;  // m
+constexpr std::uint32_t most_cells = 4096;
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorKind::input, message);
+}
+
+/// Everything that the options alone tell, before any file is opened.
+void check_usage(const StanceArguments& arguments) {
+  if (arguments.cells && !arguments.accelerations) refuse("--cells: give --accelerations, too");
+  if (arguments.cells && (*arguments.cells == 0 || *arguments.cells > most_cells)) {
+    refuse(fmt::format("--cells: {} is not in 1 to {}", *arguments.cells, most_cells));
+  }
+  if (arguments.monte_carlo && *arguments.monte_carlo == 0) refuse("--monte-carlo: 0 is not at least 1");
+  if (arguments.drop_height && !arguments.bounce) refuse("--drop-height: give --bounce, too");
+  const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
+                     arguments.monte_carlo || arguments.bounce;
+  if (arguments.report && other) refuse("--report: chooses parameters and mode itself; give --json at most");
+}
+
+Mode parse_mode(const std::string& mode) {
+  if (mode == "tight") return Mode::tight;
+  if (mode != "paper") refuse(fmt::format("--mode: {} is not one of paper, tight", mode));
+  return Mode::paper;
+}
+
+double parse_drop_height(const StanceArguments& arguments) {
+  if (!arguments.drop_height) return default_drop_height;
+  const double height = parse_length("--drop-height", *arguments.drop_height);
+  if (height == 0.0) refuse("--drop-height: 0 is not above 0");
+  return height;
+}
+
+/// The words between commas.
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    words.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
+
+std::uint32_t parse_parameter(const std::string& name, const Model& model) {
+  const auto found = std::ranges::find(model.parameters, name, &Parameter::name);
+  if (found != model.parameters.end()) return static_cast<std::uint32_t>(found - model.parameters.begin());
+  std::vector<std::string> names;
+  for (const Parameter& parameter : model.parameters) names.push_back(parameter.name);
+  refuse(fmt::format("--uncertain: {} is not one of all, none, {}", name, fmt::join(names, ", ")));
+}
+
+std::vector<std::uint32_t> parse_uncertain(const std::string& list, const Model& model) {
+  std::vector<std::uint32_t> uncertain;
+  if (list == "none") return uncertain;
+  if (list == "all") {
+    uncertain.resize(model.parameters.size());
+    std::iota(uncertain.begin(), uncertain.end(), 0U);
+    // A parameter without a deviation has nothing to be uncertain about.
+    std::erase_if(uncertain, [&](std::uint32_t i) { return model.parameters[i].range.width() == 0.0; });
+    return uncertain;
+  }
+  for (const std::string& name : split(list)) {
+    const std::uint32_t index = parse_parameter(name, model);
+    if (std::ranges::find(uncertain, index) != uncertain.end()) refuse(fmt::format("--uncertain: {} twice", name));
+    uncertain.push_back(index);
+  }
+  std::ranges::sort(uncertain);
+  return uncertain;
+}
+
+/// A subdivision into more cells than anyone waits for is refused, not begun.
+void check_cells(std::uint32_t cells, std::size_t parameters) {
+  constexpr double most = 1e9;
+  if (std::pow(cells, parameters) <= most) return;
+  refuse(
+      fmt::format("--accelerations: {} cells a parameter for {} uncertain ones are more than {:g}: name fewer with "
+                  "--uncertain, or give fewer --cells",
+                  cells, parameters, most));
+}
+
+/// The whole range where the quantity is an uncertain parameter.
+Enclosure over(const Quantity& quantity, UncertainSet uncertain) {
+  const bool whole = quantity.parameter && std::ranges::find(uncertain, *quantity.parameter) != uncertain.end();
+  return whole ? quantity.range : Enclosure{quantity.nominal, quantity.nominal};
+}
+
+const ContactCylinder& parse_cylinder(const std::string& name, const Model& model) {
+  const auto found = std::ranges::find(model.cylinders, name, &ContactCylinder::name);
+  if (found != model.cylinders.end()) return *found;
+  std::vector<std::string> names;
+  for (const ContactCylinder& cylinder : model.cylinders) names.push_back(cylinder.name);
+  refuse(fmt::format("--bounce: '{}' is not one of the cylinders {}", name, fmt::join(names, ", ")));
+}
+
+/// The cylinder alone, with the mass of its body.
+Drop drop_of(const ContactCylinder& cylinder, const Model& model, UncertainSet uncertain, double height) {
+  return {.mass = model.bodies[cylinder.body].mass.nominal,
+          .radius = over(cylinder.radius, uncertain),
+          .height = height,
+          .gravity = model.gravity,
+          .stiffness = cylinder.stiffness,
+          .exponent = cylinder.exponent,
+          .restitution = over(cylinder.normal_restitution, uncertain)};
+}
+
+[[noreturn]] void report_escape(const Model& model, const std::string& component, const Enclosure& claimed,
+                                const Escape& escape) {
+  std::vector<std::string> sample;
+  for (std::size_t i = 0; i < escape.parameters.size(); ++i) {
+    sample.push_back(fmt::format("{} = {}", model.parameters[i].name, escape.parameters[i]));
+  }
+  throw Error(ErrorKind::failure,
+              fmt::format("{}: the sample {} gives [{}, {}], which escapes from the enclosure [{}, {}]", component,
+                          fmt::join(sample, ", "), escape.exact.lo, escape.exact.hi, claimed.lo, claimed.hi));
+}
+
+/// One run of the command, whose parts fill the summary.
+class Analysis {
+ public:
+  explicit Analysis(const StanceArguments& arguments) : arguments_(arguments) {
+    summary_.file = arguments.model;
+    summary_.mode = parse_mode(arguments.mode.value_or("tight"));
+    const double height = parse_drop_height(arguments);
+    summary_.model = read_model(arguments.model);
+    summary_.uncertain = parse_uncertain(arguments.uncertain.value_or("all"), summary_.model);
+    if (arguments.accelerations) check_cells(acceleration_options().cells, summary_.uncertain.size());
+    if (!arguments.bounce) return;
+    const ContactCylinder& cylinder = parse_cylinder(*arguments.bounce, summary_.model);
+    summary_.dropped = cylinder.name;
+    summary_.drop = drop_of(cylinder, summary_.model, summary_.uncertain, height);
+  }
+
+  [[nodiscard]] const StanceSummary& run() {
+    const auto start = std::chrono::steady_clock::now();
+    if (arguments_.report) {
+      compare();
+    } else {
+      enclose_wrench();
+      if (arguments_.sensitivities) enclose_sensitivities();
+      if (arguments_.accelerations) enclose_accelerations();
+      if (summary_.drop) summary_.bounce = bounce(*summary_.drop, {.interrupted = interrupted});
+    }
+    summary_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    summary_.interrupted = interrupted();
+    return summary_;
+  }
+
+ private:
+  void compare() {
+    try {
+      summary_.paper = compare_with_paper(summary_.model);
+    } catch (const Error& error) {
+      throw Error(error.kind(), fmt::format("--report: {}: {}", arguments_.model, error.what()));
+    }
+  }
+
+  void enclose_wrench() {
+    const WrenchEnclosure enclosures = wrench(summary_.model, summary_.uncertain, summary_.mode);
+    summary_.wrench = enclosures;
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < wrench_size; ++k) names.push_back(component_name(k));
+    summary_.wrench_samples = check(sampled_wrench_of(summary_.model, {enclosures.begin(), enclosures.end()}), names);
+  }
+
+  void enclose_sensitivities() {
+    for (std::uint32_t i = 0; i < summary_.model.parameters.size(); ++i) {
+      summary_.sensitivities.push_back(sensitivity(summary_.model, summary_.uncertain, i, summary_.mode));
+    }
+    summary_.reference = reference_uncertainty(summary_.model, summary_.uncertain, summary_.uncertain, summary_.mode);
+  }
+
+  [[nodiscard]] AccelerationOptions acceleration_options() const {
+    AccelerationOptions options;
+    if (arguments_.cells) options.cells = *arguments_.cells;
+    options.interrupted = interrupted;
+    return options;
+  }
+
+  void enclose_accelerations() {
+    {
+      ProgressBar bar(!arguments_.no_progress, "%");
+      std::mutex mutex;
+      AccelerationOptions options = acceleration_options();
+      options.progress = [&](double fraction) {
+        const std::lock_guard lock(mutex);
+        bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction);
+      };
+      summary_.accelerations = accelerations(summary_.model, summary_.uncertain, options);
+    }
+    summary_.acceleration_samples =
+        check(sampled_accelerations_of(summary_.model, summary_.accelerations), joint_names(summary_.model));
+  }
+
+  /// Nothing unless --monte-carlo asks for it.
+  std::optional<Samples> check(const Sampled& sampled, const std::vector<std::string>& names) const {
+    if (!arguments_.monte_carlo) return std::nullopt;
+    ProgressBar bar(!arguments_.no_progress, "samples");
+    const double count = static_cast<double>(*arguments_.monte_carlo);
+    Samples samples = take_samples(
+        summary_.model, summary_.uncertain, sampled,
+        {.count = *arguments_.monte_carlo, .interrupted = interrupted, .progress = [&](std::uint64_t done) {
+           bar.update(done, static_cast<double>(done) / count);
+         }});
+    if (const auto& escape = samples.escape) {
+      report_escape(summary_.model, names[escape->component], sampled.claimed[escape->component], *escape);
+    }
+    return samples;
+  }
+
+  const StanceArguments& arguments_;
+  StanceSummary summary_;
+};
+
+bool is_finite(const Enclosure& enclosure) {
+  return std::isfinite(enclosure.lo) && std::isfinite(enclosure.hi);
+}
+
+bool is_proven(const Bounce& bounce) {
+  return bounce.proven &&
+         std::ranges::all_of(std::array{bounce.touch_down_time, bounce.touch_down_speed, bounce.deepest_penetration,
+                                        bounce.lift_off_time, bounce.rebound_speed, bounce.effective_restitution},
+                             is_finite);
+}
+
+bool all_proven(const StanceSummary& summary) {
+  const auto finite = [](const auto& enclosures) { return std::ranges::all_of(enclosures, is_finite); };
+  return (!summary.paper || summary.paper->all_explained()) && (!summary.wrench || finite(*summary.wrench)) &&
+         std::ranges::all_of(summary.sensitivities, finite) && finite(summary.accelerations) &&
+         (!summary.bounce || is_proven(*summary.bounce));
+}
+
+}  // namespace
+
+const CLI::App& declare_stance(CLI::App& program, StanceArguments& arguments) {
+  CLI::App& stance = *program.add_subcommand(
+      "stance", "Enclose wrench, sensitivities and accelerations of a stance model with uncertain parameters");
+  stance.footer(closing_words);
+  stance.add_option("model", arguments.model, "Stance model (XML)")->required()->option_text("MODEL.xml REQUIRED");
+  stance
+      .add_option("--uncertain", arguments.uncertain,
+                  "Parameters that take their whole range: names between commas, all (default) or none")
+      ->option_text("NAMES");
+  stance
+      .add_option("--mode", arguments.mode,
+                  "tight (default), or paper: with the paper's expression of w6, in which px occurs three times")
+      ->option_text("MODE");
+  stance.add_flag("--sensitivities", arguments.sensitivities,
+                  "Also the wrench's derivatives by every parameter, and the reference uncertainty");
+  stance.add_flag("--accelerations", arguments.accelerations, "Also the accelerations of all joints");
+  stance
+      .add_option("--cells", arguments.cells,
+                  "Of --accelerations: subdivisions of each uncertain parameter's range (default 64)")
+      ->option_text("NUMBER");
+  stance
+      .add_option("--monte-carlo", arguments.monte_carlo,
+                  "Sample the uncertain parameters, check that the enclosures contain all samples, and say how much\n"
+                  "of them the samples fill")
+      ->option_text("COUNT");
+  stance.add_flag("--report", arguments.report, "Instead: Tables 2, 3 and 4 of the paper, cell by cell");
+  stance
+      .add_option("--bounce", arguments.bounce,
+                  "Also drop this contact cylinder, with the mass of its body, and enclose its rebound")
+      ->option_text("CYLINDER");
+  stance.add_option("--drop-height", arguments.drop_height, "Of its lowest point, in m (default 0.01)")
+      ->option_text("NUMBER");
+  stance.add_flag("--json", arguments.json, "Print one JSON object");
+  stance.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
+  return stance;
+}
+
+ExitStatus run_stance(const StanceArguments& arguments) {
+  check_usage(arguments);
+  watch_for_interruption();
+  Analysis analysis(arguments);
+  const StanceSummary& summary = analysis.run();
+  fmt::print("{}", arguments.json ? json(summary) : readable(summary));
+  if (summary.interrupted) return ExitStatus::interrupted;
+  return all_proven(summary) ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+}  // namespace verisq::command_line

@@ -1,0 +1,314 @@
+/// The two forms of the summary.
+#include "host/command_line/stance_summary.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "host/command_line/directed_digits.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+using namespace stance;
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::string_view, wrench_size> component_words{
+    "force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z"};
+
+std::string_view component_unit(std::size_t component) {
+  return component < 3 ? "N" : "N m";
+}
+
+std::string_view word(Mode mode) {
+  return mode == Mode::paper ? "paper" : "tight";
+}
+
+/// "m/s^2" or "rad/s^2" of each joint.
+std::vector<std::string> acceleration_units(const Model& model) {
+  std::vector<std::string> units;
+  for (const Body& body : model.bodies) {
+    for (const Joint& joint : body.joints) units.push_back(joint.kind == JointKind::rotation ? "rad/s^2" : "m/s^2");
+  }
+  return units;
+}
+
+bool is_zero(const Enclosure& enclosure) {
+  return enclosure == Enclosure{0.0, 0.0};
+}
+
+/// One line: numbers as the file gives them, which decimals hold to the last bit.
+std::string parameter_text(const Parameter& parameter) {
+  const std::string unit = parameter.unit == "1" ? "" : parameter.unit;
+  return fmt::format("  {:<8}{:<16}{:<6}{}\n", parameter.name,
+                     fmt::format("[{}, {}]", parameter.range.lo, parameter.range.hi), unit, parameter.description);
+}
+
+/// How much of enclosure k the samples fill; nothing without samples.
+std::string filled_text(const std::optional<Samples>& samples, std::size_t k, const Enclosure& claimed) {
+  if (!samples || samples->count == 0) return "";
+  return fmt::format("  {:5.1f} % filled", 100.0 * filled_part(samples->hull[k], claimed));
+}
+
+std::string samples_text(const std::optional<Samples>& samples) {
+  if (!samples) return "";
+  return fmt::format("  {} samples, none escapes\n", samples->count);
+}
+
+std::string uncertain_text(const StanceSummary& summary) {
+  if (summary.uncertain.empty()) return "nothing is uncertain\n";
+  std::string text = "uncertain\n";
+  for (const std::uint32_t i : summary.uncertain) text += parameter_text(summary.model.parameters[i]);
+  return text;
+}
+
+/// Without blanks at the ends of lines.
+std::string stripped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '\n') result.erase(result.find_last_not_of(' ') + 1);
+    result += c;
+  }
+  return result;
+}
+
+std::string wrench_text(const StanceSummary& summary) {
+  std::string text = fmt::format("\nwrench on the root, {} mode\n", word(summary.mode));
+  for (std::size_t k = 0; k < wrench_size; ++k) {
+    const Enclosure& enclosure = (*summary.wrench)[k];
+    text += fmt::format("  {}  {:<15} {:<4}{:<30}{}\n", component_name(k), component_words[k], component_unit(k),
+                        outward_digits(enclosure), filled_text(summary.wrench_samples, k, enclosure));
+  }
+  return text + samples_text(summary.wrench_samples);
+}
+
+std::string sensitivities_text(const StanceSummary& summary) {
+  std::string text = "\nsensitivities (those not listed are exactly 0)\n";
+  for (std::size_t i = 0; i < summary.sensitivities.size(); ++i) {
+    for (std::size_t k = 0; k < wrench_size; ++k) {
+      const Enclosure& enclosure = summary.sensitivities[i][k];
+      if (is_zero(enclosure)) continue;
+      text += fmt::format("  d{}/d{:<8}{}\n", component_name(k), summary.model.parameters[i].name,
+                          outward_digits(enclosure));
+    }
+  }
+  return text;
+}
+
+std::string reference_text(const ReferenceUncertainty& reference) {
+  std::string text = fmt::format("\nreference uncertainty\n  {:<8}{:<32}{}\n", "", "r: |dw/dp| p",
+                                 "|dw/dp| times half the width of p");
+  for (std::size_t k = 0; k < wrench_size; ++k) {
+    text += fmt::format("  {:<8}{:<32}{}\n", component_name(k), outward_digits(reference.by_value[k]),
+                        upper_digits(reference.by_radius[k]));
+  }
+  return text;
+}
+
+std::string accelerations_text(const StanceSummary& summary) {
+  std::string text = "\njoint accelerations\n";
+  const std::vector<std::string> names = joint_names(summary.model);
+  const std::vector<std::string> units = acceleration_units(summary.model);
+  for (std::size_t k = 0; k < summary.accelerations.size(); ++k) {
+    const Enclosure& enclosure = summary.accelerations[k];
+    text += fmt::format("  {:<20} {:<8}{:<34}{}\n", names[k], units[k], outward_digits(enclosure),
+                        filled_text(summary.acceleration_samples, k, enclosure));
+  }
+  return text + samples_text(summary.acceleration_samples);
+}
+
+std::string table_text(const PaperTable& table) {
+  std::string text = fmt::format("{}\n  {:<4}{:<12}{:<24}{:<24}verdict\n", table.title, "", "", "verisq", "paper");
+  for (const Cell& cell : table.cells) {
+    text += fmt::format("  {:<4}{:<12}{:<24}{:<24}{}{}{}\n", cell.row, cell.column, stance::text(cell.ours),
+                        cell.printed, stance::word(cell.verdict), cell.reason.empty() ? "" : ": ", cell.reason);
+  }
+  return text + "\n";
+}
+
+std::string paper_text(const PaperReport& report) {
+  std::string text =
+      "Directed rounding to the second digit. w1, w2 are forces (N), w4, w6 moments (N m): the paper's labels are "
+      "swapped.\n\n";
+  for (const PaperTable& table : report.tables) text += table_text(table);
+  text +=
+      "  The paper's r multiplies sensitivities that are rounded first. From unrounded ones, and as half the width\n"
+      "  of w to first order:\n";
+  for (const std::size_t k : {0, 1, 3, 5}) {
+    text += fmt::format("  {:<16}{:<24}{}\n", component_name(k),
+                        stance::text(rounded_outward(report.unrounded.by_value[k])),
+                        upper_digits(report.unrounded.by_radius[k]));
+  }
+  return text;
+}
+
+std::string bounce_text(const StanceSummary& summary) {
+  const Bounce& bounce = *summary.bounce;
+  std::string text = fmt::format("\n{} dropped from {:g} m\n", summary.dropped, summary.drop->height);
+  const auto line = [&](std::string_view name, std::string_view unit, const Enclosure& enclosure) {
+    text += fmt::format("  {:<24}{:<6}{}\n", name, unit, outward_digits(enclosure));
+  };
+  line("radius", "m", summary.drop->radius);
+  line("normal restitution", "", summary.drop->restitution);
+  line("touch-down time", "s", bounce.touch_down_time);
+  line("touch-down speed", "m/s", bounce.touch_down_speed);
+  line("deepest penetration", "m", bounce.deepest_penetration);
+  line("lift-off time", "s", bounce.lift_off_time);
+  line("rebound speed", "m/s", bounce.rebound_speed);
+  line("effective restitution", "", bounce.effective_restitution);
+  text += fmt::format("  {} steps{}\n", bounce.steps, bounce.proven ? "" : "; NOT proven");
+  return text;
+}
+
+Json ends(const Enclosure& enclosure) {
+  return {{"lo", enclosure.lo}, {"hi", enclosure.hi}};
+}
+
+Json json_with_samples(const Enclosure& enclosure, const std::optional<Samples>& samples, std::size_t k) {
+  Json object = ends(enclosure);
+  if (!samples || samples->count == 0) return object;
+  object["sampled"] = ends(samples->hull[k]);
+  object["filled"] = filled_part(samples->hull[k], enclosure);
+  return object;
+}
+
+Json json_of(const WrenchEnclosure& wrench, const std::optional<Samples>& samples = std::nullopt) {
+  Json object = Json::object();
+  for (std::size_t k = 0; k < wrench_size; ++k) object[component_name(k)] = json_with_samples(wrench[k], samples, k);
+  return object;
+}
+
+Json json_of_parameters(const Model& model) {
+  Json array = Json::array();
+  for (const Parameter& parameter : model.parameters) {
+    array.push_back({{"name", parameter.name},
+                     {"unit", parameter.unit},
+                     {"description", parameter.description},
+                     {"nominal", parameter.nominal},
+                     {"lo", parameter.range.lo},
+                     {"hi", parameter.range.hi}});
+  }
+  return array;
+}
+
+Json json_of_sensitivities(const StanceSummary& summary) {
+  Json object = Json::object();
+  for (std::size_t i = 0; i < summary.sensitivities.size(); ++i) {
+    object[summary.model.parameters[i].name] = json_of(summary.sensitivities[i]);
+  }
+  return object;
+}
+
+Json json_of(const ReferenceUncertainty& reference) {
+  Json radius = Json::object();
+  for (std::size_t k = 0; k < wrench_size; ++k) radius[component_name(k)] = reference.by_radius[k];
+  return {{"by_value", json_of(reference.by_value)}, {"by_radius", radius}};
+}
+
+Json json_of_accelerations(const StanceSummary& summary) {
+  Json object = Json::object();
+  const std::vector<std::string> names = joint_names(summary.model);
+  for (std::size_t k = 0; k < summary.accelerations.size(); ++k) {
+    object[names[k]] = json_with_samples(summary.accelerations[k], summary.acceleration_samples, k);
+  }
+  return object;
+}
+
+Json json_of(const PaperReport& report) {
+  Json tables = Json::array();
+  for (const PaperTable& table : report.tables) {
+    Json cells = Json::array();
+    for (const Cell& cell : table.cells) {
+      cells.push_back({{"row", cell.row},
+                       {"column", cell.column},
+                       {"verisq", stance::text(cell.ours)},
+                       {"paper", cell.printed},
+                       {"verdict", stance::word(cell.verdict)},
+                       {"reason", cell.reason}});
+    }
+    tables.push_back({{"title", table.title}, {"cells", cells}});
+  }
+  return {{"tables", tables}, {"unrounded", json_of(report.unrounded)}, {"all_explained", report.all_explained()}};
+}
+
+Json json_of(const Bounce& bounce, const std::string& dropped, const Drop& drop) {
+  return {{"cylinder", dropped},
+          {"height", drop.height},
+          {"mass", drop.mass},
+          {"radius", ends(drop.radius)},
+          {"restitution", ends(drop.restitution)},
+          {"touch_down_time", ends(bounce.touch_down_time)},
+          {"touch_down_speed", ends(bounce.touch_down_speed)},
+          {"deepest_penetration", ends(bounce.deepest_penetration)},
+          {"lift_off_time", ends(bounce.lift_off_time)},
+          {"rebound_speed", ends(bounce.rebound_speed)},
+          {"effective_restitution", ends(bounce.effective_restitution)},
+          {"steps", bounce.steps},
+          {"proven", bounce.proven}};
+}
+
+}  // namespace
+
+std::string component_name(std::size_t component) {
+  return fmt::format("w{}", component + 1);
+}
+
+std::vector<std::string> joint_names(const Model& model) {
+  std::vector<std::string> names;
+  for (const Body& body : model.bodies) {
+    for (const Joint& joint : body.joints) names.push_back(body.name + " " + joint.name);
+  }
+  return names;
+}
+
+std::vector<std::string> notes(const Model& model) {
+  std::vector<std::string> names;
+  for (const ContactCylinder& cylinder : model.cylinders) {
+    if (cylinder.dynamic_friction.range.hi > cylinder.static_friction.range.lo) names.push_back(cylinder.name);
+  }
+  if (names.empty()) return {};
+  if (names.size() == model.cylinders.size()) return {"dynamic friction may exceed static friction on all cylinders"};
+  return {fmt::format("dynamic friction may exceed static friction on {}", fmt::join(names, ", "))};
+}
+
+std::string readable(const StanceSummary& summary) {
+  std::string text;
+  if (summary.paper) text += paper_text(*summary.paper);
+  if (summary.wrench) text += uncertain_text(summary) + wrench_text(summary);
+  if (!summary.sensitivities.empty()) text += sensitivities_text(summary);
+  if (summary.reference) text += reference_text(*summary.reference);
+  if (!summary.accelerations.empty()) text += accelerations_text(summary);
+  if (summary.bounce) text += bounce_text(summary);
+  text += "\n";
+  for (const std::string& note : notes(summary.model)) text += fmt::format("note: {}\n", note);
+  text += fmt::format("time {:.3g} s{}\n", summary.seconds, summary.interrupted ? ", interrupted" : "");
+  return stripped(text);
+}
+
+std::string json(const StanceSummary& summary) {
+  Json uncertain = Json::array();
+  for (const std::uint32_t i : summary.uncertain) uncertain.push_back(summary.model.parameters[i].name);
+  Json object{{"model", summary.file}, {"parameters", json_of_parameters(summary.model)}};
+  if (summary.paper) object["paper"] = json_of(*summary.paper);
+  if (summary.wrench) {
+    object["uncertain"] = uncertain;
+    object["mode"] = word(summary.mode);
+    object["wrench"] = json_of(*summary.wrench, summary.wrench_samples);
+  }
+  if (summary.wrench_samples) object["samples"] = summary.wrench_samples->count;
+  if (!summary.sensitivities.empty()) object["sensitivities"] = json_of_sensitivities(summary);
+  if (summary.reference) object["reference_uncertainty"] = json_of(*summary.reference);
+  if (!summary.accelerations.empty()) object["accelerations"] = json_of_accelerations(summary);
+  if (summary.acceleration_samples) object["acceleration_samples"] = summary.acceleration_samples->count;
+  if (summary.bounce) object["bounce"] = json_of(*summary.bounce, summary.dropped, *summary.drop);
+  object["notes"] = notes(summary.model);
+  object["interrupted"] = summary.interrupted;
+  object["seconds"] = summary.seconds;
+  // Names of files are bytes of the system, not always UTF-8: replaced rather than refused.
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace verisq::command_line

@@ -1,0 +1,50 @@
+/// What `verisq stance` prints: for people, or as one JSON object.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+#include <verisq/stance_bounce.hpp>
+
+#include "host/stance_report.hpp"
+#include "host/stance_samples.hpp"
+
+namespace verisq::command_line {
+
+/// What is absent was not asked for.
+struct StanceSummary {
+  std::string file;
+  stance::Model model;
+  std::vector<std::uint32_t> uncertain;
+  stance::Mode mode = stance::Mode::tight;
+  std::optional<stance::WrenchEnclosure> wrench;
+  std::optional<stance::Samples> wrench_samples;
+  std::vector<stance::WrenchEnclosure> sensitivities;  ///< by every parameter of the model; or empty
+  std::optional<stance::ReferenceUncertainty> reference;
+  std::vector<Enclosure> accelerations;  ///< of all joints, bodies in order; or empty
+  std::optional<stance::Samples> acceleration_samples;
+  std::optional<stance::PaperReport> paper;
+  std::string dropped;  ///< the cylinder that bounces
+  std::optional<stance::Drop> drop;
+  std::optional<stance::Bounce> bounce;
+  double seconds = 0.0;
+  bool interrupted = false;
+};
+
+/// "w1" ... "w6".
+[[nodiscard]] std::string component_name(std::size_t component);
+
+/// "pelvis ty": all joints, bodies in order.
+[[nodiscard]] std::vector<std::string> joint_names(const stance::Model& model);
+
+/// What the model allows and a reader should know: dynamic friction above static friction.
+[[nodiscard]] std::vector<std::string> notes(const stance::Model& model);
+
+/// Ends of enclosures are rounded outward to the digits printed.
+[[nodiscard]] std::string readable(const StanceSummary& summary);
+
+/// One line; an infinite end is null.
+[[nodiscard]] std::string json(const StanceSummary& summary);
+
+}  // namespace verisq::command_line

@@ -1,0 +1,211 @@
+/// The stance model format: what docs/stance.md describes, and the message for everything else.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <verisq/stance_file.hpp>
+
+#include "host/files/input_file.hpp"
+#include "host/files/stance_quantities.hpp"
+#include "host/files/xml_element.hpp"
+
+namespace verisq::stance {
+namespace {
+
+constexpr const char* must_be_positive = "must be positive";
+constexpr const char* must_not_be_negative = "must not be negative";
+
+bool is_positive(double number) {
+  return number > 0.0;
+}
+
+bool is_not_negative(double number) {
+  return number >= 0.0;
+}
+
+bool is_restitution(double number) {
+  return 0.0 < number && number < 1.0;
+}
+
+double positive(const XmlElement& element, const char* attribute) {
+  const double number = element.number(attribute);
+  if (!is_positive(number)) element.fail(attribute, must_be_positive);
+  return number;
+}
+
+double not_negative(const XmlElement& element, const char* attribute) {
+  const double number = element.number(attribute);
+  if (!is_not_negative(number)) element.fail(attribute, must_not_be_negative);
+  return number;
+}
+
+double number_or_zero(const XmlElement& element, const char* attribute) {
+  return element.has(attribute) ? element.number(attribute) : 0.0;
+}
+
+/// Reads one file from top to bottom: whatever a name refers to stands before.
+class ModelReader {
+ public:
+  [[nodiscard]] Model read(const XmlElement& root) {
+    if (root.tag() != "stance") root.fail("the root must be <stance>");
+    root.check_attributes({"gravity"});
+    root.check_children({"applied_force", "body", "cylinder"});
+    model_.gravity = not_negative(root, "gravity");
+    for (const XmlElement& element : root.children()) read_part(element);
+    if (model_.bodies.empty()) root.fail("element <body> is missing");
+    if (model_.degrees_of_freedom() == 0) root.fail("no body has a joint");
+    if (!applied_) root.fail("element <applied_force> is missing");
+    model_.parameters = quantities_.parameters();
+    return std::move(model_);
+  }
+
+ private:
+  void read_part(const XmlElement& element) {
+    if (element.tag() == "body") {
+      read_body(element);
+    } else if (element.tag() == "cylinder") {
+      model_.cylinders.push_back(read_cylinder(element));
+    } else {
+      read_applied_force(element);
+    }
+  }
+
+  void read_applied_force(const XmlElement& element) {
+    if (applied_) element.fail("a second one in <stance>");
+    applied_ = true;
+    element.check_attributes({});
+    element.check_children({"frequency", "force"});
+    model_.applied.frequency = quantities_.read(element.child("frequency"), is_not_negative, must_not_be_negative);
+    model_.applied.force = quantities_.read_vector(element.child("force"));
+  }
+
+  void read_body(const XmlElement& element) {
+    element.check_attributes({"name", "parent"});
+    element.check_children({"offset", "translation", "rotation", "mass", "centre_of_mass", "inertia"});
+    Body body;
+    body.name = element.text("name");
+    body.parent = read_parent(element);
+    const std::optional<XmlElement> offset = body.parent ? element.child("offset") : element.find("offset");
+    if (offset) body.offset = quantities_.read_vector(*offset);
+    const auto index = static_cast<std::uint32_t>(model_.bodies.size());
+    for (const XmlElement& part : element.children()) {
+      if (part.tag() == "translation" || part.tag() == "rotation") read_joint(part, index, body.joints);
+    }
+    body.mass = quantities_.read(element.child("mass"), is_positive, must_be_positive);
+    body.centre_of_mass = quantities_.read_vector(element.child("centre_of_mass"));
+    body.inertia = quantities_.read_vector(element.child("inertia"), is_not_negative, must_not_be_negative);
+    if (!bodies_.emplace(body.name, index).second) element.fail("name", "another body has this name");
+    model_.bodies.push_back(std::move(body));
+  }
+
+  /// Nothing for the root, which is the first body and the only one without.
+  [[nodiscard]] std::optional<std::uint32_t> read_parent(const XmlElement& element) const {
+    if (model_.bodies.empty()) {
+      if (element.has("parent")) element.fail("parent", "the first body is the root and has none");
+      return std::nullopt;
+    }
+    return known_body(element, "parent");
+  }
+
+  [[nodiscard]] std::uint32_t known_body(const XmlElement& element, const char* attribute) const {
+    const auto found = bodies_.find(element.text(attribute));
+    if (found == bodies_.end()) element.fail(attribute, "no body before this element has this name");
+    return found->second;
+  }
+
+  void read_joint(const XmlElement& element, std::uint32_t body, std::vector<Joint>& joints) {
+    element.check_attributes({"name", "axis", "position", "velocity"});
+    element.check_children({"pid"});
+    const std::string name = element.text("name");
+    if (std::ranges::find(joints, name, &Joint::name) != joints.end()) {
+      element.fail("name", "another joint of this body has this name");
+    }
+    const std::string axis = element.text("axis");
+    if (axis != "x" && axis != "y" && axis != "z") element.fail("axis", "must be x, y or z");
+    const auto index = static_cast<std::uint32_t>(joints.size());
+    if (const auto pid = element.find("pid")) model_.controllers.push_back(read_controller(*pid, body, index));
+    joints.push_back({name, element.tag() == "rotation" ? JointKind::rotation : JointKind::translation,
+                      static_cast<std::uint8_t>(axis[0] - 'x'), number_or_zero(element, "position"),
+                      number_or_zero(element, "velocity")});
+  }
+
+  [[nodiscard]] static Controller read_controller(const XmlElement& element, std::uint32_t body, std::uint32_t joint) {
+    element.check_attributes({"proportional", "integral", "derivative"});
+    element.check_children({});
+    return {body, joint, not_negative(element, "proportional"), not_negative(element, "integral"),
+            not_negative(element, "derivative")};
+  }
+
+  [[nodiscard]] ContactCylinder read_cylinder(const XmlElement& element) {
+    element.check_attributes(
+        {"name", "body", "half_length", "stiffness", "exponent", "impact_velocity", "stribeck_velocity"});
+    element.check_children({"centre", "axis", "radius", "normal_restitution", "tangential_restitution",
+                            "static_friction", "dynamic_friction"});
+    ContactCylinder cylinder{};
+    cylinder.name = element.text("name");
+    if (!cylinders_.insert(cylinder.name).second) element.fail("name", "another cylinder has this name");
+    cylinder.body = known_body(element, "body");
+    cylinder.half_length = positive(element, "half_length");
+    cylinder.stiffness = positive(element, "stiffness");
+    cylinder.exponent = element.number("exponent");
+    if (cylinder.exponent != 1.0 && cylinder.exponent != 1.5) element.fail("exponent", "must be 1 or 1.5");
+    cylinder.impact_velocity = positive(element, "impact_velocity");
+    cylinder.stribeck_velocity = positive(element, "stribeck_velocity");
+    cylinder.centre = quantities_.read_vector(element.child("centre"));
+    cylinder.axis = read_axis(element.child("axis"));
+    cylinder.radius = quantities_.read(element.child("radius"), is_positive, must_be_positive);
+    read_surface(element, cylinder);
+    return cylinder;
+  }
+
+  void read_surface(const XmlElement& element, ContactCylinder& cylinder) {
+    constexpr const char* must_be_restitution = "must be between 0 and 1, both excluded";
+    cylinder.normal_restitution =
+        quantities_.read(element.child("normal_restitution"), is_restitution, must_be_restitution);
+    cylinder.tangential_restitution =
+        quantities_.read(element.child("tangential_restitution"), is_restitution, must_be_restitution);
+    cylinder.static_friction =
+        quantities_.read(element.child("static_friction"), is_not_negative, must_not_be_negative);
+    cylinder.dynamic_friction =
+        quantities_.read(element.child("dynamic_friction"), is_not_negative, must_not_be_negative);
+  }
+
+  /// Not scaled to length 1, so that the numbers of the file are the model's.
+  [[nodiscard]] static std::array<double, 3> read_axis(const XmlElement& element) {
+    constexpr double tolerance = 1e-9;
+    element.check_attributes({"x", "y", "z"});
+    element.check_children({});
+    const std::array axis{element.number("x"), element.number("y"), element.number("z")};
+    const double length = std::hypot(axis[0], axis[1], axis[2]);
+    if (!(std::abs(length - 1.0) <= tolerance)) {
+      element.fail(fmt::format("its length is {:.10g}, must be 1 to within {:g}", length, tolerance));
+    }
+    return axis;
+  }
+
+  Model model_{};
+  Quantities quantities_;
+  bool applied_ = false;
+  std::map<std::string, std::uint32_t, std::less<>> bodies_;
+  std::set<std::string> cylinders_;
+};
+
+}  // namespace
+
+Model parse_model(std::string_view xml, std::string_view name) {
+  const XmlFile file(xml, name);
+  return ModelReader().read(file.root());
+}
+
+Model read_model(const std::filesystem::path& path) {
+  constexpr std::size_t largest = std::size_t{1} << 24;
+  InputFile file(path);
+  const std::string_view text = file.peek(largest + 1);
+  if (text.size() > largest) file.fail_whole(fmt::format("larger than {} bytes: not a stance model", largest));
+  const std::string name = path.string();
+  return parse_model(text, name);
+}
+
+}  // namespace verisq::stance

@@ -1,0 +1,65 @@
+/// Verified uncertainty analysis of a stance model: wrench, sensitivities, reference uncertainty, accelerations (design
+/// 5).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+#include <verisq/stance_model.hpp>
+
+namespace verisq::stance {
+
+/// How much the evaluation knows of dependencies.
+enum class Mode : std::uint8_t {
+  paper,  ///< as the paper's program: the expression of w6 in which px occurs three times
+  tight,  ///< each parameter once, monotonicity, subdivision
+};
+
+/// Components of the wrench on the root of the tree at rest, in the order of the paper's w1 ... w6: forces along x, y,
+/// z are w1, w2, w3 (N), moments about x, y, z are w4, w5, w6 (N m): see design 5 for the paper's labels.
+constexpr std::size_t wrench_size = 6;
+using WrenchEnclosure = std::array<Enclosure, wrench_size>;
+
+/// Indices of parameters that take their whole range; all others are at their nominal value.
+using UncertainSet = std::span<const std::uint32_t>;
+
+[[nodiscard]] WrenchEnclosure wrench(const Model& model, UncertainSet uncertain, Mode mode);
+
+/// Partial derivatives of the wrench by parameter, over the box of the uncertain set.
+[[nodiscard]] WrenchEnclosure sensitivity(const Model& model, UncertainSet uncertain, std::uint32_t parameter,
+                                          Mode mode);
+
+/// Sum over the parameters of |derivative| times the parameter.
+struct ReferenceUncertainty {
+  WrenchEnclosure by_value;                   ///< the paper's: times the parameter's range
+  std::array<double, wrench_size> by_radius;  ///< times half its width, rounded up: half the width of w, to first order
+};
+[[nodiscard]] ReferenceUncertainty reference_uncertainty(const Model& model, UncertainSet derivatives_over,
+                                                         UncertainSet parameters, Mode mode);
+
+/// The same with given derivatives, those by parameters[i] in derivatives[i]: rounded as a table prints them, for
+/// instance.
+[[nodiscard]] ReferenceUncertainty reference_uncertainty(const Model& model, UncertainSet parameters,
+                                                         std::span<const WrenchEnclosure> derivatives);
+
+/// The wrench at one sample of the uncertain parameters, in plain floating point.
+[[nodiscard]] std::array<double, wrench_size> sampled_wrench(const Model& model, std::span<const double> parameters);
+
+struct AccelerationOptions {
+  std::uint32_t cells = 64;  ///< the finest subdivision of each uncertain parameter's range, rounded up to a power of 2
+  std::function<bool()> interrupted = {};              ///< ends the subdivision: the enclosures are wider then
+  std::function<void(double fraction)> progress = {};  ///< of the box's volume that is done
+};
+
+/// Enclosures of all joint accelerations of the stance under gravity and the applied force over the box, by Krawczyk
+/// with the midpoint inverse on each cell of a subdivision (design 5, "Dynamics"), finer where a cell may reach the
+/// ends. Infinite ends where a cell could not be proven.
+[[nodiscard]] std::vector<Enclosure> accelerations(const Model& model, UncertainSet uncertain,
+                                                   const AccelerationOptions& options);
+
+/// The same at one sample, in plain floating point.
+[[nodiscard]] std::vector<double> sampled_accelerations(const Model& model, std::span<const double> parameters);
+
+}  // namespace verisq::stance

@@ -1,0 +1,331 @@
+/// Contact, friction and control over doubles, intervals and duals: against sampling and known values.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+#include "verify/stance/contact.hpp"
+#include "verify/stance/controller.hpp"
+#include "verify/stance/friction.hpp"
+
+namespace verisq::stance {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+using Vector = Eigen::Vector3d;
+using IntervalVector = Eigen::Matrix<Interval, 3, 1>;
+
+bool contains(const Interval& a, double value) {
+  return a.lower() <= value && value <= a.upper();
+}
+
+/// Within a few rounding errors of the plain evaluation that it is compared with.
+testing::AssertionResult encloses(const Interval& a, double value) {
+  const double slack = 1e-12 * (1.0 + std::fabs(value));
+  if (a.lower() <= value + slack && value - slack <= a.upper()) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << fmt::format("{:.17g} is not in [{:.17g}, {:.17g}]", value, a.lower(),
+                                                    a.upper());
+}
+
+class Random {
+ public:
+  double operator()(double lowest, double highest) { return std::uniform_real_distribution(lowest, highest)(engine_); }
+  double within(const Interval& a) { return (*this)(a.lower(), std::nextafter(a.upper(), kInfinity)); }
+  Interval interval(double lowest, double highest) {
+    const double a = (*this)(lowest, highest);
+    const double b = (*this)(lowest, highest);
+    return {std::min(a, b), std::max(a, b)};
+  }
+
+ private:
+  std::mt19937 engine_{6};
+};
+
+// Damping.
+
+/// ln((1 + D)/(1 - D e)) - D (1 + e) at fifty digits, whose sign tells the side of D on which the root is.
+double relation(double damping, double restitution) {
+  using Fifty = boost::multiprecision::cpp_bin_float_50;
+  const Fifty d = damping;
+  const Fifty e = restitution;
+  return static_cast<double>(Fifty(log((1 + d) / (1 - d * e)) - d * (1 + e)));
+}
+
+TEST(ContactDamping, SolvesTheRelationToTheLastPlace) {
+  EXPECT_NEAR(damping_factor(0.1), 9.99815939749567, 1e-13);  // design 5: 9.998
+  for (const double e : {0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 0.99}) {
+    const Interval d = damping_factor(Interval(e));
+    EXPECT_LE(d.upper(), std::nextafter(d.lower(), kInfinity));
+    EXPECT_LT(relation(std::nextafter(d.lower(), 0.0), e), 0.0) << e;
+    EXPECT_GT(relation(std::nextafter(d.upper(), kInfinity), e), 0.0) << e;
+    EXPECT_GT(d.lower(), 1.0 / e - 1.0) << "the trivial root is 0";
+    EXPECT_TRUE(contains(d, damping_factor(e)));
+  }
+}
+
+TEST(ContactDamping, SmallRestitutionsDampAlmostAsTheirReciprocal) {
+  // 1 - D e is about exp(-1/e)/e: far below the last place of D.
+  for (const double e : {1e-2, 1e-3, 1e-8, 1e-300}) {
+    const Interval d = damping_factor(Interval(e));
+    EXPECT_LE(d.upper() - d.lower(), 4e-16 / e) << e;
+    EXPECT_TRUE(contains(d, 1.0 / e)) << e;
+  }
+}
+
+TEST(ContactDamping, VanishesWithElasticContact) {
+  EXPECT_EQ(damping_factor(Interval(1)).upper(), 0.0);
+  const double almost = std::nextafter(1.0, 0.0);
+  // D = 3 (1 - e)/2 + ...
+  const Interval d = damping_factor(Interval(almost));
+  EXPECT_LE(d.upper(), std::nextafter(d.lower(), kInfinity));
+  EXPECT_NEAR(d.lower() / (1.0 - almost), 1.5, 1e-6);
+  EXPECT_NEAR(d.upper() / (1.0 - almost), 1.5, 1e-6);
+}
+
+TEST(ContactDamping, FallsWithTheRestitution) {
+  const Interval d = damping_factor(Interval(0.1, 0.2));
+  EXPECT_EQ(d.lower(), damping_factor(Interval(0.2)).lower());
+  EXPECT_EQ(d.upper(), damping_factor(Interval(0.1)).upper());
+  double before = kInfinity;
+  for (double e = 0.01; e < 1.0; e += 0.01) {
+    EXPECT_LT(damping_factor(Interval(e)).upper(), before) << e;
+    before = damping_factor(Interval(e)).lower();
+  }
+}
+
+TEST(ContactDamping, RefusesWhatIsNoRestitution) {
+  for (const Interval& e : {Interval(0, 1), Interval(-0.1, 0.1), Interval(0.5, 1.1), Interval(0)}) {
+    EXPECT_THROW((void)damping_factor(e), std::domain_error);
+  }
+}
+
+TEST(ContactDamping, SlopeIsThatOfDifferenceQuotients) {
+  for (const double e : {0.02, 0.1, 0.2, 0.5, 0.9}) {
+    const double h = 1e-5 * e;
+    const double quotient = (damping_factor(e + h) - damping_factor(e - h)) / (2.0 * h);
+    const double slope = damping_factor(Dual<double>::variable(e)).partial[0];
+    EXPECT_NEAR(slope / quotient, 1.0, 1e-6) << e;
+    const Interval range(e - h, e + h);
+    const Dual<Interval> enclosed = damping_factor(Dual<Interval>::variable(range));
+    EXPECT_TRUE(encloses(enclosed.partial[0], slope)) << e;
+    EXPECT_TRUE(encloses(enclosed.value, damping_factor(e))) << e;
+  }
+}
+
+// Geometry.
+
+/// The lowest point of both rims, by sampling and golden section around the best sample.
+Vector lowest_point(const Vector& centre, const Vector& axis, double radius, double half_length) {
+  const Vector u = axis.unitOrthogonal();
+  const Vector v = axis.cross(u);
+  Vector best(0.0, kInfinity, 0.0);
+  for (const double end : {-half_length, half_length}) {
+    for (int i = 0; i < 20000; ++i) {
+      const double angle = 2.0 * M_PI * i / 20000;
+      const Vector p = centre + end * axis + radius * (std::cos(angle) * u + std::sin(angle) * v);
+      if (p[1] < best[1]) best = p;
+    }
+  }
+  return best;
+}
+
+TEST(ContactGeometry, FindsTheLowestPointOfTheCylinder) {
+  Random random;
+  for (int i = 0; i < 50; ++i) {
+    const Vector centre(random(-1, 1), random(-1, 1), random(-1, 1));
+    const Vector axis = Vector(random(-1, 1), random(-1, 1), random(-1, 1)).normalized();
+    const double radius = random(0.02, 0.2);
+    const double half_length = random(0.0, 0.1);
+    const ContactGeometry<double> contact = contact_geometry<double>(centre, axis, radius, half_length);
+    const Vector lowest = lowest_point(centre, axis, radius, half_length);
+    EXPECT_NEAR(contact.penetration, -lowest[1], 1e-7);
+    EXPECT_LT((contact.point - lowest).norm(), 2e-3 * (radius + half_length) + 1e-6);
+  }
+}
+
+TEST(ContactGeometry, BoxesContainTheContactsOfTheirSamples) {
+  Random random;
+  for (int i = 0; i < 200; ++i) {
+    IntervalVector centre;
+    IntervalVector axis;
+    const Vector direction = Vector(random(-1, 1), random(-1, 1), random(-1, 1)).normalized();
+    const double width = std::pow(10.0, random(-6, -0.5));
+    for (int k = 0; k < 3; ++k) {
+      centre[k] = random.interval(-1, 1);
+      axis[k] = Interval(direction[k] - width, direction[k] + width);
+    }
+    const Interval radius = random.interval(0.02, 0.2);
+    const ContactGeometry<Interval> area = contact_geometry<Interval>(centre, axis, radius, Interval(0.05));
+    for (int j = 0; j < 50; ++j) {
+      const Vector c(random.within(centre[0]), random.within(centre[1]), random.within(centre[2]));
+      const Vector turned =
+          (direction + 0.5 * width * Vector(random(-1, 1), random(-1, 1), random(-1, 1))).normalized();
+      bool inside = true;
+      for (int k = 0; k < 3; ++k) inside = inside && contains(axis[k], turned[k]);
+      if (!inside) continue;
+      const ContactGeometry<double> contact = contact_geometry<double>(c, turned, random.within(radius), 0.05);
+      EXPECT_TRUE(encloses(area.penetration, contact.penetration));
+      for (int k = 0; k < 3; ++k) EXPECT_TRUE(encloses(area.point[k], contact.point[k]));
+    }
+  }
+}
+
+TEST(ContactGeometry, ALyingCylinderTouchesInALine) {
+  IntervalVector centre;
+  centre << Interval(0.5), Interval(0.03), Interval(0.2);
+  IntervalVector axis;
+  axis << Interval(0), Interval(0), Interval(1);
+  const ContactGeometry<Interval> area = contact_geometry<Interval>(centre, axis, Interval(0.04), Interval(0.05));
+  EXPECT_TRUE(contains(area.penetration, 0.04 - 0.03));
+  EXPECT_LT(area.penetration.upper() - area.penetration.lower(), 1e-16);
+  EXPECT_TRUE(contains(area.point[2], 0.2 - 0.05));
+  EXPECT_TRUE(contains(area.point[2], 0.2 + 0.05));
+  EXPECT_NEAR(area.point[2].lower(), 0.15, 1e-15);
+  EXPECT_NEAR(area.point[2].upper(), 0.25, 1e-15);
+  EXPECT_EQ(area.point[0].lower(), 0.5);
+  EXPECT_EQ(area.point[0].upper(), 0.5);
+}
+
+TEST(ContactGeometry, AStandingCylinderTouchesInADisc) {
+  IntervalVector centre;
+  centre << Interval(0), Interval(0.05), Interval(0);
+  IntervalVector axis;
+  axis << Interval(0), Interval(1), Interval(0);
+  const ContactGeometry<Interval> area = contact_geometry<Interval>(centre, axis, Interval(0.04), Interval(0.05));
+  for (const int k : {0, 2}) {
+    EXPECT_EQ(area.point[k].lower(), -0.04);
+    EXPECT_EQ(area.point[k].upper(), 0.04);
+  }
+  const ContactGeometry<double> middle = contact_geometry<double>(Vector(0, 0.05, 0), Vector(0, 1, 0), 0.04, 0.05);
+  EXPECT_EQ(middle.point, Vector(0, 0, 0));
+}
+
+TEST(ContactGeometry, DerivativesContainDifferenceQuotients) {
+  // By the tilt of the axis, across the lying position where |a_y| has its kink.
+  using D = Dual<Interval>;
+  const auto at = [](const auto& tilt) {
+    using T = std::decay_t<decltype(tilt)>;
+    const Eigen::Matrix<T, 3, 1> centre(T(0), T(0.03), T(0));
+    const Eigen::Matrix<T, 3, 1> axis(T(0), T(sin(tilt)), T(cos(tilt)));
+    return contact_geometry<T>(centre, axis, T(0.04), T(0.05)).penetration;
+  };
+  for (const Interval& tilts : {Interval(-0.2, 0.1), Interval(0.0, 0.3), Interval(-0.5, -0.4)}) {
+    const Interval slope = at(D::variable(tilts)).partial[0];
+    Random random;
+    for (int i = 0; i < 200; ++i) {
+      const double a = random.within(tilts);
+      const double b = random.within(tilts);
+      if (std::fabs(b - a) < 1e-6) continue;
+      const double quotient = (at(b) - at(a)) / (b - a);
+      EXPECT_LE(slope.lower(), quotient + 1e-9);
+      EXPECT_GE(slope.upper(), quotient - 1e-9);
+    }
+    EXPECT_LT(slope.upper() - slope.lower(), 1.0);
+  }
+}
+
+// Normal force.
+
+TEST(NormalForce, FollowsTheLaw) {
+  const HuntCrossley<double> law{.stiffness = 1e5, .exponent = 1.5, .damping = 5.0, .impact_velocity = 0.5};
+  EXPECT_EQ(normal_force(law, -0.001, 1.0), 0.0);
+  EXPECT_EQ(normal_force(law, 0.0, 1.0), 0.0);
+  EXPECT_NEAR(normal_force(law, 0.01, 0.0), 1e5 * 1e-3, 1e-9);
+  EXPECT_NEAR(normal_force(law, 0.01, 0.5), 6.0 * 1e5 * 1e-3, 1e-9);
+  EXPECT_EQ(normal_force(law, 0.01, -0.2), 0.0) << "the ground does not pull";
+}
+
+TEST(NormalForce, BoxesAndDerivativesContainSamples) {
+  using D = Dual<Interval, 3>;
+  Random random;
+  for (int i = 0; i < 300; ++i) {
+    const double exponent = i % 2 == 0 ? 1.0 : 1.5;
+    const Interval penetration = random.interval(-0.005, 0.01);
+    const Interval rate = random.interval(-0.5, 0.5);
+    const Interval damping = random.interval(1.0, 10.0);
+    const HuntCrossley<D> law{D(1e5), exponent, D::variable(damping, 2), 0.5};
+    const D force = normal_force(law, D::variable(penetration, 0), D::variable(rate, 1));
+    EXPECT_GE(force.value.lower(), 0.0);
+    const Interval plain =
+        normal_force(HuntCrossley<Interval>{Interval(1e5), exponent, damping, 0.5}, penetration, rate);
+    const auto sample = [&](const Vector& at) {
+      return normal_force(HuntCrossley<double>{1e5, exponent, at[2], 0.5}, at[0], at[1]);
+    };
+    for (int j = 0; j < 50; ++j) {
+      const Vector a(random.within(penetration), random.within(rate), random.within(damping));
+      const Vector b(random.within(penetration), random.within(rate), random.within(damping));
+      EXPECT_TRUE(encloses(force.value, sample(a)));
+      EXPECT_TRUE(encloses(plain, sample(a)));
+      // The mean value theorem, across every kink.
+      Interval change(0);
+      for (int k = 0; k < 3; ++k) change += force.partial[static_cast<std::size_t>(k)] * Interval(b[k] - a[k]);
+      const double slack = 1e-9 * (sample(a) + sample(b));
+      EXPECT_LE(change.lower(), sample(b) - sample(a) + slack);
+      EXPECT_GE(change.upper(), sample(b) - sample(a) - slack);
+    }
+  }
+}
+
+// Friction and control.
+
+TEST(Friction, CoefficientGoesFromStaticToDynamic) {
+  const FrictionLaw<double> law{.static_coefficient = 0.9, .dynamic_coefficient = 0.5, .stribeck_velocity = 0.1};
+  EXPECT_EQ(friction_coefficient(law, 0.0), 0.9);
+  EXPECT_NEAR(friction_coefficient(law, 0.1), 0.5 + 0.4 * std::exp(-1.0), 1e-15);
+  EXPECT_NEAR(friction_coefficient(law, -0.1), friction_coefficient(law, 0.1), 0.0);
+  EXPECT_NEAR(friction_coefficient(law, 10.0), 0.5, 1e-15);
+}
+
+TEST(Friction, BoxesContainSamplesAndAreTight) {
+  // Table 1 of the paper: the coefficients' ranges overlap.
+  const FrictionLaw<Interval> law{Interval(0.5, 2.0), Interval(0.08, 2.3), 0.1};
+  const Interval velocity(-0.05, 0.2);
+  const Interval coefficient = friction_coefficient(law, velocity);
+  Interval sampled(1);
+  Random random;
+  for (int i = 0; i < 5000; ++i) {
+    const FrictionLaw<double> some{random.within(law.static_coefficient), random.within(law.dynamic_coefficient), 0.1};
+    const double value = friction_coefficient(some, random.within(velocity));
+    EXPECT_TRUE(encloses(coefficient, value));
+    sampled = hull(sampled, Interval(value));
+  }
+  EXPECT_GE(coefficient.lower(), 0.08);
+  EXPECT_LE(coefficient.upper(), 2.3);
+  EXPECT_LT(coefficient.upper() - sampled.upper(), 0.1);
+  EXPECT_LT(sampled.lower() - coefficient.lower(), 0.1);
+}
+
+TEST(Friction, ForceIsLimitedInBothDirections) {
+  const FrictionLaw<double> law{0.9, 0.5, 0.1};
+  EXPECT_EQ(friction_force(law, 100.0, 0.0, 30.0), 30.0);
+  EXPECT_EQ(friction_force(law, 100.0, 0.0, 95.0), 90.0);
+  EXPECT_EQ(friction_force(law, 100.0, 0.0, -95.0), -90.0);
+  EXPECT_EQ(friction_force(law, 0.0, 0.0, 95.0), 0.0);
+  const Interval force = friction_force(FrictionLaw<Interval>{Interval(0.9), Interval(0.5), 0.1}, Interval(0, 100),
+                                        Interval(0), Interval(-200, 30));
+  EXPECT_TRUE(contains(force, -90.0));
+  EXPECT_TRUE(contains(force, 30.0));
+  EXPECT_NEAR(force.lower(), -90.0, 1e-12);
+  EXPECT_NEAR(force.upper(), 30.0, 1e-12);
+}
+
+TEST(Controller, IsProportionalIntegralAndDerivative) {
+  const Controller controller{.body = 0, .joint = 0, .proportional = 2.0, .integral = 3.0, .derivative = 5.0};
+  EXPECT_EQ(control_torque(controller, 0.5, 0.25, -1.0), -1.0 - 0.75 + 5.0);
+  const Interval torque = control_torque(controller, Interval(-1, 1), Interval(0), Interval(0, 1));
+  EXPECT_EQ(torque.lower(), -7.0);
+  EXPECT_EQ(torque.upper(), 2.0);
+  using D = Dual<double, 3>;
+  const D gains = control_torque(controller, D::variable(0.5, 0), D::variable(0.25, 1), D::variable(-1.0, 2));
+  EXPECT_EQ(gains.partial, (std::array{-2.0, -3.0, -5.0}));
+}
+
+}  // namespace
+}  // namespace verisq::stance

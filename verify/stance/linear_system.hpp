@@ -1,0 +1,41 @@
+/// Enclosures of the solutions of linear systems A(p) x = b(p) over a box of parameters p, by Krawczyk's operator with
+/// an approximate inverse at the box's centre (design 5, "Dynamics"; for parametric systems Rump 1994).
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "verify/interval.hpp"
+
+namespace verisq::stance {
+
+using IntervalMatrix = Eigen::Matrix<verify::Interval, Eigen::Dynamic, Eigen::Dynamic>;
+using IntervalVector = Eigen::Matrix<verify::Interval, Eigen::Dynamic, 1>;
+
+/// A and the residual b - A x of one x, at a point c of the box, and how they change.
+struct ParametricLinearSystem {
+  /// By one of the parameters.
+  struct Variation {
+    verify::Interval deviation;  ///< contains p_k - c_k
+    IntervalMatrix matrix;       ///< contains the partial derivatives of A at all points of the box
+    IntervalVector residual;     ///< of the residual
+  };
+  Eigen::VectorXd approximation;  ///< x, near the solution at c; any x is sound
+  IntervalMatrix matrix;
+  IntervalVector residual;
+  std::vector<Variation> variations;
+};
+
+struct ParametricSolution {
+  /// Contains the solution for every p of the box; the overestimation is of second order in the box's widths.
+  IntervalVector solution;
+  /// By variation: an estimate of the part of each component's width that halving the deviation would more than halve.
+  std::vector<Eigen::VectorXd> overestimation;
+};
+
+/// Nothing where it is not proven that A(p) is regular for every p. Throws std::domain_error for numbers beyond
+/// binary64.
+[[nodiscard]] std::optional<ParametricSolution> solve(const ParametricLinearSystem& system);
+
+}  // namespace verisq::stance

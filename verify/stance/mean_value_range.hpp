@@ -1,0 +1,27 @@
+/// Ranges of differentiable functions over boxes, by mean-value forms and bisection: exact up to rounding where the
+/// derivatives have proven signs (design 5, "tight" mode).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+#include <verisq/enclosure.hpp>
+
+#include "verify/interval.hpp"
+
+namespace verisq::stance {
+
+using Box = std::vector<verify::Interval>;
+
+/// Enclosures of a function and its partial derivatives over boxes.
+struct DifferentiableFunction {
+  std::function<verify::Interval(std::span<const verify::Interval> box)> value;
+  std::function<verify::Interval(std::span<const verify::Interval> box, std::uint32_t variable)> partial;
+};
+
+/// Contains all values over the box; `variables` are the box's coordinates that are not points.
+[[nodiscard]] Enclosure range(const DifferentiableFunction& function, const Box& box,
+                              std::span<const std::uint32_t> variables);
+
+}  // namespace verisq::stance
