@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -28,15 +29,28 @@ bool never() {
   return false;
 }
 
+constexpr int cubes_of_rough_search = 256;
+
+Enclosure rough_distance(const SignedDistance& distance, const Point& point, double tolerance) {
+  int polled = 0;
+  return distance(point, tolerance, [&] { return ++polled > cubes_of_rough_search; });
+}
+
+// A search tells nothing by a lower end beyond all numbers.
+void refuse_empty(const Model& model, const SignedDistance& distance) {
+  if (is_union_of_convex(model)) return;
+  const Enclosure found = rough_distance(distance, model.primitives.front().pose.translation, bounding_radius(model));
+  if (found.lo == std::numeric_limits<double>::max())
+    throw Error(ErrorKind::input, "the model has no point at all: its set operations leave nothing");
+}
+
 // Without certificates. What is known are rough distances of the primitives' centres, which cost a few cubes each.
 verify::CoarseDistance coarse_distance(const Model& model, const SignedDistance& distance) {
-  constexpr int most_cubes = 256;
   const double rough = 0x1p-6 * bounding_radius(model);
   std::vector<verify::KnownDistance> known;
   for (const Primitive& primitive : model.primitives) {
     const Point& centre = primitive.pose.translation;
-    int polled = 0;
-    known.push_back({centre, distance(centre, rough, [&] { return ++polled > most_cubes; })});
+    known.push_back({centre, rough_distance(distance, centre, rough)});
   }
   return {model, known};
 }
@@ -56,6 +70,7 @@ class PointProver {
       throw Error(ErrorKind::input, "the published method runs on the host alone and has no certificates");
     if (published_) verify::require_union_of_convex(model, "the published method");
     if (certificates_) verify::require_union_of_convex(model, "certificates");
+    refuse_empty(model, distance_);
     if (!options.out_of_time) return;
     if (certificates_) {
       coarse_proof_ = std::make_unique<verify::CoarseProof>(model);

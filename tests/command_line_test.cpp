@@ -953,6 +953,18 @@ TEST_F(CommandLine, MapsABentSolid) {
   EXPECT_LE(rows[0].distance.width(), 1e-3);
 }
 
+TEST_F(CommandLine, RefusesAModelWithoutPoints) {
+  const std::string apart = model_of(R"(
+    {"name": "a", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}},
+    {"name": "b", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}, "pose": {"translation": [5, 0, 0]}})",
+                                     R"(, "csg": {"intersection": ["a", "b"]})");
+  for (const char* device : {"auto", "host"}) {
+    expect_refused(map({"--model", write("apart.json", apart), "--mesh", write("mesh.off", tetrahedron), "--device",
+                        device, "-o", path("map.csv")}),
+                   {"no point"});
+  }
+}
+
 TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {
   const auto mesh = write("mesh.off", tetrahedron);
   const auto poses = write("poses.csv", "0,0,3,1,0,0,0\n");

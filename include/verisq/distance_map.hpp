@@ -57,7 +57,8 @@ using MapSink = std::function<void(std::span<const Point>, std::span<const MapRe
 class DistanceMapper {
  public:
   /// Throws Error(input) when no device matches `options.device`, when a named device failed its self-test, for the
-  /// published method with a device or certificates, or for either of these unless the model is_union_of_convex.
+  /// published method with a device or certificates, for either of these unless the model is_union_of_convex, or for a
+  /// model that is proven to have no point.
   DistanceMapper(const Model& model, const MapOptions& options);
   ~DistanceMapper();
   DistanceMapper(DistanceMapper&&) noexcept;
