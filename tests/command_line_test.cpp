@@ -959,8 +959,8 @@ TEST_F(CommandLine, RefusesAModelWithoutPoints) {
     {"name": "b", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}, "pose": {"translation": [5, 0, 0]}})",
                                      R"(, "csg": {"intersection": ["a", "b"]})");
   for (const char* device : {"auto", "host"}) {
-    expect_refused(map({"--model", write("apart.json", apart), "--mesh", write("mesh.off", tetrahedron), "--device",
-                        device, "-o", path("map.csv")}),
+    expect_refused(run({"map", "--model", write("apart.json", apart), "--mesh", write("mesh.off", tetrahedron),
+                        "--device", device, "-o", path("map.csv")}),
                    {"no point"});
   }
 }
