@@ -9,19 +9,11 @@
 #include "host/device/certificate_assembly.hpp"
 #include "host/device/chunk_pipeline.hpp"
 #include "host/device/chunk_queue.hpp"
+#include "host/device/convex_distance.hpp"
 #include "host/device/device_model.hpp"
 
 namespace verisq::device {
 namespace {
-
-constexpr std::size_t scratch_per_point = 8;  // SCRATCH_SIZE in kernels/interior_depth.cl
-
-// Interior search: lanes of a processor's work-item share a block of points, so that none idles; a graphics
-// processor's work-item owns one point.
-constexpr std::size_t block_points_of_vector_work_item = 512;
-
-// The branch and bound's limit: below this width, relative to the largest semi-axis, it would take ever more cells.
-constexpr double smallest_interior_tolerance = 0x1p-30;
 
 constexpr std::size_t numbers_per_primitive = 4;  // of its evidence: upper end and normal
 
@@ -38,28 +30,16 @@ class Slot {
         assembly_(assembly),
         queue_(device),
         primitives_(model.primitives),
-        point_distance_(device.program, "point_distance"),
-        interior_depth_(device.program, "interior_depth"),
+        coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
+        convex_distance_(device, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
         union_distance_(device.program, "union_distance"),
         enclosures_(capacity_) {
-    for (int i = 0; i < 3; ++i) coordinates_[i] = queue_.numbers(capacity_);
     for (int i = 0; i < 5; ++i) per_primitive_[i] = queue_.numbers(capacity_ * count_);
-    nearest_ = queue_.numbers(capacity_);
-    scratch_ = queue_.numbers(capacity_ * scratch_per_point);
     result_[0] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[0];
     result_[1] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[1];
     for (cl::Buffer& escape : escape_) escape = queue_.numbers(count_ > 1 ? capacity_ : 1);
-    groups_per_block_ = width_ > 1 ? block_points_of_vector_work_item / width_ : 1;
 
-    bind_coordinates(point_distance_, 1);
-    point_distance_.setArg(4, primitives_);
-    point_distance_.setArg(6, nearest_);
-    bind_coordinates(interior_depth_, 2);
-    interior_depth_.setArg(1, static_cast<cl_uint>(groups_per_block_));
-    interior_depth_.setArg(5, primitives_);
-    interior_depth_.setArg(7, std::max(scale_.to_device(tolerance), smallest_interior_tolerance));
-    interior_depth_.setArg(8, scratch_);
-    bind_coordinates(union_distance_, 2);
+    for (cl_uint i = 0; i < 3; ++i) union_distance_.setArg(2 + i, coordinates_[i]);
     union_distance_.setArg(1, static_cast<cl_ulong>(capacity_));
     union_distance_.setArg(5, primitives_);
     union_distance_.setArg(6, static_cast<cl_uint>(count_));
@@ -69,7 +49,11 @@ class Slot {
     for (cl_uint i = 0; i < 3; ++i) union_distance_.setArg(14 + i, escape_[i]);
     for (auto& column : columns_) column.resize(capacity_);
     if (assembly_) evidence_.resize(capacity_ * (numbers_per_primitive * count_ + 3));
-    for (std::size_t i = 0; i < views_.size(); ++i) views_[i] = windows(per_primitive_[i], count_, capacity_);
+    for (std::size_t i = 0; i < per_primitive_.size(); ++i) {
+      const std::vector<cl::Buffer> columns = windows(per_primitive_[i], count_, capacity_);
+      views_.resize(count_);
+      for (std::size_t index = 0; index < count_; ++index) views_[index][i] = columns[index];
+    }
   }
 
   void start(std::span<const Point> points) {
@@ -81,7 +65,8 @@ class Slot {
       std::fill(columns_[i].begin() + size_, columns_[i].begin() + groups * width_, columns_[i][size_ - 1]);
       queue_.write(coordinates_[i], std::span(columns_[i]).first(groups * width_));
     }
-    for (std::size_t index = 0; index < count_; ++index) enqueue_primitive(index, groups);
+    for (std::size_t index = 0; index < count_; ++index)
+      convex_distance_.enqueue(queue_, primitives_, index, groups, views_[index]);
     if (count_ > 1) {
       union_distance_.setArg(0, static_cast<cl_ulong>(groups));
       queue_.launch(union_distance_, groups);
@@ -116,10 +101,6 @@ class Slot {
   }
 
  private:
-  void bind_coordinates(cl::Kernel& kernel, cl_uint first) const {
-    for (cl_uint i = 0; i < 3; ++i) kernel.setArg(first + i, coordinates_[i]);
-  }
-
   // Upper ends and normals of every primitive, then the escapes.
   void read_evidence() {
     double* column = evidence_.data();
@@ -128,28 +109,13 @@ class Slot {
       column += capacity_;
     };
     for (std::size_t index = 0; index < count_; ++index)
-      for (std::size_t i = 1; i < views_.size(); ++i) read(views_[i][index]);
+      for (std::size_t i = 1; i < views_[index].size(); ++i) read(views_[index][i]);
     if (count_ > 1)
       for (const cl::Buffer& escape : escape_) read(escape);
   }
 
   [[nodiscard]] Point in_model_units(const double* x) const {
     return {scale_.to_model(x[0]), scale_.to_model(x[capacity_]), scale_.to_model(x[2 * capacity_])};
-  }
-
-  void enqueue_primitive(std::size_t index, std::size_t groups) {
-    point_distance_.setArg(0, static_cast<cl_ulong>(groups));
-    point_distance_.setArg(5, static_cast<cl_uint>(index));
-    interior_depth_.setArg(0, static_cast<cl_ulong>(groups));
-    interior_depth_.setArg(6, static_cast<cl_uint>(index));
-    for (cl_uint i = 0; i < 5; ++i) {
-      point_distance_.setArg(7 + i, views_[i][index]);
-      interior_depth_.setArg(9 + i, views_[i][index]);
-    }
-    queue_.launch(point_distance_, groups);
-    // A vector work-item is long here: one a work-group lets the cores share them evenly.
-    queue_.launch(interior_depth_, (groups + groups_per_block_ - 1) / groups_per_block_,
-                  width_ > 1 ? 1 : usual_group_size);
   }
 
   std::size_t width_;
@@ -160,17 +126,13 @@ class Slot {
   ChunkQueue queue_;
   // Kernels do not keep the buffers that they are given.
   cl::Buffer primitives_;
-  cl::Buffer nearest_;
-  cl::Buffer scratch_;
-  cl::Kernel point_distance_;
-  cl::Kernel interior_depth_;
-  cl::Kernel union_distance_;
   std::array<cl::Buffer, 3> coordinates_;
+  ConvexDistance convex_distance_;
+  cl::Kernel union_distance_;
   std::array<cl::Buffer, 5> per_primitive_;  // lower ends, upper ends, normals x, y, z: primitive by primitive
   std::array<cl::Buffer, 2> result_;
   std::array<cl::Buffer, 3> escape_;
-  std::array<std::vector<cl::Buffer>, 5> views_;  // windows of those, one for each primitive
-  std::size_t groups_per_block_ = 1;
+  std::vector<EvidenceBuffers> views_;  // windows of those, one for each primitive
   std::size_t size_ = 0;
   std::array<std::vector<double>, 3> columns_;
   EnclosureColumns enclosures_;

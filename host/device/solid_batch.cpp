@@ -9,6 +9,7 @@
 
 #include "host/device/chunk_pipeline.hpp"
 #include "host/device/chunk_queue.hpp"
+#include "host/device/convex_distance.hpp"
 #include "host/device/device_model.hpp"
 #include "host/device/model_source.hpp"
 #include "host/device/primitive_parameters.hpp"
@@ -20,8 +21,6 @@ namespace verisq::device {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t scratch_per_point = 8;  // SCRATCH_SIZE in kernels/interior_depth.cl
-constexpr std::size_t block_points_of_vector_work_item = 512;
 
 // Cubes that are split for a query; then it is left to the host. The hardest that still pay take some hundreds.
 constexpr cl_uint round_limit = 4096;
@@ -75,28 +74,18 @@ class Slot {
         queue_(device),
         parts_(model.parts),
         box_primitives_(model.box_primitives),
-        point_distance_(device.program, "point_distance"),
-        interior_depth_(device.program, "interior_depth"),
+        coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
+        convex_distance_(device, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
         bent_distance_(model.program, "bent_distance"),
         solid_distance_(model.program, "solid_distance"),
         enclosures_(capacity_) {
-    for (cl::Buffer& axis : coordinates_) axis = queue_.numbers(capacity_);
+    views_.resize(count_);
     for (std::size_t i = 0; i < per_primitive_.size(); ++i) {
       per_primitive_[i] = queue_.numbers(capacity_ * count_);
-      views_[i] = windows(per_primitive_[i], count_, capacity_);
+      const std::vector<cl::Buffer> columns = windows(per_primitive_[i], count_, capacity_);
+      for (std::size_t index = 0; index < count_; ++index) views_[index][i] = columns[index];
     }
-    nearest_ = queue_.numbers(capacity_);
-    scratch_ = queue_.numbers(capacity_ * scratch_per_point);
     for (cl::Buffer& end : result_) end = queue_.numbers(capacity_);
-    groups_per_block_ = width_ > 1 ? block_points_of_vector_work_item / width_ : 1;
-    bind_coordinates(point_distance_, 1);
-    point_distance_.setArg(5, cl_uint{0});
-    point_distance_.setArg(6, nearest_);
-    bind_coordinates(interior_depth_, 2);
-    interior_depth_.setArg(1, static_cast<cl_uint>(groups_per_block_));
-    interior_depth_.setArg(6, cl_uint{0});
-    interior_depth_.setArg(7, std::max(scale_.to_device(tolerance), smallest_interior_tolerance));
-    interior_depth_.setArg(8, scratch_);
     bind_coordinates(bent_distance_, 1);
     bent_distance_.setArg(4, box_primitives_);
     bind_coordinates(solid_distance_, 2);
@@ -137,34 +126,24 @@ class Slot {
   void certify(std::span<const Enclosure>, std::vector<Certificate>&) const {}  // searches have none
 
  private:
-  static constexpr double smallest_interior_tolerance = 0x1p-30;  // as in point_batch
-  static constexpr double smallest_tolerance = 0x1p-40;           // cubes are not split below
-  static constexpr std::size_t searches_per_group = 16;           // long work-items: small groups keep cores busy
+  static constexpr double smallest_tolerance = 0x1p-40;  // cubes are not split below
+  static constexpr std::size_t searches_per_group = 16;  // long work-items: small groups keep cores busy
 
   void bind_coordinates(cl::Kernel& kernel, cl_uint first) const {
     for (cl_uint i = 0; i < 3; ++i) kernel.setArg(first + i, coordinates_[i]);
   }
 
+  // On its own: what was found for other primitives says nothing about a tree of set operations.
   void enqueue_convex(std::size_t i) {
     const std::size_t groups = (size_ + width_ - 1) / width_;
-    point_distance_.setArg(0, static_cast<cl_ulong>(groups));
-    point_distance_.setArg(4, parts_[i].convex);
-    interior_depth_.setArg(0, static_cast<cl_ulong>(groups));
-    interior_depth_.setArg(5, parts_[i].convex);
-    for (cl_uint k = 0; k < 5; ++k) {
-      point_distance_.setArg(7 + k, views_[k][i]);
-      interior_depth_.setArg(9 + k, views_[k][i]);
-    }
-    queue_.launch(point_distance_, groups);
-    queue_.launch(interior_depth_, (groups + groups_per_block_ - 1) / groups_per_block_,
-                  width_ > 1 ? 1 : usual_group_size);
+    convex_distance_.enqueue(queue_, parts_[i].convex, 0, groups, views_[i]);
   }
 
   void enqueue_bent(std::size_t i) {
     const std::size_t groups = (size_ + solid_width_ - 1) / solid_width_;
     bent_distance_.setArg(0, static_cast<cl_ulong>(groups));
     bent_distance_.setArg(5, static_cast<cl_uint>(i));
-    for (cl_uint k = 0; k < 5; ++k) bent_distance_.setArg(6 + k, views_[k][i]);
+    for (cl_uint k = 0; k < 5; ++k) bent_distance_.setArg(6 + k, views_[i][k]);
     queue_.launch(bent_distance_, groups);
   }
 
@@ -177,17 +156,13 @@ class Slot {
   // Kernels do not keep the buffers that they are given.
   std::vector<Part> parts_;
   cl::Buffer box_primitives_;
-  cl::Buffer nearest_;
-  cl::Buffer scratch_;
-  cl::Kernel point_distance_;
-  cl::Kernel interior_depth_;
+  std::array<cl::Buffer, 3> coordinates_;
+  ConvexDistance convex_distance_;
   cl::Kernel bent_distance_;
   cl::Kernel solid_distance_;
-  std::array<cl::Buffer, 3> coordinates_;
   std::array<cl::Buffer, 5> per_primitive_;  // lower ends, upper ends, normals x, y, z: primitive by primitive
   std::array<cl::Buffer, 2> result_;
-  std::array<std::vector<cl::Buffer>, 5> views_;  // windows of those, one for each primitive
-  std::size_t groups_per_block_ = 1;
+  std::vector<EvidenceBuffers> views_;  // windows of those, one for each primitive
   std::size_t size_ = 0;
   std::array<std::vector<double>, 3> columns_;
   EnclosureColumns enclosures_;
