@@ -100,7 +100,8 @@ ALWAYS_INLINE interval distance_by_point(vector3 q, vector3 at, integer convex, 
   const interval v_r = interval_sub(interval_mul(dr, x.cosine), interval_mul(dz, x.sine));
   const interval v_z = interval_mul(x.w, interval_add(interval_mul(dr, x.sine), interval_mul(dz, x.cosine)));
   const interval s = interval_of(at.y, at.y);
-  const interval along = interval_add(interval_mul(v_r, x.r), interval_add(interval_mul(ds, s), interval_mul(v_z, x.z)));
+  const interval along =
+      interval_add(interval_mul(v_r, x.r), interval_add(interval_mul(ds, s), interval_mul(v_z, x.z)));
 
   // In K's own axes, by a cosine and a sine that were rounded once.
   const interval c = interval_about(REAL(p->bend_cos), REAL(0x1p-53));
@@ -125,8 +126,8 @@ ALWAYS_INLINE interval distance_by_point(vector3 q, vector3 at, integer convex, 
   return interval_of(select(REAL(0.0), sqrt_down(square), valid), select(REAL(INFINITY), upper, near));
 }
 
-// For points proven to lie outside; others get nothing (-infinity, infinity). Normals lead from the closest point to the
-// query in the frame of the bend.
+// For points proven to lie outside; others get nothing (-infinity, infinity). Normals lead from the closest point to
+// the query in the frame of the bend.
 kernel void bent_distance(ulong groups, global const double* xs, global const double* ys, global const double* zs,
                           constant const box_primitive* primitives, uint index, global double* los,
                           global double* his, global double* normal_xs, global double* normal_ys,

@@ -1,10 +1,12 @@
-// This file implements the signed distance of points to any model by branch and bound over cubes (design 2, §10, §11).
+// This file implements the signed distance of points to any model by branch and bound over cubes (design 2, §10 and
+// §11).
 //
-// The solid S lies in the root cube, and so does the point of the closure of its complement that is nearest to any point of
-// S. A work-item owns a query and keeps the cubes that may hold the nearest point of its target (S, or that closure) on
-// a stack, nearest first; the lanes of a vector are the eight children of one cube. A cube is given up when its proven
-// lower bound is not below the upper bound, less the tolerance, and the least of those bounds is remembered: nothing is
-// ever dropped without it. The upper bound is the distance of a point that is proven to lie strictly in the target.
+// The solid S lies in the root cube, and so does the point of the closure of its complement that is nearest to any
+// point of S. A work-item owns a query and keeps the cubes that may hold the nearest point of its target (S, or that
+// closure) on a stack, nearest first; the lanes of a vector are the eight children of one cube. A cube is given up
+// when its proven lower bound is not below the upper bound, less the tolerance, and the least of those bounds is
+// remembered: nothing is ever dropped without it. The upper bound is the distance of a point that is proven to lie
+// strictly in the target.
 //
 // The functions of the model's own tree (host/device/model_source) come after this file.
 
@@ -73,8 +75,8 @@ ALWAYS_INLINE void forget_colours(colour* c) {
   for (uint i = 0; i < PRIMITIVES; ++i) c[i] = gray;
 }
 
-// Projects a proposal onto the boundaries that are open near it, a little beyond them, and keeps what proves a lower upper
-// bound. `known` holds near the proposal; the landing may be anywhere.
+// Projects a proposal onto the boundaries that are open near it, a little beyond them, and keeps what proves a lower
+// upper bound. `known` holds near the proposal; the landing may be anywhere.
 NEVER_INLINE void try_proposal(search* own, point proposal, double reach, decided known,
                                constant const box_primitive* primitives) {
   const decided nothing = {0, 0};
@@ -170,7 +172,9 @@ ALWAYS_INLINE void push_children(search* own, waiting_cube parent, const childre
 ALWAYS_INLINE uint most_promising(const children* found) {
   uint best = 0;
   for (uint i = 1; i < CHILDREN; ++i)
-    if (found->lower[i] < INFINITY && (found->lower[best] == INFINITY || found->promise[i] < found->promise[best])) best = i;
+    if (found->lower[i] < INFINITY &&
+        (found->lower[best] == INFINITY || found->promise[i] < found->promise[best]))
+      best = i;
   return best;
 }
 
@@ -256,8 +260,8 @@ ALWAYS_INLINE decided decided_by_parts(parts known) {
   return d;
 }
 
-// `part_*` and `normal_*` are what point_distance and interior_depth, or bent_distance, found for each primitive, `stride`
-// numbers apart; infinite ends where that is nothing. Writes the enclosure of the signed distance.
+// `part_*` and `normal_*` are what point_distance and interior_depth, or bent_distance, found for each primitive,
+// `stride` numbers apart; infinite ends where that is nothing. Writes the enclosure of the signed distance.
 kernel void solid_distance(ulong count, ulong stride, global const double* xs, global const double* ys,
                            global const double* zs, constant const box_primitive* primitives, double root_x,
                            double root_y, double root_z, double root_half_width, double tolerance, uint round_limit,

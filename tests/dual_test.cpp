@@ -1,3 +1,4 @@
+/// Derivatives over intervals: against differences, samples and the kinks of |x|, sgn, max, min and clamp.
 #include "verify/stance/dual.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+/// Multibody dynamics against independent formulations, samples and differences.
 #include <gmock/gmock.h>
 
 #include <cmath>

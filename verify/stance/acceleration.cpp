@@ -1,3 +1,4 @@
+/// Accelerations over a box, by adaptive bisection into cells that are proven one by one.
 #include <algorithm>
 #include <array>
 #include <bit>

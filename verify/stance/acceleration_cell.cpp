@@ -1,3 +1,4 @@
+/// The equations of motion expanded about the middle of a cell, and their solution.
 #include "verify/stance/acceleration_cell.hpp"
 
 #include <algorithm>

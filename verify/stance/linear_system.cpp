@@ -1,3 +1,4 @@
+/// Krawczyk's operator with the inverse of the midpoint matrix, applied to each derivative before the deviation.
 #include "verify/stance/linear_system.hpp"
 
 #include <Eigen/LU>

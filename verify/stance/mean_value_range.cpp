@@ -1,3 +1,4 @@
+/// Mean-value forms with a centre of its own for each end, and bisection where signs are not proven.
 #include "verify/stance/mean_value_range.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+/// The paper's sum over |sensitivity| times parameter, and the radius form.
 #include <verisq/stance_analysis.hpp>
 
 #include "verify/interval.hpp"

@@ -1,3 +1,4 @@
+/// Wrench and sensitivities as ranges of their components, and samples in plain floating point.
 #include "verify/stance/parameters.hpp"
 #include "verify/stance/rnea.hpp"
 #include "verify/stance/wrench_component.hpp"

@@ -1,3 +1,4 @@
+/// Components of the root's wrench as functions of the parameters that can be differentiated twice.
 #include "verify/stance/wrench_component.hpp"
 
 #include "verify/stance/parameters.hpp"
