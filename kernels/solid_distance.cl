@@ -107,7 +107,7 @@ typedef struct {
 } children;
 
 NEVER_INLINE void evaluate_children(search* own, waiting_cube parent, point corner, double half_width,
-                                     constant const box_primitive* primitives, children* found) {
+                                    constant const box_primitive* primitives, children* found) {
   for (uint part = 0; part < CHILDREN; part += VECTOR_WIDTH) {
     double xs[VECTOR_WIDTH], ys[VECTOR_WIDTH], zs[VECTOR_WIDTH];
     for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {

@@ -84,12 +84,11 @@ CertifiedEnclosure SignedDistance::certified(const Point& point, double toleranc
 CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance,
                                              const std::function<bool()>& interrupted) const {
   if (!state_->convex) throw Error(ErrorKind::input, "certificates: only for unions of primitives that are not bent");
-  const auto& [checker, solids] = *state_->convex;
   const auto proven = [&](CertifiedEnclosure found) {
-    found.distance = checker(point, found.distance, found.certificate).proven;
+    found.distance = state_->convex->checker(point, found.distance, found.certificate).proven;
     return found;
   };
-  const CertifiedEnclosure found = proven(verify::signed_distance(solids, point, tolerance));
+  const CertifiedEnclosure found = proven(verify::signed_distance(state_->convex->solids, point, tolerance));
   if (!state_->convex->loose(found.distance, std::max(tolerance, state_->resolution))) return found;
   CertifiedEnclosure nearer = found;
   nearer.certificate.escape = state_->search.escape(point, std::max(tolerance, state_->resolution), interrupted);
