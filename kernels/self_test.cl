@@ -36,6 +36,9 @@ kernel void apply_operation(uint operation, ulong groups, global const double* a
     case 24: result = pow_unit_up(a, b); break;
     case 25: result = atan_ratio_down(a); break;
     case 26: result = atan_ratio_up(a); break;
+    case 27: result = least_or_nan(a, b); break;
+    case 28: result = greatest_or_nan(a, b); break;
+    case 29: result = log_norm_up(a, b, 2.0, 0.5); break;
     default: break;
   }
   STORE(result, group, results);

@@ -86,17 +86,18 @@ TEST_P(FalsifiedCertificateTest, ProvesNothingFalse) {
   const Checker check(model);
   const SignedDistance host(model);
   std::array<Tally, digits> tallies;
-  for (auto& [point, claimed, certificate] : certified_rows(model, points, tolerance)) {
-    ASSERT_EQ(check(point, claimed, certificate).verdict, Verdict::proved);
+  for (Row& row : certified_rows(model, points, tolerance)) {
+    const auto verdict = [&](const Enclosure& claim) { return check(row.point, claim, row.certificate).verdict; };
+    const Enclosure claimed = row.claimed;
+    ASSERT_EQ(verdict(claimed), Verdict::proved);
     // The truth lies in the host's enclosure: an end beyond the other side of that is past it.
-    const Enclosure truth = host(point, 0.0);
+    const Enclosure truth = host(row.point, 0.0);
     const double beyond_lo = moved(truth.hi, infinity);
     const double beyond_hi = moved(truth.lo, -infinity);
-    for (double& number : numbers_of(certificate)) {
+    for (double& number : numbers_of(row.certificate)) {
       const double honest = number;
       for (std::size_t place = 0; place < digits; ++place) {
         number = with_wrong_digit(honest, place);
-        const auto verdict = [&](const Enclosure& claim) { return check(point, claim, certificate).verdict; };
         const Verdict of_truth = verdict(claimed);
         EXPECT_NE(of_truth, Verdict::refuted) << number;
         EXPECT_NE(verdict({beyond_lo, std::max(claimed.hi, beyond_lo)}), Verdict::proved) << number;

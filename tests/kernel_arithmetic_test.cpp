@@ -1,12 +1,15 @@
 /// Every rounding primitive and elementary function of the kernels against MPFR, for every vector width: no result may
-/// lie on the wrong side of the exact value. VERISQ_ARITHMETIC_SAMPLES sets the samples an operation and width.
+/// lie on the wrong side of the exact value, and NaN may not get lost. VERISQ_ARITHMETIC_SAMPLES sets the samples an
+/// operation and width.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mpfr.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -21,6 +24,7 @@ namespace verisq::device {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::size_t samples() {
   return oracle::requested_count("VERISQ_ARITHMETIC_SAMPLES", 100'000);
@@ -194,14 +198,20 @@ void check(const Operation& operation, const Operands& o, double down, double up
     tally.loosest = std::max(tally.loosest, std::max(exact_down - down, up - exact_up) / size);
 }
 
-class KernelArithmetic : public testing::TestWithParam<int> {};
+class KernelArithmetic : public testing::TestWithParam<int> {
+ protected:
+  void SetUp() override {
+    const Selection selection = select_device("auto");
+    if (!selection.device) GTEST_SKIP() << "no OpenCL device: " << selection.notice;
+    const Device& device = *selection.device;
+    const cl::Program program = build_program(device.context, device.device, GetParam(), kernels::embedded_sources());
+    kernels_.emplace(device.context, device.device, program, GetParam());
+  }
+
+  std::optional<OperationKernels> kernels_;
+};
 
 TEST_P(KernelArithmetic, ContainsTheExactValue) {
-  const Selection selection = select_device("auto");
-  if (!selection.device) GTEST_SKIP() << "no OpenCL device: " << selection.notice;
-  const Device& device = *selection.device;
-  const cl::Program program = build_program(device.context, device.device, GetParam(), kernels::embedded_sources());
-  OperationKernels kernels(device.context, device.device, program, GetParam());
   constexpr std::size_t chunk = 1U << 15U;
   for (const Operation& operation : operations) {
     Sampler sampler;
@@ -213,8 +223,8 @@ TEST_P(KernelArithmetic, ContainsTheExactValue) {
         // What contraction or a lost residual would show: a product and its negative rounded value.
         if (operation.down == 15 && (&o - operands.data()) % 2 == 0 && std::isfinite(o.a * o.b)) o.c = -(o.a * o.b);
       }
-      const std::vector<double> down = kernels.apply(operation.down, operands);
-      const std::vector<double> up = kernels.apply(operation.up, operands);
+      const std::vector<double> down = kernels_->apply(operation.down, operands);
+      const std::vector<double> up = kernels_->apply(operation.up, operands);
       for (std::size_t i = 0; i < chunk; ++i) check(operation, operands[i], down[i], up[i], tally);
     }
     fmt::print("width {:2} {:8}: {} samples, {} escapes, loosest bound 2^{:.2f}\n", GetParam(), operation.name,
@@ -226,15 +236,48 @@ TEST_P(KernelArithmetic, ContainsTheExactValue) {
 
 // What no number is compared with: no lane may pass on NaN, or conclude anything from it.
 TEST_P(KernelArithmetic, ArcOfNoNumberIsTrivial) {
-  const Selection selection = select_device("auto");
-  if (!selection.device) GTEST_SKIP() << "no OpenCL device: " << selection.notice;
-  const Device& device = *selection.device;
-  const cl::Program program = build_program(device.context, device.device, GetParam(), kernels::embedded_sources());
-  OperationKernels kernels(device.context, device.device, program, GetParam());
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Operands> operands = {{nan, 0.0, 0.0}, {-nan, 0.0, 0.0}};
-  EXPECT_EQ(kernels.apply(25, operands), std::vector<double>(2, 0.0));
-  EXPECT_EQ(kernels.apply(26, operands), std::vector<double>(2, 1.0));
+  EXPECT_EQ(kernels_->apply(25, operands), std::vector<double>(2, 0.0));
+  EXPECT_EQ(kernels_->apply(26, operands), std::vector<double>(2, 1.0));
+}
+
+// All pairs of what overflow, 0 / 0 and the logarithm of 0 may leave.
+std::vector<Operands> special_pairs() {
+  const double largest = std::numeric_limits<double>::max();
+  const std::vector<double> specials = {nan, -infinity, -largest, -1.0, 0.0, 2.0, largest, infinity};
+  std::vector<Operands> pairs;
+  for (const double a : specials)
+    for (const double b : specials) pairs.push_back({a, b, 0.0});
+  return pairs;
+}
+
+bool same(double a, double b) {
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
+
+TEST_P(KernelArithmetic, LeastAndGreatestHandNanOn) {
+  const std::vector<Operands> pairs = special_pairs();
+  const std::vector<double> least = kernels_->apply(27, pairs);
+  const std::vector<double> greatest = kernels_->apply(28, pairs);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto& [a, b, c] = pairs[i];
+    const bool either_is_nan = std::isnan(a) || std::isnan(b);
+    EXPECT_TRUE(same(least[i], either_is_nan ? nan : std::min(a, b))) << a << " " << b << ": " << least[i];
+    EXPECT_TRUE(same(greatest[i], either_is_nan ? nan : std::max(a, b))) << a << " " << b << ": " << greatest[i];
+  }
+}
+
+// Of an operand that is not finite, and where a step overflows, it may know nothing, but claim nothing false.
+TEST_P(KernelArithmetic, LogNormBoundsSpecialOperands) {
+  const std::vector<Operands> pairs = special_pairs();
+  const std::vector<double> norms = kernels_->apply(29, pairs);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto& [a, b, c] = pairs[i];
+    if (std::isfinite(a) && std::isfinite(b))
+      EXPECT_FALSE(norms[i] < std::max(a, b)) << a << " " << b;
+    else
+      EXPECT_FALSE(norms[i] < infinity) << a << " " << b << ": " << norms[i];
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Widths, KernelArithmetic, testing::Values(16, 8, 4, 1), testing::PrintToStringParamName());

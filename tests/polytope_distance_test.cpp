@@ -6,23 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <vector>
+
+#include "tests/random.hpp"
 
 namespace verisq::verify {
 namespace {
 
+using testing::Random;
+
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double uniform(double low, double high) { return std::uniform_real_distribution(low, high)(engine_); }
-  Point point(double reach) { return {uniform(-reach, reach), uniform(-reach, reach), uniform(-reach, reach)}; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 long double dot(const Point& a, const Point& b) {
   return static_cast<long double>(a[0]) * b[0] + static_cast<long double>(a[1]) * b[1] +

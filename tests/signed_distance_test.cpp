@@ -6,16 +6,17 @@
 #include <cmath>
 #include <future>
 #include <limits>
-#include <random>
 #include <vector>
 #include <verisq/signed_distance.hpp>
 
 #include "tests/oracle/real.hpp"
+#include "tests/random.hpp"
 
 namespace verisq {
 namespace {
 
 using oracle::Real;  // 200 bits
+using testing::Random;
 
 Primitive primitive(const std::array<double, 3>& semi_axes, const std::array<double, 2>& exponents,
                     const Pose& pose = {}) {
@@ -45,16 +46,6 @@ void expect_encloses(const Enclosure& enclosure, const Real& exact, double width
 double ulp(double x) {
   return std::nextafter(x, std::numeric_limits<double>::infinity()) - x;
 }
-
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double uniform(double low, double high) { return std::uniform_real_distribution(low, high)(engine_); }
-  Point point(double reach) { return {uniform(-reach, reach), uniform(-reach, reach), uniform(-reach, reach)}; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 TEST(SignedDistanceTest, Sphere) {
   Random random(1);

@@ -9,26 +9,19 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <random>
 #include <vector>
 #include <verisq/error.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "tests/random.hpp"
+
 namespace verisq::verify {
 namespace {
 
+using testing::Random;
+
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Enclosure nothing_known{-infinity, infinity};
-
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double uniform(double low, double high) { return std::uniform_real_distribution(low, high)(engine_); }
-  Point point(double reach) { return {uniform(-reach, reach), uniform(-reach, reach), uniform(-reach, reach)}; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 bool never() {
   return false;
@@ -95,7 +88,7 @@ void expect_encloses(const Enclosure& found, long double exact, double width, co
                                   << " found " << found.lo << ' ' << found.hi;
 }
 
-class TwoBallsTest : public testing::TestWithParam<SetOperation> {};
+class TwoBallsTest : public ::testing::TestWithParam<SetOperation> {};
 
 TEST_P(TwoBallsTest, ReachTheTolerance) {
   const TwoBalls balls{-0.5, 1.0, 0.625, 0.75};
@@ -110,7 +103,7 @@ TEST_P(TwoBallsTest, ReachTheTolerance) {
 }
 
 INSTANTIATE_TEST_SUITE_P(SolidDistance, TwoBallsTest,
-                         testing::Values(SetOperation::unite, SetOperation::intersect, SetOperation::subtract));
+                         ::testing::Values(SetOperation::unite, SetOperation::intersect, SetOperation::subtract));
 
 TEST(SolidDistanceTest, OnTheSurfaceZeroIsEnclosed) {
   for (const SetOperation operation : {SetOperation::unite, SetOperation::intersect, SetOperation::subtract}) {

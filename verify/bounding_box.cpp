@@ -24,7 +24,7 @@ Box rounded_outward(const PreciseVector& x) {
 }
 
 Box box_of(const Primitive& primitive) {
-  if (!primitive.bend || primitive.bend->curvature == 0.0) return rounded_outward(Solid(primitive).bounding_box());
+  if (!is_bent(primitive)) return rounded_outward(Solid(primitive).bounding_box());
   const Frame frame(primitive.pose);
   const Rotation rotation = frame.rotation() * turn(*primitive.bend);
   return rounded_outward(frame.origin() + rotation * bent_box(*primitive.bend, primitive.superquadric));

@@ -2,10 +2,6 @@
 #include "verisq/model.hpp"
 
 #include <algorithm>
-#include <string>
-
-#include "verify/convex_union.hpp"
-#include "verisq/error.hpp"
 
 namespace verisq {
 
@@ -27,34 +23,14 @@ bool unites_all(const Model& model) {
   return (!model.csg || is_union(*model.csg, used)) && std::ranges::all_of(used, [](bool is_used) { return is_used; });
 }
 
-bool is_convex(const Primitive& primitive) {
-  return !primitive.bend || primitive.bend->curvature == 0.0;
-}
-
-[[noreturn]] void refuse(std::string_view what, const std::string& solids) {
-  throw Error(ErrorKind::input, std::string(what) + ": not supported for " + solids);
-}
-
 }  // namespace
 
+bool is_bent(const Primitive& primitive) {
+  return primitive.bend && primitive.bend->curvature != 0.0;
+}
+
 bool is_union_of_convex(const Model& model) {
-  return unites_all(model) && std::ranges::all_of(model.primitives, is_convex);
+  return unites_all(model) && std::ranges::none_of(model.primitives, is_bent);
 }
-
-namespace verify {
-
-void require_union_of_convex(const Model& model, std::string_view what) {
-  const auto bent = std::ranges::find_if_not(model.primitives, is_convex);
-  if (bent != model.primitives.end()) {
-    refuse(what, "bent solids: primitives[" + std::to_string(bent - model.primitives.begin()) + "].bend");
-  }
-  if (!unites_all(model)) refuse(what, "csg other than the union of all primitives");
-}
-
-void require_convex(const Primitive& primitive, std::string_view what) {
-  if (!is_convex(primitive)) refuse(what, "bent solids");
-}
-
-}  // namespace verify
 
 }  // namespace verisq

@@ -33,7 +33,7 @@ struct Scene {
     for (const Primitive& primitive : model.primitives) {
       primitives.emplace_back(primitive);
       origins.push_back(primitive.pose.translation);
-      const bool bent = primitive.bend && primitive.bend->curvature != 0.0;
+      const bool bent = is_bent(primitive);
       solids.push_back(bent ? std::nullopt : std::optional<Solid>(primitive));
       bent_solids.push_back(bent ? std::optional<BentDistance>(primitive) : std::nullopt);
     }

@@ -17,7 +17,7 @@ constexpr double frame_error = 5.1 * 0x1p-53;
 // The rotation about z by -angle after the pose's, in more digits than binary64 can tell from exact.
 void set_frame(BoxPrimitiveParameters& out, const Primitive& primitive) {
   // What is not bent keeps its own axes, whatever the angle: its normals come in them.
-  const bool bent = primitive.bend && primitive.bend->curvature != 0.0;
+  const bool bent = is_bent(primitive);
   const double degrees = bent ? std::fmod(primitive.bend->angle_degrees, 360.0) : 0.0;  // exact
   const Extended angle = Extended(degrees) / 180 * boost::math::constants::pi<Extended>();
   const int way = bent && primitive.bend->curvature < 0.0 ? -1 : 1;

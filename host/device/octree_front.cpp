@@ -6,12 +6,12 @@
 #include <cmath>
 #include <vector>
 
-#include "host/device/box_primitive_parameters.hpp"
 #include "host/device/chunk_pipeline.hpp"
 #include "host/device/chunk_queue.hpp"
 #include "host/device/model_source.hpp"
 #include "host/device/primitive_parameters.hpp"
 #include "host/device/program.hpp"
+#include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "verify/octree.hpp"
 
@@ -77,7 +77,7 @@ class DeviceFront final : public OctreeFront {
         kernel_(octree_program(device, model, extra_options), "split_cubes"),
         root_(root),
         scale_(scale_exponent(model)),
-        primitives_(uploaded(model)),
+        primitives_(uploaded_box_primitives(device, model, scale_)),
         counts_(context_, CL_MEM_READ_WRITE, 3 * sizeof(cl_uint)),
         chunk_(std::max(smallest_chunk, primitives_of_full_chunk / model.primitives.size())),
         colours_(context_, CL_MEM_READ_WRITE, chunk_ * sizeof(cl_uchar2)),
@@ -113,14 +113,6 @@ class DeviceFront final : public OctreeFront {
   }
 
  private:
-  [[nodiscard]] cl::Buffer uploaded(const Model& model) const {
-    std::vector<BoxPrimitiveParameters> parameters;
-    for (const Primitive& primitive : model.primitives)
-      parameters.push_back(box_primitive_parameters(primitive, scale_));
-    return {context_, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, parameters.size() * sizeof(BoxPrimitiveParameters),
-            parameters.data()};
-  }
-
   SplitLevel split_level(int level, const OctreeOptions& options, const OctreeSink& sink) {
     next_.reserve(std::min(options.budget, children * undecided_));
     SplitLevel result;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,8 +19,6 @@
 namespace verisq::device {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // Cubes that are split for a query; then it is left to the host. The hardest that still pay take some hundreds.
 constexpr cl_uint round_limit = 4096;
 
@@ -33,10 +30,6 @@ cl::Program solid_program(const Device& device, const Model& model) {
 cl::Buffer uploaded_alone(const Device& device, const Primitive& primitive, int scale) {
   PrimitiveParameters parameters = primitive_parameters(primitive, scale);
   return {device.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof(parameters), &parameters};
-}
-
-bool is_bent(const Primitive& primitive) {
-  return primitive.bend && primitive.bend->curvature != 0.0;
 }
 
 struct Part {

@@ -60,6 +60,9 @@ struct Model {
   std::optional<SetExpression> csg = {};  ///< nothing: the union of all primitives
 };
 
+/// Whether the primitive has a bend that moves anything: without one it is convex.
+[[nodiscard]] bool is_bent(const Primitive& primitive);
+
 /// Whether the model is the union of all its primitives, none of them bent: what the certificates of design 2, §2 are
 /// made for. Anything else is searched by branch and bound (§9 to §11).
 [[nodiscard]] bool is_union_of_convex(const Model& model);

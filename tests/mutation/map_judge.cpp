@@ -78,10 +78,11 @@ MapJudge::MapJudge(std::vector<Scene> scenes) {
 
 std::vector<MapJudge::AcceptedMap> MapJudge::accepted(const device::Device& true_kernels) const {
   std::vector<AcceptedMap> maps;
-  for (const auto& [scene, check, truth] : scenes_) {
+  for (const KnownScene& known : scenes_) {
     AcceptedMap& map = maps.emplace_back();
-    for (CertifiedEnclosure& row : mapped(true_kernels, scene)) map.push_back({std::move(row), false});
-    in_parallel(map.size(), [&](std::size_t i) { map[i].proved = proves(check, scene.points[i], map[i].row); });
+    for (CertifiedEnclosure& row : mapped(true_kernels, known.scene)) map.push_back({std::move(row), false});
+    in_parallel(map.size(),
+                [&](std::size_t i) { map[i].proved = proves(known.check, known.scene.points[i], map[i].row); });
   }
   return maps;
 }

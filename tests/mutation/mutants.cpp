@@ -172,7 +172,7 @@ constexpr std::array elementary{
 };
 
 constexpr std::array superquadric{
-    Mutant{"log_norm_up, difference rounded down", "sub_up(fmin(a, b), largest)", "sub_down(fmin(a, b), largest)",
+    Mutant{"log_norm_up, difference rounded down", "sub_up(lesser(b, a), largest)", "sub_down(lesser(b, a), largest)",
            Arithmetic::loose_below},
     Mutant{"log_norm_up, first product rounded down", "exp_up(mul_up(REAL(p_down),", "exp_up(mul_down(REAL(p_down),",
            Arithmetic::loose_below},
@@ -187,8 +187,7 @@ constexpr std::array superquadric{
            "mul_down(REAL(inverse_p_up), log_up(add_up(REAL(1.0), power))))", Arithmetic::loose_below},
     Mutant{"log_norm_up, sum rounded down", "return add_up(largest, mul_up(REAL(inverse_p_up)",
            "return add_down(largest, mul_up(REAL(inverse_p_up)", Arithmetic::loose_below},
-    Mutant{"log_norm_up takes the lesser", "const real largest = greatest_or_nan(a, b);",
-           "const real largest = least_or_nan(a, b);"},
+    Mutant{"log_norm_up takes the lesser", "const real largest = greater(a, b);", "const real largest = lesser(a, b);"},
     Mutant{"log_gauge_up, x / a1 rounded down", "const real log_x = log_up(mul_up(",
            "const real log_x = log_up(mul_down(", Arithmetic::loose_below},
     Mutant{"log_gauge_up, y / a2 rounded down", "const real log_y = log_up(mul_up(",

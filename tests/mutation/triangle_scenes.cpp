@@ -39,7 +39,7 @@ Triangle corner_towards(RandomCases& random, const Primitive& solid, double gap,
   triangle[0] = moved(foot.point, foot.normal, gap);
   for (std::size_t k = 1; k < 3; ++k)
     triangle[k] = moved(moved(triangle[0], foot.normal, extent), random.direction(), 0.9 * extent);
-  std::ranges::rotate(triangle, triangle.begin() + static_cast<std::ptrdiff_t>(random.choice(3)));
+  std::rotate(triangle.begin(), triangle.begin() + static_cast<std::ptrdiff_t>(random.choice(3)), triangle.end());
   return posed(solid, triangle);
 }
 
