@@ -11,6 +11,9 @@ namespace verisq::kernels {
 [[nodiscard]] std::string_view embedded_triangle_sources();
 [[nodiscard]] std::string_view embedded_pair_sources();
 
+/// The objective of a fit and its gradient for many candidates: floating point, for searches.
+[[nodiscard]] std::string_view embedded_pose_objective_sources();
+
 /// Of programs for models with bends or set operations: the layers, and kernels that call functions of the model's own
 /// tree, which come last (host/device/model_source.hpp).
 [[nodiscard]] std::string_view embedded_solid_layers();

@@ -99,6 +99,22 @@ class KernelRun {
     queue_.finish();
   }
 
+  /// The objective of a fit for some candidates and the distances of the first, as host/device/pose_objective.cpp has
+  /// them computed.
+  void pose_objective() {
+    const auto coordinates = point_columns();
+    const cl::Buffer weights = written(std::vector<double>(queries_, 0.5));
+    const cl::Buffer pivots = written(std::vector<double>(3 * candidates, 0.25));
+    const cl::Buffer parameters = scaled_primitives();
+    const cl::Buffer partials = numbers(candidates * slices * columns_of_candidate);
+    launch("pose_objective", candidates, slices, cl_uint{groups}, coordinates, weights, parameters, count, pivots, 0.1,
+           0.5, 0.01, 0.02, partials);
+    launch("sum_slices", candidates, slices, columns_of_candidate, partials,
+           numbers(candidates * columns_of_candidate));
+    launch("pose_distance", cl_uint{groups}, cl_ulong{queries_}, coordinates, parameters, count, numbers(8 * queries_));
+    queue_.finish();
+  }
+
   [[nodiscard]] static Model solid_model() {
     SetExpression difference{{}, SetOperation::subtract, 0};
     for (const std::uint32_t i : {0U, 1U}) difference.operands.push_back({{}, SetOperation::unite, i});
@@ -109,7 +125,10 @@ class KernelRun {
 
  private:
   static constexpr std::size_t searches = 5;
-  static constexpr cl_uint rounds = 6;  // each takes a simulator tens of milliseconds
+  static constexpr cl_uint candidates = 2;
+  static constexpr cl_uint slices = 3;
+  static constexpr cl_uint columns_of_candidate = 18;  // 9 and three a primitive
+  static constexpr cl_uint rounds = 6;                 // each takes a simulator tens of milliseconds
   static constexpr std::size_t groups = 13;
   static constexpr cl_uint groups_per_block = 4;
   static constexpr std::size_t work_items = 16;  // more than there are groups: some have nothing to do
@@ -156,6 +175,18 @@ class KernelRun {
       parameters.push_back(box_primitive_parameters(primitive, scale_exponent(model)));
     return {context_, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, parameters.size() * sizeof(BoxPrimitiveParameters),
             parameters.data()};
+  }
+
+  // Of the candidates, which are equal. In the unit of the model: the kernel's scaling is no matter of memory.
+  [[nodiscard]] cl::Buffer scaled_primitives() const {
+    struct ScaledPrimitive {
+      PrimitiveParameters parameters;
+      double unit;
+    };
+    std::vector<ScaledPrimitive> all;
+    for (cl_uint n = 0; n < candidates; ++n)
+      for (const Primitive& primitive : model.primitives) all.push_back({primitive_parameters(primitive, 0), 1.0});
+    return {context_, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, all.size() * sizeof(ScaledPrimitive), all.data()};
   }
 
   // On all sides of the surfaces of the first two.
@@ -255,6 +286,12 @@ class KernelMemoryTest : public ::testing::TestWithParam<int> {
   }
 
   /// Likewise.
+  static std::string pose_objective_sources() {
+    return broken(kernels::embedded_pose_objective_sources(), "static __attribute__((always_inline))",
+                  "static __attribute__((noinline))");
+  }
+
+  /// Likewise.
   static std::string solid_sources() {
     return broken(model_source(KernelRun::solid_model(), kernels::embedded_solid_distance()),
                   "static __attribute__((always_inline))", "static __attribute__((noinline))");
@@ -296,6 +333,10 @@ TEST_P(KernelMemoryTest, FindsNothingInAMapOfSolids) {
   EXPECT_EQ(reported_of(&KernelRun::solids, solid_sources()), "");
 }
 
+TEST_P(KernelMemoryTest, FindsNothingInTheObjectiveOfAFit) {
+  EXPECT_EQ(reported_of(&KernelRun::pose_objective, pose_objective_sources()), "");
+}
+
 TEST_P(KernelMemoryTest, FindsNothingInTheSelfTest) {
   const auto use = [](const cl::Context& context, const cl::Device& device, const cl::Program& program) {
     EXPECT_EQ(self_test(context, device, program, GetParam()), "");
@@ -324,6 +365,13 @@ TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffers) {
               HasSubstr("Invalid write"));
 }
 
+// A test of its own: oclgrind falls silent after 1000 errors of a process.
+TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffersOfTheObjective) {
+  EXPECT_THAT(reported_of(&KernelRun::pose_objective,
+                          broken(pose_objective_sources(), "if (item >= (ulong)candidates * slices) return;\n", "")),
+              HasSubstr("Invalid read"));
+}
+
 TEST_P(KernelMemoryTest, FindsAReadOfWhatWasNotWritten) {
   EXPECT_THAT(
       reported_of(&KernelRun::map, broken(kernels::embedded_sources(), "  STORE(proven_hi, group, his);\n", "")),
@@ -335,6 +383,9 @@ TEST_P(KernelMemoryTest, FindsAReadOfWhatWasNotWritten) {
                           broken(kernels::embedded_pair_sources(), "STORE(fmin(known_lo, lo), group, los);", "")),
               HasSubstr("ninitialized"));
   EXPECT_THAT(reported_of(&KernelRun::solids, broken(solid_sources(), "  STORE(distance.hi, group, his);\n", "")),
+              HasSubstr("ninitialized"));
+  EXPECT_THAT(reported_of(&KernelRun::pose_objective,
+                          broken(pose_objective_sources(), "  sums[BOUND] = sum_of_lanes(bound);\n", "")),
               HasSubstr("ninitialized"));
 }
 

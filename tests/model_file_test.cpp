@@ -1,7 +1,11 @@
 /// The model format: what it accepts, and the message for everything it refuses.
 #include <gmock/gmock.h>
 
+#include <bit>
+#include <cmath>
+#include <cstdint>
 #include <limits>
+#include <random>
 #include <string>
 #include <tuple>
 #include <verisq/model_file.hpp>
@@ -419,6 +423,112 @@ INSTANTIATE_TEST_SUITE_P(
                           ": line 1, column 13: syntax error while parsing value - invalid string: ill-formed UTF-8 "
                           "byte; last read: '\"\\xff'"}),
     name_of);
+
+/// Any binary64 numbers that the format accepts, from subnormal to huge: their bits must survive.
+class RandomModels {
+ public:
+  explicit RandomModels(std::uint32_t seed) : generator_(seed) {}
+
+  [[nodiscard]] Model model() {
+    Model result{pick(2) == 0 ? "" : "mm\n\"\u00e9\"", {}};
+    const std::size_t count = 1 + pick(5);
+    for (std::size_t k = 0; k < count; ++k) result.primitives.push_back(primitive("part " + std::to_string(k)));
+    if (pick(2) == 0) result.csg = expression(count, 3);
+    return result;
+  }
+
+ private:
+  std::size_t pick(std::size_t count) { return generator_() % count; }
+  /// Finite, with random bits.
+  double number() {
+    const double any = std::bit_cast<double>(generator_());
+    return std::isfinite(any) ? any : 0.1;
+  }
+  double signed_number() { return pick(10) == 0 ? -0.0 : number(); }
+  double positive() { return std::max(std::abs(number()), std::numeric_limits<double>::denorm_min()); }
+  double exponent() { return std::ldexp(1.0 + std::uniform_real_distribution(0.0, 1.0)(generator_), -int(pick(1000))); }
+
+  Primitive primitive(const std::string& name) {
+    Primitive result{name,
+                     {{positive(), positive(), positive()}, {exponent(), exponent()}},
+                     {{signed_number(), signed_number(), signed_number()}, {number(), number(), number(), -1.0 / 3.0}}};
+    if (pick(2) == 0) {
+      result.superquadric.semi_axes = {0.1, 1.0 / 3.0, 2.0 / 7.0};
+      result.bend = Bend{std::uniform_real_distribution(-1.0, 1.0)(generator_), signed_number()};
+    }
+    return result;
+  }
+
+  SetExpression expression(std::size_t primitives, std::size_t depth) {
+    SetExpression result{.operation =
+                             std::array{SetOperation::unite, SetOperation::intersect, SetOperation::subtract}[pick(3)]};
+    const std::size_t operands = 2 + pick(3);
+    for (std::size_t k = 0; k < operands; ++k) {
+      result.operands.push_back(depth == 0 || pick(2) == 0
+                                    ? SetExpression{.primitive = static_cast<std::uint32_t>(pick(primitives))}
+                                    : expression(primitives, depth - 1));
+    }
+    return result;
+  }
+
+  std::mt19937_64 generator_;
+};
+
+template <std::size_t N>
+std::array<std::uint64_t, N> bits(const std::array<double, N>& numbers) {
+  return std::bit_cast<std::array<std::uint64_t, N>>(numbers);
+}
+
+void expect_same_bits(const Primitive& a, const Primitive& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(bits(a.superquadric.semi_axes), bits(b.superquadric.semi_axes));
+  EXPECT_EQ(bits(a.superquadric.exponents), bits(b.superquadric.exponents));
+  EXPECT_EQ(bits(a.pose.translation), bits(b.pose.translation));
+  EXPECT_EQ(bits(a.pose.quaternion), bits(b.pose.quaternion));
+  ASSERT_EQ(a.bend.has_value(), b.bend.has_value());
+  if (!a.bend) return;
+  EXPECT_EQ(bits(std::array{a.bend->curvature, a.bend->angle_degrees}),
+            bits(std::array{b.bend->curvature, b.bend->angle_degrees}));
+}
+
+TEST(ModelWriter, WritesWhatIsReadAsTheSameBits) {
+  const TemporaryFolder folder;
+  RandomModels random(1);
+  for (int k = 0; k < 200; ++k) {
+    const Model written = random.model();
+    write_model(folder / "m.json", written);
+    SCOPED_TRACE(folder.contents("m.json"));
+    const Model read = read_model(folder / "m.json");
+    EXPECT_EQ(read.units, written.units);
+    ASSERT_EQ(read.primitives.size(), written.primitives.size());
+    for (std::size_t i = 0; i < read.primitives.size(); ++i) {
+      expect_same_bits(read.primitives[i], written.primitives[i]);
+    }
+    ASSERT_EQ(read.csg.has_value(), written.csg.has_value());
+    if (read.csg) {
+      EXPECT_EQ(words(*read.csg, read), words(*written.csg, written));
+    }
+    if (HasFailure()) return;
+  }
+}
+
+TEST(ModelWriter, WritesAPrimitiveAloneAsItsUnion) {
+  const TemporaryFolder folder;
+  Model model = parse_model(stem_head_bore(R"({"union": ["stem"]})"), "m.json");
+  model.csg = SetExpression{.primitive = 1};
+  write_model(folder / "m.json", model);
+  const Model read = read_model(folder / "m.json");
+  ASSERT_TRUE(read.csg);
+  EXPECT_EQ(words(*read.csg, read), "union(head)");
+}
+
+TEST(ModelWriter, LeavesNothingWhereItCannotWrite) {
+  const TemporaryFolder folder;
+  const Model model = parse_model(model_of(ball("a")), "m.json");
+  testing::expect_error([&] { write_model(folder / "none" / "m.json", model); }, ErrorKind::failure,
+                        (folder / "none" / "m.json").string(), ": cannot be written: No such file or directory");
+  EXPECT_TRUE(folder.names().empty());
+}
 
 TEST(ModelFile, ReadsFiles) {
   const TemporaryFolder folder;

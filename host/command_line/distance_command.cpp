@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
-#include <vector>
 #include <verisq/error.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/pose_map.hpp>
@@ -16,10 +15,10 @@
 
 #include "host/command_line/distance_search.hpp"
 #include "host/command_line/distance_summary.hpp"
-#include "host/command_line/finite_number.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/map_to_file.hpp"
+#include "host/command_line/pose_option.hpp"
 #include "host/command_line/pose_stream.hpp"
 #include "host/command_line/time_limit.hpp"
 
@@ -52,28 +51,6 @@ constexpr const char* closing_words =
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorKind::input, message);
-}
-
-/// "tx,ty,tz,qw,qx,qy,qz"
-Pose parse_pose(const std::string& text) {
-  std::vector<double> numbers;
-  std::string_view rest = text;
-  for (bool more = true; more;) {
-    const std::size_t comma = rest.find(',');
-    const auto number = finite_number(rest.substr(0, comma));
-    if (!number) refuse(fmt::format("--pose: '{}' is not a finite number", rest.substr(0, comma)));
-    numbers.push_back(*number);
-    more = comma != std::string_view::npos;
-    if (more) rest.remove_prefix(comma + 1);
-  }
-  if (numbers.size() != 7) {
-    refuse(fmt::format("--pose: {} numbers where 7 are needed: tx,ty,tz,qw,qx,qy,qz", numbers.size()));
-  }
-  const Pose pose{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]}};
-  if (std::ranges::all_of(pose.quaternion, [](double q) { return q == 0.0; })) {
-    refuse(fmt::format("--pose: {} has a zero quaternion", text));
-  }
-  return pose;
 }
 
 /// Everything that the options alone tell, before any file is opened.
@@ -198,7 +175,7 @@ const CLI::App& declare_distance(CLI::App& program, DistanceArguments& arguments
 
 ExitStatus run_distance(const DistanceArguments& arguments) {
   check_usage(arguments);
-  const Pose pose = arguments.pose ? parse_pose(*arguments.pose) : Pose{};
+  const Pose pose = arguments.pose ? parse_pose("--pose", *arguments.pose) : Pose{};
   std::optional<double> wanted;
   if (arguments.tolerance) wanted = parse_length("--tol", *arguments.tolerance);
   const std::optional<double> seconds = parse_time_limit(arguments.time_limit);

@@ -8,7 +8,8 @@ enum class ExitStatus {
   failed = 1,         ///< the program, a device or the file system failed
   bad_input = 2,      ///< bad usage or input
   unverified = 3,     ///< finished; map: some enclosures are valid but wide; check: some are not proved; octree: ended
-                      ///< by its budget
+                      ///< by its budget; fit: or points are proven deeper inside than the limit;
+                      ///< surface: it is not closed, manifold and oriented
   interrupted = 130,  ///< ended early by Ctrl-C: 128 + SIGINT, as shells report it
 };
 

@@ -10,9 +10,12 @@
 #include "host/command_line/devices_command.hpp"
 #include "host/command_line/distance_command.hpp"
 #include "host/command_line/exit_status.hpp"
+#include "host/command_line/fit_command.hpp"
+#include "host/command_line/insert_command.hpp"
 #include "host/command_line/map_command.hpp"
 #include "host/command_line/octree_command.hpp"
 #include "host/command_line/stance_command.hpp"
+#include "host/command_line/surface_command.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -39,10 +42,16 @@ int run(int argc, char** argv) {
   const CLI::App& check = declare_check(program, check_arguments);
   DistanceArguments distance_arguments;
   const CLI::App& distance = declare_distance(program, distance_arguments);
+  FitArguments fit_arguments;
+  const CLI::App& fit = declare_fit(program, fit_arguments);
+  InsertArguments insert_arguments;
+  const CLI::App& insert = declare_insert(program, insert_arguments);
   OctreeArguments octree_arguments;
   const CLI::App& octree = declare_octree(program, octree_arguments);
   StanceArguments stance_arguments;
   const CLI::App& stance = declare_stance(program, stance_arguments);
+  SurfaceArguments surface_arguments;
+  const CLI::App& surface = declare_surface(program, surface_arguments);
   DevicesArguments devices_arguments;
   declare_devices(program, devices_arguments);
   try {
@@ -56,8 +65,11 @@ int run(int argc, char** argv) {
   const ExitStatus status = map.parsed()        ? run_map(map_arguments)
                             : check.parsed()    ? run_check(check_arguments)
                             : distance.parsed() ? run_distance(distance_arguments)
+                            : fit.parsed()      ? run_fit(fit_arguments)
+                            : insert.parsed()   ? run_insert(insert_arguments)
                             : octree.parsed()   ? run_octree(octree_arguments)
                             : stance.parsed()   ? run_stance(stance_arguments)
+                            : surface.parsed()  ? run_surface(surface_arguments)
                                                 : run_devices(devices_arguments);
   if (std::fflush(stdout) != 0) return report("cannot write to the standard output", ExitStatus::failed);
   return static_cast<int>(status);

@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
@@ -31,12 +33,15 @@ constexpr const char* closing_words =
     "row contains the distances of all that they allow: give a --tol above that uncertainty to call rows verified.\n"
     "At the --time-limit running searches end and no other begins: every row is written all the same, and the rest is\n"
     "valid, and wide. Ctrl-C keeps the finished rows of a .csv under OUT.partial; a second Ctrl-C stops at once.\n"
+    "--report and --png draw the mesh, coloured by the proven distances of its vertices, and the model (of intervals\n"
+    "the largest); -o may be left out then.\n"
     "\n"
     "Exit status: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad usage or input, 130\n"
     "interrupted by Ctrl-C.\n"
     "\n"
     "Examples:\n"
     "  verisq map --model stem.json --mesh femur.off -o clearance.vtp\n"
+    "  verisq map --model stem.json --mesh femur.off --report clearance.html --png clearance.png\n"
     "  verisq map --model stem.json --mesh femur.off --on triangles -o clearance.vtp\n"
     "  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json";
 
@@ -80,10 +85,52 @@ Method parse_method(const MapArguments& arguments) {
   return Method::published;
 }
 
+const char* report_option(const MapArguments& arguments) {
+  return arguments.report.html.empty() ? "--png" : "--report";
+}
+
+void check_outputs(const MapArguments& arguments) {
+  const std::initializer_list<std::string> inputs{arguments.inputs.model, arguments.inputs.mesh,
+                                                  arguments.inputs.points};
+  if (arguments.output.empty()) {
+    if (!arguments.report.any()) refuse("give at least one of --output, --report, --png");
+    if (arguments.certificates) refuse("--certificates: give the --output that keeps them");
+  } else {
+    refuse_to_overwrite(arguments.output, inputs);
+  }
+  if (!arguments.report.any()) return;
+  if (arguments.inputs.mesh.empty()) refuse(fmt::format("{}: give a --mesh to draw", report_option(arguments)));
+  if (arguments.on == "triangles") {
+    refuse(fmt::format("{}: shows rows of vertices, not --on triangles", report_option(arguments)));
+  }
+  check_usage(arguments.report, inputs);
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const MapArguments& arguments) {
   check_usage(arguments.inputs);
-  refuse_to_overwrite(arguments.output, {arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points});
+  check_outputs(arguments);
+}
+
+/// The bone is drawn by its triangles, and coloured by rows of its vertices.
+void refuse_what_cannot_be_drawn(const MapArguments& arguments, const Mesh* mesh) {
+  if (!arguments.report.any() || (mesh != nullptr && !mesh->triangles.empty())) return;
+  refuse(fmt::format("{}: {}: has no triangles to draw", report_option(arguments), arguments.inputs.mesh));
+}
+
+/// The page speaks of exact distances: it must say of what.
+std::vector<ReportLine> report_lines(const MapReport& report, const UncertainModel& model, double point_radius) {
+  std::vector<ReportLine> lines = report_lines(report);
+  if (point_radius > 0.0) {
+    const std::string units = model.units.empty() ? std::string() : " " + model.units;
+    lines.push_back({"each vertex", fmt::format("any point within {}{} of the drawn one", point_radius, units)});
+  }
+  if (!is_exact(model)) lines.push_back({"the model", "any within the intervals of its file; the largest is drawn"});
+  return lines;
+}
+
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
 }
 
 /// Maps `elements`, which `Stream` delivers and `Mapper` encloses, and prints the summary. Starts the limit, which the
@@ -92,19 +139,34 @@ template <typename Mapper, typename Stream>
 ExitStatus map_and_report(const UncertainModel& model, double point_radius, MapElements elements,
                           const MapArguments& arguments, const MapOptions& options, TimeLimit& limit) {
   Stream stream(arguments.inputs);
+  refuse_what_cannot_be_drawn(arguments, stream.mesh());
   const auto make_mapper = [&] {
     Mapper mapper(model, point_radius, options);
     limit.start();
     return mapper;
   };
-  return map_to_file(stream, stream.mesh(), make_mapper,
-                     {.elements = elements,
-                      .contents = arguments.certificates ? MapContents::certified : MapContents::enclosures,
-                      .output = arguments.output,
-                      .units = model.units,
-                      .tolerance = options.tolerance,
-                      .show_progress = !arguments.no_progress,
-                      .json = arguments.json});
+  MapRequest request{.elements = elements,
+                     .contents = arguments.certificates ? MapContents::certified : MapContents::enclosures,
+                     .output = arguments.output,
+                     .report = arguments.report,
+                     .units = model.units,
+                     .tolerance = options.tolerance,
+                     .show_progress = !arguments.no_progress,
+                     .json = arguments.json};
+  if (arguments.report.any()) {
+    request.show = [&](std::span<const MapResult> rows, const MapReport& report) {
+      write(arguments.report, {.title = fmt::format("{}: distance to {}", file_name(arguments.inputs.mesh),
+                                                    file_name(arguments.inputs.model)),
+                               .bone = *stream.mesh(),
+                               .rows = rows,
+                               .implant = bracket(model).largest,
+                               .units = model.units,
+                               .summary = report_lines(report, model, point_radius),
+                               .area_names = {},
+                               .area_of = {}});
+    };
+  }
+  return map_to_file(stream, stream.mesh(), make_mapper, request);
 }
 
 }  // namespace
@@ -132,9 +194,8 @@ const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
                  "How the host proves points outside: duality (default), or published: the paper's bisected segment,\n"
                  "to compare with (--device host)")
       ->option_text("METHOD");
-  map.add_option("-o,--output", arguments.output, "The map, by extension: .csv .vtp .ply .json")
-      ->required()
-      ->option_text("FILE REQUIRED");
+  map.add_option("-o,--output", arguments.output, "The map, by extension: .csv .vtp .ply .json")->option_text("FILE");
+  declare_report_files(map, arguments.report);
   map.add_flag("--certificates", arguments.certificates,
                "Write what proves each enclosure again, for `verisq check`: .csv .vtp");
   map.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");

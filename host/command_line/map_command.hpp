@@ -6,6 +6,7 @@
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/point_stream.hpp"
+#include "host/command_line/report_files.hpp"
 
 namespace verisq::command_line {
 
@@ -18,7 +19,8 @@ struct MapArguments {
   std::optional<std::string> time_limit;  ///< text, in seconds
   std::string device = "auto";
   std::string method = "duality";
-  std::string output;
+  std::string output;  ///< empty when only a report is asked for
+  ReportFiles report;
   bool certificates = false;
   bool json = false;
   bool no_progress = false;

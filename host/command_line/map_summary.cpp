@@ -1,10 +1,11 @@
-/// The two forms of the summary.
+/// The forms of the summary.
 #include "host/command_line/map_summary.hpp"
 
 #include <fmt/core.h>
 
 #include <nlohmann/json.hpp>
 
+#include "host/command_line/directed_digits.hpp"
 #include "host/command_line/element_words.hpp"
 #include "host/command_line/progress_bar.hpp"
 
@@ -28,14 +29,33 @@ std::string readable(const MapReport& report) {
   text += fmt::format("tolerance          {:.3g}{}\n", report.tolerance, units);
   if (summary.points > 0) {
     text += fmt::format("smallest distance  [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
-    text += fmt::format("largest width      {:.3g}{}\n", summary.largest_width, units);
+    text += fmt::format("largest width      {}{}\n", upper_digits(summary.largest_width), units);
   }
   text += fmt::format("preparation        {:.3g} s\n", report.preparation_seconds);
   text += fmt::format("time               {:.3g} s (device {:.3g} s, host proofs {:.3g} s), {} {}/s\n", report.seconds,
                       summary.device_seconds, summary.host_seconds, with_prefix(elements_per_second(report)),
                       plural(report.elements));
   text += fmt::format("map                {}\n", report.output.empty() ? "not kept" : report.output);
+  if (!report.files.html.empty()) text += fmt::format("report             {}\n", report.files.html);
+  if (!report.files.png.empty()) text += fmt::format("picture            {}\n", report.files.png);
   return text;
+}
+
+std::vector<ReportLine> report_lines(const MapReport& report) {
+  const auto& summary = report.summary;
+  const auto units = report.units.empty() ? std::string() : " " + report.units;
+  std::vector<ReportLine> lines;
+  if (summary.points > 0) {
+    lines.push_back({"smallest distance", outward_digits({summary.minimum_lo, summary.minimum_hi}) + units});
+    lines.push_back({"largest width", upper_digits(summary.largest_width) + units});
+  }
+  lines.push_back({std::string(plural(report.elements)), fmt::format("{}", summary.points)});
+  lines.push_back({"device-verified", fmt::format("{}", summary.device_verified)});
+  lines.push_back({"host-verified", fmt::format("{}", summary.host_verified)});
+  lines.push_back({"wide", fmt::format("{}", summary.wide)});
+  lines.push_back({"tolerance", fmt::format("{}", report.tolerance) + units});
+  lines.push_back({"device", summary.device});
+  return lines;
 }
 
 std::string json(const MapReport& report) {
@@ -60,6 +80,8 @@ std::string json(const MapReport& report) {
       {"output", report.output},
   };
   if (summary.points > 0) object["smallest_distance"] = {{"lo", summary.minimum_lo}, {"hi", summary.minimum_hi}};
+  if (!report.files.html.empty()) object["report"] = report.files.html;
+  if (!report.files.png.empty()) object["png"] = report.files.png;
   // Names of devices and files are bytes of the system, not always UTF-8: replaced rather than refused.
   return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }

@@ -1,9 +1,13 @@
-/// The summary of a finished map on the standard output: for people, or as one JSON object.
+/// The summary of a finished map: on the standard output for people or as one JSON object, or in a report.
 #pragma once
 
 #include <string>
+#include <vector>
 #include <verisq/distance_map.hpp>
 #include <verisq/map_file.hpp>
+#include <verisq/report.hpp>
+
+#include "host/command_line/report_files.hpp"
 
 namespace verisq::command_line {
 
@@ -11,6 +15,7 @@ struct MapReport {
   MapSummary summary;
   MapElements elements;  ///< what the rows are of
   std::string output;    ///< the file that holds the map; empty when none was kept
+  ReportFiles files;     ///< with its pictures; names are empty for those not written
   std::string units;     ///< of the model; empty when not given
   double tolerance;
   double preparation_seconds;  ///< wall time until the device was ready: kernels compiled, self-test passed
@@ -18,6 +23,9 @@ struct MapReport {
 };
 
 [[nodiscard]] std::string readable(const MapReport& report);
+
+/// The most important first. Digits are rounded outward: what is printed contains what is proven.
+[[nodiscard]] std::vector<ReportLine> report_lines(const MapReport& report);
 
 /// One line. JSON has no infinity: an unbounded end of an enclosure is null.
 [[nodiscard]] std::string json(const MapReport& report);

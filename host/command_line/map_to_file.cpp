@@ -8,8 +8,6 @@
 #include <system_error>
 #include <verisq/error.hpp>
 
-#include "host/command_line/map_summary.hpp"
-
 namespace verisq::command_line {
 namespace {
 
@@ -17,13 +15,21 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double>(end - start).count();
 }
 
-/// Returns the name of the file that holds the map; empty when an interrupted map left none.
-std::string end_file(MapWriter& writer, const MapSummary& summary, const std::string& output) {
+/// What an interrupted map leaves unwritten.
+void say_what_is_missing(const MapRequest& request) {
+  for (const std::string& file : {request.report.html, request.report.png}) {
+    if (!file.empty()) fmt::print(stderr, "verisq: interrupted; {} is not written\n", file);
+  }
+}
+
+/// Returns the name of the file that holds the map; empty when none was asked for or an interrupted map left none.
+std::string end_file(std::optional<MapWriter>& writer, const MapSummary& summary, const std::string& output) {
+  if (!writer) return {};
   if (!summary.interrupted) {
-    writer.finish();
+    writer->finish();
     return output;
   }
-  const auto partial = writer.keep_partial().string();
+  const auto partial = writer->keep_partial().string();
   if (partial.empty()) {
     fmt::print(stderr, "verisq: interrupted; {} is not written, because only .csv can hold a part of a map\n", output);
   } else {
@@ -48,9 +54,10 @@ void refuse_to_overwrite(const std::string& output, std::initializer_list<std::s
   }
 }
 
-ExitStatus end_map(MapWriter& writer, const MapSummary& summary, const MapRequest& request, Clock::time_point start,
-                   Clock::time_point first_element) {
+ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> rows, const MapSummary& summary,
+                   const MapRequest& request, Clock::time_point start, Clock::time_point first_element) {
   const std::string written = end_file(writer, summary, request.output);
+  if (summary.interrupted) say_what_is_missing(request);
   const auto end = Clock::now();
   if (!summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", summary.notice);
   if (summary.out_of_time && !summary.interrupted) {
@@ -60,10 +67,12 @@ ExitStatus end_map(MapWriter& writer, const MapSummary& summary, const MapReques
   const MapReport report{.summary = summary,
                          .elements = request.elements,
                          .output = written,
+                         .files = summary.interrupted ? ReportFiles{} : request.report,
                          .units = request.units,
                          .tolerance = request.tolerance,
                          .preparation_seconds = seconds_between(start, first_element),
                          .seconds = seconds_between(first_element, end)};
+  if (request.show && !summary.interrupted) request.show(rows, report);
   fmt::print("{}", request.json ? json(report) : readable(report));
   return status_of(summary);
 }

@@ -39,13 +39,19 @@ ProgressBar::~ProgressBar() {
 }
 
 void ProgressBar::update(std::uint64_t done, double fraction) {
-  if (!shown_ || Clock::now() < next_draw_) return;
-  const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
+  if (!due()) return;
+  draw(fmt::format("{} {}/s", with_prefix(static_cast<double>(done) / elapsed()), elements_), fraction);
+}
+
+void ProgressBar::update_state(std::string_view state, double fraction) {
+  if (due()) draw(state, fraction);
+}
+
+void ProgressBar::draw(std::string_view state, double fraction) {
   const double part = std::clamp(fraction, 0.0, 1.0);
   const auto filled = static_cast<int>(part * bar_cells);
-  fmt::print(stderr, "\r\x1b[K[{:=<{}}{: <{}}] {:3.0f} %  {} {}/s  ETA {}", "", filled, "", bar_cells - filled,
-             100.0 * part, with_prefix(static_cast<double>(done) / elapsed), elements_,
-             clock_text(elapsed * (1.0 - part) / part));
+  fmt::print(stderr, "\r\x1b[K[{:=<{}}{: <{}}] {:3.0f} %  {}  ETA {}", "", filled, "", bar_cells - filled, 100.0 * part,
+             state, clock_text(elapsed() * (1.0 - part) / part));
   std::fflush(stderr);
   drawn_ = true;
   next_draw_ = Clock::now() + redraw_interval;

@@ -23,9 +23,15 @@ class ProgressBar {
 
   /// `done` elements so far; `fraction` of the whole in [0, 1].
   void update(std::uint64_t done, double fraction);
+  /// Shows `state` in place of a rate.
+  void update_state(std::string_view state, double fraction);
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  [[nodiscard]] bool due() const { return shown_ && Clock::now() >= next_draw_; }
+  [[nodiscard]] double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  void draw(std::string_view state, double fraction);
 
   bool shown_;
   std::string_view elements_;

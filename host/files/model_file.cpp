@@ -5,10 +5,12 @@
 #include <map>
 #include <set>
 #include <vector>
+#include <verisq/cavity.hpp>
 #include <verisq/model_file.hpp>
 
 #include "host/files/input_file.hpp"
 #include "host/files/json_document.hpp"
+#include "host/files/model_areas.hpp"
 #include "verify/bend_range.hpp"
 #include "verify/convex_union.hpp"
 
@@ -191,19 +193,27 @@ void check_intervals(const UncertainModel& model, std::string_view name) {
   verify::require_union_of_convex(shape, fmt::format("{}: intervals", name));
 }
 
-UncertainModel parse(std::string_view json, std::string_view name, Intervals intervals) {
+/// All that a model file says.
+struct ModelDocument {
+  UncertainModel model;
+  std::vector<AreaBox> areas;
+};
+
+ModelDocument parse(std::string_view json, std::string_view name, Intervals intervals) {
   const nlohmann::json document = parse_json(json, name);
   const JsonValue root(document, name);
   if (!document.is_object()) root.fail("must be an object");
   const JsonValue format = root.at("format");
   if (format.text() != format_name) format.fail(fmt::format("must be \"{}\"", format_name));
-  root.check_keys({"format", "units", "primitives", "csg"});
-  UncertainModel model;
+  root.check_keys({"format", "units", "primitives", "csg", "areas"});
+  ModelDocument result;
+  UncertainModel& model = result.model;
   if (const auto units = root.find("units")) model.units = units->text();
   model.primitives = read_primitives(root.at("primitives"), intervals);
   if (const auto csg = root.find("csg")) model.csg = SetExpressions(model.primitives).read_operator(*csg);
   check_intervals(model, name);
-  return model;
+  if (const auto areas = root.find("areas")) result.areas = read_area_boxes(*areas);
+  return result;
 }
 
 /// Hands the text of a file to `parse`, whole.
@@ -219,11 +229,15 @@ auto read(const std::filesystem::path& path, Parse parse) {
 }  // namespace
 
 Model parse_model(std::string_view json, std::string_view name) {
-  return bracket(parse(json, name, Intervals::refused)).smallest;  // an exact model is its own bracket
+  return bracket(parse(json, name, Intervals::refused).model).smallest;  // an exact model is its own bracket
 }
 
 UncertainModel parse_uncertain_model(std::string_view json, std::string_view name) {
-  return parse(json, name, Intervals::allowed);
+  return parse(json, name, Intervals::allowed).model;
+}
+
+std::vector<AreaBox> parse_areas(std::string_view json, std::string_view name) {
+  return parse(json, name, Intervals::allowed).areas;
 }
 
 Model read_model(const std::filesystem::path& path) {
@@ -232,6 +246,10 @@ Model read_model(const std::filesystem::path& path) {
 
 UncertainModel read_uncertain_model(const std::filesystem::path& path) {
   return read(path, parse_uncertain_model);
+}
+
+std::vector<AreaBox> read_areas(const std::filesystem::path& model) {
+  return read(model, parse_areas);
 }
 
 }  // namespace verisq

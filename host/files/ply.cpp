@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "host/files/byte_order.hpp"
@@ -117,27 +119,60 @@ void skip_element(const InputFile& file, Rows& rows, const PlyElement& element) 
   }
 }
 
-template <class Rows>
-void read_vertices(const InputFile& file, Rows& rows, const PlyElement& element, MeshBuilder& builder) {
-  constexpr std::size_t not_a_coordinate = 3;
-  std::vector<std::size_t> axis(element.properties.size(), not_a_coordinate);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::string_view name = std::string_view("xyz").substr(k, 1);
-    const auto found = element.find(name);
-    if (!found || element.properties[*found].count_type) {
-      file.fail_whole(fmt::format("element 'vertex' has no property '{}' of a single number", name));
-    }
-    axis[*found] = k;
+/// What a property of a vertex is to the reader.
+enum class Column { x, y, z, label, other };
+
+/// Which property of the vertices is wanted beside the coordinates, and its values.
+struct Labels {
+  std::string property;
+  std::vector<std::int64_t> values;
+};
+
+std::size_t coordinate_position(const InputFile& file, const PlyElement& element, std::string_view name) {
+  const auto found = element.find(name);
+  if (!found || element.properties[*found].count_type) {
+    file.fail_whole(fmt::format("element 'vertex' has no property '{}' of a single number", name));
   }
+  return *found;
+}
+
+std::size_t label_position(const InputFile& file, const PlyElement& element, std::string_view name) {
+  const auto found = element.find(name);
+  if (!found) file.fail_whole(fmt::format("element 'vertex' has no property {}", in_quotes(name)));
+  const PlyProperty& property = element.properties[*found];
+  if (property.count_type || !is_integer(property.type)) {
+    file.fail_whole(fmt::format("element 'vertex': property {} must be a single integer", in_quotes(name)));
+  }
+  return *found;
+}
+
+/// `labels` null: none are wanted.
+std::vector<Column> vertex_columns(const InputFile& file, const PlyElement& element, const Labels* labels) {
+  std::vector<Column> columns(element.properties.size(), Column::other);
+  columns[coordinate_position(file, element, "x")] = Column::x;
+  columns[coordinate_position(file, element, "y")] = Column::y;
+  columns[coordinate_position(file, element, "z")] = Column::z;
+  if (labels == nullptr) return columns;
+  Column& label = columns[label_position(file, element, labels->property)];
+  if (label != Column::other) file.fail_whole(fmt::format("property {} is a coordinate", in_quotes(labels->property)));
+  label = Column::label;
+  return columns;
+}
+
+template <class Rows>
+void read_vertices(const InputFile& file, Rows& rows, const PlyElement& element, MeshBuilder& builder, Labels* labels) {
+  const std::vector<Column> columns = vertex_columns(file, element, labels);
   for (std::uint64_t row = 0; row < element.count; ++row) {
     rows.begin_row(element);
     Point point{};
-    for (std::size_t k = 0; k < axis.size(); ++k) {
+    for (std::size_t k = 0; k < columns.size(); ++k) {
       const PlyProperty& property = element.properties[k];
-      if (axis[k] == not_a_coordinate) {
-        skip_property(file, rows, property);
-      } else {
-        point[axis[k]] = rows.finite(property.type, property.name);
+      switch (columns[k]) {
+        case Column::x: point[0] = rows.finite(property.type, property.name); break;
+        case Column::y: point[1] = rows.finite(property.type, property.name); break;
+        case Column::z: point[2] = rows.finite(property.type, property.name); break;
+        case Column::label: labels->values.push_back(rows.whole(property.type, property.shown)); break;
+        case Column::other: skip_property(file, rows, property); break;
       }
     }
     rows.end_row();
@@ -181,14 +216,14 @@ void read_faces(const InputFile& file, Rows& rows, const PlyElement& element, Me
 }
 
 template <class Rows>
-Mesh read_body(InputFile& file, Rows rows, const PlyHeader& header) {
+Mesh read_body(InputFile& file, Rows rows, const PlyHeader& header, Labels* labels) {
   MeshBuilder builder(file);
   bool vertices_known = false;
   for (const PlyElement& element : header.elements) {
     check_size<Rows>(file, element);
     if (element.name == "vertex") {
       builder.reserve(element.count, 0);
-      read_vertices(file, rows, element, builder);
+      read_vertices(file, rows, element, builder, labels);
       vertices_known = true;
     } else if (element.name == "face" && element.count > 0) {
       if (!vertices_known) file.fail_whole("element 'face' before element 'vertex' is not supported");
@@ -204,16 +239,26 @@ Mesh read_body(InputFile& file, Rows rows, const PlyHeader& header) {
   return std::move(builder).finish();
 }
 
+Mesh read(InputFile& file, Labels* labels) {
+  const PlyHeader header = read_ply_header(file);
+  switch (header.encoding) {
+    case PlyEncoding::ascii: return read_body(file, AsciiRows(file), header, labels);
+    case PlyEncoding::little_endian: return read_body(file, BinaryRows(file, std::endian::little), header, labels);
+    case PlyEncoding::big_endian: break;
+  }
+  return read_body(file, BinaryRows(file, std::endian::big), header, labels);
+}
+
 }  // namespace
 
 Mesh read_ply(InputFile& file) {
-  const PlyHeader header = read_ply_header(file);
-  switch (header.encoding) {
-    case PlyEncoding::ascii: return read_body(file, AsciiRows(file), header);
-    case PlyEncoding::little_endian: return read_body(file, BinaryRows(file, std::endian::little), header);
-    case PlyEncoding::big_endian: break;
-  }
-  return read_body(file, BinaryRows(file, std::endian::big), header);
+  return read(file, nullptr);
+}
+
+LabelledMesh read_labelled_ply(InputFile& file, const std::string& property) {
+  Labels labels{property, {}};
+  Mesh mesh = read(file, &labels);
+  return {std::move(mesh), std::move(labels.values)};
 }
 
 }  // namespace verisq

@@ -1,7 +1,9 @@
-/// Fuzz target of parse_model and parse_uncertain_model.
+/// Fuzz target of parse_model, parse_uncertain_model and parse_areas.
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
+#include <verisq/cavity.hpp>
 #include <verisq/model_file.hpp>
 
 #include "tests/fuzz/promise.hpp"
@@ -51,6 +53,15 @@ void check_model(const UncertainModel& model) {
   check(is_exact(model) || std::ranges::none_of(model.primitives, bent), "models with intervals are not bent");
 }
 
+void check_areas(std::span<const AreaBox> areas) {
+  std::set<std::string> names;
+  for (const auto& [area, lower, upper] : areas) {
+    check(!area.name.empty() && names.insert(area.name).second, "areas have distinct names");
+    check(std::isfinite(area.weight) && area.weight >= 0.0, "weights are finite and not negative");
+    for (std::size_t k = 0; k < 3; ++k) check_interval({lower[k], upper[k]});
+  }
+}
+
 }  // namespace
 
 void model(Bytes bytes) {
@@ -58,6 +69,7 @@ void model(Bytes bytes) {
   const std::string json(bytes.begin(), bytes.end());  // a copy, so that reading past its end shows
   read_or_refuse(name, [&] { check_model(parse_uncertain_model(json, name)); });
   read_or_refuse(name, [&] { check_model(uncertain(parse_model(json, name))); });
+  read_or_refuse(name, [&] { check_areas(parse_areas(json, name)); });
 }
 
 }  // namespace verisq::fuzz

@@ -1,0 +1,15 @@
+# Fails when report/dist/page.html (in FOLDER) was not built from the sources beside it; needs no Node.
+file(GLOB files RELATIVE "${FOLDER}" "${FOLDER}/src/*")
+list(APPEND files build.mjs package.json package-lock.json)
+list(SORT files)
+set(lines "")
+foreach(file IN LISTS files)
+  file(SHA256 "${FOLDER}/${file}" hash)
+  string(APPEND lines "${hash} ${file}\n")
+endforeach()
+string(SHA256 sources "${lines}")
+
+file(STRINGS "${FOLDER}/dist/page.html" built REGEX "name=\"verisq-report-sources\"")
+if(NOT built MATCHES "content=\"${sources}\"")
+  message(FATAL_ERROR "report/dist/page.html is older than its sources: build it again with ./run report")
+endif()

@@ -1,0 +1,36 @@
+/// Adds up a certified clearance report row by row.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "verify/interval.hpp"
+#include "verisq/clearance.hpp"
+
+namespace verisq {
+
+/// Rows in the order of the cavity's points; the report is of the rows added so far.
+class ClearanceSum {
+ public:
+  /// `cavity` must outlive the sum.
+  ClearanceSum(const Cavity& cavity, const Fitness& fitness, double penetration_limit);
+
+  /// Precondition: in all no more rows than points.
+  void add(std::span<const MapResult> rows);
+
+  /// All but the summary of the map.
+  [[nodiscard]] Clearance report() const;
+
+ private:
+  void add(const MapResult& row);
+
+  const Cavity& cavity_;
+  Fitness fitness_;
+  double penetration_limit_;
+  std::size_t rows_ = 0;
+  /// Of terms of either sign: 127 bits, because the roundings of thousands of binary64 additions would add up.
+  verify::PreciseInterval objective_{0};
+  Clearance clearance_{};
+};
+
+}  // namespace verisq

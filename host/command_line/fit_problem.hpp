@@ -1,0 +1,24 @@
+/// What a fit is to solve, from the options and files of the user.
+#pragma once
+
+#include <string>
+#include <vector>
+#include <verisq/fit.hpp>
+#include <verisq/mesh.hpp>
+
+#include "host/command_line/fit_command.hpp"
+
+namespace verisq::command_line {
+
+struct FitProblem {
+  std::vector<UncertainModel> series;
+  std::string units;  ///< of all implants; empty when none has any
+  Mesh mesh;
+  Cavity cavity;  ///< the vertices of the mesh
+  FitOptions options;
+};
+
+/// Throws Error(input) naming file or option, key and value.
+[[nodiscard]] FitProblem read_fit_problem(const FitArguments& arguments);
+
+}  // namespace verisq::command_line

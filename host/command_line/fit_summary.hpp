@@ -1,0 +1,42 @@
+/// The certified summary of a fit: for people, for a report, or as one JSON object.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+#include <verisq/clearance.hpp>
+#include <verisq/fit.hpp>
+#include <verisq/mesh_clearance.hpp>
+#include <verisq/report.hpp>
+
+namespace verisq::command_line {
+
+struct FitSummary {
+  Fit fit;
+  Clearance clearance;
+  std::optional<MeshClearance> surface;  ///< nothing where only vertices keep the limit
+  std::string implant;                   ///< file of the chosen one
+  std::size_t implants;                  ///< in the series
+  bool sized;                            ///< the chosen one has sizes to choose from
+  double penetration_limit;
+  double tolerance;
+  std::string units;      ///< empty when not given
+  double search_seconds;  ///< wall time
+  double proof_seconds;   ///< wall time
+  std::string output;     ///< the fitted model
+  std::string map;        ///< empty when not asked for
+};
+
+/// The objective if every point of the cavity were served perfectly: the sum of the weights, rounded up.
+[[nodiscard]] double largest_objective(const Clearance& clearance);
+
+/// What is proven, the most important first, areas included. Digits are rounded outward.
+[[nodiscard]] std::vector<ReportLine> report_lines(const FitSummary& summary);
+
+/// The same with a table of the areas, devices, times and files.
+[[nodiscard]] std::string readable(const FitSummary& summary);
+
+/// One line. JSON has no infinity: an unbounded end of an enclosure is null.
+[[nodiscard]] std::string json(const FitSummary& summary);
+
+}  // namespace verisq::command_line

@@ -1,0 +1,78 @@
+/// Counts, and the two forms of the summary.
+#include "host/command_line/insert_summary.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "host/command_line/directed_digits.hpp"
+
+namespace verisq::command_line {
+
+InsertReport report_of(const Insertion& insertion) {
+  InsertReport report{.summary = insertion.summary};
+  for (const MapResult& row : insertion.rows) {
+    if (row.distance.hi < 0.0)
+      ++report.proven_cut;
+    else if (row.distance.lo >= 0.0)
+      ++report.proven_untouched;
+    else
+      ++report.undecided;
+  }
+  report.deepest_penetration = {std::max(0.0, -report.summary.minimum_hi), std::max(0.0, -report.summary.minimum_lo)};
+  return report;
+}
+
+std::string readable(const InsertReport& report) {
+  const auto& summary = report.summary;
+  const auto units = report.units.empty() ? std::string() : " " + report.units;
+  const auto& [lo, hi] = report.deepest_penetration;
+  auto text = fmt::format("points               {}\n", summary.points);
+  text += fmt::format("  proven cut         {}\n", report.proven_cut);
+  text += fmt::format("  proven untouched   {}\n", report.proven_untouched);
+  text += fmt::format("  undecided          {}\n", report.undecided);
+  text += fmt::format("deepest penetration  [{}, {}]{}\n", lo, hi, units);
+  text += fmt::format("smallest distance    [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
+  text += fmt::format("poses of the path    {}, and all between them\n", report.poses);
+  text += fmt::format("device               {}\n", summary.device);
+  text += fmt::format("tolerance            {:.3g}{}\n", report.tolerance, units);
+  text += fmt::format("  device-verified    {}\n", summary.device_verified);
+  text += fmt::format("  host-verified      {}\n", summary.host_verified);
+  text += fmt::format("  wide               {}\n", summary.wide);
+  text += fmt::format("largest width        {}{}\n", upper_digits(summary.largest_width), units);
+  text += fmt::format("time                 {:.3g} s (device {:.3g} s, host proofs {:.3g} s)\n", report.seconds,
+                      summary.device_seconds, summary.host_seconds);
+  text += fmt::format("map                  {}\n", report.output.empty() ? "not kept" : report.output);
+  return text;
+}
+
+std::string json(const InsertReport& report) {
+  const auto& summary = report.summary;
+  const nlohmann::ordered_json object{
+      {"points", summary.points},
+      {"proven_cut", report.proven_cut},
+      {"proven_untouched", report.proven_untouched},
+      {"undecided", report.undecided},
+      {"deepest_penetration", {{"lo", report.deepest_penetration.lo}, {"hi", report.deepest_penetration.hi}}},
+      {"smallest_distance", {{"lo", summary.minimum_lo}, {"hi", summary.minimum_hi}}},
+      {"poses", report.poses},
+      {"device_verified", summary.device_verified},
+      {"host_verified", summary.host_verified},
+      {"wide", summary.wide},
+      {"device", summary.device},
+      {"notice", summary.notice},
+      {"units", report.units},
+      {"tolerance", report.tolerance},
+      {"largest_width", summary.largest_width},
+      {"device_seconds", summary.device_seconds},
+      {"host_seconds", summary.host_seconds},
+      {"seconds", report.seconds},
+      {"interrupted", summary.interrupted},
+      {"output", report.output},
+  };
+  // Names of devices and files are bytes of the system, not always UTF-8: replaced rather than refused.
+  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace verisq::command_line

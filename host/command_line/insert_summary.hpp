@@ -1,0 +1,31 @@
+/// What `verisq insert` says about the whole bone: for people, or as one JSON object.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <verisq/insertion.hpp>
+
+namespace verisq::command_line {
+
+struct InsertReport {
+  MapSummary summary;
+  std::uint64_t proven_cut = 0;        ///< points with hi < 0: the implant passes through them
+  std::uint64_t proven_untouched = 0;  ///< points with lo >= 0: no point of its inside ever reaches them
+  std::uint64_t undecided = 0;
+  Enclosure deepest_penetration{0.0, 0.0};  ///< of all points; [0, 0] where all are untouched
+  std::size_t poses = 0;
+  std::string output = {};  ///< the file that holds the map; empty when none was kept
+  std::string units = {};   ///< of the implant; empty when not given
+  double tolerance = 0.0;
+  double seconds = 0.0;  ///< wall time
+};
+
+/// Counts the rows; the rest of the report is left to the caller.
+[[nodiscard]] InsertReport report_of(const Insertion& insertion);
+
+[[nodiscard]] std::string readable(const InsertReport& report);
+
+/// One line. JSON has no infinity: an unbounded end of an enclosure is null.
+[[nodiscard]] std::string json(const InsertReport& report);
+
+}  // namespace verisq::command_line

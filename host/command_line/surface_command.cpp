@@ -1,0 +1,183 @@
+/// Reads the options and the points of `verisq surface`, prepares the surface, writes it, checks the file, reports.
+#include "host/command_line/surface_command.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <verisq/error.hpp>
+#include <verisq/mesh_file.hpp>
+#include <verisq/point_file.hpp>
+#include <verisq/surface.hpp>
+
+#include "host/command_line/length_option.hpp"
+#include "host/command_line/map_to_file.hpp"
+#include "host/command_line/progress_bar.hpp"
+#include "host/command_line/surface_summary.hpp"
+#include "host/files/words.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+constexpr const char* closing_words =
+    "Points become a surface by one of two methods:\n"
+    "  wrap   (default) an alpha wrap: around the points, or around a mesh's triangles in whatever state they are. It\n"
+    "         keeps a small distance, the offset, from them.\n"
+    "  alpha  an alpha shape: through the points themselves. Its largest component, without voids inside; tetrahedra\n"
+    "         are added where it would be no manifold.\n"
+    "Both carve space away by balls of the radius --alpha. The smaller, the more detail; but it must exceed the gaps\n"
+    "between points, or the balls break in, and the volume printed collapses. Left out, it is chosen: of alpha shapes\n"
+    "the least that gives a filled solid; of wraps the least of diagonal/20 times 2^(-k/2), k = 0 to 4, before they\n"
+    "break in. A mesh without --method keeps its own triangles, turned alike, its holes filled with --fill-holes.\n"
+    "\n"
+    "The file is read again and checked: closed, manifold, consistently oriented; self-intersections, the volume\n"
+    "(negative where normals point inward) and the largest distance of an input point are reported, in floating\n"
+    "point: no enclosures.\n"
+    "\n"
+    "Exit status: 0 closed, manifold and oriented; 3 written, but not so; 2 bad usage or input.\n"
+    "\n"
+    "Examples:\n"
+    "  verisq surface --points cavity.csv --smooth 5 --inward -o cavity.ply\n"
+    "  verisq surface --mesh open_femur.stl --fill-holes -o femur.ply";
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorKind::input, message);
+}
+
+/// A given mesh keeps its triangles unless a method is named.
+SurfaceMethod method_of(const SurfaceArguments& arguments) {
+  if (!arguments.method) return arguments.mesh.empty() ? SurfaceMethod::wrap : SurfaceMethod::given;
+  if (*arguments.method == "wrap") return SurfaceMethod::wrap;
+  if (*arguments.method == "alpha") return SurfaceMethod::alpha_shape;
+  refuse(fmt::format("--method: '{}' is neither wrap nor alpha", *arguments.method));
+}
+
+std::optional<double> positive_length(const char* option, const std::optional<std::string>& text) {
+  if (!text) return std::nullopt;
+  const double length = parse_length(option, *text);
+  if (length == 0.0) refuse(fmt::format("{}: {} is not positive", option, *text));
+  return length;
+}
+
+SurfaceOptions options_of(const SurfaceArguments& arguments) {
+  if (arguments.points.empty() == arguments.mesh.empty()) refuse("give either --points or --mesh");
+  if (arguments.inward && arguments.outward) refuse("give either --inward or --outward");
+  if (arguments.smooth < 0) refuse(fmt::format("--smooth: {} is not at least 0", arguments.smooth));
+  SurfaceOptions options;
+  options.method = method_of(arguments);
+  options.alpha = positive_length("--alpha", arguments.alpha);
+  options.offset = positive_length("--offset", arguments.offset);
+  options.fill_holes = arguments.fill_holes;
+  options.smoothing_rounds = arguments.smooth;
+  options.facing = arguments.inward ? Facing::inward : Facing::outward;
+  if (options.fill_holes && options.method != SurfaceMethod::given)
+    refuse("--fill-holes: is for the triangles of --mesh without --method; other surfaces have no holes");
+  if (options.alpha && options.method == SurfaceMethod::given) refuse("--alpha: needs --method");
+  if (options.offset && options.method != SurfaceMethod::wrap) refuse("--offset: is for --method wrap");
+  return options;
+}
+
+bool is_mesh_name(const std::string& name) {
+  const std::string extension = lower_case(std::filesystem::path(name).extension().string());
+  return extension == ".stl" || extension == ".ply" || extension == ".off" || extension == ".obj";
+}
+
+Mesh read_points(const std::string& name) {
+  if (is_mesh_name(name)) return {.vertices = read_mesh(name).vertices, .triangles = {}};
+  PointFile file(name);
+  Mesh cloud;
+  std::array<Point, 4096> chunk{};
+  for (std::size_t count = chunk.size(); count == chunk.size();) {
+    count = file.read(chunk);
+    cloud.vertices.insert(cloud.vertices.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  return cloud;
+}
+
+Mesh read_input(const SurfaceArguments& arguments) {
+  return arguments.mesh.empty() ? read_points(arguments.points) : read_mesh(arguments.mesh);
+}
+
+/// A step of how many there may be: reading is done by then.
+void show_steps(SurfaceOptions& options, std::optional<ProgressBar>& bar) {
+  const int steps = 2 + (options.fill_holes ? 1 : 0) + (options.smoothing_rounds > 0 ? 1 : 0);
+  options.progress = [&bar, steps, done = std::uint64_t{0}](std::string_view /*step*/) mutable {
+    bar->update(done, static_cast<double>(done) / steps);
+    ++done;
+  };
+}
+
+void explain(const SurfaceCheck& check, const std::string& output) {
+  const MeshTopology& topology = check.topology;
+  std::string faults;
+  const auto add = [&faults](std::size_t count, const char* what) {
+    if (count > 0) faults += fmt::format("{}{} {}", faults.empty() ? "" : ", ", count, what);
+  };
+  add(topology.boundary_edges, "boundary edges");
+  add(topology.non_manifold_edges, "non-manifold edges");
+  add(topology.non_manifold_vertices, "non-manifold vertices");
+  add(topology.inconsistent_edges, "edges between triangles turned against each other");
+  if (!faults.empty()) fmt::print(stderr, "verisq: {} bounds no solid: {}\n", output, faults);
+  if (check.self_intersecting) fmt::print(stderr, "verisq: {} intersects itself\n", output);
+}
+
+}  // namespace
+
+const CLI::App& declare_surface(CLI::App& program, SurfaceArguments& arguments) {
+  CLI::App& surface = *program.add_subcommand("surface", "Closed oriented surface from points or a damaged mesh");
+  surface.footer(closing_words);
+  surface
+      .add_option("--points", arguments.points,
+                  "Point cloud: a CSV file x,y,z, or a mesh (.stl, .ply, .off, .obj), whose vertices count")
+      ->option_text("FILE");
+  surface.add_option("--mesh", arguments.mesh, "Instead of --points: a mesh, whose triangles count")
+      ->option_text("FILE");
+  surface.add_option("-o,--output", arguments.output, "The surface: .ply, .stl (rounded to binary32), .off or .obj")
+      ->required()
+      ->option_text("FILE REQUIRED");
+  surface.add_option("--method", arguments.method, "wrap (default of --points) or alpha")->option_text("METHOD");
+  surface.add_option("--alpha", arguments.alpha, "Radius of the carving balls (default: chosen, see below)")
+      ->option_text("LENGTH");
+  surface.add_option("--offset", arguments.offset, "How far a wrap keeps from its input (default alpha/100)")
+      ->option_text("LENGTH");
+  surface.add_flag("--fill-holes", arguments.fill_holes, "Fill the holes of --mesh");
+  surface.add_option("--smooth", arguments.smooth, "Rounds of Taubin's smoothing, which keeps the volume (default 0)")
+      ->option_text("ROUNDS");
+  surface.add_flag("--outward", arguments.outward, "Normals point out of the solid (default)");
+  surface.add_flag("--inward", arguments.inward, "Normals point into it, as for cavities");
+  surface.add_flag("--json", arguments.json, "Print the summary as one JSON object");
+  surface.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
+  return surface;
+}
+
+ExitStatus run_surface(const SurfaceArguments& arguments) {
+  SurfaceOptions options = options_of(arguments);
+  check_mesh_name(arguments.output);
+  refuse_to_overwrite(arguments.output, {arguments.points, arguments.mesh});
+  const auto start = std::chrono::steady_clock::now();
+  const Mesh input = read_input(arguments);
+
+  std::optional<ProgressBar> bar(std::in_place, !arguments.no_progress, "steps");
+  show_steps(options, bar);
+  const PreparedSurface surface = prepare_surface(input, options);
+  options.progress("checking");
+  write_mesh(arguments.output, surface.mesh);
+  // What counts is what the file says: STL merges and rounds vertices.
+  const SurfaceCheck check = check_surface(read_mesh(arguments.output), input.vertices);
+  bar.reset();  // the line is cleared before anything else is said
+
+  explain(check, arguments.output);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  const SurfaceReport report{.surface = surface,
+                             .check = check,
+                             .options = options,
+                             .points = input.vertices.size(),
+                             .output = arguments.output,
+                             .seconds = seconds.count()};
+  fmt::print("{}", arguments.json ? json(report) : readable(report));
+  return check.topology.bounds_solid() ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+}  // namespace verisq::command_line

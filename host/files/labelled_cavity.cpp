@@ -1,0 +1,60 @@
+/// Turns the labels of a mesh's vertices into areas.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <new>
+#include <utility>
+#include <verisq/cavity.hpp>
+#include <verisq/error.hpp>
+
+#include "host/files/mesh_formats.hpp"
+#include "host/files/words.hpp"
+
+namespace verisq {
+namespace {
+
+/// Position of each value among the distinct ones, in ascending order.
+std::map<std::int64_t, std::uint32_t> ranks(std::span<const std::int64_t> labels) {
+  std::map<std::int64_t, std::uint32_t> rank;
+  for (const std::int64_t label : labels) rank.emplace(label, 0);
+  std::uint32_t next = 0;
+  for (auto& entry : rank) entry.second = next++;
+  return rank;
+}
+
+LabelledMesh read_labels(const std::filesystem::path& path, const std::string& property) {
+  if (lower_case(path.extension().string()) != ".ply") {
+    throw Error(ErrorKind::input, fmt::format("{}: labels of vertices are read from .ply only", path.string()));
+  }
+  InputFile file(path);
+  if (file.size() == 0) file.fail_whole("not a regular file: a mesh needs a known size");
+  try {
+    return read_labelled_ply(file, property);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorKind::failure, fmt::format("{}: not enough memory for this mesh", path.string()));
+  }
+}
+
+}  // namespace
+
+Cavity read_labelled_cavity(const std::filesystem::path& mesh, const std::string& property,
+                            std::span<const Area> weights) {
+  LabelledMesh labelled = read_labels(mesh, property);
+  const auto rank = ranks(labelled.labels);
+  Cavity cavity{std::move(labelled.mesh.vertices), {}, {}};
+  for (const auto& [label, index] : rank) cavity.areas.push_back({std::to_string(label), 1.0});
+  for (const Area& weight : weights) {
+    const auto area = std::ranges::find(cavity.areas, weight.name, &Area::name);
+    if (area == cavity.areas.end()) {
+      throw Error(ErrorKind::input, fmt::format("{}: property {}: no vertex has the value {}, which has a weight",
+                                                mesh.string(), in_quotes(property), in_quotes(weight.name)));
+    }
+    area->weight = weight.weight;
+  }
+  cavity.area_of.reserve(labelled.labels.size());
+  for (const std::int64_t label : labelled.labels) cavity.area_of.push_back(rank.at(label));
+  return cavity;
+}
+
+}  // namespace verisq

@@ -1,0 +1,79 @@
+/// Writes `verisq-model/1`: numbers with as many digits as their binary64 needs, one primitive a paragraph.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <verisq/model_file.hpp>
+
+#include "host/files/output_file.hpp"
+
+namespace verisq {
+namespace {
+
+/// JSON on one line; nlohmann-json writes numbers so that they are read back as the same binary64, -0.0 too. Bytes that
+/// are not UTF-8 cannot be in JSON: replaced rather than refused.
+std::string text(const nlohmann::json& value) {
+  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string text(const Primitive& primitive) {
+  const auto& [semi_axes, exponents] = primitive.superquadric;
+  std::string result = fmt::format(R"(    {{ "name": {},
+      "superquadric": {{ "semi_axes": {}, "exponents": {} }})",
+                                   text(primitive.name), text(semi_axes), text(exponents));
+  if (primitive.bend) {
+    result += fmt::format(R"(,
+      "bend": {{ "curvature": {}, "angle_deg": {} }})",
+                          text(primitive.bend->curvature), text(primitive.bend->angle_degrees));
+  }
+  return result + fmt::format(R"(,
+      "pose": {{ "translation": {}, "quaternion": {} }} }})",
+                              text(primitive.pose.translation), text(primitive.pose.quaternion));
+}
+
+std::string_view key(SetOperation operation) {
+  switch (operation) {
+    case SetOperation::unite: return "union";
+    case SetOperation::intersect: return "intersection";
+    case SetOperation::subtract: break;
+  }
+  return "difference";
+}
+
+std::string text(const SetExpression& expression, const Model& model) {
+  if (expression.operands.empty()) return text(model.primitives[expression.primitive].name);
+  std::string operands;
+  for (const SetExpression& operand : expression.operands) {
+    operands += (operands.empty() ? "" : ", ") + text(operand, model);
+  }
+  return fmt::format(R"({{ "{}": [{}] }})", key(expression.operation), operands);
+}
+
+/// The format wants an operator at the top: a primitive alone is the union of itself.
+SetExpression with_operator(const SetExpression& expression) {
+  if (!expression.operands.empty()) return expression;
+  return {.operands = {expression}, .operation = SetOperation::unite};
+}
+
+std::string text(const Model& model) {
+  std::string primitives;
+  for (const Primitive& primitive : model.primitives) {
+    primitives += (primitives.empty() ? "" : ",\n") + text(primitive);
+  }
+  std::string result = R"({ "format": "verisq-model/1")";
+  if (!model.units.empty()) result += fmt::format(R"(, "units": {})", text(model.units));
+  result += ",\n  \"primitives\": [\n" + primitives + " ]";
+  if (model.csg) result += ",\n  \"csg\": " + text(with_operator(*model.csg), model);
+  return result + " }\n";
+}
+
+}  // namespace
+
+void write_model(const std::filesystem::path& path, const Model& model) {
+  OutputFile file(path);
+  file.write(text(model));
+  file.finish();
+}
+
+}  // namespace verisq

@@ -1,0 +1,67 @@
+/// The poses and sizes that a fit may choose, as boxes of parameters.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <span>
+#include <vector>
+
+#include "host/fit/candidate_evaluation.hpp"
+#include "verisq/fit.hpp"
+
+namespace verisq::fit_search {
+
+using Parameters = std::vector<double>;
+
+/// Parameters: a translation τ, a rotation vector ω, then every semi-axis that is an interval. With c the centre of the
+/// implant's bounding box (sizes at the middle of their intervals) and the start x -> R0 x + t0, the implant is moved
+/// by
+///     x -> exp(ω) R0 (x - c) + (R0 c + t0) + τ.
+class CandidateSpace {
+ public:
+  /// Throws Error(input) unless the implant is a union of convex primitives and exact but for its semi-axes.
+  CandidateSpace(const UncertainModel& implant, const PoseRange& range);
+
+  [[nodiscard]] const Parameters& lower() const { return lower_; }
+  [[nodiscard]] const Parameters& upper() const { return upper_; }
+  /// The start itself, sizes at the middle of their intervals.
+  [[nodiscard]] Parameters start() const;
+  /// A change of each parameter that moves the implant's surface by about one model unit.
+  [[nodiscard]] const Parameters& units() const { return units_; }
+
+  /// Where the implant's centre is.
+  [[nodiscard]] Point pivot(std::span<const double> parameters) const;
+  [[nodiscard]] Candidate candidate(std::span<const double> parameters) const;
+  [[nodiscard]] Pose pose(std::span<const double> parameters) const;
+  /// The implant of these sizes in its own frame.
+  [[nodiscard]] Model sized(std::span<const double> parameters) const;
+
+  /// Derivatives by the parameters from those by the candidate, as in Evaluation.
+  [[nodiscard]] Parameters gradient(std::span<const double> parameters, const std::array<double, 6>& by_pose,
+                                    std::span<const std::array<double, 3>> by_size) const;
+  /// The same for the distance of one point, a row of a Jacobian.
+  void gradient(std::span<const double> parameters, const std::array<double, 6>& by_pose, const PointDistance& at,
+                std::span<double> row) const;
+
+ private:
+  /// A semi-axis that is free.
+  struct Size {
+    std::size_t primitive;
+    std::size_t axis;
+  };
+
+  void bound_pose(const PoseRange& range);
+  void bound_sizes(const UncertainModel& implant);
+  void write_pose_gradient(std::span<const double> parameters, const std::array<double, 6>& by_pose,
+                           std::span<double> row) const;
+  [[nodiscard]] Eigen::Quaterniond rotation(std::span<const double> parameters) const;
+
+  Model middle_;  ///< sizes at the middle of their intervals
+  std::vector<Size> sizes_;
+  Eigen::Quaterniond start_rotation_;
+  Eigen::Vector3d centre_;        ///< of the implant, in its own frame
+  Eigen::Vector3d start_centre_;  ///< where the start puts it
+  double radius_;                 ///< of the bounding box
+  Parameters lower_, upper_, units_;
+};
+
+}  // namespace verisq::fit_search

@@ -1,0 +1,300 @@
+/// Branch and bound over pieces of triangles: each lies in a ball about a sample, and the distance to a solid changes
+/// by no more than the point moves (it is 1-Lipschitz, inside too).
+#include "verisq/mesh_clearance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "verify/rounding.hpp"
+#include "verisq/distance_map.hpp"
+#include "verisq/error.hpp"
+
+namespace verisq {
+namespace {
+
+using verify::Direction;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double smallest_normal = std::numeric_limits<double>::min();
+
+/// Of the tolerance goes to the samples, the rest to the balls.
+constexpr double share_of_samples = 0.25;
+/// Of how much deeper than the limit a triangle goes: how closely its deepest point is sought.
+constexpr double share_of_depth = 0.25;
+/// A piece is halved at most so often: 2^-30 of the triangle's size.
+constexpr int most_halvings = 60;
+
+/// A part of a triangle, by its corners to nearest; a thin one by its longest side, whose end comes twice then.
+struct Piece {
+  Triangle corners;
+  std::uint32_t triangle;
+  double displacement;     ///< what lies between the corners is no farther from the triangle
+  double thickness = 0.0;  ///< the piece lies no farther than displacement + thickness from what is between the corners
+  int halvings = 0;
+  double bound = -infinity;  ///< no signed distance on it is less
+};
+
+double largest_coordinate(const Triangle& corners) {
+  double largest = 0.0;
+  for (const Point& corner : corners)
+    for (const double x : corner) largest = std::max(largest, std::abs(x));
+  return largest;
+}
+
+/// How far corners and centre of any piece of a triangle may lie from the exact ones. With M the triangle's largest
+/// coordinate (pieces near the origin inherit the roundings of far ones) and u = 2^-53, a midpoint rounds by u M in
+/// each coordinate, on top of what its two ends are off on average: after k halvings a corner is off by at most sqrt(3)
+/// k u M, the centre, of three corners, by sqrt(3) 4 u M more. For k <= 60 that is less than 111 u M < 2^-46 M; what
+/// underflows is less than the smallest normal number.
+double displacement(const Triangle& whole) {
+  return 0x1p-46 * largest_coordinate(whole) + smallest_normal;
+}
+
+Point centre(const Triangle& corners) {
+  Point sum;
+  for (std::size_t i = 0; i < 3; ++i) sum[i] = corners[0][i] / 3 + corners[1][i] / 3 + corners[2][i] / 3;
+  return sum;
+}
+
+double distance_up(const Point& a, const Point& b) {
+  double squares = 0.0;  // rounded up: sum of nonnegative terms
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double apart =
+        std::max(verify::subtract(a[i], b[i], Direction::up), verify::subtract(b[i], a[i], Direction::up));
+    squares = verify::add(squares, verify::multiply(apart, apart, Direction::up), Direction::up);
+  }
+  return verify::square_root(squares, Direction::up);
+}
+
+/// Of the ball about `sample` that holds the exact piece: a ball that holds the corners holds all between them.
+double radius_up(const Piece& piece, const Point& sample) {
+  double farthest = 0.0;
+  for (const Point& corner : piece.corners) farthest = std::max(farthest, distance_up(corner, sample));
+  return verify::add(farthest, verify::add(piece.displacement, piece.thickness, Direction::up), Direction::up);
+}
+
+/// The ends of the longest side first.
+Triangle longest_side_first(const Triangle& corners) {
+  const auto& [a, b, c] = corners;
+  const std::array<double, 3> sides{distance_up(a, b), distance_up(b, c), distance_up(c, a)};
+  const auto longest = static_cast<std::size_t>(std::ranges::max_element(sides) - sides.begin());
+  return {corners[longest], corners[(longest + 1) % 3], corners[(longest + 2) % 3]};
+}
+
+/// The point of a segment nearest to `apex`, about: it is off the segment by less than 16 u times the largest
+/// coordinate, less than the displacement.
+Point foot(const Point& apex, const Point& from, const Point& to) {
+  double along = 0.0;
+  double squared = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    along += (apex[i] - from[i]) * (to[i] - from[i]);
+    squared += (to[i] - from[i]) * (to[i] - from[i]);
+  }
+  const double share = squared > 0.0 ? std::clamp(along / squared, 0.0, 1.0) : 0.0;
+  Point foot;
+  for (std::size_t i = 0; i < 3; ++i) foot[i] = from[i] + share * (to[i] - from[i]);
+  return foot;
+}
+
+/// Halves of a needle lie side by side, more and more of them: a piece no thicker than `thinnest` becomes a segment.
+/// The distance to the longest side is convex and 0 at its ends, hence largest at the third corner.
+Piece without_thinness(const Piece& piece, double thinnest) {
+  const auto [from, to, apex] = longest_side_first(piece.corners);
+  if (piece.thickness > 0.0 || from == to) return piece;
+  const double height = distance_up(apex, foot(apex, from, to));
+  if (!(height <= thinnest)) return piece;  // also for NaN, where numbers overflow
+  Piece segment = piece;
+  segment.corners = {from, to, to};
+  segment.thickness = verify::add(height, piece.displacement, Direction::up);  // of the foot
+  return segment;
+}
+
+/// At the middle of the longest side, so that slivers do not stay slivers.
+std::array<Piece, 2> halves(const Piece& piece) {
+  const auto [from, to, apex] = longest_side_first(piece.corners);
+  Point middle;
+  for (std::size_t i = 0; i < 3; ++i) middle[i] = 0.5 * from[i] + 0.5 * to[i];
+  std::array<Piece, 2> halves{piece, piece};
+  halves[0].corners = {from, middle, piece.thickness > 0.0 ? middle : apex};
+  halves[1].corners = {middle, to, piece.thickness > 0.0 ? to : apex};
+  for (Piece& half : halves) ++half.halvings;
+  return halves;
+}
+
+/// What is known of one triangle.
+struct TriangleState {
+  double deepest = infinity;  ///< the least upper bound of a sample's distance
+  Point deepest_point{};
+  bool unresolved = false;  ///< a piece may lie too deep, but cannot be told
+};
+
+class MeshSearch {
+ public:
+  MeshSearch(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options)
+      : options_(options),
+        mapper_(model, {.tolerance = share_of_samples *
+                                     std::min(options.tolerance, options.limit_tolerance.value_or(options.tolerance)),
+                        .device = options.device,
+                        .interrupted = options.interrupted}),
+        triangles_(mesh.triangles.size()) {
+    for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
+      const auto& [a, b, c] = mesh.triangles[n];
+      const Triangle whole{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
+      open_.push_back({.corners = whole, .triangle = n, .displacement = displacement(whole)});
+    }
+    if (is_union_of_convex(model)) bound_whole_triangles(model);
+  }
+
+  MeshClearance operator()() {
+    settle_unless([this](const Piece& piece) { return is_open(piece); });
+    while (!open_.empty() && !found_.interrupted && found_.samples + open_.size() <= options_.most_samples) {
+      sample();
+      divide();
+    }
+    for (const Piece& piece : open_) settle(piece);
+    summarise();
+    return std::move(found_);
+  }
+
+ private:
+  /// Of triangles that do not meet the solid the distance is the smallest signed one on them, which a certificate for
+  /// the whole triangle proves at once; of those that do it is 0, above the smallest signed one.
+  void bound_whole_triangles(const Model& model) {
+    TriangleMapper mapper(model, {.tolerance = share_of_samples * options_.tolerance,
+                                  .device = options_.device,
+                                  .interrupted = options_.interrupted});
+    std::size_t asked = 0;
+    std::size_t answered = 0;
+    const TriangleSource source = [&](std::span<Triangle> triangles) {
+      const std::size_t count = std::min(triangles.size(), open_.size() - asked);
+      for (std::size_t i = 0; i < count; ++i) triangles[i] = open_[asked++].corners;
+      return count;
+    };
+    const TriangleSink sink = [&](std::span<const Triangle>, std::span<const MapResult> rows,
+                                  std::span<const Certificate>) {
+      for (const auto& [distance, status] : rows) {
+        if (distance.lo > 0.0) open_[answered].bound = distance.lo;
+        smallest_hi_ = std::min(smallest_hi_, distance.hi);
+        ++answered;
+      }
+    };
+    found_.interrupted = mapper.map(source, sink).interrupted;
+  }
+
+  [[nodiscard]] bool too_deep(std::uint32_t triangle) const {
+    return triangles_[triangle].deepest < -options_.penetration_limit;
+  }
+
+  /// Bounds every open piece by the distance of its centre; when interrupted, the first of them.
+  void sample() {
+    std::size_t asked = 0;
+    std::size_t answered = 0;
+    const PointSource source = [&](std::span<Point> points) {
+      const std::size_t count = std::min(points.size(), open_.size() - asked);
+      for (std::size_t i = 0; i < count; ++i) points[i] = centre(open_[asked++].corners);
+      return count;
+    };
+    const MapSink sink = [&](std::span<const Point> points, std::span<const MapResult> rows,
+                             std::span<const Certificate>) {
+      for (std::size_t i = 0; i < rows.size(); ++i) bound(open_[answered++], points[i], rows[i].distance);
+    };
+    found_.interrupted = mapper_.map(source, sink).interrupted;
+    found_.samples += answered;
+  }
+
+  void bound(Piece& piece, const Point& sample, const Enclosure& distance) {
+    piece.bound = std::max(piece.bound, verify::subtract(distance.lo, radius_up(piece, sample), Direction::down));
+    const double hi = verify::add(distance.hi, piece.displacement, Direction::up);
+    smallest_hi_ = std::min(smallest_hi_, hi);
+    TriangleState& triangle = triangles_[piece.triangle];
+    if (hi >= triangle.deepest) return;
+    triangle.deepest = hi;
+    triangle.deepest_point = sample;
+  }
+
+  void divide() {
+    settle_unless([this](const Piece& piece) { return is_worth_halving(piece); });
+    std::vector<Piece> next;
+    for (const Piece& piece : open_)
+      for (const Piece& half : halves(without_thinness(piece, thinnest()))) next.push_back(half);
+    open_ = std::move(next);
+  }
+
+  [[nodiscard]] bool may_decide(const Piece& piece) const {
+    return piece.bound < -options_.penetration_limit && !too_deep(piece.triangle);
+  }
+
+  [[nodiscard]] bool may_narrow(const Piece& piece) const { return piece.bound < smallest_hi_ - options_.tolerance; }
+
+  /// May hold a point that is much deeper than the deepest known of its triangle.
+  [[nodiscard]] bool may_deepen(const Piece& piece) const {
+    const double deepest = triangles_[piece.triangle].deepest;
+    return too_deep(piece.triangle) && piece.bound < deepest - share_of_depth * (-options_.penetration_limit - deepest);
+  }
+
+  [[nodiscard]] bool is_open(const Piece& piece) const {
+    return may_decide(piece) || may_deepen(piece) || may_narrow(piece);
+  }
+
+  [[nodiscard]] bool is_worth_halving(const Piece& piece) const {
+    if (piece.halvings == most_halvings) return false;
+    const double radius = radius_up(piece, centre(piece.corners));
+    if (radius <= 8.0 * piece.displacement) return false;  // what is left is rounding
+    return ((may_decide(piece) || may_deepen(piece)) &&
+            radius > share_of_samples * options_.limit_tolerance.value_or(options_.tolerance)) ||
+           (may_narrow(piece) && radius > share_of_samples * options_.tolerance);
+  }
+
+  template <class Keep>
+  void settle_unless(const Keep& keep) {
+    std::erase_if(open_, [&](const Piece& piece) {
+      if (keep(piece)) return false;
+      settle(piece);
+      return true;
+    });
+  }
+
+  void settle(const Piece& piece) {
+    settled_lo_ = std::min(settled_lo_, piece.bound);
+    if (!(piece.bound >= -options_.penetration_limit)) triangles_[piece.triangle].unresolved = true;
+  }
+
+  void summarise() {
+    for (std::uint32_t n = 0; n < triangles_.size(); ++n) {
+      if (too_deep(n)) {
+        ++found_.proven_too_deep;
+        found_.too_deep.push_back({triangles_[n].deepest_point, n});
+      } else {
+        ++(triangles_[n].unresolved ? found_.undecided : found_.proven_within);
+      }
+    }
+    found_.smallest_distance = {settled_lo_, smallest_hi_};
+  }
+
+  /// Half of what a piece that is not worth halving may lie away from its sample.
+  [[nodiscard]] double thinnest() const {
+    return 0.5 * share_of_samples * std::min(options_.tolerance, options_.limit_tolerance.value_or(options_.tolerance));
+  }
+
+  MeshClearanceOptions options_;
+  DistanceMapper mapper_;
+  std::vector<TriangleState> triangles_;
+  std::vector<Piece> open_;
+  double settled_lo_ = infinity;   ///< of all pieces that are not open any more
+  double smallest_hi_ = infinity;  ///< of all samples
+  MeshClearance found_{};
+};
+
+}  // namespace
+
+MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options) {
+  if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
+  return MeshSearch(model, mesh, options)();
+}
+
+}  // namespace verisq

@@ -1,0 +1,55 @@
+/// A picture that is being drawn: pixels, rectangles and words, and at the end a file. Wraps cairo.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "host/report/colour_scale.hpp"
+
+struct _cairo_surface;
+
+namespace verisq::report {
+
+class Drawing {
+ public:
+  /// White. Precondition: width, height in [1, 32767]. Throws Error(failure) without memory.
+  Drawing(int width, int height);
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+
+  /// The pixels from (x, y) to the right. Precondition: within the picture.
+  void set_row(int x, int y, std::span<const Colour> colours);
+  void fill_rectangle(double x, double y, double width, double height, const Colour& colour);
+
+  enum class Weight { normal, bold };
+  struct Type {
+    double size;  ///< of the letters, in pixels
+    Colour colour;
+    Weight weight = Weight::normal;
+  };
+
+  /// One line of UTF-8 (what is not is replaced), its base line from (x, y); shortened by "..." where it would be wider
+  /// than `room`. On a machine without fonts nothing appears.
+  void write(double x, double y, double room, const std::string& text, const Type& type);
+
+  /// The width that `write` would take of unlimited room; 0 without fonts.
+  [[nodiscard]] double width_of(const std::string& text, const Type& type) const;
+
+  /// As .png; the file appears when it is complete. Throws Error(failure).
+  void save(const std::filesystem::path& path) const;
+
+ private:
+  struct Release {
+    void operator()(_cairo_surface* surface) const;
+  };
+
+  int width_, height_;
+  std::unique_ptr<_cairo_surface, Release> surface_;
+  unsigned char* pixels_;
+  std::ptrdiff_t row_size_;  // bytes
+};
+
+}  // namespace verisq::report

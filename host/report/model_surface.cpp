@@ -1,0 +1,194 @@
+/// A grid over each primitive, and of it what lies on the boundary of the whole.
+#include "host/report/model_surface.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <vector>
+
+#include "host/report/placed_primitive.hpp"
+
+namespace verisq::report {
+namespace {
+
+using std::numbers::pi;
+
+constexpr int steps_a_quarter = 12;
+/// Of the triangles where cuts pass: 2^4 times finer than the grid.
+constexpr int deepest_split = 4;
+
+enum class Face { none, outward, inward };  // inward: the primitive is cut away there
+
+using ParameterTriangle = std::array<SurfaceParameters, 3>;
+
+SurfaceParameters between(const SurfaceParameters& a, const SurfaceParameters& b) {
+  return {(a.longitude + b.longitude) / 2.0, (a.latitude + b.latitude) / 2.0};
+}
+
+/// Directions from one axis to the next, in quarter turns: evenly spread ones for the flat parts, and those of the
+/// curve's usual form (cos^e, sin^e), which crowd wherever the exponent makes it turn.
+std::vector<double> quarter_grid(double exponent) {
+  std::vector<double> grid;
+  for (int k = 0; k <= steps_a_quarter; ++k) {
+    const double even = static_cast<double>(k) / steps_a_quarter;
+    const double angle = even * pi / 2.0;
+    grid.push_back(even);
+    grid.push_back(std::atan2(std::pow(std::sin(angle), exponent), std::pow(std::cos(angle), exponent)) / (pi / 2.0));
+  }
+  std::ranges::sort(grid);
+  // What is nearer than this to its neighbour adds triangles and nothing to see.
+  constexpr double closest = 0.1 / steps_a_quarter;
+  std::vector<double> thinned{0.0};
+  for (const double t : grid) {
+    if (t - thinned.back() > closest && 1.0 - t > closest) thinned.push_back(t);
+  }
+  return thinned;  // 1 is the first of the next quarter
+}
+
+/// From `first` to `last` quarter turns, both included.
+std::vector<double> grid_of_quarters(int first, int last, double exponent) {
+  const std::vector<double> quarter = quarter_grid(exponent);
+  std::vector<double> grid;
+  for (int q = first; q < last; ++q) {
+    for (const double t : quarter) grid.push_back(q + t);
+  }
+  grid.push_back(last);
+  return grid;
+}
+
+class SurfaceBuilder {
+ public:
+  explicit SurfaceBuilder(const Model& model) : model_(model) {
+    for (const Primitive& primitive : model.primitives) primitives_.emplace_back(primitive);
+  }
+
+  Mesh build() && {
+    for (std::size_t k = 0; k < primitives_.size(); ++k) add_primitive(k);
+    return std::move(mesh_);
+  }
+
+ private:
+  void add_primitive(std::size_t k) {
+    const PlacedPrimitive& primitive = primitives_[k];
+    const std::vector<double> longitudes = grid_of_quarters(0, 4, primitive.exponents()[1]);
+    const std::vector<double> latitudes = grid_of_quarters(-1, 1, primitive.exponents()[0]);
+    for (std::size_t i = 0; i + 1 < longitudes.size(); ++i) {
+      for (std::size_t j = 0; j + 1 < latitudes.size(); ++j) {
+        add_cell(k, {longitudes[i], latitudes[j]}, {longitudes[i + 1], latitudes[j + 1]});
+      }
+    }
+  }
+
+  /// Cells at the poles are triangles.
+  void add_cell(std::size_t k, const SurfaceParameters& low, const SurfaceParameters& high) {
+    const SurfaceParameters low_right{high.longitude, low.latitude};
+    const SurfaceParameters high_left{low.longitude, high.latitude};
+    if (low.latitude > -1.0) add(k, {low, low_right, high.latitude < 1.0 ? high : between(high, high_left)}, 0);
+    if (high.latitude < 1.0) add(k, {low.latitude > -1.0 ? low : between(low, low_right), high, high_left}, 0);
+  }
+
+  void add(std::size_t k, const ParameterTriangle& triangle, int depth) {
+    const PlacedPrimitive& primitive = primitives_[k];
+    std::array<Eigen::Vector3d, 3> corners;
+    std::ranges::transform(triangle, corners.begin(), [&](const auto& p) { return primitive.surface_point(p); });
+    if (primitives_.size() == 1) return keep(corners, Face::outward);
+
+    const SurfaceParameters middle{(triangle[0].longitude + triangle[1].longitude + triangle[2].longitude) / 3.0,
+                                   (triangle[0].latitude + triangle[1].latitude + triangle[2].latitude) / 3.0};
+    const Eigen::Vector3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).stableNormalized();
+    const Eigen::Vector3d step = 1e-6 * primitive.radius() * normal;
+    const std::array faces{face(k, corners[0], step), face(k, corners[1], step), face(k, corners[2], step),
+                           face(k, primitive.surface_point(middle), step)};
+    const bool same = std::ranges::all_of(faces, [&](Face f) { return f == faces[0]; });
+    if (depth < (model_.csg ? deepest_split : 0) && (!same || may_miss_a_part(k, corners))) {
+      return split(k, triangle, depth);
+    }
+    // A triangle that only touches the boundary is kept: better an edge too far than a gap.
+    const auto* found = std::ranges::find_if(faces, [](Face f) { return f != Face::none; });
+    if (found != faces.end()) keep(corners, *found);
+  }
+
+  void split(std::size_t k, const ParameterTriangle& t, int depth) {
+    const SurfaceParameters a = between(t[1], t[2]);
+    const SurfaceParameters b = between(t[2], t[0]);
+    const SurfaceParameters c = between(t[0], t[1]);
+    for (const ParameterTriangle& part : {ParameterTriangle{t[0], c, b}, {c, t[1], a}, {b, a, t[2]}, {a, b, c}}) {
+      add(k, part, depth + 1);
+    }
+  }
+
+  /// Whether another primitive is so near and so thin that it may pass between the corners.
+  [[nodiscard]] bool may_miss_a_part(std::size_t k, const std::array<Eigen::Vector3d, 3>& corners) const {
+    const Eigen::Vector3d middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    double size = 0.0;
+    for (const Eigen::Vector3d& corner : corners) size = std::max(size, (corner - middle).norm());
+    for (std::size_t other = 0; other < primitives_.size(); ++other) {
+      const PlacedPrimitive& primitive = primitives_[other];
+      if (other != k && size > primitive.smallest_semi_axis() &&
+          (primitive.centre() - middle).norm() < primitive.radius() + size) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// What primitive k's surface is to the whole solid at a point: `step` leads out of the primitive.
+  [[nodiscard]] Face face(std::size_t k, const Eigen::Vector3d& point, const Eigen::Vector3d& step) const {
+    const bool within = in_solid(point - step, k, true);
+    const bool beyond = in_solid(point + step, k, false);
+    if (within == beyond) return Face::none;
+    return within ? Face::outward : Face::inward;
+  }
+
+  /// Whether the solid contains the point, of which it is known whether primitive k contains it.
+  [[nodiscard]] bool in_solid(const Eigen::Vector3d& point, std::size_t k, bool in_k) const {
+    const auto in_primitive = [&](std::size_t i) { return i == k ? in_k : primitives_[i].contains(point); };
+    if (model_.csg) return in_set(*model_.csg, in_primitive);
+    for (std::size_t i = 0; i < primitives_.size(); ++i) {
+      if (in_primitive(i)) return true;
+    }
+    return false;
+  }
+
+  template <class InPrimitive>
+  [[nodiscard]] static bool in_set(const SetExpression& set, const InPrimitive& in_primitive) {
+    if (set.operands.empty()) return in_primitive(set.primitive);
+    const auto in_operand = [&](const SetExpression& operand) { return in_set(operand, in_primitive); };
+    switch (set.operation) {
+      case SetOperation::unite: return std::ranges::any_of(set.operands, in_operand);
+      case SetOperation::intersect: return std::ranges::all_of(set.operands, in_operand);
+      case SetOperation::subtract: break;
+    }
+    return in_operand(set.operands.front()) && std::none_of(set.operands.begin() + 1, set.operands.end(), in_operand);
+  }
+
+  void keep(const std::array<Eigen::Vector3d, 3>& corners, Face face) {
+    std::array<std::uint32_t, 3> triangle{index_of(corners[0]), index_of(corners[1]), index_of(corners[2])};
+    if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) return;
+    if (face == Face::inward) std::swap(triangle[1], triangle[2]);
+    mesh_.triangles.push_back(triangle);
+  }
+
+  std::uint32_t index_of(const Eigen::Vector3d& corner) {
+    const Point point{corner[0], corner[1], corner[2]};
+    const auto [place, added] = indices_.try_emplace(point, static_cast<std::uint32_t>(mesh_.vertices.size()));
+    if (added) mesh_.vertices.push_back(point);
+    return place->second;
+  }
+
+  const Model& model_;
+  std::vector<PlacedPrimitive> primitives_;
+  Mesh mesh_;
+  std::map<Point, std::uint32_t> indices_;
+};
+
+}  // namespace
+
+Mesh model_surface(const Model& model) {
+  return SurfaceBuilder(model).build();
+}
+
+}  // namespace verisq::report

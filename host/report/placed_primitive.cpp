@@ -1,0 +1,81 @@
+/// Superquadric, bend (design 2, §9) and pose in plain binary64.
+#include "host/report/placed_primitive.hpp"
+
+#include <algorithm>
+#include <boost/math/special_functions/cos_pi.hpp>
+#include <boost/math/special_functions/sin_pi.hpp>
+#include <boost/math/special_functions/sinc.hpp>
+#include <cmath>
+
+#include "host/device/rotation.hpp"
+
+namespace verisq::report {
+namespace {
+
+/// (|a|^(2/e) + |b|^(2/e))^(e/2): of degree 1, so that the larger can be taken out before the powers underflow.
+double superellipse_gauge(double a, double b, double exponent) {
+  const double larger = std::max(std::abs(a), std::abs(b));
+  const double smaller = std::min(std::abs(a), std::abs(b));
+  if (larger == 0.0) return 0.0;
+  return larger * std::pow(1.0 + std::pow(smaller / larger, 2.0 / exponent), exponent / 2.0);
+}
+
+Eigen::Matrix3d matrix(const std::array<double, 9>& rows) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
+}
+
+}  // namespace
+
+Eigen::Vector2d superellipse(double quarter_turns, double exponent) {
+  // Exact zeros at the axes: neighbouring quarters share their points bit by bit.
+  const double x = boost::math::cos_pi(quarter_turns / 2.0);
+  const double y = boost::math::sin_pi(quarter_turns / 2.0);
+  return Eigen::Vector2d(x, y) / superellipse_gauge(x, y, exponent);
+}
+
+PlacedPrimitive::PlacedPrimitive(const Primitive& primitive)
+    : semi_axes_(primitive.superquadric.semi_axes[0], primitive.superquadric.semi_axes[1],
+                 primitive.superquadric.semi_axes[2]),
+      exponents_(primitive.superquadric.exponents),
+      rotation_(matrix(device::rotation_matrix(primitive.pose.quaternion))),
+      translation_(primitive.pose.translation[0], primitive.pose.translation[1], primitive.pose.translation[2]) {
+  if (!primitive.bend) return;
+  const double half_turns = primitive.bend->angle_degrees / 180.0;
+  arc_ = {primitive.bend->curvature, boost::math::cos_pi(half_turns), boost::math::sin_pi(half_turns)};
+}
+
+Eigen::Vector3d PlacedPrimitive::surface_point(const SurfaceParameters& parameters) const {
+  const Eigen::Vector2d along = superellipse(parameters.latitude, exponents_[0]);
+  const Eigen::Vector2d around = superellipse(parameters.longitude, exponents_[1]);
+  const Eigen::Array3d unit(along[0] * around[0], along[0] * around[1], along[1]);
+  return rotation_ * arc_.bent((unit * semi_axes_).matrix()) + translation_;
+}
+
+bool PlacedPrimitive::contains(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d straight = arc_.unbent(rotation_.transpose() * (point - translation_));
+  const Eigen::Array3d unit = straight.array() / semi_axes_;
+  return superellipse_gauge(superellipse_gauge(unit[0], unit[1], exponents_[1]), unit[2], exponents_[0]) <= 1.0;
+}
+
+Eigen::Vector3d PlacedPrimitive::Arc::bent(const Eigen::Vector3d& unbent) const {
+  if (curvature == 0.0) return unbent;
+  const double r = unbent[0] * cosine + unbent[1] * sine;
+  const double s = unbent[1] * cosine - unbent[0] * sine;
+  const double angle = curvature * unbent[2];
+  // (1 - cos kz) / k without its cancellation
+  const double along = r * std::cos(angle) + unbent[2] * std::sin(angle / 2.0) * boost::math::sinc_pi(angle / 2.0);
+  const double up = (1.0 - curvature * r) * unbent[2] * boost::math::sinc_pi(angle);
+  return {along * cosine - s * sine, along * sine + s * cosine, up};
+}
+
+Eigen::Vector3d PlacedPrimitive::Arc::unbent(const Eigen::Vector3d& bent) const {
+  if (curvature == 0.0) return bent;
+  const double along = bent[0] * cosine + bent[1] * sine;
+  const double s = bent[1] * cosine - bent[0] * sine;
+  const double m = 1.0 - curvature * along;
+  const double rise = curvature * bent[2];
+  const double r = (2.0 * along - curvature * (along * along + bent[2] * bent[2])) / (1.0 + std::hypot(m, rise));
+  return {r * cosine - s * sine, r * sine + s * cosine, std::atan2(rise, m) / curvature};
+}
+
+}  // namespace verisq::report

@@ -1,0 +1,50 @@
+/// One primitive in the model's frame, to nearest: points of its surface, and what lies inside. For drawing alone.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <verisq/model.hpp>
+
+namespace verisq::report {
+
+/// A direction in quarter turns: longitude from x to y, latitude in [-1, 1] from the x-y plane towards z.
+struct SurfaceParameters {
+  double longitude;
+  double latitude;
+};
+
+class PlacedPrimitive {
+ public:
+  explicit PlacedPrimitive(const Primitive& primitive);
+
+  /// The point of the surface which lay in this direction before semi-axes, bend and pose were applied.
+  [[nodiscard]] Eigen::Vector3d surface_point(const SurfaceParameters& parameters) const;
+
+  [[nodiscard]] bool contains(const Eigen::Vector3d& point) const;
+
+  /// Of a ball about `centre()` that contains the primitive.
+  [[nodiscard]] double radius() const { return semi_axes_.sum(); }
+  [[nodiscard]] double smallest_semi_axis() const { return semi_axes_.minCoeff(); }
+  [[nodiscard]] const Eigen::Vector3d& centre() const { return translation_; }
+  /// e1, of the curve along the latitude, and e2, of that along the longitude.
+  [[nodiscard]] const std::array<double, 2>& exponents() const { return exponents_; }
+
+ private:
+  struct Arc {  // of the bend; curvature 0 for none
+    double curvature, cosine, sine;
+
+    [[nodiscard]] Eigen::Vector3d bent(const Eigen::Vector3d& unbent) const;
+    [[nodiscard]] Eigen::Vector3d unbent(const Eigen::Vector3d& bent) const;
+  };
+
+  Eigen::Array3d semi_axes_;
+  std::array<double, 2> exponents_;
+  Arc arc_{0.0, 1.0, 0.0};
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d translation_;
+};
+
+/// The point of the curve |x|^(2/exponent) + |y|^(2/exponent) = 1 in the direction `quarter_turns` from x to y.
+[[nodiscard]] Eigen::Vector2d superellipse(double quarter_turns, double exponent);
+
+}  // namespace verisq::report

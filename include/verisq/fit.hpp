@@ -1,0 +1,66 @@
+/// Searches for the pose and the sizes of an implant that serve a cavity best: the paper's Eq. (4). A search in
+/// floating point: nothing here is proven; `clearance.hpp` proves what was found.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+#include <verisq/cavity.hpp>
+#include <verisq/fitness.hpp>
+#include <verisq/model.hpp>
+#include <verisq/uncertain_model.hpp>
+
+namespace verisq {
+
+/// Poses that a fit may choose: from the start, the implant's centre (of the bounding box of its own frame) moves by at
+/// most `translation` along each axis, and the implant turns about that centre by a rotation vector of at most
+/// `rotation_degrees` along each axis.
+struct PoseRange {
+  Pose start{};
+  double translation;       ///< model units, >= 0
+  double rotation_degrees;  ///< in [0, 180]
+};
+
+struct FitProgress {
+  double objective;     ///< of the best pose so far that respects the limits; -infinity where there is none
+  double done;          ///< share of the work, in [0, 1]
+  std::size_t implant;  ///< that is being fitted, index in the series
+};
+
+struct FitOptions {
+  Fitness fitness;
+  double penetration_limit;  ///< no point of the cavity's surface deeper inside the implant, in model units; >= 0
+  double surface_tolerance =
+      0.0;  ///< where the cavity has triangles: how close to the limit they are still decided; > 0
+  PoseRange range;
+  std::uint64_t seed = 1;                                    ///< the same seed on the same device gives the same pose
+  std::size_t samples = 4096;                                ///< poses of the global start
+  std::string device = "auto";                               ///< as MapOptions::device; "host": no OpenCL at all
+  std::function<bool()> interrupted = [] { return false; };  ///< polled; true: the best so far is returned
+  std::function<void(const FitProgress&)> progress = [](const FitProgress&) {};
+};
+
+struct Fit {
+  std::size_t implant;         ///< index in the series
+  Pose pose;                   ///< of the chosen implant, after its primitives' own poses
+  Model model;                 ///< the implant with its chosen sizes, posed: what is to be proven
+  double objective;            ///< F of Eq. (4), to about 1e-9
+  double deepest_penetration;  ///< of a point of the cavity, 0 where none is inside; to about 1e-9; of its surface, to
+                               ///< a hundred times its tolerance, where there are triangles
+  bool within_limit;  ///< no point deeper than the limit by the search's own reckoning, no triangle proven to be
+  bool interrupted;
+  std::uint64_t poses;  ///< candidates evaluated
+  std::string device;   ///< used, or "host"
+  std::string notice;   ///< why a device was passed over; empty when nothing to say
+};
+
+/// Fits every implant of the series and returns the best: within the limit before beyond it, then the largest
+/// objective; of equals the earlier. Semi-axes that are intervals are sizes to choose from (I_l <= I <= I_r); all other
+/// numbers must be exact. The functions of the options are called by one thread at a time. Throws Error(input) for an
+/// empty series or cavity, for options and points out of their ranges, for implants that are not unions of convex
+/// primitives, for other uncertain numbers, and for devices as DistanceMapper.
+[[nodiscard]] Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options);
+
+}  // namespace verisq

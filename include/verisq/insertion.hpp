@@ -1,0 +1,42 @@
+/// How deep an implant cuts into the bone on its way in: the bone that must be removed.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+#include <verisq/distance_map.hpp>
+#include <verisq/map_result.hpp>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// Poses along a straight way into the last pose: `steps` + 1 poses, equally spaced over `length` against the
+/// direction, so that the motion ends in `last` moving along the direction. Precondition: direction not zero, finite;
+/// length > 0; steps > 0.
+[[nodiscard]] std::vector<Pose> straight_path(const Pose& last, const Point& direction, double length,
+                                              std::size_t steps);
+
+/// Between two poses of a path the translation is linear in time and the rotation turns about a fixed axis at constant
+/// speed, by the smaller angle (of opposite orientations either way).
+struct InsertionOptions {
+  double tolerance;             ///< of the enclosures, in model units, > 0: a coarse path cannot reach a fine one
+  std::string device = "auto";  ///< as MapOptions
+  std::function<bool()> interrupted = [] { return false; };
+  std::function<void(double done)> progress = [](double) {};
+};
+
+/// For each point of the bone the smallest signed distance to the implant along the whole path, between the poses too:
+/// minus the depth of bone to be removed there where it is negative. `rows` in the order of the points.
+struct Insertion {
+  std::vector<MapResult> rows;
+  MapSummary summary;
+};
+
+/// The implant (any model) moves by the poses after its primitives' own. Proven between the poses by how far a point of
+/// the bone moves in the implant's frame. Throws Error(input) for a path without poses, for poses that are not finite
+/// or have a zero quaternion, and as DistanceMapper.
+[[nodiscard]] Insertion smallest_distance_along(std::span<const Pose> path, const Model& implant,
+                                                std::span<const Point> bone, const InsertionOptions& options);
+
+}  // namespace verisq

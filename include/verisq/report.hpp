@@ -1,0 +1,42 @@
+/// A finished map for people to look at: a page that opens by itself in a browser, and a still picture.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+#include <verisq/map_result.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// One line of the certified summary, as the program prints it.
+struct ReportLine {
+  std::string label;
+  std::string value;
+};
+
+/// What a report shows. Spans and references must outlive the call.
+struct Report {
+  std::string title;
+  const Mesh& bone;                        ///< rows are of its vertices
+  std::span<const MapResult> rows;         ///< one a vertex
+  const Model& implant;                    ///< drawn transparent
+  std::string units;                       ///< of lengths; may be empty
+  std::vector<ReportLine> summary;         ///< table, in this order
+  std::vector<std::string> area_names;     ///< empty: no areas
+  std::span<const std::uint32_t> area_of;  ///< one a vertex where there are areas
+};
+
+/// A self-contained `.html` (no network): the bone coloured by its proven distances, the implant, [lo, hi] where the
+/// pointer is, histogram, summary. Distances are kept as exact binary64. Throws Error(failure) when the file cannot be
+/// written.
+void write_html_report(const std::filesystem::path& path, const Report& report);
+
+/// A still picture `.png` of the bone coloured by the proven lower bound, the implant showing through, and the colour
+/// scale. Precondition: width, height in [64, 16384] pixels. Throws as above.
+void write_picture(const std::filesystem::path& path, const Report& report, int width = 1600, int height = 1000);
+
+}  // namespace verisq

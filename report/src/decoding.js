@@ -1,0 +1,58 @@
+// Reads the data block of the page: JSON with base64 arrays becomes typed arrays (report/README.md has the format).
+
+const format = "verisq-report/1";
+
+// A report that cannot be shown; the message is for the reader.
+export class BrokenReport extends Error {}
+
+function bytesOf(base64) {
+  if (typeof Uint8Array.fromBase64 === "function") return Uint8Array.fromBase64(base64);
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let k = 0; k < text.length; ++k) bytes[k] = text.charCodeAt(k);
+  return bytes;
+}
+
+function isLittleEndian() {
+  return new Uint8Array(new Uint32Array([1]).buffer)[0] === 1;
+}
+
+function numbersOf(base64, Numbers, length, name) {
+  const bytes = bytesOf(base64);
+  if (bytes.length % Numbers.BYTES_PER_ELEMENT !== 0) throw new BrokenReport(`${name}: a number is cut off`);
+  const numbers = new Numbers(bytes.buffer, bytes.byteOffset, bytes.length / Numbers.BYTES_PER_ELEMENT);
+  if (length !== undefined && numbers.length !== length) {
+    throw new BrokenReport(`${name}: ${numbers.length} numbers instead of ${length}`);
+  }
+  return numbers;
+}
+
+function surfaceOf(surface, name) {
+  const positions = numbersOf(surface.positions, Float32Array, undefined, `${name}.positions`);
+  const triangles = numbersOf(surface.triangles, Uint32Array, undefined, `${name}.triangles`);
+  const vertices = positions.length / 3;
+  if (!triangles.every((vertex) => vertex < vertices)) throw new BrokenReport(`${name}.triangles: no such vertex`);
+  return { positions, triangles };
+}
+
+export function decodeReport(text) {
+  const report = JSON.parse(text);
+  if (report.format !== format) throw new BrokenReport(`format: ${report.format} is not ${format}`);
+  if (!isLittleEndian()) throw new BrokenReport("this machine is not little-endian");
+  const bone = surfaceOf(report.bone, "bone");
+  const count = bone.positions.length / 3;
+  const perVertex = (base64, Numbers, name) => numbersOf(base64, Numbers, count, name);
+  return {
+    title: report.title,
+    units: report.units,
+    summary: report.summary,
+    centre: report.centre,
+    count,
+    bone,
+    implant: surfaceOf(report.implant, "implant"),
+    lo: perVertex(report.lo, Float64Array, "lo"),
+    hi: perVertex(report.hi, Float64Array, "hi"),
+    status: perVertex(report.status, Uint8Array, "status"),
+    areas: report.areas && { names: report.areas.names, of: perVertex(report.areas.of, Uint32Array, "areas.of") },
+  };
+}

@@ -1,0 +1,521 @@
+"""A report in a real browser: pictures, clicks, charts, and numbers, which must be those of the map beside it."""
+
+import argparse
+import base64
+import csv
+import json
+import math
+import os
+import struct
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+skipped = 77  # exit status that CTest knows
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+    from selenium.webdriver.chrome.service import Service
+except ImportError:
+    webdriver = None
+
+options = None  # of the command line
+
+software_graphics = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+no_graphics = ("--disable-3d-apis",)
+window = (1200, 800)
+
+
+class Bone:
+    """A closed ellipsoid around the origin with a vertex at each end of its axes; the z axis is the longest."""
+
+    semi_axes = (20.0, 18.0, 30.0)
+
+    def __init__(self, rings=24, around=48):
+        self.rings, self.around = rings, around
+        unit = [(0.0, 0.0, -1.0)]
+        for ring in range(1, self.rings):
+            latitude = math.pi * (ring / self.rings - 0.5)
+            unit += [(math.cos(latitude) * math.cos(2 * math.pi * k / self.around),
+                      math.cos(latitude) * math.sin(2 * math.pi * k / self.around), math.sin(latitude))
+                     for k in range(self.around)]
+        unit.append((0.0, 0.0, 1.0))
+        self.vertices = [tuple(c * a for c, a in zip(point, self.semi_axes)) for point in unit]
+        self.triangles = list(self._triangles())
+
+    def _triangles(self):
+        at = lambda ring, k: 1 + (ring - 1) * self.around + k % self.around
+        for k in range(self.around):
+            yield 0, at(1, k + 1), at(1, k)
+            for ring in range(1, self.rings - 1):
+                yield at(ring, k), at(ring, k + 1), at(ring + 1, k + 1)
+                yield at(ring, k), at(ring + 1, k + 1), at(ring + 1, k)
+            yield at(self.rings - 1, k), at(self.rings - 1, k + 1), len(self.vertices) - 1
+
+    def nearest(self, point):
+        return min(range(len(self.vertices)), key=lambda vertex: math.dist(self.vertices[vertex], point))
+
+    def write_off(self, path):
+        lines = ["OFF", f"{len(self.vertices)} {len(self.triangles)} 0"]
+        lines += [f"{x!r} {y!r} {z!r}" for x, y, z in self.vertices]
+        lines += [f"3 {a} {b} {c}" for a, b, c in self.triangles]
+        path.write_text("\n".join(lines) + "\n")
+
+
+# Pierces the bone at its -x side, so that both signs occur; within the box of the bone.
+implant = {"format": "verisq-model/1", "units": "mm", "primitives": [
+    {"name": "peg", "superquadric": {"semi_axes": [7, 5, 9], "exponents": [0.5, 1]},
+     "pose": {"translation": [-14, 0, 0]}}]}
+
+
+def read_map(path):
+    with path.open() as file:
+        return [(float(row["lo"]), float(row["hi"]), row["status"]) for row in csv.DictReader(file)]
+
+
+def encoded(letter, numbers):
+    return base64.b64encode(struct.pack(f"<{len(numbers)}{letter}", *numbers)).decode()
+
+
+def flat(rows):
+    return [number for row in rows for number in row]
+
+
+def write_page(path, report):
+    """Fills the built page as the library does."""
+    block = json.dumps(report).replace("<", "\\u003c")
+    page = Path(options.page).read_text()
+    path.write_text(page.replace("<!--verisq-report-data-->",
+                                 f'<script type="application/json" id="verisq-report">{block}</script>'))
+
+
+drivers = {}  # by their arguments; starting one takes seconds
+
+
+def driver_with(arguments):
+    if arguments not in drivers:
+        chrome = webdriver.ChromeOptions()
+        chrome.binary_location = options.chromium
+        # Containers run as root, which needs no-sandbox, and have little shared memory.
+        for argument in ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage",
+                         f"--window-size={window[0]},{window[1]}", *arguments]:
+            chrome.add_argument(argument)
+        chrome.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        drivers[arguments] = webdriver.Chrome(service=Service(options.chromedriver), options=chrome)
+    return drivers[arguments]
+
+
+class Browser:
+    """A page, newly opened in headless Chromium; leaving it fails when the page has complained."""
+
+    def __init__(self, path, arguments):
+        self.driver = driver_with(arguments)
+        self.driver.get("about:blank")
+        self.driver.get(Path(path).resolve().as_uri())
+        self.wait(lambda: {"ready", "broken"} & set(self.one("body").get_attribute("class").split()),
+                  "the page to start")
+
+    def one(self, selector):
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def all(self, selector):
+        return self.driver.find_elements(By.CSS_SELECTOR, selector)
+
+    def text(self, selector):
+        return self.one(selector).text
+
+    def wait(self, condition, what, seconds=60):
+        end = time.monotonic() + seconds
+        while not (result := condition()):
+            if time.monotonic() > end:
+                raise AssertionError(f"waited in vain for {what}; console: {self.console()}")
+            time.sleep(0.05)
+        return result
+
+    def drawn(self):
+        """Waits until what was asked for before is on the canvas."""
+        self.driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+
+    def view(self, name):
+        self.driver.find_element(By.XPATH, f"//fieldset[@id='views']/button[text()='{name}']").click()
+        self.drawn()
+
+    def click_canvas(self, x=0, y=0):
+        """In pixels from the middle of the picture."""
+        ActionChains(self.driver).move_to_element_with_offset(self.one("#stage canvas"), x, y).click().perform()
+        self.drawn()
+
+    def pixels(self):
+        """What the canvas shows: how many colours, how much of it is covered, the colour in the middle."""
+        return self.driver.execute_script("""
+            const canvas = document.querySelector("#stage canvas");
+            const { width, height } = canvas;
+            const copy = Object.assign(document.createElement("canvas"), { width, height });
+            const context = copy.getContext("2d");
+            context.drawImage(canvas, 0, 0);
+            const { data } = context.getImageData(0, 0, width, height);
+            const words = new Uint32Array(data.buffer);
+            let covered = 0, hash = 0;
+            for (const word of words) { covered += word !== 0; hash = (Math.imul(hash, 31) + word) | 0; }
+            const middle = 4 * ((height >> 1) * width + (width >> 1));
+            return { colours: new Set(words).size, covered: covered / words.length, hash,
+                     middle: [...data.slice(middle, middle + 4)] };""")
+
+    def pinned(self):
+        """The pinned vertex and its shown ends, as texts."""
+        number = int(self.text("#vertex .name").removeprefix("Vertex "))
+        return number, self.text("#vertex .lo"), self.text("#vertex .hi")
+
+    def screenshot(self, name):
+        self.driver.save_screenshot(str(Path(options.output) / name))
+
+    def console(self):
+        return [entry for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, *_):
+        complaints = self.console()
+        if complaints and not kind:
+            raise AssertionError(f"the page complained: {complaints}")
+
+
+class WrittenReport(unittest.TestCase):
+    """The report that `verisq map --report` writes, against its own `.csv`."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = Path(options.output)
+        cls.bone = Bone()
+        cls.bone.write_off(folder / "bone.off")
+        (folder / "implant.json").write_text(json.dumps(implant))
+        subprocess.run([options.program, "map", "--model", folder / "implant.json", "--mesh", folder / "bone.off",
+                        "--device", "host", "--no-progress", "-o", folder / "map.csv",
+                        "--report", folder / "report.html"], check=True, stdout=subprocess.DEVNULL)
+        cls.map = read_map(folder / "map.csv")
+        cls.page = folder / "report.html"
+
+    def browser(self):
+        return Browser(self.page, software_graphics)
+
+    def assert_pinned(self, browser, vertex):
+        number, lo, hi = browser.pinned()
+        self.assertEqual(number, vertex)
+        self.assertEqual((float(lo), float(hi)), self.map[vertex][:2])
+
+    def test_map_has_both_signs(self):
+        self.assertEqual(len(self.map), len(self.bone.vertices))
+        self.assertTrue(any(hi < 0 for _, hi, _ in self.map) and any(lo > 0 for lo, _, _ in self.map))
+
+    def test_click_shows_the_numbers_of_the_csv(self):
+        a, b, c = self.bone.semi_axes
+        ends = {"+X": (a, 0, 0), "\u2212X": (-a, 0, 0), "+Y": (0, b, 0), "\u2212Y": (0, -b, 0),
+                "+Z": (0, 0, c), "\u2212Z": (0, 0, -c)}
+        with self.browser() as browser:
+            for name, end in ends.items():
+                with self.subTest(view=name):
+                    browser.view(name)
+                    browser.click_canvas()
+                    self.assert_pinned(browser, self.bone.nearest(end))
+            browser.screenshot("report_pinned.png")
+
+    def test_click_beside_the_middle(self):
+        with self.browser() as browser:
+            browser.view("+X")
+            browser.click_canvas(x=60, y=-90)  # right and up: towards +y and +z
+            vertex = browser.pinned()[0]
+            self.assert_pinned(browser, vertex)
+            self.assertTrue(all(coordinate > 2 for coordinate in self.bone.vertices[vertex]))
+            browser.click_canvas(x=-browser.one("#stage canvas").size["width"] // 2 + 3)  # not the bone
+            self.assertEqual(browser.all("#vertex .name"), [])
+
+    def test_a_drag_turns_and_pins_nothing(self):
+        with self.browser() as browser:
+            before = browser.pixels()["hash"]
+            ActionChains(browser.driver).drag_and_drop_by_offset(browser.one("#stage canvas"), 90, 20).perform()
+            browser.drawn()
+            self.assertNotEqual(browser.pixels()["hash"], before)
+            self.assertEqual(browser.all("#vertex .name"), [])
+
+    def test_pointer_shows_the_numbers_of_the_csv(self):
+        with self.browser() as browser:
+            browser.view("+Y")
+            ActionChains(browser.driver).move_to_element(browser.one("#stage canvas")).perform()
+            browser.wait(lambda: browser.one("#tip").is_displayed(), "the tip")
+            vertex = self.bone.nearest((0, self.bone.semi_axes[1], 0))
+            self.assertEqual(browser.text("#tip .name"), f"Vertex {vertex}")
+            self.assertEqual((float(browser.text("#tip .lo")), float(browser.text("#tip .hi"))), self.map[vertex][:2])
+
+    def test_colours_tell_the_sign(self):
+        with self.browser() as browser:
+            browser.one("#implant-shown").click()
+            for view, is_inside in (("+X", False), ("\u2212X", True)):
+                browser.view(view)
+                picture = browser.pixels()
+                red, _, blue, _ = picture["middle"]
+                self.assertEqual(red > blue, is_inside, f"{view}: {picture}")
+                self.assertGreater(picture["colours"], 100)
+                self.assertGreater(picture["covered"], 0.1)
+
+    def test_each_quantity(self):
+        quantities = {"lo": "Lower bound", "hi": "Upper bound", "width": "Width", "status": "Status"}
+        with self.browser() as browser:
+            pictures = {}
+            for quantity, name in quantities.items():
+                browser.one(f"label[for='quantities-{quantity}']").click()
+                browser.drawn()
+                self.assertTrue(browser.text("#legend .name").startswith(name))
+                self.assertTrue(browser.one("#chart").find_elements(By.CSS_SELECTOR, ".bin"))
+                pictures[quantity] = browser.pixels()["hash"]
+                browser.screenshot(f"report_{quantity}.png")
+            self.assertEqual(len({pictures[name] for name in ("lo", "width", "status")}), 3)
+            counts = [row.text.split()[0].replace(",", "") for row in browser.all("#chart .row .numbers")]
+            rows = {row.text.split(":")[0]: int(count) for row, count in zip(browser.all("#chart .row"), counts)}
+            statuses = [status for _, _, status in self.map]
+            self.assertEqual(rows, {name: statuses.count(name) for name in rows})
+            self.assertEqual(sum(rows.values()), len(self.map))
+
+    def test_histogram_counts_every_vertex_and_highlights(self):
+        with self.browser() as browser:
+            before = browser.pixels()["hash"]
+            chart = browser.one("#chart")
+            total = 0
+            for _ in browser.all("#chart .bin"):
+                chart.send_keys(Keys.ARROW_RIGHT)
+                total += int(browser.text("#chart-reading").split(": ")[1].split()[0].replace(",", ""))
+            self.assertEqual(total, len(self.map))
+            browser.drawn()
+            self.assertNotEqual(browser.pixels()["hash"], before)
+
+    def test_facts_and_table(self):
+        with self.browser() as browser:
+            numbers = [int(fact.text.split("\n")[0].replace(",", "")) for fact in browser.all("#facts dd")[:3]]
+            outside, inside = sum(lo > 0 for lo, _, _ in self.map), sum(hi < 0 for _, hi, _ in self.map)
+            self.assertEqual(numbers, [outside, inside, len(self.map) - outside - inside])
+            rows = {row.find_element(By.TAG_NAME, "th").text: row.find_element(By.TAG_NAME, "td").text
+                    for row in browser.all("#summary tr")}
+            self.assertTrue(rows)
+            self.assertTrue(all(label and value for label, value in rows.items()), rows)
+            self.assertIn(str(len(self.map)), {value.replace(",", "") for value in rows.values()})
+            self.assertIn(f"{len(self.map):,}", browser.text("#statement"))
+
+    def test_vertex_by_number_and_keys(self):
+        with self.browser() as browser:
+            browser.one("#vertex-number").send_keys("700", Keys.ENTER)
+            self.assert_pinned(browser, 700)
+            browser.one("#vertex-closest").click()
+            vertex = browser.pinned()[0]
+            self.assertEqual(self.map[vertex][0], min(lo for lo, _, _ in self.map))
+            before = browser.pixels()["hash"]
+            browser.one("#stage").send_keys(Keys.ARROW_LEFT, "+")
+            browser.drawn()
+            self.assertNotEqual(browser.pixels()["hash"], before)
+
+    def test_cut_opens_the_bone(self):
+        with self.browser() as browser:
+            browser.one("#implant-shown").click()
+            browser.view("+X")
+            browser.click_canvas()
+            front = browser.pinned()[0]
+            browser.one("label[for='section-axes-X']").click()
+            browser.drawn()
+            browser.click_canvas()
+            back = browser.pinned()[0]
+            self.assertGreater(self.bone.vertices[front][0], 0)
+            self.assertLess(self.bone.vertices[back][0], 0)
+            self.assert_pinned(browser, back)
+            browser.screenshot("report_cut.png")
+
+
+class FittedReport(unittest.TestCase):
+    """The report that `verisq fit --report` writes, against the `.csv` of its `--map` and the boxes of its areas."""
+
+    areas = {"ends": 2, "front": 1, "elsewhere": 0.5}  # weights
+
+    @staticmethod
+    def area_of(vertex):
+        x, _, z = vertex
+        return "ends" if z >= 20 else "front" if x >= 5 else "elsewhere"
+
+    @classmethod
+    def setUpClass(cls):
+        folder = Path(options.output)
+        cls.bone = Bone(rings=12, around=24)
+        cls.bone.write_off(folder / "cavity.off")
+        primitive = {"name": "body", "superquadric": {"semi_axes": [18, 16, 27], "exponents": [1, 1]},
+                     "pose": {"translation": [1, -1.5, 2]}}
+        boxes = [{"name": "ends", "weight": cls.areas["ends"], "box": [[-99, -99, 20], [99, 99, 99]]},
+                 {"name": "front", "weight": cls.areas["front"], "box": [[5, -99, -99], [99, 99, 99]]}]
+        (folder / "body.json").write_text(json.dumps(
+            {"format": "verisq-model/1", "units": "mm", "primitives": [primitive], "areas": boxes}))
+        output = subprocess.run(
+            [options.program, "fit", "--implant", folder / "body.json", "--mesh", folder / "cavity.off",
+             "--weight", f"elsewhere={cls.areas['elsewhere']}", "--translation-range", "4", "--rotation-range", "10",
+             "--samples", "128", "--device", "host", "--no-progress", "--json", "-o", folder / "fitted.json",
+             "--map", folder / "fit.csv", "--report", folder / "fit.html", "--png", folder / "fit.png"],
+            check=True, capture_output=True).stdout
+        cls.summary = json.loads(output)
+        cls.map = read_map(folder / "fit.csv")
+        cls.page = folder / "fit.html"
+
+    def browser(self):
+        return Browser(self.page, software_graphics)
+
+    def vertices_of(self, name):
+        return [k for k, vertex in enumerate(self.bone.vertices) if self.area_of(vertex) == name]
+
+    def test_every_number_is_that_of_the_csv(self):
+        self.assertEqual(len(self.map), len(self.bone.vertices))
+        block = self.page.read_text().split('<script type="application/json" id="verisq-report">')[1]
+        data = json.loads(block.split("</script>")[0])
+        for column, end in enumerate(("lo", "hi")):
+            numbers = struct.unpack(f"<{len(self.map)}d", base64.b64decode(data[end]))
+            self.assertEqual(list(numbers), [row[column] for row in self.map])
+        with self.browser() as browser:
+            field = browser.one("#vertex-number")
+            for vertex in range(0, len(self.map), 13):
+                field.clear()
+                field.send_keys(str(vertex), Keys.ENTER)
+                number, lo, hi = browser.pinned()
+                self.assertEqual((number, float(lo), float(hi)), (vertex, *self.map[vertex][:2]))
+                self.assertIn(self.area_of(self.bone.vertices[vertex]), browser.text("#vertex dl"))
+            browser.screenshot("fit_pinned.png")
+
+    def test_areas_are_those_of_the_boxes(self):
+        with self.browser() as browser:
+            before = browser.pixels()["hash"]
+            browser.one("label[for='quantities-area']").click()
+            browser.drawn()
+            self.assertNotEqual(browser.pixels()["hash"], before)
+            rows = [row.text.split("\n") for row in browser.all("#chart .row")]
+            counts = {name: int(numbers.split()[0].replace(",", "")) for name, numbers in rows}
+            self.assertEqual(counts, {name: len(self.vertices_of(name)) for name in self.areas})
+            for name in self.areas:
+                self.assertIn(name, browser.text("#legend"))
+            browser.screenshot("fit_areas.png")
+            # As many colours as areas, and the front end of the bone has that of its own.
+            browser.one("#implant-shown").click()
+            browser.view("+X")
+            front = browser.pixels()["middle"]
+            browser.view("\u2212X")
+            self.assertNotEqual(browser.pixels()["middle"], front)
+            browser.click_canvas()
+            vertex = browser.pinned()[0]
+            self.assertEqual(vertex, self.bone.nearest((-self.bone.semi_axes[0], 0, 0)))
+            self.assertIn("elsewhere", browser.text("#vertex dl"))
+
+    def test_summary_is_what_the_program_says(self):
+        smallest = self.summary["smallest_distance"]
+        self.assertEqual([smallest["lo"], smallest["hi"]],
+                         [min(row[column] for row in self.map) for column in (0, 1)])
+        with self.browser() as browser:
+            rows = {row.find_element(By.TAG_NAME, "th").text: row.find_element(By.TAG_NAME, "td").text
+                    for row in browser.all("#summary tr")}
+            for area in self.summary["areas"]:
+                self.assertEqual(area["points"], len(self.vertices_of(area["name"])))
+                self.assertIn(str(area["points"]), next(value for label, value in rows.items()
+                                                        if area["name"] in label))
+            translation = rows["translation"].removeprefix("(").removesuffix(") mm").split(", ")
+            self.assertEqual([float(coordinate) for coordinate in translation], self.summary["pose"]["translation"])
+            self.assertIn("cavity.off: fit of body.json", browser.text("#title"))
+
+
+class FilledPage(unittest.TestCase):
+    """The page with data that no small map has."""
+
+    hostile = "<img src=x onerror=alert(1)></script><b>&amp;"
+
+    def report(self):
+        bone = Bone()
+        count = len(bone.vertices)
+        lo = [point[0] / 3 for point in bone.vertices]
+        hi = [end + 1e-3 for end in lo]
+        lo[0], hi[0] = -math.inf, math.inf
+        hi[1] = math.inf
+        lo[2] = hi[2] = -0.0
+        surface = {"positions": encoded("f", flat(bone.vertices)), "triangles": encoded("I", flat(bone.triangles))}
+        return {"format": "verisq-report/1", "title": self.hostile, "units": self.hostile,
+                "summary": [{"label": self.hostile, "value": self.hostile}], "centre": [0, 0, 0], "bone": surface,
+                "implant": {"positions": "", "triangles": ""}, "lo": encoded("d", lo), "hi": encoded("d", hi),
+                "status": encoded("B", [vertex % 3 for vertex in range(count)]),
+                "areas": {"names": ["calcar", self.hostile],
+                          "of": encoded("I", [int(vertex % 5 == 0) for vertex in range(count)])}}
+
+    def browser(self, name, report, arguments=software_graphics):
+        path = Path(options.output) / name
+        write_page(path, report)
+        return Browser(path, arguments)
+
+    def test_text_is_never_markup(self):
+        with self.browser("hostile.html", self.report()) as browser:
+            self.assertEqual(browser.text("#title"), self.hostile)
+            self.assertEqual(browser.text("#summary td"), self.hostile)
+            browser.one("label[for='quantities-area']").click()
+            browser.click_canvas()
+            self.assertIn(self.hostile, browser.text("#chart"))
+            self.assertEqual(browser.all("img, main b"), [])
+
+    def test_special_ends_are_as_in_the_csv(self):
+        with self.browser("unbounded.html", self.report()) as browser:
+            for number, ends in ((0, ("-inf", "inf")), (2, ("-0", "-0"))):
+                field = browser.one("#vertex-number")
+                field.clear()
+                field.send_keys(str(number), Keys.ENTER)
+                self.assertEqual(browser.pinned(), (number, *ends))
+            self.assertIn("not bounded", browser.text("#legend"))
+            self.assertIn("1 not bounded", browser.text("#chart-reading"))
+            for quantity in ("hi", "width", "status", "area"):
+                browser.one(f"label[for='quantities-{quantity}']").click()
+                browser.drawn()
+
+    def test_without_graphics_all_else_works(self):
+        with self.browser("without_graphics.html", self.report(), no_graphics) as browser:
+            self.assertIn("WebGL 2", browser.text("#message"))
+            self.assertEqual(browser.text("#summary td"), self.hostile)
+            self.assertTrue(browser.all("#chart .bin"))
+            browser.one("#vertex-number").send_keys("7", Keys.ENTER)
+            self.assertEqual(browser.pinned()[0], 7)
+
+    def test_broken_data_is_named(self):
+        report = self.report()
+        report["lo"] = report["lo"][:-12]
+        with self.browser("broken.html", report) as browser:
+            self.assertIn("lo: ", browser.text("#statement"))
+            self.assertFalse(browser.one("main").is_displayed())
+
+
+def missing_tools():
+    tools = {"python3-selenium": webdriver, "chromium": options.chromium, "chromium-driver": options.chromedriver}
+    return [package for package, tool in tools.items() if not tool]
+
+
+def main():
+    global options
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--program", required=True, help="verisq")
+    parser.add_argument("--page", required=True, help="report/dist/page.html")
+    parser.add_argument("--output", required=True, help="folder for reports and screenshots")
+    parser.add_argument("--chromium", default="")
+    parser.add_argument("--chromedriver", default="")
+    options, rest = parser.parse_known_args()
+    if missing := missing_tools():
+        print(f"skipped: install {' '.join(missing)}")
+        # ./run test installs them, so there it is a failure.
+        return 1 if os.environ.get("VERISQ_BROWSER") == "required" else skipped
+    Path(options.output).mkdir(parents=True, exist_ok=True)
+    try:
+        program = unittest.main(argv=[sys.argv[0], *rest], exit=False)
+    finally:
+        for driver in drivers.values():
+            driver.quit()
+    return 0 if program.result.wasSuccessful() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,169 @@
+/// The way of points along a path of poses against 200 bits of MPFR: where they are, how far they travel.
+#include "verify/rigid_path.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/multiprecision/mpfr.hpp>
+#include <cmath>
+#include <vector>
+
+#include "tests/oracle/random_cases.hpp"
+
+namespace verisq::verify {
+namespace {
+
+using oracle::RandomCases;
+using Number = boost::multiprecision::mpfr_float_100;
+using Vector = std::array<Number, 3>;
+using Quaternion = std::array<Number, 4>;
+
+Number dot(const Quaternion& a, const Quaternion& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+}
+
+Quaternion unit(const std::array<double, 4>& q) {
+  const Quaternion exact{q[0], q[1], q[2], q[3]};
+  const Number length = sqrt(dot(exact, exact));
+  return {exact[0] / length, exact[1] / length, exact[2] / length, exact[3] / length};
+}
+
+/// Shoemake's formula for the great arc: sines instead of the halvings that are tested.
+Quaternion on_arc(const Quaternion& a, Quaternion b, const Number& s) {
+  Number cosine = dot(a, b);
+  if (cosine < 0) {
+    for (Number& element : b) element = -element;
+    cosine = -cosine;
+  }
+  if (cosine >= 1) return a;
+  const Number angle = acos(cosine);
+  const Number of_a = sin((1 - s) * angle) / sin(angle);
+  const Number of_b = sin(s * angle) / sin(angle);
+  Quaternion q;
+  for (std::size_t i = 0; i < 4; ++i) q[i] = of_a * a[i] + of_b * b[i];
+  return q;
+}
+
+Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// R^T (c - t) at a time of the path.
+Vector exact_local_point(const std::vector<Pose>& poses, const Point& c, double time) {
+  const auto k = std::min(static_cast<std::size_t>(time), poses.size() - 1);
+  const Pose& from = poses[k];
+  const Pose& to = poses[std::min(k + 1, poses.size() - 1)];
+  const Number s = Number(time) - Number(k);
+  const Quaternion q = on_arc(unit(from.quaternion), unit(to.quaternion), s);
+  Vector d;
+  for (std::size_t i = 0; i < 3; ++i)
+    d[i] = Number(c[i]) - Number(from.translation[i]) - s * (Number(to.translation[i]) - Number(from.translation[i]));
+  const Vector back{-q[1], -q[2], -q[3]};
+  const Vector once = cross(back, d);
+  const Vector twice = cross(back, once);
+  for (std::size_t i = 0; i < 3; ++i) d[i] += 2 * q[0] * once[i] + 2 * twice[i];
+  return d;
+}
+
+Number distance(const Vector& a, const Vector& b) {
+  const Number x = a[0] - b[0];
+  const Number y = a[1] - b[1];
+  const Number z = a[2] - b[2];
+  return sqrt(x * x + y * y + z * z);
+}
+
+std::vector<Pose> random_poses(RandomCases& random, std::size_t count, double size) {
+  std::vector<Pose> poses(count);
+  for (Pose& pose : poses) {
+    pose = random.solid().pose;
+    for (double& coordinate : pose.translation) coordinate = size * random.uniform(-1.0, 1.0);
+    const double length = random.log_uniform(1e-3, 1e3);
+    for (double& element : pose.quaternion) element *= length;
+  }
+  return poses;
+}
+
+TEST(RigidPath, HoldsTheExactPointAtEveryTime) {
+  RandomCases random(11);
+  for (int n = 0; n < 100; ++n) {
+    const double size = random.log_uniform(1e-6, 1e6);
+    const std::vector<Pose> poses = random_poses(random, 3, size);
+    const RigidPath path(poses);
+    EXPECT_EQ(path.last_time(), 2.0);
+    for (const double time : {0.0, 0.5, 0.25, 1.0, 1.0 + 0x1p-20, 1.6875, 2.0}) {
+      const Point c{size * random.uniform(-2, 2), size * random.uniform(-2, 2), size * random.uniform(-2, 2)};
+      const auto [centre, radius] = RigidPath::local_point(path.placement(time), c);
+      const Number error = distance(exact_local_point(poses, c, time), {centre[0], centre[1], centre[2]});
+      EXPECT_LE(error, Number(radius));
+      EXPECT_LE(radius, 1e-13 * size);
+    }
+  }
+}
+
+/// The chords of a way are no longer than it, and of many chords hardly shorter.
+TEST(RigidPath, BoundsTheLengthOfTheWayTightly) {
+  RandomCases random(12);
+  for (int n = 0; n < 100; ++n) {
+    const double size = random.log_uniform(1e-3, 1e3);
+    const std::vector<Pose> poses = random_poses(random, 3, size);
+    const RigidPath path(poses);
+    const Point c{size * random.uniform(-2, 2), size * random.uniform(-2, 2), size * random.uniform(-2, 2)};
+    Number whole = 0;
+    double bounds = 0.0;
+    const int chords = 64;
+    for (int k = 0; k < chords; ++k) {
+      const double begin = 2.0 * k / chords;
+      const double end = 2.0 * (k + 1) / chords;
+      const Number chord = distance(exact_local_point(poses, c, begin), exact_local_point(poses, c, end));
+      EXPECT_LE(chord, Number(path.length_up(c, begin, end)));
+      whole += chord;
+      bounds += path.length_up(c, begin, end);
+    }
+    EXPECT_LE(whole, Number(path.length_up(c, 0.0, 2.0)));
+    EXPECT_LE(bounds, 1.1 * whole.convert_to<double>());
+  }
+}
+
+TEST(RigidPath, KnowsExactlyHowFarTranslationsMove) {
+  const std::vector<Pose> poses{{{1.0, 2.0, 3.0}, {2.0, 0.0, 0.0, 0.0}}, {{4.0, 6.0, 3.0}, {3.0, 0.0, 0.0, 0.0}}};
+  const double length = RigidPath(poses).length_up({10.0, -20.0, 30.0}, 0.25, 0.75);
+  EXPECT_GE(length, 2.5);
+  EXPECT_LE(length, 2.5 * (1.0 + 1e-13));
+}
+
+TEST(RigidPath, KnowsThatPointsOnTheAxisRest) {
+  // A third of a turn about the diagonal through (1, 2, 3), which moves the origin.
+  const std::vector<Pose> poses{{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}, {{0.0, 0.0, 0.0}, {0.5, 0.5, 0.5, 0.5}}};
+  const RigidPath path(poses);
+  const double third = 2.0 * std::acos(-1.0) / 3.0;
+  // Rounding: units in the last place of the sums of the absolute coordinates of the spin and the point.
+  EXPECT_LE(path.length_up({2.0, 2.0, 2.0}, 0.0, 1.0), 0x1p-46 * (std::sqrt(3.0) * third) * 6.0);
+  EXPECT_NEAR(path.length_up({1.0, -1.0, 0.0}, 0.0, 1.0), third * std::sqrt(2.0), 1e-12);
+}
+
+TEST(RigidPath, TurnsTheShorterWay) {
+  const std::vector<Pose> poses{{{}, {1.0, 0.0, 0.0, 0.0}}, {{}, {-0.96, 0.0, 0.0, -0.28}}};  // about 32.5 degrees
+  const double length = RigidPath(poses).length_up({1.0, 0.0, 0.0}, 0.0, 1.0);
+  EXPECT_NEAR(length, 2.0 * std::asin(0.28), 1e-12);
+}
+
+TEST(RigidPath, TurnsHalfATurnEitherWay) {
+  const std::vector<Pose> poses{{{}, {1.0, 0.0, 0.0, 0.0}}, {{}, {0.0, 0.0, 0.0, 1.0}}};
+  const RigidPath path(poses);
+  EXPECT_NEAR(path.length_up({1.0, 0.0, 0.0}, 0.0, 1.0), std::acos(-1.0), 1e-12);
+  const Point half_way = RigidPath::local_point(path.placement(0.5), {1.0, 0.0, 0.0}).centre;
+  EXPECT_NEAR(std::abs(half_way[1]), 1.0, 1e-15);
+}
+
+TEST(RigidPath, RestsWhereNothingMoves) {
+  // Parallel quaternions of different lengths, not exactly so.
+  const Pose first{{1.0, 2.0, 3.0}, {0.1, 0.2, 0.3, 0.4}};
+  Pose second = first;
+  for (double& element : second.quaternion) element *= 3.7;
+  EXPECT_LE(RigidPath(std::vector{first, second}).length_up({5.0, 5.0, 5.0}, 0.0, 1.0), 1e-13);
+  EXPECT_LE(RigidPath(std::vector{first, first}).length_up({5.0, 5.0, 5.0}, 0.0, 1.0), 1e-13);
+}
+
+}  // namespace
+}  // namespace verisq::verify

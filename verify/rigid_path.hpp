@@ -1,0 +1,60 @@
+/// The motion along a path of poses, seen from the moving frame: where a point is, and how far it travels.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+/// A ball that contains the exact point; both infinite or NaN where numbers overflow.
+struct PointBall {
+  Point centre;
+  double radius;
+};
+
+/// Between two poses the translation is linear in time and the rotation turns about a fixed axis at constant speed, by
+/// the smaller angle. Time k is pose k; times between are exact binary64 numbers.
+class RigidPath {
+ public:
+  /// A pose to nearest: what is lost is in the radius of `local_point`.
+  struct Placement {
+    std::array<Point, 3> rotation;  ///< rows of R
+    Point translation;
+    double reach = 0.0;  ///< sum of the magnitudes of what was added up to the translation, where it was
+  };
+
+  /// Precondition: at least one pose; each finite, with a quaternion that is not zero.
+  explicit RigidPath(std::span<const Pose> poses);
+
+  [[nodiscard]] double last_time() const { return static_cast<double>(poses_.size() - 1); }
+
+  /// Precondition: 0 <= time <= last_time().
+  [[nodiscard]] Placement placement(double time) const;
+
+  /// R^T (c - t)
+  [[nodiscard]] static PointBall local_point(const Placement& placement, const Point& c);
+
+  /// No smaller than the length of the way of R^T (c - t) between two times; infinite on overflow. Precondition: 0 <=
+  /// begin <= end <= last_time().
+  [[nodiscard]] double length_up(const Point& c, double begin, double end) const;
+
+ private:
+  /// From one pose to the next, in one unit of time; to nearest, what is lost is in the errors.
+  struct Leg {
+    Point start;        ///< t at its begin, exact
+    Point velocity;     ///< t'
+    Point spin;         ///< rotation vector
+    double spin_error;  ///< no smaller than the distance to the exact spin
+    double reach;       ///< |t|_1 at the begin, plus that at the end
+  };
+
+  [[nodiscard]] static Leg leg(const Pose& from, const Pose& to);
+  [[nodiscard]] static double speed_up(const Leg& leg, const Point& c, double time);
+
+  std::vector<Pose> poses_;  ///< consecutive quaternions at most a right angle apart, as vectors of four
+  std::vector<Leg> legs_;
+};
+
+}  // namespace verisq::verify
