@@ -294,6 +294,13 @@ TEST(HtmlReport, HoldsAreas) {
   EXPECT_EQ(numbers_in<std::uint32_t>(data.at("areas").at("of")), area_of);
 }
 
+TEST(HtmlReport, HoldsTheRangeOfTheColours) {
+  Report report = report_of();
+  EXPECT_TRUE(written_data(report).at("range").is_null());
+  report.range = 12.5;
+  EXPECT_EQ(written_data(report).at("range"), 12.5);
+}
+
 TEST(HtmlReport, TextsStayTexts) {
   const std::string title =
       "</script><script>alert(1)</script> <!-- <script> & ]]> \xe2\x80\xa8\xe2\x80\xa9 \xc3\xa4 \"quoted\" \\ \x01";

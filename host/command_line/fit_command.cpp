@@ -30,6 +30,8 @@ namespace verisq::command_line {
 namespace {
 
 constexpr double default_relative_tolerance = 1e-6;  // of the radius of the fitted model's bounding sphere
+// Colours end at so many times the farthest distance that serves: what matters is near the implant.
+constexpr double gaps_shown = 5.0;
 // The depth of a cut needs many samples to be known closely, and none where nothing is cut.
 constexpr double surface_coarseness = 10.0;
 
@@ -175,7 +177,8 @@ void write_report(const FitProblem& problem, const FitSummary& summary, std::spa
                            .units = problem.units,
                            .summary = report_lines(summary),
                            .area_names = std::move(area_names),
-                           .area_of = problem.cavity.area_of});
+                           .area_of = problem.cavity.area_of,
+                           .range = gaps_shown * problem.options.fitness.serves.hi});
 }
 
 void explain(const FitSummary& summary) {

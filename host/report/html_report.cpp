@@ -66,6 +66,7 @@ Json data_of(const Report& report) {
       {"format", "verisq-report/1"},
       {"title", report.title},
       {"units", report.units},
+      {"range", report.range ? Json(*report.range) : Json()},
       {"summary", summary},
       {"centre", centre},
       {"bone", surface(report.bone, centre)},

@@ -166,7 +166,7 @@ void write_summary(Drawing& drawing, const Report& report, const Layout& layout,
 void write_picture(const std::filesystem::path& path, const Report& report, int width, int height) {
   Drawing drawing(width, height);
   const Layout layout(width, height);
-  const ColourScale scale = report::scale_of(report.rows);
+  const ColourScale scale = report.range ? ColourScale(*report.range) : report::scale_of(report.rows);
   drawing.write(layout.margin, layout.margin + 24.0 * layout.unit, width - 2.0 * layout.margin, report.title,
                 {30.0 * layout.unit, ink, Drawing::Weight::bold});
   draw_bone(drawing, report, scale, layout);

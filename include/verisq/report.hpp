@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,7 @@ struct Report {
   std::vector<ReportLine> summary;         ///< table, in this order
   std::vector<std::string> area_names;     ///< empty: no areas
   std::span<const std::uint32_t> area_of;  ///< one a vertex where there are areas
+  std::optional<double> range = {};        ///< colours end at this distance, > 0; else where few vertices are beyond
 };
 
 /// A self-contained `.html` (no network): the bone coloured by its proven distances, the implant, [lo, hi] where the

@@ -103,8 +103,9 @@ class Page {
   }
 
   limit() {
-    const { id } = this.quantity;
-    if (!this.limits.has(id)) this.limits.set(id, usualLimit(this.quantity, this.report.count));
+    const { id, axis } = this.quantity;
+    const wanted = axis === "signed" ? this.report.range : null;
+    if (!this.limits.has(id)) this.limits.set(id, wanted ?? usualLimit(this.quantity, this.report.count));
     return this.limits.get(id);
   }
 
