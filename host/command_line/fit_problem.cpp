@@ -13,6 +13,7 @@
 
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/pose_option.hpp"
+#include "host/extent.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -85,18 +86,6 @@ Fitness parse_fitness(const FitArguments& arguments, const std::string& units, d
   return cemented(thickness, thickness / 2.0);
 }
 
-double half_diagonal(const Mesh& mesh) {
-  Point lower = mesh.vertices.front();
-  Point upper = lower;
-  for (const Point& vertex : mesh.vertices) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      lower[k] = std::min(lower[k], vertex[k]);
-      upper[k] = std::max(upper[k], vertex[k]);
-    }
-  }
-  return std::hypot(upper[0] / 2 - lower[0] / 2, upper[1] / 2 - lower[1] / 2, upper[2] / 2 - lower[2] / 2);
-}
-
 double parse_degrees(const std::string& text) {
   const double degrees = parse_length("--rotation-range", text);
   if (degrees > 180.0) refuse(fmt::format("--rotation-range: {} is above 180", text));
@@ -107,7 +96,7 @@ PoseRange parse_range(const FitArguments& arguments, const Mesh& mesh) {
   const PoseRange range{.start = arguments.pose_start ? parse_pose("--pose-start", *arguments.pose_start) : Pose{},
                         .translation = arguments.translation_range
                                            ? parse_length("--translation-range", *arguments.translation_range)
-                                           : half_diagonal(mesh),
+                                           : extent_of(mesh.vertices).half_diagonal(),
                         .rotation_degrees = parse_degrees(arguments.rotation_range)};
   if (!std::isfinite(range.translation))
     refuse("--translation-range: give one, because the size of the mesh overflows");

@@ -8,9 +8,9 @@
 #include <vector>
 #include <verisq/report.hpp>
 
+#include "host/extent.hpp"
 #include "host/files/output_file.hpp"
 #include "host/report/base64.hpp"
-#include "host/report/extent.hpp"
 #include "host/report/model_surface.hpp"
 #include "report/page_template.hpp"
 
@@ -59,7 +59,7 @@ Json areas(const Report& report) {
 }
 
 Json data_of(const Report& report) {
-  const Point centre = report::extent_of(report.bone.vertices).centre();
+  const Point centre = extent_of(report.bone.vertices).centre();
   Json summary = Json::array();
   for (const ReportLine& line : report.summary) summary.push_back({{"label", line.label}, {"value", line.value}});
   return {

@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "host/report/extent.hpp"
+#include "host/extent.hpp"
 
 namespace verisq::report {
 namespace {

@@ -7,6 +7,7 @@
 #include <verisq/error.hpp>
 #include <verisq/mesh_topology.hpp>
 
+#include "host/extent.hpp"
 #include "host/surface/alpha_wrap.hpp"
 
 namespace verisq::surface {
@@ -15,18 +16,6 @@ namespace {
 constexpr double coarsest = 20.0;  ///< diagonal / alpha: bridges the gaps of any cloud worth the name
 constexpr int most_refinements = 4;
 constexpr double offset_ratio = 100.0;  ///< alpha / offset
-
-double bounding_box_diagonal(const Mesh& mesh) {
-  Point low = mesh.vertices.front();
-  Point high = low;
-  for (const Point& vertex : mesh.vertices) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], vertex[axis]);
-      high[axis] = std::max(high[axis], vertex[axis]);
-    }
-  }
-  return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-}
 
 /// Balls that get in through a gap carve the inside out: what is left is a shell around the input.
 bool breaks_through(const Mesh& finer, const Mesh& coarser) {
@@ -45,7 +34,7 @@ Wrap wrap(const Mesh& input, double alpha, std::optional<double> offset) {
 }
 
 Wrap wrap_with_chosen_alpha(const Mesh& input, std::optional<double> offset) {
-  const double diagonal = bounding_box_diagonal(input);
+  const double diagonal = 2.0 * extent_of(input.vertices).half_diagonal();
   if (!(diagonal > 0.0)) throw Error(ErrorKind::input, "all points coincide: there is nothing to wrap");
   Wrap best = wrap(input, diagonal / coarsest, offset);
   for (int k = 0; k < most_refinements; ++k) {

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <verisq/model.hpp>
 
-namespace verisq::report {
+namespace verisq {
 
 /// Everything is finite for finite points, also where sizes would overflow.
 struct Extent {
@@ -20,6 +21,10 @@ struct Extent {
     double half = 0.0;
     for (std::size_t axis = 0; axis < 3; ++axis) half = std::max(half, upper[axis] / 2.0 - lower[axis] / 2.0);
     return half;
+  }
+  [[nodiscard]] double half_diagonal() const {
+    return std::hypot(upper[0] / 2.0 - lower[0] / 2.0, upper[1] / 2.0 - lower[1] / 2.0,
+                      upper[2] / 2.0 - lower[2] / 2.0);
   }
 };
 
@@ -36,4 +41,4 @@ struct Extent {
   return extent;
 }
 
-}  // namespace verisq::report
+}  // namespace verisq
