@@ -36,7 +36,7 @@ struct PoseCell {
 
 /// The signed distance of one point, and its derivatives.
 struct PointDistance {
-  double distance;          ///< to the union; inside, minus the least depth of the primitives (an overlap's is more)
+  double distance;          ///< to the union; inside, minus the largest depth in a primitive: overlaps are deeper
   Point normal;             ///< gradient by the point, a unit vector
   std::uint32_t primitive;  ///< that decides
   Point size_gradient;      ///< of the distance by this primitive's semi-axes

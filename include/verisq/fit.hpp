@@ -31,9 +31,8 @@ struct FitProgress {
 
 struct FitOptions {
   Fitness fitness;
-  double penetration_limit;  ///< no point of the cavity's surface deeper inside the implant, in model units; >= 0
-  double surface_tolerance =
-      0.0;  ///< where the cavity has triangles: how close to the limit they are still decided; > 0
+  double penetration_limit;        ///< no point of the cavity's surface deeper inside the implant, in model units; >= 0
+  double surface_tolerance = 0.0;  ///< how close to the limit triangles are still decided; > 0 where there are any
   PoseRange range;
   std::uint64_t seed = 1;                                    ///< the same seed on the same device gives the same pose
   std::size_t samples = 4096;                                ///< poses of the global start
@@ -47,8 +46,8 @@ struct Fit {
   Pose pose;                   ///< of the chosen implant, after its primitives' own poses
   Model model;                 ///< the implant with its chosen sizes, posed: what is to be proven
   double objective;            ///< F of Eq. (4), to about 1e-9
-  double deepest_penetration;  ///< of a point of the cavity, 0 where none is inside; to about 1e-9; of its surface, to
-                               ///< a hundred times its tolerance, where there are triangles
+  double deepest_penetration;  ///< of a point of the cavity, to about 1e-9, 0 where none is inside; where there are
+                               ///< triangles of their surface, to a hundred times the tolerance
   bool within_limit;  ///< no point deeper than the limit by the search's own reckoning, no triangle proven to be
   bool interrupted;
   std::uint64_t poses;  ///< candidates evaluated
@@ -56,11 +55,11 @@ struct Fit {
   std::string notice;   ///< why a device was passed over; empty when nothing to say
 };
 
-/// Fits every implant of the series and returns the best: within the limit before beyond it, then the largest
-/// objective; of equals the earlier. Semi-axes that are intervals are sizes to choose from (I_l <= I <= I_r); all other
-/// numbers must be exact. The functions of the options are called by one thread at a time. Throws Error(input) for an
-/// empty series or cavity, for options and points out of their ranges, for implants that are not unions of convex
-/// primitives, for other uncertain numbers, and for devices as DistanceMapper.
+/// Fits every implant of the series and returns the best: within the limit before beyond it; there the shallowest; then
+/// the largest objective; of equals the earlier. Semi-axes that are intervals are sizes to choose from (I_l <= I <=
+/// I_r); all other numbers must be exact. The functions of the options are called by one thread at a time. Throws
+/// Error(input) for an empty series or cavity, for options and points out of their ranges, for implants that are not
+/// unions of convex primitives, for other uncertain numbers, and for devices as DistanceMapper.
 [[nodiscard]] Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options);
 
 }  // namespace verisq
