@@ -1,7 +1,6 @@
 /// Does `verisq map` keep its pace and its memory from 40 thousand to 5 million vertices? Runs the program on a scanned
 /// femur and on generated meshes; prints time a point and peak memory of each.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <array>
 #include <cmath>
@@ -13,6 +12,7 @@
 
 #include "bench/benchmark_rows.hpp"
 #include "bench/child_process.hpp"
+#include "bench/scratch_folder.hpp"
 
 namespace verisq::bench {
 namespace {
@@ -23,25 +23,6 @@ constexpr std::array generated_sizes{40'022, 500'000, 5'000'000};  // the first 
 constexpr std::array<std::string_view, 2> formats{"csv", "vtp"};
 constexpr double mebibyte = 1024.0 * 1024.0;
 constexpr int some_wide = 3;  // the exit status of a finished map
-
-/// A folder for meshes and maps that disappears at the end.
-class ScratchFolder {
- public:
-  ScratchFolder() : path_(std::filesystem::temp_directory_path() / fmt::format("verisq_mesh_scale_{}", getpid())) {
-    std::filesystem::create_directory(path_);
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 struct Specimen {
   std::string name;
@@ -120,7 +101,7 @@ std::string table(const Rows& rows, const std::vector<Specimen>& all) {
 }
 
 void run(int argc, char** argv) {
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("mesh_scale");
   const std::vector<Specimen> all = specimens(scratch);
   for (const std::string_view format : formats)
     for (const Specimen& specimen : all) {
