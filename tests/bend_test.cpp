@@ -3,9 +3,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/real.hpp"
@@ -339,6 +341,66 @@ TYPED_TEST(TrigonometryTest, PolarAngleOfABoxIsThatOfItsCorners) {
     const double inner_y = y + h * this->random_.uniform(0.0, 0.999999);
     ASSERT_TRUE(contains(angle, Wide(atan2(Wide(inner_y), Wide(inner_x)))));
   }
+}
+
+/// In every quadrant, across the axes and across the cut.
+TYPED_TEST(TrigonometryTest, PolarAngleContainsThoseOfAllPoints) {
+  const auto coordinate = [this] { return this->random_.choice(5) == 0 ? 0.0 : this->random_.uniform(-1.0, 1.0); };
+  const auto over = [](double a, double b) {
+    return BasicInterval<TypeParam>(TypeParam(std::min(a, b)), TypeParam(std::max(a, b)));
+  };
+  for (int i = 0; i < 20000; ++i) {
+    const double x0 = coordinate();
+    const double x1 = coordinate();
+    const double y0 = coordinate();
+    const double y1 = coordinate();
+    const double t = this->random_.choice(3) == 0 ? 0.0 : this->random_.uniform(0.0, 0.999999);
+    const double x = x0 + t * (x1 - x0);
+    const double y = this->random_.choice(3) == 0 ? y0 : y0 + this->random_.uniform(0.0, 0.999999) * (y1 - y0);
+    if (x == 0.0 && y == 0.0) continue;
+    const auto angle = polar_angle(over(x0, x1), over(y0, y1));
+    ASSERT_TRUE(contains(angle, Wide(atan2(Wide(y == 0.0 ? 0.0 : y), Wide(x)))))
+        << x << " " << y << " in [" << x0 << ", " << x1 << "] x [" << y0 << ", " << y1 << "]";
+  }
+}
+
+/// Neither the sign of a zero nor the origin, which has no angle, counts.
+TYPED_TEST(TrigonometryTest, PolarAngleIsTightAtTheAxesAndTheCut) {
+  const BasicInterval<TypeParam> half_turn = pi<TypeParam>();
+  const BasicInterval<TypeParam> quarter = half_turn / BasicInterval<TypeParam>(2);
+  const BasicInterval<TypeParam> all(-half_turn.upper(), half_turn.upper());
+  const BasicInterval<TypeParam> both_quarters(-quarter.upper(), quarter.upper());
+  const auto expect = [](double x0, double x1, double y0, double y1, const BasicInterval<TypeParam>& expected) {
+    const auto signs = [](double a) { return a == 0.0 ? std::vector{0.0, -0.0} : std::vector{a}; };
+    for (const double a : signs(x0)) {
+      for (const double b : signs(x1)) {
+        for (const double c : signs(y0)) {
+          for (const double d : signs(y1)) {
+            const auto angle = polar_angle(BasicInterval<TypeParam>(TypeParam(a), TypeParam(b)),
+                                           BasicInterval<TypeParam>(TypeParam(c), TypeParam(d)));
+            EXPECT_TRUE(angle.lower() == expected.lower() && angle.upper() == expected.upper())
+                << "[" << a << ", " << b << "] x [" << c << ", " << d << "]";
+          }
+        }
+      }
+    }
+  };
+  expect(1, 3, -2, 2, {-atan(BasicInterval<TypeParam>(2)).upper(), atan(BasicInterval<TypeParam>(2)).upper()});
+  expect(-2, -1, -1, 1, all);
+  expect(-2, -1, -1, 0, all);  // pi on the cut, close to -pi below it
+  expect(-2, 3, -1, 1, all);
+  expect(-2, -1, 0, 0, half_turn);
+  expect(-2, 0, 0, 0, half_turn);
+  expect(-2, 1, 0, 0, {TypeParam(0), half_turn.upper()});
+  expect(1, 2, 0, 0, BasicInterval<TypeParam>(0));
+  expect(0, 2, 0, 0, BasicInterval<TypeParam>(0));
+  expect(0, 0, 1, 2, quarter);
+  expect(0, 0, 0, 2, quarter);
+  expect(0, 0, -2, 0, -quarter);
+  expect(0, 0, -2, 1, both_quarters);
+  expect(0, 3, -2, 1, both_quarters);
+  expect(0, 3, 0, 1, {TypeParam(0), quarter.upper()});
+  expect(0, 0, 0, 0, {TypeParam(0), half_turn.upper()});
 }
 
 TYPED_TEST(TrigonometryTest, DegreesAreExactAtQuarterTurns) {

@@ -119,6 +119,15 @@ TEST(Dual, PowerOfAConstantExponentIsDifferentiableAtZero) {
   EXPECT_EQ(derivative(pow(over(0, 4), 0.5)).upper(), infinity);
 }
 
+TEST(Dual, IntegerPowersOfNegativeNumbersAreDifferentiable) {
+  const IntervalDual cube = pow(over(-3, 5), 3.0);
+  EXPECT_THAT(cube.value, IsInterval(-27, 125));
+  EXPECT_THAT(derivative(cube), IsInterval(0, 75));
+  EXPECT_THAT(derivative(pow(over(-3, 5), 2.0)), IsInterval(-6, 10));
+  EXPECT_THROW((void)pow(over(-3, 5), 1.5), std::domain_error);
+  EXPECT_THROW((void)pow(over(-3, 5), over(2, 2)), std::domain_error);
+}
+
 TEST(Dual, WhatHasNoDerivativeIsUnboundedOrRefused) {
   EXPECT_EQ(derivative(sqrt(over(0, 4))).upper(), infinity);
   EXPECT_NEAR(derivative(sqrt(over(0, 4))).lower(), 0.25, 1e-15);

@@ -250,6 +250,83 @@ TEST(IntervalTest, DivisorsThatTouchZeroGiveHalfLines) {
   EXPECT_EQ(whole.upper(), kInfinity);
 }
 
+template <class T>
+class PowerTest : public testing::Test {
+ protected:
+  static BasicInterval<T> over(double lower, double upper) { return {T(lower), T(upper)}; }
+  static void expect(const BasicInterval<T>& result, double lower, double upper) {
+    EXPECT_TRUE(result.lower() == T(lower) && result.upper() == T(upper)) << lower << ", " << upper;
+  }
+};
+using NumberTypes = testing::Types<double, Real>;
+TYPED_TEST_SUITE(PowerTest, NumberTypes);
+
+TYPED_TEST(PowerTest, IntegerPowersOfNegativeNumbersAreTight) {
+  const auto power = [](double lower, double upper, int n) {
+    return pow(TestFixture::over(lower, upper), BasicInterval<TypeParam>(n));
+  };
+  this->expect(power(-3, 5, 2), 0, 25);
+  this->expect(power(-5, -3, 2), 9, 25);
+  this->expect(power(-5, -0.0, 2), 0, 25);
+  this->expect(power(-3, 5, 3), -27, 125);
+  this->expect(power(-5, -3, 3), -125, -27);
+  this->expect(power(-3, 5, 1), -3, 5);
+  this->expect(power(-3, 5, 0), 1, 1);
+  this->expect(power(-kInfinity, 2, 3), -kInfinity, 8);
+  this->expect(power(-kInfinity, 2, 4), 0, kInfinity);
+  // with a pole at 0
+  this->expect(power(-4, -2, -1), -0.5, -0.25);
+  this->expect(power(-4, 2, -1), -kInfinity, kInfinity);
+  this->expect(power(-4, 0, -1), -kInfinity, -0.25);
+  this->expect(power(-0.0, 4, -1), 0.25, kInfinity);
+  this->expect(power(-4, -2, -2), 0.0625, 0.25);
+  this->expect(power(-4, 2, -2), 0.0625, kInfinity);
+  this->expect(power(-kInfinity, kInfinity, -2), 0, kInfinity);
+}
+
+TYPED_TEST(PowerTest, OtherPowersOfNegativeNumbersAreRefused) {
+  const BasicInterval<TypeParam> base = this->over(-3, 5);
+  EXPECT_THROW((void)pow(base, this->over(0.5, 0.5)), std::domain_error);
+  EXPECT_THROW((void)pow(base, this->over(2, 3)), std::domain_error);
+  EXPECT_THROW((void)pow(base, this->over(2, std::nextafter(2, 3))), std::domain_error);
+  EXPECT_THROW((void)pow(this->over(-3, -kTiny), this->over(-0.5, 0.5)), std::domain_error);
+  EXPECT_THROW((void)pow(base, this->over(kInfinity, kInfinity)), std::domain_error);
+}
+
+/// [infinity, infinity] holds no number.
+TYPED_TEST(PowerTest, WhatLiesAtInfinityAloneIsRefused) {
+  for (const double zero : {0.0, -0.0}) {
+    const BasicInterval<TypeParam> base = this->over(zero, zero);
+    for (const double n : {-1.0, -2.0, -0.5}) EXPECT_THROW((void)pow(base, this->over(n, n)), std::domain_error) << n;
+    EXPECT_THROW((void)pow(base, this->over(-2, -1)), std::domain_error);
+    EXPECT_THROW((void)log(base), std::domain_error);
+  }
+  EXPECT_THROW((void)log1p(this->over(-1, -1)), std::domain_error);
+  EXPECT_EQ(log(this->over(0, 1)).lower(), TypeParam(-kInfinity));
+  EXPECT_EQ(log1p(this->over(-1, 0)).upper(), TypeParam(0));
+}
+
+/// Every power of two members lies in the power of the intervals.
+TYPED_TEST(PowerTest, ContainsThePowersOfMembers) {
+  std::mt19937_64 random(46);
+  std::uniform_real_distribution<double> uniform(-3.0, 3.0);
+  for (int i = 0; i < 20'000; ++i) {
+    const double a = uniform(random);
+    const double b = i % 7 == 0 ? 0.0 : uniform(random);
+    const int n = static_cast<int>(random() % 13) - 6;
+    const double x =
+        std::clamp(a + (b - a) * std::uniform_real_distribution(0.0, 1.0)(random), std::min(a, b), std::max(a, b));
+    if (x == 0.0) continue;
+    const BasicInterval<TypeParam> result =
+        pow(this->over(std::min(a, b), std::max(a, b)), BasicInterval<TypeParam>(n));
+    const BasicInterval<TypeParam> member =
+        pow(BasicInterval<TypeParam>(TypeParam(std::fabs(x))), BasicInterval<TypeParam>(n));
+    const BasicInterval<TypeParam> exact = x < 0.0 && n % 2 != 0 ? -member : member;
+    // Rounding is monotone: neither end of a member's enclosure leaves that of all.
+    ASSERT_TRUE(result.lower() <= exact.lower() && exact.upper() <= result.upper()) << a << " " << b << " ^ " << n;
+  }
+}
+
 TEST(IntervalTest, RefusesWhatIsNoInterval) {
   EXPECT_THROW(Interval{kNaN}, std::domain_error);
   EXPECT_THROW(Interval(1.0, kNaN), std::domain_error);

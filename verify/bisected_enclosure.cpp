@@ -112,7 +112,8 @@ IntervalVector BisectedEnclosure::normal(const IntervalVector& x) const {
   const Interval k2 = (Interval(2) - e2_) / e2_;
   const Interval k1 = (Interval(2) - e1_) / e1_;
   const Interval section = pow(abs(scaled[0]), p2) + pow(abs(scaled[1]), p2);
-  const Interval outer = pow(section, (e2_ - e1_) / e1_);
+  // At S = 0 alone X = Y = 0, where S^(p1/p2) is least.
+  const Interval outer = section.upper() == 0.0 ? Interval(0) : pow(section, (e2_ - e1_) / e1_);
   return {outer * signed_power(scaled[0], k2) / semi_axes_[0], outer * signed_power(scaled[1], k2) / semi_axes_[1],
           signed_power(scaled[2], k1) / semi_axes_[2]};
 }

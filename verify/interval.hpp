@@ -53,9 +53,9 @@ struct ThrowingChecking {
 };
 
 /// The real numbers between two ends of type T; an infinite end is a missing bound. Every operation returns an interval
-/// that contains all exact results. Throws std::domain_error for NaN, for lower > upper, for division by [0, 0], for
-/// the root of negative numbers alone and for the logarithm of any. Wraps Boost.Interval, whose converting constructor
-/// template makes Eigen's products ambiguous.
+/// that contains all exact results. Throws std::domain_error for NaN, for lower > upper, and where an operation has no
+/// result: for division by [0, 0], for the root of negative numbers alone, for the logarithm of any or of 0 alone, for
+/// powers as `pow` says. Wraps Boost.Interval, whose converting constructor template makes Eigen's products ambiguous.
 template <class T>
 class BasicInterval {
  public:
@@ -99,17 +99,25 @@ class BasicInterval {
     return {exponential(a.lower(), Direction::down), exponential(a.upper(), Direction::up)};
   }
   friend BasicInterval log(const BasicInterval& a) {
-    return {logarithm(a.lower(), Direction::down), logarithm(a.upper(), Direction::up)};
+    return with_numbers({logarithm(a.lower(), Direction::down), logarithm(a.upper(), Direction::up)});
   }
   friend BasicInterval log1p(const BasicInterval& a) {
-    return {logarithm_1p(a.lower(), Direction::down), logarithm_1p(a.upper(), Direction::up)};
+    return with_numbers({logarithm_1p(a.lower(), Direction::down), logarithm_1p(a.upper(), Direction::up)});
   }
-  /// base^exponent for base >= 0: monotone in each operand on its own, so that the corners bound it.
+  /// base^exponent. Of a base that reaches below 0, integer powers alone are defined: std::domain_error unless the
+  /// exponent is one integer. 0^0 = 1; a negative power of 0 is none: std::domain_error where there is no other.
   friend BasicInterval pow(const BasicInterval& base, const BasicInterval& exponent) {
-    BasicInterval result = corner_power(base.lower(), exponent.lower());
-    result = hull(result, corner_power(base.lower(), exponent.upper()));
-    result = hull(result, corner_power(base.upper(), exponent.lower()));
-    return hull(result, corner_power(base.upper(), exponent.upper()));
+    const T zero(0);
+    if (base.lower() >= zero) return power_of_nonnegative(base, exponent);
+    const T n = exponent.lower();
+    if (!(n == exponent.upper() && is_integer(n))) {
+      throw std::domain_error("interval: a power of negative numbers whose exponent is not one integer");
+    }
+    const bool even = is_integer(divide(n, T(2), Direction::down));  // exact
+    if (even) return power_of_nonnegative(abs(base), exponent);
+    if (base.upper() <= zero) return -power_of_nonnegative(-base, exponent);
+    return hull(-power_of_nonnegative({zero, -base.lower()}, exponent),
+                power_of_nonnegative({zero, base.upper()}, exponent));
   }
 
   friend BasicInterval hull(const BasicInterval& a, const BasicInterval& b) {
@@ -122,6 +130,21 @@ class BasicInterval {
 
   /// Checked, because Boost does not look at the results of its own operations.
   explicit BasicInterval(const Value& value) : BasicInterval(value.lower(), value.upper()) {}
+
+  /// [infinity, infinity] and [-infinity, -infinity] hold no number.
+  static BasicInterval with_numbers(const BasicInterval& a) {
+    const T infinity(std::numeric_limits<double>::infinity());
+    if (a.lower() == infinity || a.upper() == -infinity) throw std::domain_error("interval: no value but at infinity");
+    return a;
+  }
+
+  /// Monotone in each operand on its own, so that the corners bound it.
+  static BasicInterval power_of_nonnegative(const BasicInterval& base, const BasicInterval& exponent) {
+    BasicInterval result = corner_power(base.lower(), exponent.lower());
+    result = hull(result, corner_power(base.lower(), exponent.upper()));
+    result = hull(result, corner_power(base.upper(), exponent.lower()));
+    return with_numbers(hull(result, corner_power(base.upper(), exponent.upper())));
+  }
 
   static BasicInterval corner_power(const T& base, const T& exponent) {
     return {power(base, exponent, Direction::down), power(base, exponent, Direction::up)};

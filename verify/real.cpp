@@ -1,6 +1,8 @@
 /// Elementary functions of binary64 by MPFR, and the life of MPFR's own cache.
 #include "verify/real.hpp"
 
+#include <cmath>
+
 namespace verisq::verify {
 
 namespace {
@@ -15,6 +17,10 @@ struct MpfrCache {
 using Binary64 = MpfrNumber<DBL_MANT_DIG>;
 
 }  // namespace
+
+bool is_integer(double a) {
+  return std::isfinite(a) && std::trunc(a) == a;
+}
 
 void release_mpfr_cache_at_thread_exit() {
   [[maybe_unused]] static thread_local const MpfrCache cache;

@@ -68,6 +68,12 @@ class MpfrNumber {
 /// Two limbs less one bit: MPFR's fastest kernels serve precisions strictly between one and two limbs.
 using Real = MpfrNumber<127>;
 
+template <mpfr_prec_t Bits>
+[[nodiscard]] bool is_integer(const MpfrNumber<Bits>& a) {
+  return mpfr_integer_p(a.get()) != 0;
+}
+[[nodiscard]] bool is_integer(double a);
+
 /// MPFR keeps constants such as log 2 for each thread; this frees them when the calling thread ends.
 void release_mpfr_cache_at_thread_exit();
 

@@ -57,7 +57,7 @@ Real rounded_to_integer_above(const Real& a) {
 }
 
 bool is_even(const Real& integer) {
-  return mpfr_integer_p(divide(integer, Real(2), Direction::down).get()) != 0;
+  return is_integer(divide(integer, Real(2), Direction::down));
 }
 
 /// A wave of period 2 pi whose maxima lie where `phase`, in half turns, is an even integer and whose minima where it is
@@ -93,6 +93,22 @@ BasicInterval<T> odd_quotient(Operation operation, const T& a, int divisor) {
   if (a <= limit) return quotient_near_zero(a, divisor);
   const BasicInterval<T> quotient = enclosure(operation, a) / BasicInterval<T>(a);
   return {std::min(quotient.lower(), T(1)), std::min(quotient.upper(), T(1))};
+}
+
+/// polar_angle() for y >= 0, within [0, pi]: falls with x, and with y rises where x > 0 and falls where x < 0.
+template <class T>
+BasicInterval<T> angle_above(const BasicInterval<T>& x, const BasicInterval<T>& y) {
+  const T zero(0);
+  const T half_turn = pi<T>().upper();
+  // The origin alone: nothing is known. Otherwise it is beside points that have an angle, which bound the others.
+  if (x.lower() == zero && x.upper() == zero && y.upper() == zero) return {zero, half_turn};
+  if (x.upper() == zero && y.upper() == zero) return pi<T>();
+  const auto angle = [&](const T& ordinate, const T& abscissa, Direction direction) {
+    const auto unsigned_zero = [&](const T& a) { return Mpfr<T>(a == zero ? zero : a); };  // MPFR tells -0 from 0
+    return directed<T>(mpfr_atan2, direction, unsigned_zero(ordinate).get(), unsigned_zero(abscissa).get());
+  };
+  return {angle(x.upper() > zero ? y.lower() : y.upper(), x.upper(), Direction::down),
+          angle(x.lower() < zero ? y.lower() : y.upper(), x.lower(), Direction::up)};
 }
 
 }  // namespace
@@ -142,13 +158,12 @@ BasicInterval<T> arctangent_quotient(const BasicInterval<T>& a) {
 
 template <class T>
 BasicInterval<T> polar_angle(const BasicInterval<T>& x, const BasicInterval<T>& y) {
-  const auto angle = [](const T& ordinate, const T& abscissa, Direction direction) {
-    return directed<T>(mpfr_atan2, direction, Mpfr<T>(ordinate).get(), Mpfr<T>(abscissa).get());
-  };
   const T zero(0);
-  const T lower = angle(x.upper() > zero ? y.lower() : y.upper(), x.upper(), Direction::down);
-  if (x.lower() <= zero && y.lower() == zero) return {lower, pi<T>().upper()};
-  return {lower, angle(x.lower() > zero ? y.upper() : y.lower(), x.lower(), Direction::up)};
+  if (y.lower() >= zero) return angle_above(x, y);
+  const T half_turn = pi<T>().upper();
+  if (x.lower() < zero && y.upper() >= zero) return {-half_turn, half_turn};  // meets the cut
+  if (y.upper() <= zero) return -angle_above(x, -y);
+  return hull(-angle_above<T>(x, {zero, -y.lower()}), angle_above<T>(x, {zero, y.upper()}));
 }
 
 template <class T>

@@ -24,8 +24,8 @@ template <class T>
 template <class T>
 [[nodiscard]] BasicInterval<T> arctangent_quotient(const BasicInterval<T>& a);
 
-/// The angles in [0, pi] of all points (x, y) of two intervals, from the positive x axis. Precondition: y >= 0. (0, 0)
-/// has none.
+/// The angles in (-pi, pi] of all points (x, y) of two intervals, from the positive x axis: [-pi, pi] where they meet
+/// the cut, the negative x axis, from below; within [0, pi] for y >= 0. The origin has none; of it alone, [0, pi].
 template <class T>
 [[nodiscard]] BasicInterval<T> polar_angle(const BasicInterval<T>& x, const BasicInterval<T>& y);
 

@@ -70,7 +70,7 @@ struct Dual {
     return chain(a, power, power);
   }
   friend Dual log(const Dual& a) { return chain(a, log(a.value), T(1) / a.value); }
-  /// For base >= 0; base 0 wants a constant exponent, because log(0) is missing.
+  /// As pow() of T; base 0 and below want a constant exponent, because their logarithm is missing.
   friend Dual pow(const Dual& base, const Dual& exponent) {
     const T power = pow(base.value, exponent.value);
     const Dual by_base = chain(base, power, exponent.value * pow(base.value, exponent.value - T(1)));
