@@ -420,6 +420,15 @@ TEST_F(CommandLine, OutputThatCannotBeWrittenFails) {
   EXPECT_THAT(outcome.err, HasSubstr("no/such/folder/map.csv"));
 }
 
+TEST_F(CommandLine, WritesThroughSymbolicLinks) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  std::filesystem::create_directory(path("elsewhere"));
+  std::filesystem::create_symlink("elsewhere/map.csv", path("link.csv"));
+  ASSERT_EQ(map({"--model", ball, "--mesh", mesh, "-o", path("link.csv")}).status, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(path("link.csv")));
+  EXPECT_EQ(rows_of(path("elsewhere/map.csv")).size(), 4U);
+}
+
 TEST_F(CommandLine, NeverOverwritesItsInput) {
   const auto points = write("points.csv", "0,0,3\n");
   expect_refused(map({"--model", ball, "--points", points, "-o", points}), {"points.csv", "overwrite"});
