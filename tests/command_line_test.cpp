@@ -6,6 +6,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -289,6 +290,49 @@ TEST_F(CommandLine, InterruptionOfSlowSearchesKeepsFinishedRows) {
   const auto summary = nlohmann::json::parse(outcome.out);
   EXPECT_LT(summary.at("points"), 200'000);
   EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary.at("points"));
+}
+
+TEST_F(CommandLine, SigtermAndSighupKeepFinishedRowsAsCtrlCDoes) {
+  const auto points = write("points.csv", points_about_the_bent_stem(200'000));
+  for (const int signal : {SIGTERM, SIGHUP}) {
+    const auto outcome = run_interrupted(
+        {"map", "--device", "host", "--model", bent_stem, "--points", points, "-o", path("map.csv"), "--json"}, signal);
+    EXPECT_EQ(outcome.status, 128 + signal) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("map.csv.partial"));
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(summary.at("interrupted"), true);
+    EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary.at("points"));
+    std::filesystem::remove(path("map.csv.partial"));
+    EXPECT_THAT(folder_.names(), ::testing::UnorderedElementsAre("points.csv", "process.out", "process.err"));
+  }
+}
+
+/// As `timeout` sends it: to the program, and to the group that it is in.
+TEST_F(CommandLine, SigtermTwiceIsNoMoreThanOnce) {
+  const auto points = write("points.csv", points_about_the_bent_stem(200'000));
+  const Process process =
+      start({"map", "--device", "host", "--model", bent_stem, "--points", points, "-o", path("map.csv")});
+  process.wait_until_interruptible();
+  for (int k = 0; k < 20; ++k) {
+    process.send(SIGTERM);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // so that they are not merged
+  }
+  const auto outcome = process.wait();
+  EXPECT_EQ(outcome.status, 143);
+  EXPECT_THAT(outcome.err, HasSubstr("map.csv.partial"));
+}
+
+TEST_F(CommandLine, NohupStaysInForce) {
+  const auto points = write("points.csv", points_about_the_bent_stem(2000));
+  // `nohup` without its messages.
+  const Process process({"/bin/sh", "-c", "trap '' HUP; exec \"$0\" \"$@\"", VERISQ_PROGRAM, "map", "--device", "host",
+                         "--model", bent_stem, "--points", points, "-o", path("map.csv")},
+                        folder_.path());
+  process.wait_until_interruptible();
+  process.send(SIGHUP);
+  const auto outcome = process.wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(rows_of(path("map.csv")).size(), 2000U);
 }
 
 // ---------------------------------------------------------------- time limits
