@@ -6,7 +6,9 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
@@ -291,6 +293,81 @@ TEST_F(CommandLine, InterruptionOfSlowSearchesKeepsFinishedRows) {
   EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary.at("points"));
 }
 
+TEST_F(CommandLine, SigtermAndSighupKeepFinishedRowsAsCtrlCDoes) {
+  const auto points = write("points.csv", points_about_the_bent_stem(200'000));
+  for (const int signal : {SIGTERM, SIGHUP}) {
+    const auto outcome = run_interrupted(
+        {"map", "--device", "host", "--model", bent_stem, "--points", points, "-o", path("map.csv"), "--json"}, signal);
+    EXPECT_EQ(outcome.status, 128 + signal) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("map.csv.partial"));
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(summary.at("interrupted"), true);
+    EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary.at("points"));
+    std::filesystem::remove(path("map.csv.partial"));
+    EXPECT_THAT(folder_.names(), ::testing::UnorderedElementsAre("points.csv", "process.out", "process.err"));
+  }
+}
+
+/// As `timeout` sends it: to the program, and to the group that it is in.
+TEST_F(CommandLine, SigtermTwiceIsNoMoreThanOnce) {
+  const auto points = write("points.csv", points_about_the_bent_stem(200'000));
+  const Process process =
+      start({"map", "--device", "host", "--model", bent_stem, "--points", points, "-o", path("map.csv")});
+  process.wait_until_interruptible();
+  for (int k = 0; k < 20; ++k) {
+    process.send(SIGTERM);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // so that they are not merged
+  }
+  const auto outcome = process.wait();
+  EXPECT_EQ(outcome.status, 143);
+  EXPECT_THAT(outcome.err, HasSubstr("map.csv.partial"));
+}
+
+TEST_F(CommandLine, NohupStaysInForce) {
+  const auto points = write("points.csv", points_about_the_bent_stem(2000));
+  // `nohup` without its messages.
+  const Process process({"/bin/sh", "-c", "trap '' HUP; exec \"$0\" \"$@\"", VERISQ_PROGRAM, "map", "--device", "host",
+                         "--model", bent_stem, "--points", points, "-o", path("map.csv")},
+                        folder_.path());
+  process.wait_until_interruptible();
+  process.send(SIGHUP);
+  const auto outcome = process.wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(rows_of(path("map.csv")).size(), 2000U);
+}
+
+/// What is in the folder and ends in `.partial`; empty where there is none.
+std::filesystem::path partial_file_in(const std::filesystem::path& folder) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".partial") return entry.path();
+  }
+  return {};
+}
+
+TEST_F(CommandLine, KilledRunsLeaveTheirFinishedRows) {
+  const std::string stem = VERISQ_EXAMPLES "/stem.json";
+  std::string text;  // outside and inside; those inside take a while
+  for (int k = 0; k < 100'000; ++k) text += k % 2 == 0 ? "90,0,0.5\n" : "0.5,1,-40\n";
+  const auto points = write("points.csv", text);
+  const Process process = start({"map", "--device", "host", "--model", stem, "--points", points, "--certificates",
+                                 "--tol", "1e-9", "-o", path("map.csv")});
+  const auto several_rows = [&] { return std::ranges::count(contents(partial_file_in(folder_.path())), '\n') > 20; };
+  while (!several_rows() && !std::filesystem::exists(path("map.csv"))) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  process.send(SIGKILL);
+  EXPECT_EQ(process.wait().status, 128 + SIGKILL);
+  const auto left = partial_file_in(folder_.path());
+  ASSERT_FALSE(left.empty());
+  const auto checked = run({"check", "--model", stem, "--points", points, "--map", left.string(), "--json"});
+  EXPECT_EQ(checked.status, 3) << checked.err;
+  const auto summary = nlohmann::json::parse(checked.out);
+  EXPECT_GE(summary.at("proved"), 20);
+  EXPECT_EQ(summary.at("refuted"), 0);
+  EXPECT_EQ(summary.at("unproved"), 0);
+  EXPECT_EQ(summary.at("points").get<std::uint64_t>() + summary.at("missing").get<std::uint64_t>(), 100'000U);
+}
+
 // ---------------------------------------------------------------- time limits
 
 /// Rows of two maps of the same points contain the same numbers.
@@ -418,6 +495,15 @@ TEST_F(CommandLine, OutputThatCannotBeWrittenFails) {
   const auto outcome = map({"--model", ball, "--mesh", mesh, "-o", path("no/such/folder/map.csv")});
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.err, HasSubstr("no/such/folder/map.csv"));
+}
+
+TEST_F(CommandLine, WritesThroughSymbolicLinks) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  std::filesystem::create_directory(path("elsewhere"));
+  std::filesystem::create_symlink("elsewhere/map.csv", path("link.csv"));
+  ASSERT_EQ(map({"--model", ball, "--mesh", mesh, "-o", path("link.csv")}).status, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(path("link.csv")));
+  EXPECT_EQ(rows_of(path("elsewhere/map.csv")).size(), 4U);
 }
 
 TEST_F(CommandLine, NeverOverwritesItsInput) {
@@ -627,6 +713,50 @@ TEST_F(Check, RefusesBadMaps) {
   expect_refused(check(write("nan.csv", table.text())), {"nan.csv", "line 3", "nan"});
 }
 
+TEST_F(Check, ProvesThePartThatAnEndedRunLeft) {
+  const std::string text = contents(certified_map("map.csv"));
+  const std::size_t last_row = text.rfind('\n', text.size() - 2) + 1;
+  for (const std::string name : {"map.csv.partial", "map.csv.0123abcd.partial"}) {
+    for (const std::size_t size : {last_row, last_row + 1, text.size() - 1}) {
+      const auto outcome = check(write(name, text.substr(0, size)));
+      EXPECT_EQ(outcome.status, 3) << outcome.err;
+      EXPECT_THAT(outcome.out, HasSubstr("proved             3\n"));
+      EXPECT_THAT(outcome.out, HasSubstr("missing            1 (the map ends before)\n"));
+    }
+    EXPECT_EQ(check(write(name, text)).status, 0);
+    const auto empty = check(write(name, text.substr(0, text.find('\n') + 1)), {"--json"});
+    EXPECT_EQ(empty.status, 3) << empty.err;
+    EXPECT_EQ(nlohmann::json::parse(empty.out).at("missing"), 4);
+    expect_refused(check(write(name, text + "4" + text.substr(last_row + 1))), {name, "5 rows for the 4 points"});
+  }
+  expect_refused(check(write("map.vtp.0123abcd.partial", "<")), {"map.vtp.0123abcd.partial", "killed", "map again"});
+}
+
+TEST_F(Check, NamesAStatusThatNoToleranceAllows) {
+  const auto map = certified_map("map.csv");
+  const auto falsified = [&](Table& table) {
+    const auto outcome = check(write("false.csv", table.text()), {"--json"});
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    const auto found = nlohmann::json::parse(outcome.out).at("falsified");
+    EXPECT_EQ(found.at("array"), "status");
+    return found;
+  };
+  Table infinite(map);
+  infinite.at(1, "hi") = "inf";
+  EXPECT_EQ(falsified(infinite), nlohmann::json::parse(R"({"array": "status", "index": 1, "shown": "host-verified",
+                                      "expected": "wide, since an end is infinite"})"));
+  Table wide(map);
+  wide.at(2, "lo") = "-2";  // still verified, but much wider than
+  wide.at(3, "status") = "wide";
+  EXPECT_EQ(falsified(wide).at("index"), 3);
+  EXPECT_THAT(std::string(falsified(wide).at("expected")), HasSubstr("at index 2 a width of "));
+  Table point(map);
+  for (std::size_t row = 1; row < count_of_check; ++row) point.at(row, "status") = "wide";
+  EXPECT_EQ(check(write("wide.csv", point.text())).status, 0);  // of a tolerance of 0: row 0 is exact
+  point.at(0, "status") = "wide";
+  EXPECT_EQ(falsified(point).at("expected"), "verified, since lo equals hi");
+}
+
 constexpr std::size_t long_count = 5000;  // more than a chunk
 
 /// A certified map of the point (0, 0, 3), `long_count` times.
@@ -753,6 +883,119 @@ TEST_F(CheckTriangles, NeedsTheMesh) {
   expect_refused(run({"check", "--model", ball, "--points", points, "--map", map}), {"map.csv", "triangles", "--mesh"});
   const auto cloud = write("cloud.off", "OFF\n2 0 0\n0 0 3\n1 0 4\n");
   expect_refused(run({"check", "--model", ball, "--mesh", cloud, "--map", map}), {"cloud.off", "no triangles"});
+}
+
+// ---------------------------------------------------------------- check of pictures
+
+/// Certified `.vtp` maps of a mesh, with one number of one array changed.
+class CheckPicture : public CommandLine {
+ protected:
+  [[nodiscard]] std::string certified_map(const std::string& on) const {
+    const auto outcome = map({"--model", ball, "--mesh", mesh_, "--on", on, "--certificates", "-o", path("map.vtp")});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return contents(path("map.vtp"));
+  }
+
+  [[nodiscard]] Outcome check(const std::string& map, Arguments more = {}) const {
+    more.insert(more.begin(), {"check", "--model", ball, "--mesh", mesh_, "--map", write("false.vtp", map)});
+    return run(more);
+  }
+
+  /// Every row is proved, and yet the map is not.
+  void expect_falsified(const std::string& map, const nlohmann::json& falsified) const {
+    const auto outcome = check(map, {"--json"});
+    EXPECT_EQ(outcome.status, 3) << falsified << outcome.err;
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(summary.at("proved"), 4);
+    EXPECT_EQ(summary.at("falsified"), falsified);
+  }
+
+  std::string mesh_ = write("mesh.off", tetrahedron);
+};
+
+/// `map` with the number at `index` of an array changed.
+template <class Number>
+std::string with_number(std::string map, const std::string& name, std::size_t index, Number number) {
+  const std::string key = "offset=\"";
+  const std::size_t offset = std::stoul(map.substr(map.find(key, map.find("Name=\"" + name + "\"")) + key.size()));
+  std::memcpy(map.data() + map.find("\n_") + 2 + offset + 8 + index * sizeof number, &number, sizeof number);
+  return map;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST_F(CheckPicture, ProvesWhatIsDrawnAsGiven) {
+  for (const std::string on : {"vertices", "triangles"}) {
+    const auto outcome = check(certified_map(on));
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.out, Not(HasSubstr("falsified")));
+  }
+}
+
+TEST_F(CheckPicture, NamesTheFirstFalsifiedNumberOfEveryArray) {
+  for (const std::string on : {"vertices", "triangles"}) {
+    const auto map = certified_map(on);
+    expect_falsified(with_number(map, "Points", 5, 4.5),
+                     {{"array", "Points"}, {"index", 1}, {"shown", "(1, 0, 4.5)"}, {"expected", "(1, 0, 4)"}});
+    expect_falsified(with_number(map, "Points", 0, -0.0),
+                     {{"array", "Points"}, {"index", 0}, {"shown", "(-0, 0, 3)"}, {"expected", "(0, 0, 3)"}});
+    expect_falsified(with_number<std::int64_t>(map, "connectivity", 10, 2),
+                     {{"array", "connectivity"}, {"index", 3}, {"shown", "(1, 2, 2)"}, {"expected", "(1, 3, 2)"}});
+    expect_falsified(with_number<std::int64_t>(map, "offsets", 2, 7),
+                     {{"array", "offsets"}, {"index", 2}, {"shown", "7"}, {"expected", "9"}});
+    // The middle of [lo, hi], which row 0 of either map has about 2.
+    const auto outcome = check(with_number(map, "dist_mid", 0, 1.0), {"--json"});
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    const auto found = nlohmann::json::parse(outcome.out).at("falsified");
+    EXPECT_EQ(found.at("array"), "dist_mid");
+    EXPECT_EQ(found.at("index"), 0);
+    EXPECT_EQ(found.at("shown"), "1");
+    EXPECT_NEAR(std::stod(std::string(found.at("expected"))), 2.0, 1e-5);
+    const auto status = check(with_number<std::uint8_t>(map, "status", 0, 2), {"--json"});
+    EXPECT_EQ(status.status, 3) << status.err;
+    EXPECT_EQ(nlohmann::json::parse(status.out).at("falsified").at("array"), "status");
+  }
+}
+
+TEST_F(CheckPicture, SaysWhatIsFalsified) {
+  const auto outcome = check(with_number(certified_map("vertices"), "Points", 5, 4.5));
+  EXPECT_THAT(outcome.out, EndsWith("falsified Points, index 1\n  shown              (1, 0, 4.5)\n"
+                                    "  expected           (1, 0, 4)\n"));
+}
+
+TEST_F(CheckPicture, ComparesTheNumbersOfPointsAndCells) {
+  const auto vertices = certified_map("vertices");
+  const auto triangles = certified_map("triangles");
+  mesh_ = write("mesh.off", replaced(replaced(tetrahedron, "4 4 0", "4 3 0"), "3 1 3 2\n", ""));
+  expect_falsified(vertices, {{"array", "NumberOfPolys"}, {"index", nullptr}, {"shown", "4"}, {"expected", "3"}});
+  mesh_ = write("mesh.off", replaced(replaced(tetrahedron, "4 4 0", "5 4 0"), "-1 -1 4\n", "-1 -1 4\n9 9 9\n"));
+  expect_falsified(triangles, {{"array", "NumberOfPoints"}, {"index", nullptr}, {"shown", "4"}, {"expected", "5"}});
+}
+
+TEST_F(CheckPicture, ComparesTheDrawnPointsOfAStream) {
+  const auto points = write("points.csv", "0,0,3\n1,2,3\n");
+  ASSERT_EQ(map({"--model", ball, "--points", points, "--certificates", "-o", path("map.vtp")}).status, 0);
+  const auto map = contents(path("map.vtp"));
+  const auto falsified = [&](const std::string& text) {
+    const auto outcome =
+        run({"check", "--model", ball, "--points", points, "--map", write("false.vtp", text), "--json"});
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    return nlohmann::json::parse(outcome.out).at("falsified");
+  };
+  EXPECT_EQ(falsified(with_number(map, "Points", 3, 1.5)).at("shown"), "(1.5, 2, 3)");
+  EXPECT_EQ(falsified(with_number<std::int64_t>(map, "connectivity", 1, 0)).at("array"), "connectivity");
+  EXPECT_EQ(falsified(with_number<std::int64_t>(map, "offsets", 0, 2)).at("array"), "offsets");
+  // A mesh that draws triangles between the same points.
+  const auto mesh = write("three.off", "OFF\n3 1 0\n0 0 3\n1 2 3\n1 2 4\n3 0 1 2\n");
+  const auto same = write("same.csv", "0,0,3\n1,2,3\n1,2,4\n");
+  ASSERT_EQ(this->map({"--model", ball, "--mesh", mesh, "--certificates", "-o", path("mesh.vtp")}).status, 0);
+  const auto outcome = run({"check", "--model", ball, "--points", same, "--map", path("mesh.vtp"), "--json"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out).at("falsified").at("array"), "NumberOfPolys");
 }
 
 // ---------------------------------------------------------------- bad usage

@@ -648,6 +648,22 @@ TEST(MapReader, ReadsThePartOfAnInterruptedCsv) {
   EXPECT_EQ(rows[0].certificate, certificates[0]);
 }
 
+TEST(MapReader, LeavesOutARowThatWasBeingWritten) {
+  const TemporaryFolder folder;
+  for (const char* name : {"map.csv.partial", "map.csv.00c0ffee.partial", "MAP.CSV.PARTIAL"}) {
+    for (std::size_t size = 0; size < csv_rows[1].size(); ++size) {
+      const auto path = folder.file(name, csv_header + csv_rows[0] + csv_rows[1].substr(0, size));
+      EXPECT_TRUE(MapReader(path).partial());
+      EXPECT_EQ(read_map(path).size(), 1U) << name << ", " << size << " bytes";
+    }
+    EXPECT_EQ(read_map(folder.file(name, csv_header + csv_rows[0] + csv_rows[1])).size(), 2U);
+  }
+  EXPECT_FALSE(MapReader(folder.file("map.csv", csv_header)).partial());
+  const auto vtp = folder.file("map.vtp.00c0ffee.partial", "");
+  expect_input_error([&] { read_map(vtp); }, vtp,
+                     ": what a killed run left of a .vtp, which is written when all is known: map again");
+}
+
 TEST(MapReader, RefusesOtherFormats) {
   const TemporaryFolder folder;
   for (const std::string extension : {".ply", ".json", "", ".partial", ".vtp.partial"}) {
@@ -838,12 +854,12 @@ TEST(MapReader, RefusesVtpSizesThatTheFileDoesNotHold) {
   const std::string map = certified("map.vtp");
   const std::string huge = "18446744073709551615";
   const std::vector<std::array<std::string, 3>> cases{
-      {"NumberOfPoints=\"4\"", "NumberOfPoints=\"5\"", "array 'dist_lo': 32 bytes, expected 5 times 8"},
+      {"NumberOfPoints=\"4\"", "NumberOfPoints=\"5\"", "array 'Points': 96 bytes, expected 5 times 24"},
       {"NumberOfPoints=\"4\"", "NumberOfPoints=\"" + huge + "\"",
-       "array 'dist_lo': 32 bytes, expected " + huge + " times 8"},
-      // 8 times this is 0 in 64 bits, and 32 when it is one of 4 more.
+       "array 'Points': 96 bytes, expected " + huge + " times 24"},
+      // 24 times this is 0 in 64 bits, and 96 when it is one of 4 more.
       {"NumberOfPoints=\"4\"", "NumberOfPoints=\"2305843009213693956\"",
-       "array 'dist_lo': 32 bytes, expected 2305843009213693956 times 8"},
+       "array 'Points': 96 bytes, expected 2305843009213693956 times 24"},
       {"NumberOfTuples=\"2\"", "NumberOfTuples=\"3\"", "array 'further_primitive': 8 bytes, expected 3 times 4"},
       {"offset=\"16\"", "offset=\"15\"", "array 'further_normal': offset = 15: the array before it ends at 16"},
       {"offset=\"16\"", "offset=\"0\"", "array 'further_normal': offset = 0: the array before it ends at 16"},
@@ -917,7 +933,120 @@ TEST(MapReader, RefusesVtpWhoseRowsAreNotThoseOfTriangles) {
     expect_refused("map.vtp", changed, fmt::format("byte {}: {}", changed.find(place), message));
   }
   expect_refused("map.vtp", replaced(map, "NumberOfPolys=\"4\"", "NumberOfPolys=\"5\""),
-                 "array 'dist_lo': 32 bytes, expected 5 times 8");
+                 "array 'connectivity': 96 bytes, expected 5 times 24");
+}
+
+struct AddedElement {
+  std::string from;
+  std::string to;
+  std::string message;
+};
+
+/// What nobody checks, a viewer may show instead of what was checked.
+TEST(MapReader, RefusesVtpWithAnythingThatIsNotChecked) {
+  const std::string array =
+      R"(<DataArray type="Float64" Name="EXTRA" NumberOfComponents="1" format="appended" offset="320"/>)";
+  const std::vector<AddedElement> cases{
+      {"      </PointData>", array + "      </PointData>", "'<DataArray type=\"Float64\" Name=\"EXTRA\" Numb"},
+      {"      <PointData ", "<CellData>" + array + "</CellData>      <PointData ", "'<CellData>"},
+      {"      <Polys>", "<Verts>" + array + "</Verts>      <Polys>", "'<Verts>"},
+      {"    </FieldData>", array + "    </FieldData>", "'<DataArray"},
+      {"Scalars=\"dist_mid\"", "Scalars=\"dist_lo\"", "'Scalars=\"dist_lo\" Vectors"},
+      {"NumberOfPolys=\"4\"", "NumberOfPolys=\"4\" Extent=\"1\"", "'NumberOfPolys=\"4\" Extent"},
+      {"NumberOfVerts=\"0\"", "NumberOfVerts=\"4\"", "'NumberOfVerts=\"4\""},
+      {"      <Points>", "<!-- note -->      <Points>", "'<!-- note -->"},
+      {"<?xml version=\"1.0\"?>", "<?xml version=\"1.1\"?>", "'version=\"1.1\"?>'"},
+  };
+  const std::string map = certified("map.vtp", &tetrahedron);
+  const TemporaryFolder folder;
+  for (const auto& [from, to, message] : cases) {
+    const auto path = folder.file("map.vtp", replaced(map, from, to));
+    try {
+      read_map(path);
+      ADD_FAILURE() << to;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      EXPECT_THAT(error.what(), HasSubstr(": " + message));
+      EXPECT_THAT(error.what(), HasSubstr(": expected '"));
+    }
+  }
+  expect_refused("map.vtp", map + " ", fmt::format("byte {}: not the end of a map", map.rfind("\n  </App")));
+  expect_refused("map.vtp", map.substr(0, map.size() - 1),
+                 fmt::format("byte {}: not the end of a map", map.rfind("\n  </App")));
+}
+
+/// The first difference of the map at `path` from `mesh`, in one line.
+std::string difference(const std::filesystem::path& path, const Mesh& mesh) {
+  MapReader reader(path);
+  const auto found = reader.difference_from(mesh);
+  if (!found) return "";
+  return found->array + (found->index ? fmt::format("[{}]", *found->index) : "") + " " + found->shown + " for " +
+         found->expected;
+}
+
+/// What the reader has of a map: its rows, and how the picture differs from that of the tetrahedron.
+std::string all_that_is_read(const std::filesystem::path& path) {
+  std::string all = difference(path, tetrahedron);
+  for (const CertifiedRow& row : read_map(path)) all += fmt::format("\n{}", text(row.result, row.certificate));
+  return all;
+}
+
+TEST(MapReader, NoticesEveryChangedByteOfAVtp) {
+  const TemporaryFolder folder;
+  const auto write = [&](MapElements elements, const std::vector<Certificate>& of_rows) {
+    MapWriter writer(folder / "map.vtp", &tetrahedron, MapContents::certified, elements);
+    writer.append(results, of_rows);
+    writer.finish();
+    return folder.contents("map.vtp");
+  };
+  const Certificate& a = triangle_certificates[0];
+  const Certificate& b = triangle_certificates[1];
+  const Certificate& c = triangle_certificates[2];
+  for (const std::string& map :
+       {write(MapElements::vertices, {certificates[1], certificates[2], certificates[2], certificates[1]}),
+        write(MapElements::triangles, {a, b, c, a})}) {
+    const auto path = folder / "map.vtp";
+    const std::string honest = all_that_is_read(folder.file("map.vtp", map));
+    for (std::size_t k = 0; k < map.size(); ++k) {
+      std::string changed = map;
+      changed[k] = static_cast<char>(map[k] ^ 1);
+      std::filesystem::remove(path);  // rewriting thousands of files in place is slow
+      (void)folder.file("map.vtp", changed);
+      try {
+        EXPECT_NE(all_that_is_read(path), honest) << "byte " << k;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::input) << error.what();
+      }
+    }
+  }
+}
+
+TEST(MapReader, RefusesVtpNormalsOfNoPrimitive) {
+  expect_refused("map.vtp", with_number("normal", 4, 0.5), "point 1: normal = 0 0.5 0: of no primitive");
+}
+
+TEST(MapReader, FindsWhatIsDrawnDifferently) {
+  const TemporaryFolder folder;
+  const Mesh points{tetrahedron.vertices, {}};
+  const auto csv = folder.file("map.csv", certified("map.csv"));
+  EXPECT_FALSE(MapReader(csv).draws());
+  EXPECT_EQ(difference(csv, {}), "");
+  const auto cloud = folder.file("map.vtp", certified("map.vtp"));
+  EXPECT_TRUE(MapReader(cloud).draws());
+  EXPECT_EQ(difference(cloud, points), "");
+  EXPECT_EQ(difference(cloud, tetrahedron), "NumberOfPolys 0 for 4");
+  EXPECT_EQ(difference(cloud, {}), "NumberOfPoints 4 for 0");
+  for (const std::string& map : {certified("map.vtp", &tetrahedron), certified_triangles("map.vtp")}) {
+    const auto path = folder.file("map.vtp", map);
+    EXPECT_EQ(difference(path, tetrahedron), "");
+    EXPECT_EQ(difference(path, points), "NumberOfPolys 4 for 0");
+    Mesh moved = tetrahedron;
+    moved.vertices[2][1] = std::nextafter(0.1, 1.0);
+    EXPECT_EQ(difference(path, moved), "Points[2] (0, 0.10000000000000001, 0) for (0, 0.10000000000000002, 0)");
+    moved = tetrahedron;
+    std::swap(moved.triangles[1], moved.triangles[2]);
+    EXPECT_EQ(difference(path, moved), "connectivity[1] (0, 1, 3) for (1, 2, 3)");
+  }
 }
 
 TEST(MapReader, RefusesVtpValuesThatAreNone) {
@@ -999,6 +1128,16 @@ TEST(MapFile, LeavesNothingWithoutFinish) {
     EXPECT_FALSE(std::filesystem::exists(folder / "map.csv"));
   }
   EXPECT_THAT(folder.names(), IsEmpty());
+}
+
+/// As a killed run leaves it: without the writer's destructor.
+TEST(MapFile, CsvHoldsEveryAppendedRowAtOnce) {
+  const TemporaryFolder folder;
+  MapWriter writer(folder / "map.csv", nullptr);
+  const auto so_far = [&] { return folder.contents(folder.names().at(0)); };
+  EXPECT_EQ(so_far(), "index,lo,hi,status\n");
+  writer.append(std::vector<Point>(1), std::span(results).first(1));
+  EXPECT_EQ(so_far(), "index,lo,hi,status\n0,0.10000000000000001,0.30000000000000004,device-verified\n");
 }
 
 TEST(MapFile, KeepsThePartOfAnInterruptedCsv) {

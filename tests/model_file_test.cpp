@@ -1,4 +1,5 @@
 /// The model format: what it accepts, and the message for everything it refuses.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <bit>
@@ -149,10 +150,78 @@ TEST(ModelFile, TellsUnionsOfAllPrimitives) {
   EXPECT_FALSE(is_union(R"({"union": ["stem", "head", {"intersection": ["bore"]}]})"));
 }
 
-std::string hundred_times(const std::string& text) {
-  std::string result;
-  for (int k = 0; k < 100; ++k) result += text;
-  return result;
+/// "a" in `depth` operators, each the first operand of the one around it; unions by turns with differences.
+std::string nested(std::size_t depth) {
+  std::string opened;
+  std::string closed;
+  for (std::size_t k = 0; k < depth; ++k) {
+    opened += k % 2 == 0 ? R"({"union": [)" : R"({"difference": [)";
+    closed += R"(, "b"]})";
+  }
+  return model_of(ball("a") + "," + ball("b"), R"(, "csg": )" + opened + R"("a")" + closed);
+}
+
+std::size_t depth_of(const SetExpression& expression) {
+  return expression.operands.empty() ? 0 : 1 + depth_of(expression.operands[0]);
+}
+
+TEST(ModelFile, ReadsAThousandNestedOperators) {
+  const Model model = parse_model(nested(1000), "m.json");
+  ASSERT_TRUE(model.csg);
+  EXPECT_EQ(depth_of(*model.csg), 1000U);
+  const Model copy = model;
+  EXPECT_EQ(depth_of(*copy.csg), 1000U);
+  const TemporaryFolder folder;
+  write_model(folder / "m.json", model);
+  EXPECT_EQ(depth_of(*read_model(folder / "m.json").csg), 1000U);
+}
+
+TEST(ModelFile, RefusesTenThousandNestedOperatorsInOneShortLine) {
+  const std::string text = nested(10'000);
+  try {
+    (void)parse_model(text, "m.json");
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_THAT(error.what(), ::testing::MatchesRegex(
+                                  "m\\.json: line 1, column [0-9]+: nested deeper than 2048 levels: give operators of "
+                                  "one kind all their operands at once"));
+  }
+}
+
+TEST(ModelFile, ReadsTenThousandPrimitives) {
+  std::string primitives;
+  std::string operands;
+  for (int k = 0; k < 10'000; ++k) {
+    const std::string separator = k == 0 ? "" : ",";
+    const std::string name = fmt::format("p{}", k);
+    primitives += separator + ball(name);
+    operands += fmt::format("{}\"{}\"", separator, name);
+  }
+  const Model model = parse_model(model_of(primitives, R"(, "csg": {"union": [)" + operands + "]}"), "m.json");
+  EXPECT_EQ(model.primitives.size(), 10'000U);
+  EXPECT_EQ(model.csg->operands.size(), 10'000U);
+}
+
+/// What is wrong deep inside is told in a line that can be read.
+TEST(ModelFile, ShortensLongPathsInMessages) {
+  const std::string text = nested(1000);
+  for (const auto& [from, to, end] :
+       {std::tuple{R"(["a")", R"(["ghost")", R"([0].difference[0] = "ghost": no primitive has this name)"},
+        std::tuple{R"("a",)", R"(1e999,)", "[0].difference[0] = 1e999: not a finite number"},
+        std::tuple{R"("a", "b"])", R"({"union": [], "union": []}])", ".union: the key appears twice"}}) {
+    std::string wrong = text;
+    wrong.replace(wrong.rfind(from), std::string(from).size(), to);
+    try {
+      (void)parse_model(wrong, "m.json");
+      ADD_FAILURE() << to;
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      EXPECT_THAT(message, ::testing::StartsWith("m.json: csg.union[0].difference[0]."));
+      EXPECT_THAT(message, ::testing::EndsWith(end));
+      EXPECT_LT(message.size(), 300U);
+    }
+  }
 }
 
 struct Refusal {
@@ -241,8 +310,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"UnknownKeyOfOddCharacters", model_of(ball("a"), R"(, "a\nb": 1)"), ": \"a\\nb\" = 1: unknown key"},
         Refusal{"KeyTwice", model_of(R"({"name": "a", "superquadric": {"exponents": [1, 1], "exponents": [2, 2]}})"),
                 first + "exponents: the key appears twice"},
-        Refusal{"NestedTooDeep", std::string(100000, '['),
-                ": " + hundred_times("[0]") + ": nested deeper than 100 levels"}),
+        Refusal{"NestedTooDeep", "{\"[\\\"{\":\n" + std::string(100000, '['),
+                ": line 2, column 2048: nested deeper than 2048 levels: give operators of one kind all their operands "
+                "at once"}),
     name_of);
 
 INSTANTIATE_TEST_SUITE_P(

@@ -39,13 +39,22 @@ class Process {
     std::vector<char*> argv;
     for (auto& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
+    // A test in the background of a shell has SIGINT ignored, and would hand that on.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+    posix_spawnattr_setsigdefault(&attributes, &signals);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     constexpr int fresh = O_WRONLY | O_CREAT | O_TRUNC;
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_.c_str(), fresh, 0600);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err_.c_str(), fresh, 0600);
-    const int error = posix_spawn(&id_, argv[0], &actions, nullptr, argv.data(), environ);
+    const int error = posix_spawn(&id_, argv[0], &actions, &attributes, argv.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     if (error != 0) throw std::runtime_error("cannot start " + arguments[0]);
   }
@@ -55,7 +64,8 @@ class Process {
     while (!catches_interrupts()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 
-  void interrupt() const { kill(id_, SIGINT); }
+  void interrupt() const { send(SIGINT); }
+  void send(int signal) const { kill(id_, signal); }
 
   [[nodiscard]] Outcome wait() const {
     int status = 0;

@@ -34,12 +34,12 @@ class ProgramTest : public ::testing::Test {
   }
   [[nodiscard]] Outcome run(const Arguments& arguments) const { return start(arguments).wait(); }
 
-  /// Ctrl-C, shortly after the program is ready for that.
-  [[nodiscard]] Outcome run_interrupted(const Arguments& arguments) const {
+  /// Ctrl-C, or what else asks a program to end, shortly after it is ready for that.
+  [[nodiscard]] Outcome run_interrupted(const Arguments& arguments, int signal = SIGINT) const {
     const Process process = start(arguments);
     process.wait_until_interruptible();
     std::this_thread::sleep_for(std::chrono::milliseconds(200));  // to have some results; the tests do without
-    process.interrupt();
+    process.send(signal);
     return process.wait();
   }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
+#include <span>
 #include <vector>
 #include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
@@ -19,6 +20,7 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/status_consistency.hpp"
 #include "host/command_line/triangle_stream.hpp"
 #include "host/parallel.hpp"
 
@@ -28,16 +30,19 @@ namespace {
 constexpr std::size_t chunk_size = 4096;
 
 constexpr const char* closing_words =
-    "The map is one that `verisq map --certificates` wrote for the same model and the same points or triangles, in "
-    "the\n"
-    "same order; the map tells which of both. Each [lo, hi] is proved again by MPFR from the model, the point or\n"
-    "triangle, and the row's certificate alone: no OpenCL, and nothing of the run that wrote the map, is trusted. The\n"
-    "column `status` and the tolerance are not what is checked.\n"
+    "The map is one that `verisq map --certificates` wrote for the same model and the same points or triangles, in\n"
+    "the same order; the map tells which of both. Each [lo, hi] is proved again by MPFR from the model, the point or\n"
+    "triangle, and the row's certificate alone: no OpenCL, and nothing of the run that wrote the map, is trusted.\n"
     "\n"
-    "\"Proved\": the exact distance lies in [lo, hi]. \"Refuted\": it does not. \"Unproved\": the certificate does "
-    "not\n"
-    "decide. Exit status: 0 every row proved, 3 some refuted or unproved, 130 interrupted by Ctrl-C (what was checked\n"
-    "so far is printed), 2 bad usage or input: also a map with fewer or more rows than there are points or triangles.\n"
+    "\"Proved\": the exact distance lies in [lo, hi]. \"Refuted\": it does not. \"Unproved\": the certificate does\n"
+    "not decide. \"Falsified\": something else that the map shows is not so. What a .vtp draws must be the points and\n"
+    "cells given, bit for bit, and the middles of [lo, hi]; one tolerance must explain every status (which of device\n"
+    "and host verified a row is not checked). \"Missing\": an interrupted or killed run left a part of a .csv, as\n"
+    "OUT.partial or OUT.*.partial; a last row that is not whole does not count.\n"
+    "\n"
+    "Exit status: 0 every row proved, nothing falsified or missing; 3 not so; 2 bad usage or input, also a whole map\n"
+    "with fewer or more rows than there are points or triangles; 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by\n"
+    "SIGHUP (what was checked so far is printed).\n"
     "\n"
     "Examples:\n"
     "  verisq map --model stem.json --mesh femur.off --certificates -o clearance.csv\n"
@@ -56,8 +61,9 @@ class Tally {
   Tally(const Stream& stream, MapElements elements, bool show_progress)
       : stream_(stream), bar_(show_progress, plural(elements)) {}
 
-  void add(const CheckedRow& row) {
+  void add(const CheckedRow& row, Status status) {
     const std::lock_guard lock(mutex_);
+    statuses_.add(row.index, {row.claimed, status});
     switch (row.finding.verdict) {
       case Verdict::proved: ++report_.proved; break;
       case Verdict::refuted: ++report_.refuted; break;
@@ -72,12 +78,17 @@ class Tally {
   }
 
   /// Precondition: no `add` is under way.
-  [[nodiscard]] const CheckReport& report() const { return report_; }
+  [[nodiscard]] CheckReport report() const {
+    CheckReport report = report_;
+    report.falsified = statuses_.contradiction();
+    return report;
+  }
 
  private:
   const Stream& stream_;
   std::mutex mutex_;
   ProgressBar bar_;
+  StatusConsistency statuses_;
   CheckReport report_{};
 };
 
@@ -89,10 +100,36 @@ std::uint64_t count_rest(Stream& stream, std::vector<Item>& chunk) {
   return rest;
 }
 
+[[noreturn]] void refuse_lengths(std::uint64_t elements, std::uint64_t rows, const MapReader& map,
+                                 const CheckArguments& arguments) {
+  throw Error(ErrorKind::input, fmt::format("{}: {} rows for the {} {} of {}", arguments.map, rows, elements,
+                                            plural(map.elements()), arguments.inputs.mesh + arguments.inputs.points));
+}
+
+/// What the map should draw: the mesh, or the points of a stream, which are kept only where the map draws anything.
+class Drawing {
+ public:
+  Drawing(const Mesh* mesh, bool wanted) : mesh_(mesh), wanted_(wanted) {}
+
+  /// In the order of the stream.
+  void add(std::span<const Point> points) {
+    if (wanted_ && mesh_ == nullptr) points_.vertices.insert(points_.vertices.end(), points.begin(), points.end());
+  }
+  void add(std::span<const Triangle> /*of the mesh*/) {}
+
+  [[nodiscard]] const Mesh& mesh() const { return mesh_ == nullptr ? points_ : *mesh_; }
+
+ private:
+  const Mesh* mesh_;
+  bool wanted_;
+  Mesh points_;
+};
+
 template <typename Stream>
 CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader& map,
                        const CheckArguments& arguments) {
   Tally tally(stream, map.elements(), !arguments.no_progress);
+  Drawing drawing(stream.mesh(), map.draws());
   std::vector<typename Stream::Element> elements(chunk_size);
   std::vector<CertifiedRow> rows(chunk_size);
   const auto start = std::chrono::steady_clock::now();
@@ -101,23 +138,28 @@ CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;
   };
+  std::uint64_t missing = 0;
   for (std::uint64_t first = 0; !interrupted();) {
     const std::size_t count = stream.read(elements);
     const std::size_t row_count = map.read(rows);
-    if (row_count != count) {
-      const auto all_elements = first + count + count_rest(stream, elements);
-      const auto all_rows = first + row_count + count_rest(map, rows);
-      throw Error(ErrorKind::input,
-                  fmt::format("{}: {} rows for the {} {} of {}", arguments.map, all_rows, all_elements,
-                              plural(map.elements()), arguments.inputs.mesh + arguments.inputs.points));
+    if (row_count > count || (row_count < count && !map.partial())) {
+      refuse_lengths(first + count + count_rest(stream, elements), first + row_count + count_rest(map, rows), map,
+                     arguments);
     }
-    if (count == 0) return finished();
-    in_parallel(count, [&](std::size_t i) {
+    missing += count - row_count;
+    if (row_count == 0) {
+      auto report = finished();
+      report.missing = missing + count_rest(stream, elements);
+      if (const auto difference = map.difference_from(drawing.mesh())) report.falsified = difference;
+      return report;
+    }
+    drawing.add(std::span<const typename Stream::Element>(elements).first(count));
+    in_parallel(row_count, [&](std::size_t i) {
       if (interrupted()) return;  // a chunk of points inside can take a minute
-      const auto& claimed = rows[i].result.distance;
-      tally.add({first + i, elements[i], claimed, checker(elements[i], claimed, rows[i].certificate)});
+      const auto& [claimed, status] = rows[i].result;
+      tally.add({first + i, elements[i], claimed, checker(elements[i], claimed, rows[i].certificate)}, status);
     });
-    first += count;
+    first += row_count;
   }
   auto report = finished();
   report.interrupted = true;  // also when the last chunk is done: no thread may have skipped a row unseen
@@ -136,7 +178,7 @@ CheckReport check_map(const UncertainChecker& checker, MapReader& map, const Che
 
 ExitStatus status_of(const CheckReport& report) {
   if (report.interrupted) return ExitStatus::interrupted;
-  return report.proved == report.rows() ? ExitStatus::verified : ExitStatus::unverified;
+  return report.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 }  // namespace
@@ -146,7 +188,7 @@ const CLI::App& declare_check(CLI::App& program, CheckArguments& arguments) {
       *program.add_subcommand("check", "Prove a finished map again from its certificates, without OpenCL");
   check.footer(closing_words);
   declare_inputs(check, arguments.inputs);
-  check.add_option("--map", arguments.map, "The map, written with --certificates: .csv .vtp")
+  check.add_option("--map", arguments.map, "The map, written with --certificates: .csv .vtp .csv.partial")
       ->required()
       ->option_text("FILE REQUIRED");
   check.add_option("--point-radius", arguments.point_radius, "As the map was made with (default 0)")

@@ -61,6 +61,19 @@ std::string readable(const CheckedRow& row, MapElements elements) {
   return text;
 }
 
+std::string readable(const MapDifference& falsified) {
+  const auto place = falsified.index ? fmt::format(", index {}", *falsified.index) : std::string();
+  return fmt::format("falsified {}{}\n  shown              {}\n  expected           {}\n", falsified.array, place,
+                     falsified.shown, falsified.expected);
+}
+
+nlohmann::ordered_json object_of(const MapDifference& falsified) {
+  return {{"array", falsified.array},
+          {"index", falsified.index ? nlohmann::ordered_json(*falsified.index) : nlohmann::ordered_json()},
+          {"shown", falsified.shown},
+          {"expected", falsified.expected}};
+}
+
 nlohmann::ordered_json object_of(const Enclosure& enclosure) {
   return {{"lo", enclosure.lo}, {"hi", enclosure.hi}};
 }
@@ -83,11 +96,13 @@ std::string readable(const CheckReport& report) {
   text += fmt::format("  proved             {}\n", report.proved);
   text += fmt::format("  refuted            {}\n", report.refuted);
   text += fmt::format("  unproved           {}\n", report.unproved);
+  if (report.missing > 0) text += fmt::format("  missing            {} (the map ends before)\n", report.missing);
   if (report.proved > 0) text += fmt::format("largest width proved {:.3g}{}\n", report.largest_width, units);
   text += fmt::format("time                 {:.3g} s, {} {}/s\n", report.seconds, with_prefix(rows_per_second(report)),
                       plural(report.elements));
   text += fmt::format("map                  {}{}\n", report.map, report.interrupted ? " (interrupted)" : "");
   if (report.first) text += readable(*report.first, report.elements);
+  if (report.falsified) text += readable(*report.falsified);
   return text;
 }
 
@@ -97,6 +112,7 @@ std::string json(const CheckReport& report) {
       {"proved", report.proved},
       {"refuted", report.refuted},
       {"unproved", report.unproved},
+      {"missing", report.missing},
       {"largest_width_proved", report.largest_width},
       {"units", report.units},
       {"seconds", report.seconds},
@@ -104,6 +120,7 @@ std::string json(const CheckReport& report) {
       {"interrupted", report.interrupted},
       {"map", report.map},
       {"first", report.first ? object_of(*report.first, report.elements) : nlohmann::ordered_json()},
+      {"falsified", report.falsified ? object_of(*report.falsified) : nlohmann::ordered_json()},
   };
   // Names of files are bytes of the system, not always UTF-8: replaced rather than refused.
   return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

@@ -25,12 +25,15 @@ struct CheckReport {
   std::uint64_t proved = 0;
   std::uint64_t refuted = 0;
   std::uint64_t unproved = 0;
-  double largest_width = 0.0;       ///< of the proved enclosures
-  std::optional<CheckedRow> first;  ///< the first refuted row; without one, the first unproved
-  double seconds = 0.0;             ///< wall time from the first row to the last
+  std::uint64_t missing = 0;               ///< points or triangles without a row, in what an ended run left
+  double largest_width = 0.0;              ///< of the proved enclosures
+  std::optional<CheckedRow> first;         ///< the first refuted row; without one, the first unproved
+  std::optional<MapDifference> falsified;  ///< something else that the map shows, and that is not so
+  double seconds = 0.0;                    ///< wall time from the first row to the last
   bool interrupted = false;
 
   [[nodiscard]] std::uint64_t rows() const { return proved + refuted + unproved; }
+  [[nodiscard]] bool all_proved() const { return refuted + unproved + missing == 0 && !falsified; }
 };
 
 [[nodiscard]] std::string readable(const CheckReport& report);

@@ -10,7 +10,8 @@ enum class ExitStatus {
   unverified = 3,     ///< finished; map: some enclosures are valid but wide; check: some are not proved; octree: ended
                       ///< by its budget; fit: or points are proven deeper inside than the limit;
                       ///< surface: it is not closed, manifold and oriented
-  interrupted = 130,  ///< ended early by Ctrl-C: 128 + SIGINT, as shells report it
+  interrupted = 130,  ///< ended early by Ctrl-C: 128 + SIGINT, as shells report it; the program says 143 (SIGTERM) or
+                      ///< 129 (SIGHUP) instead where those ended it
 };
 
 }  // namespace verisq::command_line

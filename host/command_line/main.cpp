@@ -12,6 +12,7 @@
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/fit_command.hpp"
 #include "host/command_line/insert_command.hpp"
+#include "host/command_line/interruption.hpp"
 #include "host/command_line/map_command.hpp"
 #include "host/command_line/octree_command.hpp"
 #include "host/command_line/stance_command.hpp"
@@ -22,7 +23,9 @@ namespace {
 
 constexpr const char* closing_words =
     "Exit status: 0 every enclosure verified (check: proved), 1 the program failed, 2 bad usage or input, 3 finished,\n"
-    "some enclosures wide (check: not proved), 130 interrupted by Ctrl-C. `verisq COMMAND --help` explains a command.";
+    "some enclosures wide (check: not proved), 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP. These three\n"
+    "keep what is finished; a run that is killed leaves the finished rows of a .csv under OUT.*.partial.\n"
+    "`verisq COMMAND --help` explains a command.";
 
 int report(const char* message, ExitStatus status) {
   fmt::print(stderr, "verisq: {}\n", message);
@@ -72,7 +75,7 @@ int run(int argc, char** argv) {
                             : surface.parsed()  ? run_surface(surface_arguments)
                                                 : run_devices(devices_arguments);
   if (std::fflush(stdout) != 0) return report("cannot write to the standard output", ExitStatus::failed);
-  return static_cast<int>(status);
+  return status == ExitStatus::interrupted ? status_of_interruption() : static_cast<int>(status);
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ class CsvMap final : public MapFormat {
   CsvMap(OutputFile& output, const MapKind& kind) : output_(output), kind_(kind) {
     output_.write(header(kind));
     output_.write("\n");
+    output_.flush();
   }
 
   void append(std::span<const Point> /*not in this format*/, std::span<const MapResult> results,
@@ -67,6 +68,7 @@ class CsvMap final : public MapFormat {
       rows_.push_back('\n');
     }
     output_.write({rows_.data(), rows_.size()});
+    output_.flush();  // a killed run leaves all rows that are finished
   }
 
   void finish() override {}

@@ -32,7 +32,8 @@ std::array<std::string_view, N> split(std::string_view text, char separator) {
 
 class CsvRows final : public MapRows {
  public:
-  explicit CsvRows(const std::filesystem::path& path) : file_(path), elements_(read_header()) {}
+  CsvRows(const std::filesystem::path& path, MapExtent extent)
+      : file_(path), extent_(extent), elements_(read_header()) {}
 
   [[nodiscard]] MapElements elements() const override { return elements_; }
 
@@ -40,13 +41,16 @@ class CsvRows final : public MapRows {
     std::size_t count = 0;
     while (count < rows.size()) {
       const std::optional<std::string_view> line = file_.next_line();
-      if (!line) break;
+      if (!line || was_being_written()) break;
       read_row(*line, rows[count++]);
     }
     return count;
   }
 
  private:
+  /// Whether the line read last is one within which a run was killed.
+  [[nodiscard]] bool was_being_written() const { return extent_ == MapExtent::part && !file_.line_has_end(); }
+
   MapElements read_header() {
     const std::string_view header = file_.next_line().value_or("");
     if (header == csv_certified_map_header) return MapElements::vertices;
@@ -148,14 +152,15 @@ class CsvRows final : public MapRows {
   }
 
   InputFile file_;
+  MapExtent extent_;
   MapElements elements_;
   std::int64_t next_index_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<MapRows> open_csv_map(const std::filesystem::path& path) {
-  return std::make_unique<CsvRows>(path);
+std::unique_ptr<MapRows> open_csv_map(const std::filesystem::path& path, MapExtent extent) {
+  return std::make_unique<CsvRows>(path, extent);
 }
 
 }  // namespace verisq

@@ -69,6 +69,7 @@ std::optional<std::string_view> InputFile::next_line() {
   last_read_ = Unit::line;
   std::string_view line = rest.substr(0, line_end);
   if (line.size() > longest_line) fail(fmt::format("longer than {} characters", longest_line));
+  line_has_end_ = line.size() < rest.size();
   next_ += std::min(line.size() + 1, rest.size());
   if (line.ends_with('\r')) line.remove_suffix(1);
   return line;

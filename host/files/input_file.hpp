@@ -30,6 +30,9 @@ class InputFile {
   /// The next line without its end ("\n" or "\r\n"); valid until the next call. Nothing at the end of the file.
   std::optional<std::string_view> next_line();
 
+  /// Whether the line read last has an end: only the last line of a file may have none.
+  [[nodiscard]] bool line_has_end() const { return line_has_end_; }
+
   /// The next line that holds more than blanks.
   std::optional<std::string_view> next_line_with_text();
 
@@ -62,6 +65,7 @@ class InputFile {
   std::size_t end_ = 0;
   std::uint64_t block_start_ = 0;  // position in the file of the buffer's first byte
   std::uint64_t line_number_ = 0;  // of the line read last, from 1
+  bool line_has_end_ = false;
   std::uint64_t bytes_start_ = 0;  // of the bytes taken last, from 0
   Unit last_read_ = Unit::nothing;
 };

@@ -7,22 +7,22 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 
 namespace verisq {
 
 /// Parses a whole document. Throws Error(input), one line that starts with `name`: with line and column for syntax
-/// errors; with the path of the key for duplicate keys, numbers beyond binary64 and nesting deeper than 100 levels
-/// (so that readers may recurse).
+/// errors; and for nesting deeper than 2048 levels (so that readers may recurse); with the path of the key for
+/// duplicate keys and numbers beyond binary64. Takes time in proportion to the text.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, std::string_view name);
 
-/// A value of a parsed document and the path that leads to it, like "primitives[2].superquadric.exponents[0]".
-/// Every check throws Error(input): "NAME: PATH = VALUE: what is wrong". The document and its name must outlive it.
+/// A value of a parsed document. Every check throws Error(input): "NAME: PATH = VALUE: what is wrong", where the path
+/// is like "primitives[2].superquadric.exponents[0]", a long one without its middle. The document and its name must
+/// outlive it.
 class JsonValue {
  public:
-  JsonValue(const nlohmann::json& document, std::string_view name) : value_(&document), name_(name) {}
+  JsonValue(const nlohmann::json& document, std::string_view name)
+      : value_(&document), document_(&document), name_(name) {}
 
-  [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] const nlohmann::json& json() const { return *value_; }
 
   /// Fails unless this is an object that has no other keys.
@@ -41,18 +41,15 @@ class JsonValue {
   [[nodiscard]] double number() const;     ///< fails unless this is a number
 
   [[noreturn]] void fail(std::string_view what) const;
-  /// Without the value: for what is wrong with the key itself.
-  [[noreturn]] void fail_key(std::string_view what) const;
 
  private:
-  JsonValue(const nlohmann::json& value, std::string_view name, std::string path)
-      : value_(&value), name_(name), path_(std::move(path)) {}
-
-  [[nodiscard]] JsonValue member(std::string_view key, const nlohmann::json& value) const;
+  [[nodiscard]] std::string path() const;
+  /// Another value of the document.
+  [[nodiscard]] JsonValue within(const nlohmann::json& value) const;
 
   const nlohmann::json* value_;
+  const nlohmann::json* document_;
   std::string_view name_;
-  std::string path_;  // empty for the document
 };
 
 }  // namespace verisq

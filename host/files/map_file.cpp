@@ -46,7 +46,7 @@ Maker maker_for(const std::filesystem::path& path, const MapKind& kind) {
 class MapWriter::Format {
  public:
   Format(const std::filesystem::path& path, const MapKind& kind)
-      : target_(path), make_(maker_for(path, kind)), output_(path), rows_(make_(output_, kind)) {}
+      : make_(maker_for(path, kind)), output_(path), rows_(make_(output_, kind)) {}
 
   void append(std::span<const Point> points, std::span<const MapResult> results,
               std::span<const Certificate> certificates) {
@@ -58,14 +58,10 @@ class MapWriter::Format {
   }
   std::filesystem::path keep_partial() {
     if (!rows_->valid_after_any_row()) return {};
-    std::filesystem::path kept = target_;
-    kept += ".partial";
-    output_.finish_as(kept);
-    return kept;
+    return output_.finish_as_partial();
   }
 
  private:
-  std::filesystem::path target_;
   Maker make_;  // before the file: an unknown extension must not leave a file
   OutputFile output_;
   std::unique_ptr<MapFormat> rows_;

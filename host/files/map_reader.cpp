@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <new>
+#include <optional>
+#include <string_view>
 #include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
 
@@ -11,25 +13,56 @@
 namespace verisq {
 namespace {
 
+/// The digits that tell the unfinished files of runs apart, with the dot before them: see OutputFile.
+bool is_of_a_run(std::string_view extension) {
+  return extension.size() == 9 && extension.find_first_not_of("0123456789abcdef", 1) == std::string_view::npos;
+}
+
+/// A map by its name: OUT, or what is left of it by an interrupted run, OUT.partial, or by a killed one,
+/// OUT.1a2b3c4d.partial.
+struct MapName {
+  explicit MapName(std::filesystem::path name) {
+    std::string last = lower_case(name.extension().string());
+    if (last == ".partial") {
+      extent = MapExtent::part;
+      name = name.stem();
+      killed = is_of_a_run(name.extension().string());
+      if (killed) name = name.stem();
+      last = lower_case(name.extension().string());
+    }
+    format = last;
+  }
+
+  std::string format;  ///< ".csv"
+  MapExtent extent = MapExtent::whole;
+  bool killed = false;
+};
+
 std::unique_ptr<MapRows> open_map(const std::filesystem::path& path) {
-  const std::string extension = lower_case(path.extension().string());
-  if (extension == ".csv") return open_csv_map(path);
-  if (extension == ".vtp") return open_vtp_map(path);
-  // What an interrupted map leaves is a map of its own, for the formats that leave anything.
-  if (extension == ".partial" && lower_case(path.stem().extension().string()) == ".csv") return open_csv_map(path);
-  throw Error(ErrorKind::input,
-              fmt::format("{}: a map as {}: check reads .csv and .vtp", path.string(), in_quotes(extension)));
+  const auto refuse = [&](std::string_view why) {
+    throw Error(ErrorKind::input, fmt::format("{}: {}", path.string(), why));
+  };
+  const MapName name(path);
+  if (name.format == ".csv") return open_csv_map(path, name.extent);
+  if (name.format == ".vtp") {
+    if (name.extent == MapExtent::whole) return open_vtp_map(path);
+    if (name.killed) refuse("what a killed run left of a .vtp, which is written when all is known: map again");
+  }
+  refuse(fmt::format("a map as {}: check reads .csv and .vtp", in_quotes(lower_case(path.extension().string()))));
+  return {};
 }
 
 }  // namespace
 
 class MapReader::Format {
  public:
-  explicit Format(const std::filesystem::path& path) : rows_(open_map(path)) {}
-  [[nodiscard]] MapElements elements() const { return rows_->elements(); }
-  std::size_t read(std::span<CertifiedRow> rows) { return rows_->read(rows); }
+  explicit Format(const std::filesystem::path& path)
+      : partial_(MapName(path).extent == MapExtent::part), rows_(open_map(path)) {}
+  [[nodiscard]] bool partial() const { return partial_; }
+  [[nodiscard]] MapRows& rows() const { return *rows_; }
 
  private:
+  bool partial_;
   std::unique_ptr<MapRows> rows_;
 };
 
@@ -42,11 +75,23 @@ MapReader::MapReader(MapReader&&) noexcept = default;
 MapReader& MapReader::operator=(MapReader&&) noexcept = default;
 
 MapElements MapReader::elements() const {
-  return format_->elements();
+  return format_->rows().elements();
+}
+
+bool MapReader::partial() const {
+  return format_->partial();
 }
 
 std::size_t MapReader::read(std::span<CertifiedRow> rows) {
-  return format_->read(rows);
+  return format_->rows().read(rows);
+}
+
+bool MapReader::draws() const {
+  return format_->rows().draws();
+}
+
+std::optional<MapDifference> MapReader::difference_from(const Mesh& mesh) const {
+  return format_->rows().difference_from(mesh);
 }
 
 }  // namespace verisq

@@ -1,7 +1,9 @@
-/// Temporary file, write errors, rename.
+/// Symbolic links, temporary file, write errors, rename.
 #include "host/files/output_file.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -22,19 +24,44 @@ std::filesystem::path temporary_for(const std::filesystem::path& target) {
   return name;
 }
 
+/// Where the name leads to, whether there is a file or not. Precondition: its links do not lead in circles.
+std::filesystem::path through_links(std::filesystem::path name) {
+  while (std::filesystem::is_symlink(name)) {
+    const std::filesystem::path next = std::filesystem::read_symlink(name);
+    name = name.parent_path() / next;  // `next` alone where it is absolute
+  }
+  return name;
+}
+
+/// Gives a new file the permissions of the older one that it will replace, and its owner where that is allowed: only
+/// the superuser gives files away.
+void take_over_permissions(const std::filesystem::path& older, int file) {
+  struct stat status = {};
+  if (stat(older.c_str(), &status) != 0) return;
+  [[maybe_unused]] const int not_ours_to_give = fchown(file, status.st_uid, status.st_gid);
+  constexpr mode_t permissions = 07777;
+  fchmod(file, status.st_mode & permissions);
+}
+
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path target)
-    : target_(std::move(target)), temporary_(temporary_for(target_)), buffer_(buffer_size) {
-  std::error_code ignored;                                // whatever it is, opening the file says it again
-  if (std::filesystem::is_directory(target_, ignored)) {  // the rename would fail, but only after all the work
-    errno = EISDIR;
-    fail_by_errno();
+OutputFile::OutputFile(std::filesystem::path name) : name_(std::move(name)), buffer_(buffer_size) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(name_, error);
+  // Links in circles; and a folder, where the rename would fail, but only after all the work.
+  if (status.type() == std::filesystem::file_type::none) fail(error.message());
+  if (std::filesystem::is_directory(status)) fail(std::strerror(EISDIR));
+  if (std::filesystem::is_block_file(status)) fail("a block device");  // with somebody's files on it
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    target_ = name_;
+    if (access(target_.c_str(), W_OK) != 0) fail_by_errno();
+    return;  // opened by the first `write`: whoever reads a pipe sees its end when a file that only tried is gone
   }
-  errno = 0;
-  file_.reset(std::fopen(temporary_.c_str(), "wbx"));
-  if (!file_) fail_by_errno();
-  std::setvbuf(file_.get(), buffer_.data(), _IOFBF, buffer_.size());
+  target_ = through_links(name_);
+  const std::filesystem::path temporary = temporary_for(target_);
+  open(temporary, "wbx");
+  temporary_ = temporary;
+  take_over_permissions(target_, fileno(file_.get()));
 }
 
 OutputFile::~OutputFile() {
@@ -44,25 +71,52 @@ OutputFile::~OutputFile() {
   std::filesystem::remove(temporary_, ignored);
 }
 
+void OutputFile::open(const std::filesystem::path& path, const char* mode) {
+  errno = 0;
+  file_.reset(std::fopen(path.c_str(), mode));
+  if (!file_) fail_by_errno();
+  std::setvbuf(file_.get(), buffer_.data(), _IOFBF, buffer_.size());
+}
+
 void OutputFile::write(std::string_view bytes) {
   if (bytes.empty()) return;  // fwrite wants a pointer even for nothing
+  if (!file_) open(target_, "wb");
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail_by_errno();
 }
 
-void OutputFile::finish_as(const std::filesystem::path& name) {
+void OutputFile::flush() {
+  if (file_ && std::fflush(file_.get()) != 0) fail_by_errno();
+}
+
+void OutputFile::finish() {
+  close();
+  rename_to(target_);
+}
+
+std::filesystem::path OutputFile::finish_as_partial() {
+  close();
+  if (temporary_.empty()) return name_;
+  std::filesystem::path kept = target_;
+  kept += ".partial";
+  rename_to(kept);
+  return kept;
+}
+
+void OutputFile::close() {
   // fclose writes the rest of the buffer: a full disk may show only now.
-  if (std::fclose(file_.release()) != 0) fail_by_errno();
+  if (file_ && std::fclose(file_.release()) != 0) fail_by_errno();
+}
+
+void OutputFile::rename_to(const std::filesystem::path& path) {
+  if (temporary_.empty()) return;
   std::error_code error;
-  std::filesystem::rename(temporary_, name, error);
-  if (error) {
-    errno = error.value();
-    fail_by_errno();
-  }
+  std::filesystem::rename(temporary_, path, error);
+  if (error) fail(error.message());
   temporary_.clear();
 }
 
 void OutputFile::fail(std::string_view reason) const {
-  throw Error(ErrorKind::failure, fmt::format("{}: cannot be written: {}", target_.string(), reason));
+  throw Error(ErrorKind::failure, fmt::format("{}: cannot be written: {}", name_.string(), reason));
 }
 
 void OutputFile::fail_by_errno() const {

@@ -13,11 +13,14 @@
 
 namespace verisq {
 
-/// Writes to a temporary file beside the target, which `finish` renames to the target (replacing an older file). The
-/// destructor removes what is unfinished. All members throw Error(failure) naming the target and the reason.
+/// Writes to a temporary file beside the target, which `finish` renames to the target (replacing an older file, whose
+/// permissions it takes over). The target is where `name` leads to, through any symbolic links. The destructor removes
+/// what is unfinished; a run that is killed leaves it as TARGET.1a2b3c4d.partial, with other digits for every run.
+/// What exists and is no regular file (a pipe, a terminal, /dev/null) cannot be replaced: it is written to directly.
+/// All members throw Error(failure) that gives the name and the reason.
 class OutputFile {
  public:
-  explicit OutputFile(std::filesystem::path target);
+  explicit OutputFile(std::filesystem::path name);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -28,11 +31,15 @@ class OutputFile {
   template <class Number>
   void write_little_endian(std::span<const Number> numbers);
 
-  void finish() { finish_as(target_); }
-  /// Under another name than the target's.
-  void finish_as(const std::filesystem::path& name);
+  /// Hands on what the buffer holds: from then on it outlives even a killed process.
+  void flush();
 
-  /// Throws Error(failure): "TARGET: cannot be written: reason".
+  void finish();
+  /// Keeps a part under the target's name with `.partial` added; returns that name. What was written to directly is
+  /// kept where it is.
+  [[nodiscard]] std::filesystem::path finish_as_partial();
+
+  /// Throws Error(failure): "NAME: cannot be written: reason".
   [[noreturn]] void fail(std::string_view reason) const;
 
  private:
@@ -40,11 +47,15 @@ class OutputFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
 
+  void open(const std::filesystem::path& path, const char* mode);
+  void close();
+  void rename_to(const std::filesystem::path& path);
   [[noreturn]] void fail_by_errno() const;
 
-  std::filesystem::path target_;
-  std::filesystem::path temporary_;
-  std::vector<char> buffer_;  // outlives file_, which writes through it
+  std::filesystem::path name_;       // as given: what messages speak of
+  std::filesystem::path target_;     // where it leads to
+  std::filesystem::path temporary_;  // empty when nothing is to be renamed or removed
+  std::vector<char> buffer_;         // outlives file_, which writes through it
   std::unique_ptr<std::FILE, Close> file_;
 };
 

@@ -24,17 +24,17 @@ std::string take_xml(InputFile& file) {
   if (underscore == std::string_view::npos) {
     file.fail_whole(fmt::format("no appended data in the first {} bytes: not a map as .vtp", start.size()));
   }
-  std::string xml(start.substr(0, underscore));
+  std::string xml(start.substr(0, underscore + 1));
   (void)file.take(underscore + 1, "the XML part");
   return xml;
 }
 
 }  // namespace
 
-VtpDocument::VtpDocument(InputFile& file) : file_(file) {
-  const std::string xml = take_xml(file);
+VtpDocument::VtpDocument(InputFile& file) : file_(file), text_(take_xml(file)) {
+  const std::string_view xml = std::string_view(text_).substr(0, text_.size() - 1);
   // Closed as if nothing were appended. Where '_' was another one (in a comment, say), this does not parse.
-  const std::string closed = xml + "</AppendedData></VTKFile>";
+  const std::string closed = std::string(xml) + "</AppendedData></VTKFile>";
   const auto result = xml_.load_buffer(closed.data(), closed.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!result) {
     const std::size_t byte = std::min(static_cast<std::size_t>(result.offset), xml.size());
@@ -85,6 +85,43 @@ std::uint64_t VtpDocument::count(MapElements elements) const {
 DeclaredArray VtpDocument::field_array(std::string_view name, std::string_view type, int components) const {
   const pugi::xml_node array = only_array(only_child(poly_data(), "FieldData"), name, type, components);
   return {name, whole_number(array, "NumberOfTuples"), whole_number(array, "offset")};
+}
+
+DeclaredArray VtpDocument::points(const VtpLayout& layout) const {
+  const pugi::xml_node array = only_array(only_child(piece(), "Points"), "Points", "Float64", 3);
+  return {"Points", layout.points, whole_number(array, "offset")};
+}
+
+DeclaredArray VtpDocument::connectivity(const VtpLayout& layout) const {
+  const pugi::xml_node array = only_array(cells(layout), "connectivity", "Int64", 1);
+  return {"connectivity", layout.cells(), whole_number(array, "offset")};
+}
+
+DeclaredArray VtpDocument::offsets(const VtpLayout& layout) const {
+  const pugi::xml_node array = only_array(cells(layout), "offsets", "Int64", 1);
+  return {"offsets", layout.cells(), whole_number(array, "offset")};
+}
+
+VtpLayout VtpDocument::layout(MapElements elements, std::uint64_t further_normals) const {
+  return {elements, whole_number(piece(), "NumberOfPoints"), whole_number(piece(), "NumberOfPolys"), further_normals};
+}
+
+void VtpDocument::expect_only(const VtpLayout& layout) const {
+  const std::string expected = vtp_declarations(layout);
+  const auto [found, other] = std::ranges::mismatch(text_, expected);
+  if (found == text_.end() && other == expected.end()) return;
+  // From the last blank before: a whole element or attribute.
+  const auto byte = static_cast<std::size_t>(found - text_.begin());
+  const std::size_t start = byte == 0 ? 0 : text_.find_last_of(" \n", byte - 1) + 1;
+  const auto shown = [start](std::string_view text) {
+    const std::string_view rest = text.substr(start);
+    return in_quotes(trimmed(rest.substr(0, rest.find('\n'))));
+  };
+  file_.fail_whole(fmt::format("byte {}: {}: expected {}", byte, shown(text_), shown(expected)));
+}
+
+pugi::xml_node VtpDocument::cells(const VtpLayout& layout) const {
+  return only_child(piece(), layout.has_triangles() ? "Polys" : "Verts");
 }
 
 pugi::xml_node VtpDocument::poly_data() const {

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <optional>
 #include <pugixml.hpp>
+#include <string>
 #include <string_view>
 #include <verisq/map_file.hpp>
 
 #include "host/files/input_file.hpp"
+#include "host/files/vtp_layout.hpp"
 
 namespace verisq {
 
@@ -34,10 +36,22 @@ class VtpDocument {
                                             int components) const;
   [[nodiscard]] DeclaredArray field_array(std::string_view name, std::string_view type, int components) const;
 
+  // Of the geometry: the coordinates of the points; the cells, as many as `layout` says.
+  [[nodiscard]] DeclaredArray points(const VtpLayout& layout) const;
+  /// A tuple for each cell, of its corners.
+  [[nodiscard]] DeclaredArray connectivity(const VtpLayout& layout) const;
+  [[nodiscard]] DeclaredArray offsets(const VtpLayout& layout) const;
+
+  [[nodiscard]] VtpLayout layout(MapElements elements, std::uint64_t further_normals) const;
+
+  /// Refuses an XML part that is not what the writer writes, to the letter: what nobody checks a viewer may show.
+  void expect_only(const VtpLayout& layout) const;
+
  private:
   void check_attributes() const;
   [[nodiscard]] bool has_array(const char* data, std::string_view name) const;
   [[nodiscard]] std::uint64_t count(MapElements elements) const;
+  [[nodiscard]] pugi::xml_node cells(const VtpLayout& layout) const;
   [[nodiscard]] pugi::xml_node poly_data() const;
   [[nodiscard]] pugi::xml_node piece() const;
   [[nodiscard]] pugi::xml_node only_child(pugi::xml_node parent, const char* name) const;
@@ -48,6 +62,7 @@ class VtpDocument {
   [[noreturn]] void fail(pugi::xml_node element, std::string_view message) const;
 
   const InputFile& file_;
+  std::string text_;  // with the '_'
   pugi::xml_document xml_;
 };
 

@@ -1,4 +1,4 @@
-/// Certified maps as VTK XML PolyData: the arrays of the enclosures and certificates, checked before any is used.
+/// Certified maps as VTK XML PolyData: the arrays of picture, enclosures and certificates, checked before any is used.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,13 +13,16 @@
 #include "host/files/byte_order.hpp"
 #include "host/files/certificate_columns.hpp"
 #include "host/files/input_file.hpp"
+#include "host/files/map_picture.hpp"
 #include "host/files/map_rows.hpp"
 #include "host/files/vtp_document.hpp"
+#include "host/files/vtp_layout.hpp"
 
 namespace verisq {
 namespace {
 
 using Weights = std::array<double, 2>;
+using Corners = std::array<std::int64_t, 3>;
 
 template <class Item>
 Item item_from(const char* bytes) {
@@ -34,6 +37,11 @@ Point item_from<Point>(const char* bytes) {
 template <>
 Weights item_from<Weights>(const char* bytes) {
   return {item_from<double>(bytes), item_from<double>(bytes + 8)};
+}
+
+template <>
+Corners item_from<Corners>(const char* bytes) {
+  return {item_from<std::int64_t>(bytes), item_from<std::int64_t>(bytes + 8), item_from<std::int64_t>(bytes + 16)};
 }
 
 /// The appended part of the file, read front to back, so that only arrays in ascending order can be read.
@@ -54,6 +62,12 @@ class AppendedArrays {
       for (std::size_t k = 0; k < count; ++k) items.push_back(item_from<Item>(bytes.data() + k * sizeof(Item)));
     }
     return items;
+  }
+
+  /// Nothing may follow the arrays but what closes the file.
+  void expect_end() {
+    const std::string_view rest = file_.peek(vtp_end.size() + 1);
+    if (rest != vtp_end) file_.fail_whole(fmt::format("byte {}: not the end of a map", file_.position()));
   }
 
  private:
@@ -123,6 +137,12 @@ class VtpRows final : public MapRows {
     return count;
   }
 
+  [[nodiscard]] bool draws() const override { return true; }
+
+  [[nodiscard]] std::optional<MapDifference> difference_from(const Mesh& mesh) const override {
+    return picture_.difference_from(mesh, elements(), lo_, hi_);
+  }
+
  private:
   /// In the order in which the writer writes them.
   void read_columns(InputFile& file) {
@@ -136,8 +156,16 @@ class VtpRows final : public MapRows {
     AppendedArrays arrays(file);
     certificates_.further_primitive = arrays.read<std::int32_t>(document.field_array("further_primitive", "Int32", 1));
     certificates_.further_normal = arrays.read<Point>(document.field_array("further_normal", "Float64", 3));
+    const std::size_t further_normals = certificates_.further_normal.size();
+    if (certificates_.further_primitive.size() != further_normals) {
+      file.fail_whole(fmt::format("{} of further_primitive, but {} of further_normal",
+                                  certificates_.further_primitive.size(), further_normals));
+    }
+    const VtpLayout layout = document.layout(*elements, further_normals);
+    read_geometry(arrays, document, layout);
     lo_ = arrays.read<double>(declared("dist_lo", "Float64", 1));
     hi_ = arrays.read<double>(declared("dist_hi", "Float64", 1));
+    picture_.middles = arrays.read<double>(declared("dist_mid", "Float64", 1));
     status_ = arrays.read<std::uint8_t>(declared("status", "UInt8", 1));
     certificates_.primitive = arrays.read<std::int32_t>(declared("primitive", "Int32", 1));
     certificates_.normal = arrays.read<Point>(declared("normal", "Float64", 3));
@@ -147,16 +175,24 @@ class VtpRows final : public MapRows {
       certificates_.weights = arrays.read<Weights>(declared("weights", "Float64", 2));
     }
     certificates_.further_normals_end = arrays.read<std::int64_t>(declared("further_normals_end", "Int64", 1));
+    document.expect_only(layout);
+    arrays.expect_end();
+  }
+
+  void read_geometry(AppendedArrays& arrays, const VtpDocument& document, const VtpLayout& layout) {
+    picture_.points = arrays.read<Point>(document.points(layout));
+    if (layout.has_triangles()) {
+      picture_.triangles = arrays.read<Corners>(document.connectivity(layout));
+    } else {
+      picture_.vertex_cells = arrays.read<std::int64_t>(document.connectivity(layout));
+    }
+    picture_.offsets = arrays.read<std::int64_t>(document.offsets(layout));
   }
 
   /// What `CertificateColumns::read` relies on: the ends ascend from 0 to the length of both further columns.
   void check_further_normals(const InputFile& file) const {
     const std::vector<std::int32_t>& primitives = certificates_.further_primitive;
     const std::vector<Point>& normals = certificates_.further_normal;
-    if (primitives.size() != normals.size()) {
-      file.fail_whole(
-          fmt::format("{} of further_primitive, but {} of further_normal", primitives.size(), normals.size()));
-    }
     std::int64_t end = 0;
     for (std::size_t row = 0; row < certificates_.further_normals_end.size(); ++row) {
       const std::int64_t start = std::exchange(end, certificates_.further_normals_end[row]);
@@ -189,6 +225,9 @@ class VtpRows final : public MapRows {
     }
     const Point& normal = certificates_.normal[row];
     if (!is_finite(normal)) refuse(fmt::format("normal = {}: not finite", fmt::join(normal, " ")));
+    if (primitive == CertificateColumns::no_primitive && normal != Point{}) {  // nobody checks it, but it is drawn
+      refuse(fmt::format("normal = {}: of no primitive", fmt::join(normal, " ")));
+    }
     const auto check_optional = [&](std::string_view name, std::span<const double> numbers) {
       if (is_finite_or_none(numbers)) return;
       refuse(fmt::format("{} = {}: neither finite nor all nan", name, fmt::join(numbers, " ")));
@@ -210,6 +249,7 @@ class VtpRows final : public MapRows {
     file.fail_whole(fmt::format("{} {}: {}", what, index, message));
   }
 
+  MapPicture picture_;
   std::vector<double> lo_;
   std::vector<double> hi_;
   std::vector<std::uint8_t> status_;

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <verisq/certificate.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
@@ -24,9 +26,11 @@ enum class MapElements {
 };
 
 /// Rows arrive in order through `append`; `.csv` and `.json` stream them to the disk, the mesh formats (`.vtp`, `.ply`)
-/// keep them until `finish`. Everything goes to a temporary file beside the target, which `finish` renames: an
-/// interrupted run leaves no half-written map under the target's name. Without `finish` the destructor removes the
-/// temporary file.
+/// keep them until `finish`. Everything goes to a temporary file beside the target (where `path` leads to through
+/// symbolic links), which `finish` renames: an interrupted run leaves no half-written map under the target's name.
+/// Without `finish` the destructor removes the temporary file. Of a `.csv`, a killed run leaves it: TARGET.*.partial, a
+/// name of its own for each run, with all rows that were appended. A `path` to something that is no regular file (a
+/// pipe, /dev/null) is written to directly.
 class MapWriter {
  public:
   /// `mesh` supplies vertices and triangles to the mesh formats; it must outlive the writer. Null for a stream of
@@ -49,7 +53,7 @@ class MapWriter {
   /// Throws Error(failure) when the file cannot be written, or when a mesh format has not one row for each element.
   void finish();
   /// Ends an interrupted map instead of `finish`: `.csv` keeps the rows appended so far under the target's name with
-  /// `.partial` added and returns that path; the other formats keep nothing and return an empty path.
+  /// `.partial` added and returns the name that has them; the other formats keep nothing and return an empty path.
   [[nodiscard]] std::filesystem::path keep_partial();
 
  private:
@@ -63,9 +67,16 @@ struct CertifiedRow {
   Certificate certificate;
 };
 
-/// Reads a certified map (`.csv`, `.vtp`; also `.csv.partial`), in the order of its points or triangles. A `.csv` is
-/// streamed, a
-/// `.vtp` is kept in memory.
+/// Something that a map shows and that is not what it should be, for a message.
+struct MapDifference {
+  std::string array;                   ///< "Points", "NumberOfPolys"
+  std::optional<std::uint64_t> index;  ///< of the tuple; nothing for a count
+  std::string shown;
+  std::string expected;
+};
+
+/// Reads a certified map (`.csv`, `.vtp`; also what an ended run left of a `.csv`, under the names that `MapWriter`
+/// gives it), in the order of its points or triangles. A `.csv` is streamed, a `.vtp` is kept in memory.
 class MapReader {
  public:
   /// Throws Error(input) naming file, line or byte position and value: for other formats, for maps written without
@@ -77,9 +88,20 @@ class MapReader {
 
   [[nodiscard]] MapElements elements() const;
 
+  /// Whether the map is by its name what an ended run left: rows may be missing at its end. One that was being written
+  /// when the run was killed is not read.
+  [[nodiscard]] bool partial() const;
+
   /// Fills `rows` from the front; returns how many, fewer than asked only at the end of the map. Throws as above; ends
   /// are any binary64 numbers but NaN.
   std::size_t read(std::span<CertifiedRow> rows);
+
+  /// Whether viewers draw a picture of the map: a `.vtp`.
+  [[nodiscard]] bool draws() const;
+
+  /// The first number, bit for bit, by which that picture differs from the one of `mesh` (points are a mesh without
+  /// triangles) coloured by the map's rows: points, cells and `dist_mid`. Nothing where the map draws none.
+  [[nodiscard]] std::optional<MapDifference> difference_from(const Mesh& mesh) const;
 
  private:
   class Format;

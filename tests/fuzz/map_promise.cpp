@@ -37,6 +37,10 @@ void read_to_the_end(MapReader map) {
     for (const CertifiedRow& row : std::span(chunk).first(count)) check_row(row, map.elements());
   }
   check(map.read(chunk) == 0, "nothing follows the end");
+  const Mesh triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  for (const Mesh& mesh : {Mesh{}, triangle}) {
+    check(map.draws() || !map.difference_from(mesh), "only a picture differs from another");
+  }
 }
 
 }  // namespace
