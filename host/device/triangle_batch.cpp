@@ -65,11 +65,11 @@ class Slot {
     queue_.flush();
   }
 
-  // Returns the seconds that kernels ran.
-  double finish(std::vector<Enclosure>& enclosures) {
-    const double seconds = queue_.finish();
+  // Returns when kernels ran.
+  std::vector<Running> finish(std::vector<Enclosure>& enclosures) {
+    std::vector<Running> times = queue_.finish();
     enclosures_.deliver(scale_, enclosures);
-    return seconds;
+    return times;
   }
 
   // Fills `certificates` where they were asked for. Precondition: finished.
