@@ -59,7 +59,9 @@ Opened open(const cl::Device& device) {
   const cl::Context context(device);
   const int width = vector_width(device);
   auto [program, binary] = load_program(context, device, width, kernels::embedded_sources());
-  return {{device.getInfo<CL_DEVICE_NAME>(), device, context, program, width}, std::move(binary)};
+  return {{device.getInfo<CL_DEVICE_NAME>(), device, context, program, width,
+           static_cast<std::size_t>(device.getInfo<CL_DEVICE_MAX_CONSTANT_BUFFER_SIZE>())},
+          std::move(binary)};
 }
 
 // Outcomes as the cache keeps them: nothing that a damaged or empty file might say by accident.

@@ -139,9 +139,9 @@ class Slot {
 
 std::unique_ptr<Batch<Triangle>> triangle_batch(const Device& device, const Model& model, bool certificates) {
   return reporting_failures(device.name, [&] {
-    const cl::Program program =
-        build_program(device.context, device.device, device.vector_width, kernels::embedded_triangle_sources());
     const DeviceModel uploaded(device, model);
+    const cl::Program program = build_program(device.context, device.device, device.vector_width,
+                                              kernels::embedded_triangle_sources(), uploaded.memory);
     std::vector<Slot> slots;
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, certificates);
     auto pipeline = std::make_unique<ChunkPipeline<Triangle, Slot>>(device.name, uploaded.chunk_size, std::move(slots));
