@@ -1,25 +1,9 @@
-/// What two proofs of the same distance say together.
+/// What proves the intersection of two certified enclosures.
 #pragma once
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <string>
-
 #include "verisq/certificate.hpp"
-#include "verisq/error.hpp"
 
 namespace verisq {
-
-/// Both contain the exact value; if they have nothing in common one of them is wrong, which must never pass silently:
-/// throws Error(failure) that names the query.
-[[nodiscard]] inline Enclosure intersection(const Enclosure& a, const Enclosure& b, const std::string& query) {
-  const Enclosure both{std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
-  if (both.lo <= both.hi) return both;
-  throw Error(ErrorKind::failure, fmt::format("device and host contradict each other at {}: [{}, {}] and [{}, {}]; "
-                                              "please report",
-                                              query, a.lo, a.hi, b.lo, b.hi));
-}
 
 /// The certificate of an intersection: upper end first, as certificates want it, then what proves the lower end.
 [[nodiscard]] inline Certificate merged(const CertifiedEnclosure& a, const CertifiedEnclosure& b) {

@@ -15,6 +15,7 @@
 #include <map>
 
 #include "host/summary_count.hpp"
+#include "verify/intersection.hpp"
 #include "verify/rigid_path.hpp"
 #include "verify/rounding.hpp"
 #include "verisq/error.hpp"
@@ -60,7 +61,7 @@ struct PointSearch {
   [[nodiscard]] Enclosure distance() const {
     double lo = settled_lo;
     for (const Stretch& stretch : open) lo = std::min(lo, stretch.bound);
-    return {lo, hi};
+    return verify::between(lo, hi, [&] { return "the smallest distance on the way of " + verify::text_of(point); });
   }
 };
 

@@ -20,6 +20,7 @@
 #include "host/device/device_model.hpp"
 #include "host/parallel.hpp"
 #include "host/summary_count.hpp"
+#include "verify/intersection.hpp"
 #include "verisq/distance_map.hpp"
 
 namespace verisq {
@@ -128,7 +129,8 @@ class MapRun {
       const std::size_t i = open[n];
       const auto add = [&](const CertifiedEnclosure& proven) {
         if (options_.certificates) certificates[i] = merged({found[i], std::move(certificates[i])}, proven);
-        found[i] = intersection(found[i], proven.distance, prover_.describe(queries[i]));
+        found[i] = verify::intersection(found[i], proven.distance,
+                                        [&] { return "the distance at " + prover_.describe(queries[i]); });
       };
       if (!out_of_time()) add(prover_.prove(queries[i]));
       if (!verified(found[i], options_.tolerance) && out_of_time()) add(prover_.coarse(queries[i]));

@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "verify/intersection.hpp"
 #include "verify/rounding.hpp"
 #include "verisq/distance_map.hpp"
 #include "verisq/error.hpp"
@@ -273,7 +274,8 @@ class MeshSearch {
         ++(triangles_[n].unresolved ? found_.undecided : found_.proven_within);
       }
     }
-    found_.smallest_distance = {settled_lo_, smallest_hi_};
+    found_.smallest_distance =
+        verify::between(settled_lo_, smallest_hi_, [] { return "the smallest distance of the mesh"; });
   }
 
   /// Half of what a piece that is not worth halving may lie away from its sample.

@@ -10,6 +10,7 @@
 
 #include "host/chunk_pace.hpp"
 #include "host/summary_count.hpp"
+#include "verify/intersection.hpp"
 #include "verify/uncertain_distance.hpp"
 
 namespace verisq {
@@ -60,16 +61,19 @@ bool same_solids(const Model& a, const Model& b) {
   });
 }
 
-Enclosure combine(const verify::MemberBounds& bounds, const BracketRows& rows, std::size_t i, const Point&) {
+Enclosure combine(const verify::MemberBounds& bounds, const BracketRows& rows, std::size_t i, const Point& point) {
   std::optional<double> of_inflated;
   if (rows.inflated) of_inflated = rows.inflated->results[i].distance.lo;
-  return {bounds.signed_lower(rows.largest.results[i].distance.lo, of_inflated),
-          bounds.upper(rows.smallest.results[i].distance.hi)};
+  return verify::between(bounds.signed_lower(rows.largest.results[i].distance.lo, of_inflated),
+                         bounds.upper(rows.smallest.results[i].distance.hi),
+                         [&] { return "the signed distance at " + verify::text_of(point); });
 }
 
-Enclosure combine(const verify::MemberBounds& bounds, const BracketRows& rows, std::size_t i, const Triangle&) {
-  return {bounds.triangle_lower(rows.largest.results[i].distance.lo),
-          bounds.upper(rows.smallest.results[i].distance.hi)};
+Enclosure combine(const verify::MemberBounds& bounds, const BracketRows& rows, std::size_t i,
+                  const Triangle& triangle) {
+  return verify::between(bounds.triangle_lower(rows.largest.results[i].distance.lo),
+                         bounds.upper(rows.smallest.results[i].distance.hi),
+                         [&] { return "the distance of the triangle from " + verify::text_of(triangle[0]); });
 }
 
 Status status(const Enclosure& distance, double tolerance, const BracketRows& rows, std::size_t i) {

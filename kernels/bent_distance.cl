@@ -40,18 +40,18 @@ ALWAYS_INLINE vector3 half_gradient(vector3 x, vector3 bent, vector3 q, double c
 }
 
 // About z by the angle of the bend, and back.
-ALWAYS_INLINE vector3 to_own_axes(vector3 x, constant const box_primitive* p) {
+ALWAYS_INLINE vector3 to_own_axes(vector3 x, MODEL_SPACE const box_primitive* p) {
   const vector3 y = {x.x * p->bend_cos - x.y * p->bend_sin, x.x * p->bend_sin + x.y * p->bend_cos, x.z};
   return y;
 }
-ALWAYS_INLINE vector3 to_bend_axes(vector3 y, constant const box_primitive* p) {
+ALWAYS_INLINE vector3 to_bend_axes(vector3 y, MODEL_SPACE const box_primitive* p) {
   const vector3 x = {y.x * p->bend_cos + y.y * p->bend_sin, y.y * p->bend_cos - y.x * p->bend_sin, y.z};
   return x;
 }
 
 // The point of K closest to t, both in the axes of the bend.
-NEVER_INLINE vector3 closest_in_solid(vector3 t, constant const box_primitive* p) {
-  constant const superquadric* s = &p->solid;
+NEVER_INLINE vector3 closest_in_solid(vector3 t, MODEL_SPACE const box_primitive* p) {
+  MODEL_SPACE const superquadric* s = &p->solid;
   const vector3 own = to_own_axes(t, p);
   const vector3 size = magnitudes(own);
   const vector3 log_size = {log_or_lowest(size.x), log_or_lowest(size.y), log_or_lowest(size.z)};
@@ -64,7 +64,7 @@ NEVER_INLINE vector3 closest_in_solid(vector3 t, constant const box_primitive* p
 }
 
 // Proposes the closest point by projected gradient steps: half the Hessian of f has the diagonal 1, 1, W W_q cos.
-ALWAYS_INLINE vector3 closest_unbent(vector3 q, vector3 unbent_q, real w_q, constant const box_primitive* p) {
+ALWAYS_INLINE vector3 closest_unbent(vector3 q, vector3 unbent_q, real w_q, MODEL_SPACE const box_primitive* p) {
   const real step = 1.0 / fmax(w_q * (2.0 - p->least_w), REAL(1.0));
   vector3 x = closest_in_solid(unbent_q, p);
   for (int i = 0; i < BEND_STEPS; ++i) {
@@ -81,7 +81,7 @@ ALWAYS_INLINE interval interval_difference(real a, real b) { return interval_abo
 
 // Whether f is convex on K and NEIGHBOURHOOD more of it. With the largest |gamma - gamma_q| at most `angle`:
 // cos >= 1 - angle^2 / 2 and sin^2 <= angle^2.
-ALWAYS_INLINE integer convex_about(unbent q, constant const box_primitive* p) {
+ALWAYS_INLINE integer convex_about(unbent q, MODEL_SPACE const box_primitive* p) {
   const real along = mul_up(REAL(p->curvature), REAL(p->solid.semi_axes[2] * (1.0 + 2.0 * NEIGHBOURHOOD)));
   const interval turned = interval_abs(interval_scaled_add(REAL(p->curvature), q.z, interval_of(REAL(0.0), REAL(0.0))));
   const real angle = add_up(turned.hi, along);
@@ -92,7 +92,7 @@ ALWAYS_INLINE integer convex_about(unbent q, constant const box_primitive* p) {
 }
 
 // What p proves about the distance of q to the bent solid, both in the axes of the bend.
-ALWAYS_INLINE interval distance_by_point(vector3 q, vector3 at, integer convex, constant const box_primitive* p) {
+ALWAYS_INLINE interval distance_by_point(vector3 q, vector3 at, integer convex, MODEL_SPACE const box_primitive* p) {
   const unbent x = unbend(interval_of(at.x, at.x), interval_of(at.z, at.z), p->curvature);
   const interval dr = interval_difference(at.x, q.x);
   const interval ds = interval_difference(at.y, q.y);
@@ -129,12 +129,12 @@ ALWAYS_INLINE interval distance_by_point(vector3 q, vector3 at, integer convex, 
 // For points proven to lie outside; others get nothing (-infinity, infinity). Normals lead from the closest point to
 // the query in the frame of the bend.
 kernel void bent_distance(ulong groups, global const double* xs, global const double* ys, global const double* zs,
-                          constant const box_primitive* primitives, uint index, global double* los,
+                          MODEL_SPACE const box_primitive* primitives, uint index, global double* los,
                           global double* his, global double* normal_xs, global double* normal_ys,
                           global double* normal_zs) {
   const ulong group = get_global_id(0);
   if (group >= groups) return;
-  constant const box_primitive* p = primitives + index;
+  MODEL_SPACE const box_primitive* p = primitives + index;
   const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
   const cube here = {x, REAL(0.0)};
   const colour own = bent_colour(here, p);

@@ -21,7 +21,7 @@ typedef struct {
 
 // Rounded up as far as power <= 1 is concerned: with a logarithm above 0, power is above 1 anyway, and products of
 // those below 0 with p rounded down are upper bounds.
-ALWAYS_INLINE gauge_terms gauge_terms_up(vector3 x, constant const superquadric* s) {
+ALWAYS_INLINE gauge_terms gauge_terms_up(vector3 x, MODEL_SPACE const superquadric* s) {
   gauge_terms g;
   g.log_x = log_up(mul_up(x.x, REAL(s->inverse_axes_up[0])));
   g.log_y = log_up(mul_up(x.y, REAL(s->inverse_axes_up[1])));
@@ -33,7 +33,7 @@ ALWAYS_INLINE gauge_terms gauge_terms_up(vector3 x, constant const superquadric*
 }
 
 // log g(x), to nearest.
-ALWAYS_INLINE real log_gauge_of(gauge_terms g, constant const superquadric* s) {
+ALWAYS_INLINE real log_gauge_of(gauge_terms g, MODEL_SPACE const superquadric* s) {
   return log_nearest(clamp(g.power, SMALLEST_NORMAL, DBL_MAX)) * s->inverse_p[0];
 }
 
@@ -43,7 +43,7 @@ typedef struct {
   real distance;
 } tangent_plane;
 
-ALWAYS_INLINE tangent_plane tangent_at(vector3 q, vector3 x, gauge_terms g, constant const superquadric* s) {
+ALWAYS_INLINE tangent_plane tangent_at(vector3 q, vector3 x, gauge_terms g, MODEL_SPACE const superquadric* s) {
   const real log_gauge = log_gauge_of(g, s);
   const vector3 n = exp_gradient(
       log_gradient(g.log_x - log_gauge, g.log_y - log_gauge, g.log_z - log_gauge, g.log_r - log_gauge, s));
@@ -59,7 +59,7 @@ ALWAYS_INLINE tangent_plane tangent_at(vector3 q, vector3 x, gauge_terms g, cons
 }
 
 // A few steps boundary point -> normal -> foot on the tangent plane; the nearest plane met.
-ALWAYS_INLINE tangent_plane descend(vector3 q, gauge_terms g, constant const superquadric* s) {
+ALWAYS_INLINE tangent_plane descend(vector3 q, gauge_terms g, MODEL_SPACE const superquadric* s) {
   tangent_plane nearest = tangent_at(q, q, g, s);
   tangent_plane plane = nearest;
   for (int step = 0; step < DESCENT_STEPS; ++step) {
@@ -103,7 +103,7 @@ typedef struct {
   vector3 position;
 } tested_point;
 
-ALWAYS_INLINE tested_point test_point(vector3 q, real t, vector3 w, real along, constant const superquadric* s) {
+ALWAYS_INLINE tested_point test_point(vector3 q, real t, vector3 w, real along, MODEL_SPACE const superquadric* s) {
   const real reach = div_up(t, along); // rounded up: c.(reach w) >= t
   tested_point p;
   p.position.x = fma_up(reach, w.x, q.x);
@@ -129,7 +129,7 @@ ALWAYS_INLINE tested_point farther_out(tested_point a, tested_point b) {
 
 // Corners 1, 2, 3 of the cell and the midpoints a, b, c of the sides opposite to them, all times two: exact integers.
 ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted,
-                                          constant const superquadric* s) {
+                                          MODEL_SPACE const superquadric* s) {
   const vector3 on = {base.x + 1.0 - inverted, base.y + 1.0 - inverted, base.z + 1.0 - inverted};
   const vector3 off = {base.x + inverted, base.y + inverted, base.z + inverted};
   const vector3 corner_1 = {2.0 * on.x, 2.0 * off.y, 2.0 * off.z};
@@ -198,7 +198,7 @@ ALWAYS_INLINE integer open_points(ulong group, global const double* los, global 
 }
 
 // Which of a group's open points are proven inside; a first tangent plane for each.
-ALWAYS_INLINE void prepare_group(ulong group, local_point q, integer open, constant const superquadric* s,
+ALWAYS_INLINE void prepare_group(ulong group, local_point q, integer open, MODEL_SPACE const superquadric* s,
                                  global double* scratch) {
   const gauge_terms g = gauge_terms_up(q.point, s);
   const integer inside = open & MASK(g.power <= 1.0) & MASK(q.point.x + q.point.y + q.point.z < INFINITY);
@@ -246,7 +246,7 @@ ALWAYS_INLINE void finish(search* own, double radius, global double* scratch) {
 }
 
 // Gives an idle lane the next open point from `next` on; returns where to go on.
-ALWAYS_INLINE ulong take_point(search* own, ulong next, ulong end, double allowance, constant const superquadric* s,
+ALWAYS_INLINE ulong take_point(search* own, ulong next, ulong end, double allowance, MODEL_SPACE const superquadric* s,
                                global double* scratch) {
   for (; own->point == NO_POINT && next < end; ++next) {
     global const double* state = scratch + next * SCRATCH_SIZE;
@@ -284,7 +284,7 @@ ALWAYS_INLINE void split(search* own, long open, double worst) {
 }
 
 // Branch and bound over the points of a block, a point a lane.
-ALWAYS_INLINE void search_block(ulong next, ulong end, double allowance, constant const superquadric* s,
+ALWAYS_INLINE void search_block(ulong next, ulong end, double allowance, MODEL_SPACE const superquadric* s,
                                 global double* scratch) {
   search searches[VECTOR_WIDTH];
   lanes3 q, base, normal;
@@ -342,10 +342,10 @@ ALWAYS_INLINE void search_block(ulong next, ulong end, double allowance, constan
 }
 
 kernel void interior_depth(ulong groups, uint groups_per_block, global const double* xs, global const double* ys,
-                           global const double* zs, constant const superquadric* primitives, uint index,
+                           global const double* zs, MODEL_SPACE const superquadric* primitives, uint index,
                            double tolerance, global double* scratch, global double* los, global double* his,
                            global double* normal_xs, global double* normal_ys, global double* normal_zs) {
-  constant const superquadric* s = primitives + index;
+  MODEL_SPACE const superquadric* s = primitives + index;
   const ulong first = get_global_id(0) * groups_per_block;
   const ulong last = min(first + groups_per_block, groups);
   bool any_open = false;

@@ -94,8 +94,8 @@ ALWAYS_INLINE double8 relative_coordinates(double8 side, double8 x, double8 t, d
 }
 
 // The powers of design 2, §1, compared with 1: no last root.
-ALWAYS_INLINE colour siblings_colour(parent_cube parent, constant const box_primitive* p) {
-  constant const superquadric* s = &p->solid;
+ALWAYS_INLINE colour siblings_colour(parent_cube parent, MODEL_SPACE const box_primitive* p) {
+  MODEL_SPACE const superquadric* s = &p->solid;
   const double h = parent.child_half_width;
   const double8 pairs = (double8)(-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0);
   const double8 halves = (double8)(-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0);
@@ -128,14 +128,14 @@ ALWAYS_INLINE colour siblings_colour(parent_cube parent, constant const box_prim
   return c;
 }
 
-ALWAYS_INLINE bool is_axis_parallel(constant const box_primitive* p) {
-  constant const double* r = p->solid.rotation;
+ALWAYS_INLINE bool is_axis_parallel(MODEL_SPACE const box_primitive* p) {
+  MODEL_SPACE const double* r = p->solid.rotation;
   return p->curvature == 0.0 &&
          fabs(r[1]) + fabs(r[2]) + fabs(r[3]) + fabs(r[5]) + fabs(r[6]) + fabs(r[7]) == 0.0;
 }
 #endif
 
-ALWAYS_INLINE colour children_colour(parent_cube parent, uint pass, constant const box_primitive* p) {
+ALWAYS_INLINE colour children_colour(parent_cube parent, uint pass, MODEL_SPACE const box_primitive* p) {
 #if VECTOR_WIDTH == 8 && !defined(NO_SIBLINGS)
   if (is_axis_parallel(p)) return siblings_colour(parent, p);
 #endif
@@ -143,7 +143,7 @@ ALWAYS_INLINE colour children_colour(parent_cube parent, uint pass, constant con
 }
 
 // Colours of the children of one pass, and what is decided in each of them about the primitives.
-ALWAYS_INLINE colour pass_colour(parent_cube parent, uint pass, constant const box_primitive* primitives,
+ALWAYS_INLINE colour pass_colour(parent_cube parent, uint pass, MODEL_SPACE const box_primitive* primitives,
                                  decided known, decided_lanes* found) {
   colour c[PRIMITIVES];
   integer matters[PRIMITIVES];
@@ -178,7 +178,7 @@ uint prefix_sum(uint value, local uint* sums, uint* total) {
 // black, y where white. Local memory: a number for each work-item, and one. Work-groups of at most 64.
 kernel void split_cubes(uint count, ulong begin, double corner_x, double corner_y, double corner_z,
                         double child_half_width, global const ulong* positions, global const decided* decisions,
-                        constant const box_primitive* primitives, ulong next_begin, global ulong* next_positions,
+                        MODEL_SPACE const box_primitive* primitives, ulong next_begin, global ulong* next_positions,
                         global decided* next_decisions, global uint* counts, global uchar2* colours, local uint* sums) {
   const uint item = get_global_id(0);
   const bool active = item < count;

@@ -23,14 +23,14 @@ typedef struct {
 
 ALWAYS_INLINE real norm1_up(vector3 a) { return add_up(fabs(a.x), add_up(fabs(a.y), fabs(a.z))); }
 
-ALWAYS_INLINE matrix3 rotation_to_local(constant const superquadric* s) {
+ALWAYS_INLINE matrix3 rotation_to_local(MODEL_SPACE const superquadric* s) {
   const matrix3 m = {{REAL(s->rotation[0]), REAL(s->rotation[1]), REAL(s->rotation[2])},
                      {REAL(s->rotation[3]), REAL(s->rotation[4]), REAL(s->rotation[5])},
                      {REAL(s->rotation[6]), REAL(s->rotation[7]), REAL(s->rotation[8])}};
   return m;
 }
 
-ALWAYS_INLINE vector3 translation_of(constant const superquadric* s) {
+ALWAYS_INLINE vector3 translation_of(MODEL_SPACE const superquadric* s) {
   const vector3 t = {REAL(s->translation[0]), REAL(s->translation[1]), REAL(s->translation[2])};
   return t;
 }
@@ -38,7 +38,7 @@ ALWAYS_INLINE vector3 translation_of(constant const superquadric* s) {
 // `poses` holds twelve columns of `stride` numbers: the rotation row by row, each entry to within 2^-53, and the
 // translation that move model B.
 ALWAYS_INLINE placed_pair load_pair(ulong group, ulong stride, global const double* poses,
-                                    constant const superquadric* solid_a, constant const superquadric* solid_b) {
+                                    MODEL_SPACE const superquadric* solid_a, MODEL_SPACE const superquadric* solid_b) {
 #define POSE_COLUMN(k) LOAD(group, poses + (k) * stride)
   const matrix3 moved = {{POSE_COLUMN(0), POSE_COLUMN(1), POSE_COLUMN(2)},
                          {POSE_COLUMN(3), POSE_COLUMN(4), POSE_COLUMN(5)},
@@ -61,8 +61,8 @@ ALWAYS_INLINE placed_pair load_pair(ulong group, ulong stride, global const doub
 
 // Lower bound of the distance that the vector v proves, whatever it is: not below 0, also for NaN. The support function
 // of B is Lipschitz with its circumradius.
-ALWAYS_INLINE real pair_distance_down(placed_pair p, vector3 v, constant const superquadric* solid_a,
-                                      constant const superquadric* solid_b) {
+ALWAYS_INLINE real pair_distance_down(placed_pair p, vector3 v, MODEL_SPACE const superquadric* solid_a,
+                                      MODEL_SPACE const superquadric* solid_b) {
   const vector3 v_of_b = transposed_times(p.pose.rotation, v);
   const real supports = add_up(support_up(magnitudes(v), solid_a), support_up(magnitudes(v_of_b), solid_b));
   const real numerator = sub_down(dot_down(v, p.pose.centre), supports);
@@ -74,7 +74,7 @@ ALWAYS_INLINE real pair_distance_down(placed_pair p, vector3 v, constant const s
 }
 
 // The solid's point near x, exactly: (1 - L) |x| with L >= log g(x), rounded towards the centre (see distance_up).
-ALWAYS_INLINE vector3 point_in_solid(vector3 x, constant const superquadric* s) {
+ALWAYS_INLINE vector3 point_in_solid(vector3 x, MODEL_SPACE const superquadric* s) {
   const vector3 size = magnitudes(x);
   const real scale = sub_down(REAL(1.0), log_gauge_up(size, s)); // below 0 it gives the centre
   const vector3 b = {copysign(fmax(mul_down(size.x, scale), REAL(0.0)), x.x),
@@ -85,7 +85,7 @@ ALWAYS_INLINE vector3 point_in_solid(vector3 x, constant const superquadric* s) 
 
 // Upper bound of the distance by the points of both solids near those given, each in its own frame.
 ALWAYS_INLINE real pair_distance_up(placed_pair p, vector3 near_a, vector3 near_b,
-                                    constant const superquadric* solid_a, constant const superquadric* solid_b) {
+                                    MODEL_SPACE const superquadric* solid_a, MODEL_SPACE const superquadric* solid_b) {
   const vector3 a = point_in_solid(near_a, solid_a);
   const vector3 b = matrix_times(p.pose.rotation, point_in_solid(near_b, solid_b));
   // b + centre - a, either way round.
@@ -99,8 +99,8 @@ ALWAYS_INLINE real pair_distance_up(placed_pair p, vector3 near_a, vector3 near_
 
 // Whether m is proven to lie in both solids. In B its place is known to within `error`, by which the gauge rises by at
 // most error / inradius.
-ALWAYS_INLINE integer is_common_point(placed_pair p, vector3 m, constant const superquadric* solid_a,
-                                      constant const superquadric* solid_b) {
+ALWAYS_INLINE integer is_common_point(placed_pair p, vector3 m, MODEL_SPACE const superquadric* solid_a,
+                                      MODEL_SPACE const superquadric* solid_b) {
   const vector3 from_centre = vector_difference(m, p.pose.centre);
   const vector3 m_of_b = transposed_times(p.pose.rotation, from_centre);
   const real size = norm1_up(from_centre);
@@ -113,12 +113,12 @@ ALWAYS_INLINE integer is_common_point(placed_pair p, vector3 m, constant const s
 
 // The least of all pairs so far is in `los` and `his`, unless this pair is the `first`.
 kernel void pair_distance(ulong groups, ulong stride, global const double* poses,
-                          constant const superquadric* primitives, uint index_a, uint index_b, uint first,
+                          MODEL_SPACE const superquadric* primitives, uint index_a, uint index_b, uint first,
                           global double* los, global double* his) {
   const ulong group = get_global_id(0);
   if (group >= groups) return;
-  constant const superquadric* solid_a = primitives + index_a;
-  constant const superquadric* solid_b = primitives + index_b;
+  MODEL_SPACE const superquadric* solid_a = primitives + index_a;
+  MODEL_SPACE const superquadric* solid_b = primitives + index_b;
   const placed_pair p = load_pair(group, stride, poses, solid_a, solid_b);
   const real known_lo = first ? REAL(INFINITY) : LOAD(group, los);
   const real known_hi = first ? REAL(INFINITY) : LOAD(group, his);

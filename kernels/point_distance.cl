@@ -6,12 +6,12 @@
 // smallest upper end of the primitives so far, which lets far primitives be passed over.
 
 kernel void point_distance(ulong groups, global const double* xs, global const double* ys, global const double* zs,
-                           constant const superquadric* primitives, uint index, global double* nearest,
+                           MODEL_SPACE const superquadric* primitives, uint index, global double* nearest,
                            global double* los, global double* his, global double* normal_xs,
                            global double* normal_ys, global double* normal_zs) {
   const ulong group = get_global_id(0);
   if (group >= groups) return;
-  constant const superquadric* s = primitives + index;
+  MODEL_SPACE const superquadric* s = primitives + index;
   const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
   const local_point q = to_local(x, s);
   const real known = index == 0 ? REAL(INFINITY) : LOAD(group, nearest);

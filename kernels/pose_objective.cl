@@ -11,7 +11,7 @@ typedef struct {
 } union_distance;
 
 // The point in the primitive's own frame and unit.
-ALWAYS_INLINE vector3 to_scaled_frame(vector3 x, constant const superquadric* s) {
+ALWAYS_INLINE vector3 to_scaled_frame(vector3 x, MODEL_SPACE const superquadric* s) {
   const vector3 d = {x.x - s->translation[0], x.y - s->translation[1], x.z - s->translation[2]};
   const vector3 q = {dot3(s->rotation[0], s->rotation[1], s->rotation[2], d),
                      dot3(s->rotation[3], s->rotation[4], s->rotation[5], d),
@@ -20,7 +20,7 @@ ALWAYS_INLINE vector3 to_scaled_frame(vector3 x, constant const superquadric* s)
 }
 
 // The distance to the primitive's box: a lower bound for points outside the box, 0 in it.
-ALWAYS_INLINE real distance_to_box(vector3 q, constant const superquadric* s) {
+ALWAYS_INLINE real distance_to_box(vector3 q, MODEL_SPACE const superquadric* s) {
   const vector3 apart = {fmax(fabs(q.x) - s->semi_axes[0], REAL(0.0)), fmax(fabs(q.y) - s->semi_axes[1], REAL(0.0)),
                          fmax(fabs(q.z) - s->semi_axes[2], REAL(0.0))};
   return sqrt(dot_nearest(apart, apart));
@@ -34,7 +34,7 @@ ALWAYS_INLINE double first_lane(real a) {
 
 // The primitive whose box is nearest to the first point: found first, it lets most others be passed over, since the
 // points of a vector lie close together.
-ALWAYS_INLINE uint likely_nearest(vector3 x, constant const scaled_superquadric* primitives, uint count) {
+ALWAYS_INLINE uint likely_nearest(vector3 x, MODEL_SPACE const scaled_superquadric* primitives, uint count) {
   uint nearest = 0;
   double least = INFINITY;
   for (uint i = 0; count > 1 && i < count; ++i) {
@@ -59,7 +59,8 @@ ALWAYS_INLINE union_distance nearer(union_distance a, union_distance b) {
 }
 
 // The primitives' least signed distance: inside an overlap the depth is underestimated.
-ALWAYS_INLINE union_distance union_distance_at(vector3 x, constant const scaled_superquadric* primitives, uint count) {
+ALWAYS_INLINE union_distance union_distance_at(vector3 x, MODEL_SPACE const scaled_superquadric* primitives,
+                                               uint count) {
   const uint first = likely_nearest(x, primitives, count);
   union_distance least;
   least.distance = REAL(INFINITY);
@@ -68,7 +69,7 @@ ALWAYS_INLINE union_distance union_distance_at(vector3 x, constant const scaled_
   least.size_gradient = least.normal;
   for (uint n = 0; n < count; ++n) {
     const uint i = n == 0 ? first : n <= first ? n - 1 : n;
-    constant const superquadric* s = &primitives[i].solid;
+    MODEL_SPACE const superquadric* s = &primitives[i].solid;
     const double unit = primitives[i].unit;
     const vector3 q = to_scaled_frame(x, s);
     const integer wanted = MASK(distance_to_box(q, s) * unit <= fmax(least.distance, REAL(0.0)));
@@ -144,14 +145,14 @@ ALWAYS_INLINE void add_size_gradient(union_distance at, real weighted_slope, uin
 // of each slice of each candidate. Within `cell_translation` and `cell_rotation` lie the poses that bounds hold for.
 kernel void pose_objective(uint candidates, uint slices, uint groups, global const double* xs, global const double* ys,
                            global const double* zs, global const double* weights,
-                           constant const scaled_superquadric* primitives, uint count, global const double* pivots,
+                           MODEL_SPACE const scaled_superquadric* primitives, uint count, global const double* pivots,
                            double target, double scale, double cell_translation, double cell_rotation,
                            global double* partials) {
   const ulong item = get_global_id(0);
   if (item >= (ulong)candidates * slices) return;
   const uint candidate = (uint)(item / slices);
   const uint slice = (uint)(item - (ulong)candidate * slices); // as a remainder Oclgrind could not read it
-  constant const scaled_superquadric* own = primitives + (ulong)candidate * count;
+  MODEL_SPACE const scaled_superquadric* own = primitives + (ulong)candidate * count;
   const vector3 pivot = {REAL(pivots[3 * candidate]), REAL(pivots[3 * candidate + 1]),
                          REAL(pivots[3 * candidate + 2])};
   global double* sums = partials + item * (COLUMNS_OF_POSE + 3 * count);
@@ -213,7 +214,7 @@ kernel void sum_slices(uint candidates, uint slices, uint columns, global const 
 // Of every point for the first candidate: distance, normal, deciding primitive, size gradient, each in a column of
 // `capacity` numbers.
 kernel void pose_distance(uint groups, ulong capacity, global const double* xs, global const double* ys,
-                          global const double* zs, constant const scaled_superquadric* primitives, uint count,
+                          global const double* zs, MODEL_SPACE const scaled_superquadric* primitives, uint count,
                           global double* columns) {
   const ulong group = get_global_id(0);
   if (group >= groups) return;

@@ -60,7 +60,7 @@ ALWAYS_INLINE real distance_between_up(vector3 p, vector3 q) {
 constant double margins[CHILDREN] = {0x1p-50, 0x1p-47, 0x1p-44, 0x1p-41, 0x1p-37, 0x1p-33, 0x1p-29, 0x1p-24};
 
 // Of the whole solid.
-NEVER_INLINE colour colour_at(vector3 x, decided known, constant const box_primitive* primitives) {
+NEVER_INLINE colour colour_at(vector3 x, decided known, MODEL_SPACE const box_primitive* primitives) {
   const cube here = {x, REAL(0.0)};
   colour c[PRIMITIVES];
   integer matters[PRIMITIVES];
@@ -78,7 +78,7 @@ ALWAYS_INLINE void forget_colours(colour* c) {
 // Projects a proposal onto the boundaries that are open near it, a little beyond them, and keeps what proves a lower
 // upper bound. `known` holds near the proposal; the landing may be anywhere.
 NEVER_INLINE void try_proposal(search* own, point proposal, double reach, decided known,
-                               constant const box_primitive* primitives) {
+                               MODEL_SPACE const box_primitive* primitives) {
   const decided nothing = {0, 0};
   const double size = fabs(proposal.x) + fabs(proposal.y) + fabs(proposal.z) + reach;
   for (uint part = 0; part < CHILDREN; part += VECTOR_WIDTH) {
@@ -107,7 +107,7 @@ typedef struct {
 } children;
 
 NEVER_INLINE void evaluate_children(search* own, waiting_cube parent, point corner, double half_width,
-                                    constant const box_primitive* primitives, children* found) {
+                                    MODEL_SPACE const box_primitive* primitives, children* found) {
   for (uint part = 0; part < CHILDREN; part += VECTOR_WIDTH) {
     double xs[VECTOR_WIDTH], ys[VECTOR_WIDTH], zs[VECTOR_WIDTH];
     for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
@@ -180,7 +180,7 @@ ALWAYS_INLINE uint most_promising(const children* found) {
 
 // The proven distance to the target, from below; own->upper is that from above.
 ALWAYS_INLINE double searched_lower(search* own, point root, double root_half_width, uint round_limit,
-                                    constant const box_primitive* primitives) {
+                                    MODEL_SPACE const box_primitive* primitives) {
   const point corner = {root.x - root_half_width, root.y - root_half_width, root.z - root_half_width};
   const waiting_cube whole = {0, 0, 0, 0, {0, 0}, 0.0};
   own->stack[0] = whole;
@@ -225,12 +225,12 @@ ALWAYS_INLINE double middle_of_part(parts known, uint primitive) {
 
 // The nearest point of one primitive alone.
 ALWAYS_INLINE void try_part(search* own, parts known, uint primitive, double reach,
-                            constant const box_primitive* primitives) {
+                            MODEL_SPACE const box_primitive* primitives) {
   const ulong k = primitive * known.stride + known.index;
   const double nx = known.normal_xs[k], ny = known.normal_ys[k], nz = known.normal_zs[k];
   const double length = sqrt(nx * nx + ny * ny + nz * nz);
   if (!(length > 0.0)) return;
-  constant const double* r = primitives[primitive].frame;
+  MODEL_SPACE const double* r = primitives[primitive].frame;
   const double scale = middle_of_part(known, primitive) / length;
   const point proposal = {own->query.x - scale * (r[0] * nx + r[3] * ny + r[6] * nz),
                           own->query.y - scale * (r[1] * nx + r[4] * ny + r[7] * nz),
@@ -240,7 +240,7 @@ ALWAYS_INLINE void try_part(search* own, parts known, uint primitive, double rea
 }
 
 // Those of all primitives, the nearest first: most of the others are then too far to matter.
-ALWAYS_INLINE void try_parts(search* own, parts known, double reach, constant const box_primitive* primitives) {
+ALWAYS_INLINE void try_parts(search* own, parts known, double reach, MODEL_SPACE const box_primitive* primitives) {
   uint nearest = 0;
   for (uint i = 1; i < PRIMITIVES; ++i)
     if (fabs(middle_of_part(known, i)) < fabs(middle_of_part(known, nearest))) nearest = i;
@@ -263,7 +263,7 @@ ALWAYS_INLINE decided decided_by_parts(parts known) {
 // `part_*` and `normal_*` are what point_distance and interior_depth, or bent_distance, found for each primitive,
 // `stride` numbers apart; infinite ends where that is nothing. Writes the enclosure of the signed distance.
 kernel void solid_distance(ulong count, ulong stride, global const double* xs, global const double* ys,
-                           global const double* zs, constant const box_primitive* primitives, double root_x,
+                           global const double* zs, MODEL_SPACE const box_primitive* primitives, double root_x,
                            double root_y, double root_z, double root_half_width, double tolerance, uint round_limit,
                            global const double* part_los, global const double* part_his,
                            global const double* normal_xs, global const double* normal_ys,

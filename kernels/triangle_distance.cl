@@ -11,7 +11,7 @@ typedef struct {
 
 // `corners` holds nine columns of `stride` numbers: x, y, z of the first corners, then of the second, of the third.
 ALWAYS_INLINE posed_triangle load_triangle(ulong group, ulong stride, global const double* corners,
-                                           constant const superquadric* s) {
+                                           MODEL_SPACE const superquadric* s) {
   posed_triangle t;
   t.error = REAL(0.0);
   for (int k = 0; k < 3; ++k) {
@@ -26,7 +26,7 @@ ALWAYS_INLINE posed_triangle load_triangle(ulong group, ulong stride, global con
 
 // A lower bound without a search: the first corner's distance from the centre less the longer edge at it and the
 // circumradius of the solid.
-ALWAYS_INLINE real sphere_distance_down(posed_triangle t, constant const superquadric* s) {
+ALWAYS_INLINE real sphere_distance_down(posed_triangle t, MODEL_SPACE const superquadric* s) {
   real reach = REAL(0.0);
   for (int k = 1; k < 3; ++k) {
     const vector3 a = t.corners[0];
@@ -79,7 +79,7 @@ ALWAYS_INLINE vector3 orthogonal_to_contact(contact_probe contact, local_triangl
 }
 
 // Lower bound of the distance that the vector v proves, whatever it is: not below 0, also for NaN.
-ALWAYS_INLINE real triangle_distance_down(posed_triangle t, vector3 v, constant const superquadric* s) {
+ALWAYS_INLINE real triangle_distance_down(posed_triangle t, vector3 v, MODEL_SPACE const superquadric* s) {
   const real nearest_corner =
       least_or_nan(dot_down(v, t.corners[0]), least_or_nan(dot_down(v, t.corners[1]), dot_down(v, t.corners[2])));
   const real numerator = sub_down(nearest_corner, support_up(magnitudes(v), s));
@@ -114,7 +114,7 @@ ALWAYS_INLINE vector3 magnitudes_up(posed_triangle t, triangle_weights w) {
 // is proven to lie in the solid, wherever in reach of `error` the exact triangle has it: by the gauge's triangle
 // inequality g rises by at most error / inradius.
 ALWAYS_INLINE real triangle_distance_up(posed_triangle t, triangle_weights w, vector3 v,
-                                        constant const superquadric* s) {
+                                        MODEL_SPACE const superquadric* s) {
   const vector3 q = magnitudes_up(t, w);
   const real gauge = exp_up(log_gauge_up(q, s));
   const integer meets = MASK(add_up(gauge, div_up(t.error, REAL(s->inradius_down))) <= 1.0);
@@ -125,13 +125,13 @@ ALWAYS_INLINE real triangle_distance_up(posed_triangle t, triangle_weights w, ve
 
 // Arrays as in point_distance, with the `weights` of the point that proves the upper end.
 kernel void triangle_distance(ulong groups, ulong stride, global const double* corners,
-                              constant const superquadric* primitives, uint index, global double* nearest,
+                              MODEL_SPACE const superquadric* primitives, uint index, global double* nearest,
                               global double* los, global double* his, global double* normal_xs,
                               global double* normal_ys, global double* normal_zs, global double* weights_1,
                               global double* weights_2) {
   const ulong group = get_global_id(0);
   if (group >= groups) return;
-  constant const superquadric* s = primitives + index;
+  MODEL_SPACE const superquadric* s = primitives + index;
   const posed_triangle t = load_triangle(group, stride, corners, s);
   const real known = index == 0 ? REAL(INFINITY) : LOAD(group, nearest);
 

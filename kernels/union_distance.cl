@@ -9,7 +9,7 @@
 #define WITNESS_ROUNDS 8
 #define WITNESS_MARGIN 0x1p-48 // of the size of the numbers: enough to be proven outside of what was just left
 
-ALWAYS_INLINE vector3 to_local_direction(vector3 v, constant const superquadric* s) {
+ALWAYS_INLINE vector3 to_local_direction(vector3 v, MODEL_SPACE const superquadric* s) {
   const vector3 u = {dot3(s->rotation[0], s->rotation[1], s->rotation[2], v),
                      dot3(s->rotation[3], s->rotation[4], s->rotation[5], v),
                      dot3(s->rotation[6], s->rotation[7], s->rotation[8], v)};
@@ -18,7 +18,7 @@ ALWAYS_INLINE vector3 to_local_direction(vector3 v, constant const superquadric*
 
 // Lower bound of the signed distance of w to one primitive, by the normal at its radial projection: positive, up to
 // rounding, exactly where w is outside.
-ALWAYS_INLINE real separation_down(vector3 w, constant const superquadric* s) {
+ALWAYS_INLINE real separation_down(vector3 w, MODEL_SPACE const superquadric* s) {
   const local_point q = to_local(w, s);
   const vector3 log_q = {log_or_lowest(q.point.x), log_or_lowest(q.point.y), log_or_lowest(q.point.z)};
   const log_unknowns u = radial_start(log_q, s);
@@ -27,7 +27,7 @@ ALWAYS_INLINE real separation_down(vector3 w, constant const superquadric* s) {
 }
 
 // Where the ray from x along the unit direction v has certainly left the primitive, to nearest: h(v) - v.(x - centre).
-ALWAYS_INLINE real ray_exit(vector3 x, vector3 v, constant const superquadric* s) {
+ALWAYS_INLINE real ray_exit(vector3 x, vector3 v, MODEL_SPACE const superquadric* s) {
   const vector3 local_v = to_local_direction(v, s);
   const vector3 d = {x.x - s->translation[0], x.y - s->translation[1], x.z - s->translation[2]};
   const vector3 octant_v = {fabs(local_v.x), fabs(local_v.y), fabs(local_v.z)};
@@ -53,7 +53,7 @@ ALWAYS_INLINE escape nearer_escape(escape known, vector3 point, real distance, i
 
 // Sought from x along v, from `start` on.
 ALWAYS_INLINE escape escape_along(vector3 x, vector3 v, real start, uint count,
-                                  constant const superquadric* primitives) {
+                                  MODEL_SPACE const superquadric* primitives) {
   const real inverse_length = 1.0 / sqrt(dot_nearest(v, v));
   const vector3 u = {v.x * inverse_length, v.y * inverse_length, v.z * inverse_length};
   real margin = WITNESS_MARGIN * (fabs(x.x) + fabs(x.y) + fabs(x.z) + fabs(start) + 1.0);
@@ -81,7 +81,7 @@ ALWAYS_INLINE escape escape_along(vector3 x, vector3 v, real start, uint count,
 // `stride` numbers a primitive in `los`, `his` and `normal_*`, one primitive after the other. `escape_*` is the point
 // outside that proves the lower end, written where that end is not positive.
 kernel void union_distance(ulong groups, ulong stride, global const double* xs, global const double* ys,
-                           global const double* zs, constant const superquadric* primitives, uint count,
+                           global const double* zs, MODEL_SPACE const superquadric* primitives, uint count,
                            global const double* los, global const double* his, global const double* normal_xs,
                            global const double* normal_ys, global const double* normal_zs, global double* union_los,
                            global double* union_his, global double* escape_xs, global double* escape_ys,

@@ -351,14 +351,14 @@ TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffers) {
     const std::string guard = "if (group >= groups) return;\n  ";
     return broken(kernels, guard + std::string(next), next);
   };
-  EXPECT_THAT(reported_of(&KernelRun::map, unguarded(kernels::embedded_sources(), "constant const superquadric* s")),
+  EXPECT_THAT(reported_of(&KernelRun::map, unguarded(kernels::embedded_sources(), "MODEL_SPACE const superquadric* s")),
               HasSubstr("Invalid read"));
-  EXPECT_THAT(reported_of(&KernelRun::triangles, unguarded(triangle_sources(), "constant const superquadric* s")),
+  EXPECT_THAT(reported_of(&KernelRun::triangles, unguarded(triangle_sources(), "MODEL_SPACE const superquadric* s")),
               HasSubstr("Invalid read"));
   EXPECT_THAT(reported_of(&KernelRun::pairs,
-                          unguarded(kernels::embedded_pair_sources(), "constant const superquadric* solid_a")),
+                          unguarded(kernels::embedded_pair_sources(), "MODEL_SPACE const superquadric* solid_a")),
               HasSubstr("Invalid read"));
-  EXPECT_THAT(reported_of(&KernelRun::solids, unguarded(solid_sources(), "constant const box_primitive* p")),
+  EXPECT_THAT(reported_of(&KernelRun::solids, unguarded(solid_sources(), "MODEL_SPACE const box_primitive* p")),
               HasSubstr("Invalid read"));
   EXPECT_THAT(reported_of(&KernelRun::solids,
                           broken(solid_sources(), "if (index >= count) return;\n  search own;", "search own;")),

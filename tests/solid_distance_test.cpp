@@ -1,6 +1,7 @@
 /// The branch and bound against closed forms: two spheres combined, boxes, bends.
 #include "verify/solid_distance.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -191,6 +192,27 @@ TEST(SolidDistanceTest, KeepsWhatIsKnown) {
   EXPECT_GE(found.lo, known.lo);
   EXPECT_LE(found.hi, known.hi);
   expect_encloses(found, exact, 2e-4, x);
+}
+
+/// Outside, inside and where the sign is open; what is taken for known lies below or above the truth.
+TEST(SolidDistanceTest, NoticesThatWhatIsKnownIsWrong) {
+  const Model ball{"", {sphere({0.0, 0.0, 0.0}, 1.0)}};
+  struct Wrong {
+    Point x;
+    Enclosure known;
+  };
+  for (const Wrong& wrong : {Wrong{{4.0, 0.0, 0.0}, {1.0, 2.0}}, Wrong{{4.0, 0.0, 0.0}, {4.0, 5.0}},
+                             Wrong{{4.0, 0.0, 0.0}, {-2.0, -1.0}}, Wrong{{0.0, 0.125, 0.0}, {-6.0, -5.0}},
+                             Wrong{{0.0, 0.125, 0.0}, {-0.5, -0.25}}, Wrong{{0.0, 0.125, 0.0}, {1.0, 2.0}},
+                             Wrong{{1.0, 0.0, 0.0}, {2.0, 3.0}}, Wrong{{1.0, 0.0, 0.0}, {-3.0, -2.0}}}) {
+    const auto search = [&] { (void)distance(ball, wrong.x, 1e-6, wrong.known); };
+    EXPECT_THAT(search, ::testing::ThrowsMessage<Error>(::testing::AllOf(::testing::HasSubstr("contradict"),
+                                                                         ::testing::HasSubstr("please report"))))
+        << wrong.x[0] << ": [" << wrong.known.lo << ", " << wrong.known.hi << "]";
+  }
+  for (const Enclosure& right : {Enclosure{3.0, 3.0}, Enclosure{2.0, 3.0}, Enclosure{3.0, 4.0}}) {
+    EXPECT_NO_THROW((void)distance(ball, {4.0, 0.0, 0.0}, 1e-6, right));
+  }
 }
 
 TEST(SolidDistanceTest, InterruptedItIsValidAndWide) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "verify/convex_union.hpp"
+#include "verify/intersection.hpp"
 #include "verify/triangle_certificate.hpp"
 
 namespace verisq {
@@ -120,13 +121,15 @@ Checker& Checker::operator=(Checker&&) noexcept = default;
 Finding Checker::operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate) const {
   Certificate known = certificate;
   known.normals = state_->known(certificate.normals);
-  return judged(claimed, {state_->lower(point, known), state_->upper(point, claimed.hi, known.normals)});
+  return judged(claimed, between(state_->lower(point, known), state_->upper(point, claimed.hi, known.normals),
+                                 [&] { return "the signed distance at " + text_of(point); }));
 }
 
 Finding Checker::operator()(const Triangle& triangle, const Enclosure& claimed, const Certificate& certificate) const {
   const std::vector<Normal> normals = state_->known(certificate.normals);
-  return judged(claimed,
-                {state_->lower(triangle, normals), state_->upper(triangle, claimed.hi, certificate.weights, normals)});
+  const double upper = state_->upper(triangle, claimed.hi, certificate.weights, normals);
+  return judged(claimed, between(state_->lower(triangle, normals), upper,
+                                 [&] { return "the distance of the triangle from " + text_of(triangle[0]); }));
 }
 
 }  // namespace verisq

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "verify/intersection.hpp"
 #include "verify/krawczyk.hpp"
 #include "verify/norm_expansion.hpp"
 #include "verify/pair_contact.hpp"
@@ -223,11 +224,19 @@ struct Boxes {
   }
 };
 
-/// Precondition: both contain the same point.
+Enclosure rounded_outward(const PreciseInterval& x) {
+  return {x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)};
+}
+
+/// Both contain the same point.
 PreciseVector intersection(const PreciseVector& x, const PreciseVector& y) {
   PreciseVector result;
   for (int k = 0; k < 3; ++k) {
-    result[k] = PreciseInterval(std::max(x[k].lower(), y[k].lower()), std::min(x[k].upper(), y[k].upper()));
+    const Real lower = std::max(x[k].lower(), y[k].lower());
+    const Real upper = std::min(x[k].upper(), y[k].upper());
+    if (!(lower <= upper))
+      report_contradiction(rounded_outward(x[k]), rounded_outward(y[k]), "a coordinate of a closest point");
+    result[k] = PreciseInterval(lower, upper);
   }
   return result;
 }
@@ -424,10 +433,7 @@ Nearest nearest_pairs(const PosedPairs& pairs, const ModelDistance& found) {
 }
 
 std::array<Enclosure, 3> rounded_outward(const PreciseVector& box) {
-  const auto end = [](const PreciseInterval& x) {
-    return Enclosure{x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)};
-  };
-  return {end(box[0]), end(box[1]), end(box[2])};
+  return {rounded_outward(box[0]), rounded_outward(box[1]), rounded_outward(box[2])};
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "verify/intersection.hpp"
 #include "verify/interval.hpp"
 
 namespace verisq::verify {
@@ -68,8 +69,8 @@ Enclosure CoarseDistance::operator()(const Point& x) const {
   Enclosure result{lower_by_box(x, box_), kInfinity};
   for (const auto& [at, distance] : known_) {
     const Enclosure far = rounded_outward(way(x, at));
-    result.lo = std::max(result.lo, subtract(distance.lo, far.hi, Direction::down));
-    result.hi = std::min(result.hi, add(distance.hi, far.hi, Direction::up));
+    const Enclosure by_way{subtract(distance.lo, far.hi, Direction::down), add(distance.hi, far.hi, Direction::up)};
+    result = intersection(result, by_way, [&] { return "the signed distance at " + text_of(x); });
   }
   return result;
 }

@@ -6,6 +6,7 @@
 
 #include "verify/contact.hpp"
 #include "verify/gjk.hpp"
+#include "verify/intersection.hpp"
 #include "verify/support_mapping.hpp"
 #include "verify/triangle.hpp"
 
@@ -51,9 +52,11 @@ CertifiedDistance certified(const SuperquadricBounds<Real>& bounds, const Precis
           difference(midpoint(q), contact.point)};
 }
 
-CertifiedDistance intersection(const CertifiedDistance& a, const CertifiedDistance& b) {
-  return {{std::max(a.distance.lo, b.distance.lo), std::min(a.distance.hi, b.distance.hi)},
-          b.distance.lo > a.distance.lo ? b.direction : a.direction,
+CertifiedDistance best_of(const CertifiedDistance& a, const CertifiedDistance& b, const PreciseVector& q) {
+  const auto what = [&] {
+    return "the distance of a superquadric to " + text_of(rounded(midpoint(q))) + " in its frame";
+  };
+  return {intersection(a.distance, b.distance, what), b.distance.lo > a.distance.lo ? b.direction : a.direction,
           b.distance.hi < a.distance.hi ? b.witness : a.witness};
 }
 
@@ -67,7 +70,7 @@ CertifiedDistance exterior_distance(const Superquadric& solid, const Superquadri
   std::optional<CertifiedDistance> best;
   const auto prove = [&](const Contact& contact) {
     const CertifiedDistance proven = certified(bounds, q, contact);
-    best = best ? intersection(*best, proven) : proven;
+    best = best ? best_of(*best, proven, q) : proven;
     return best->distance.width() <= std::max(tolerance, expected);
   };
   // Binary64 does for a tolerance; the tightest enclosure of a point beside the surface takes long double.

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "verify/candidates.hpp"
 #include "verify/closest_points.hpp"
 #include "verify/convex_union.hpp"
+#include "verify/intersection.hpp"
 #include "verify/pair_contact.hpp"
 #include "verify/posed_pairs.hpp"
 
@@ -102,13 +104,16 @@ ModelDistance PairDistance::operator()(const Pose& pose) const {
   const auto sphere_bound = [&](std::size_t k) { return pairs.lower_by_spheres(k / size_b, k % size_b); };
   for (const auto& [bound, k] : nearest_spheres_first(pairs.size_a() * size_b, sphere_bound)) {
     if (bound > distance.hi) break;  // neither this pair nor a later one can be the nearest
+    const auto what = [&, index = k] {
+      return "the distance of primitives " + std::to_string(index / size_b) + " and " + std::to_string(index % size_b);
+    };
     const PairQuery query(pairs, static_cast<std::uint32_t>(k / size_b), static_cast<std::uint32_t>(k % size_b));
     PairResult found = query.fast();
     if (found.common && pairs.share(*found.common)) {
-      return {{0.0, 0.0}, Proximity::overlapping, {{}, found.common}};
+      return {intersection({0.0, 0.0}, {bound, kInfinity}, what), Proximity::overlapping, {{}, found.common}};
     }
     if (!(found.distance.width() <= kExpectedWidth * query.magnitude(found))) found = query.thorough(found);
-    found.distance.lo = std::max({0.0, bound, found.distance.lo});
+    found.distance = between(std::max({0.0, bound, found.distance.lo}), found.distance.hi, what);
     certificate.separations.push_back(found.separation);
     if (found.distance.hi < distance.hi) std::swap(certificate.separations.front(), certificate.separations.back());
     distance.lo = std::min(distance.lo, found.distance.lo);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/intersection.hpp"
+
 namespace verisq::verify {
 
 namespace {
@@ -61,7 +63,7 @@ Enclosure proven_distance(const PosedPairs& pairs, const PairCertificate& certif
     least = std::max(least, proven.lo);
     upper = std::min(upper, proven.hi);
   }
-  return {std::max(0.0, std::ranges::min(lower)), upper};
+  return between(std::max(0.0, std::ranges::min(lower)), upper, [] { return "the distance of the models"; });
 }
 
 }  // namespace verisq::verify

@@ -38,10 +38,6 @@ struct ConvexUnion {
   std::vector<verify::Solid> solids;
 };
 
-Enclosure intersection(const Enclosure& a, const Enclosure& b) {
-  return {std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
-}
-
 }  // namespace
 
 struct SignedDistance::State {
@@ -74,7 +70,7 @@ Enclosure SignedDistance::operator()(const Point& point, double tolerance,
   if (!state_->convex) return state_->searched(point, tolerance, nothing_known, interrupted);
   const Enclosure known = verify::signed_distance(state_->convex->solids, point, tolerance).distance;
   if (!state_->convex->loose(known, std::max(tolerance, state_->resolution))) return known;
-  return intersection(known, state_->searched(point, tolerance, known, interrupted));
+  return state_->searched(point, tolerance, known, interrupted);
 }
 
 CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance) const {

@@ -4,6 +4,7 @@
 #include "verify/contact.hpp"
 #include "verify/exterior.hpp"
 #include "verify/interior.hpp"
+#include "verify/intersection.hpp"
 
 namespace verisq::verify {
 
@@ -15,6 +16,8 @@ CertifiedDistance Solid::signed_distance(const Point& x, double tolerance) const
     result.distance.hi = inside.distance.hi;
     if (inside.distance.lo > result.distance.lo) result = inside;
   }
+  result.distance = between(result.distance.lo, result.distance.hi,
+                            [&] { return "the signed distance of a superquadric at " + text_of(x); });
   return result;
 }
 

@@ -14,6 +14,7 @@
 #include "verify/bent_distance.hpp"
 #include "verify/candidates.hpp"
 #include "verify/cube_division.hpp"
+#include "verify/intersection.hpp"
 #include "verify/set_relaxation.hpp"
 #include "verify/solid.hpp"
 
@@ -124,13 +125,13 @@ class Search {
         x_(x),
         resolution_(rounding_error(x, *scene.root)),
         tolerance_(std::max(tolerance, 16.0 * resolution_)),
-        known_lower_(known.lo),
+        known_(known),
         upper_(known.hi) {
     if (side == Side::outside) {
       // All that lies beyond the root cube belongs to T, and is settled.
       const Enclosure beyond = distance_to_faces(x, *scene.root);
       settled_ = beyond.lo;
-      upper_ = std::min(upper_, beyond.hi);
+      found_upper(beyond.hi);
     }
     for (auto& bounds : leaf_bounds_) bounds.assign(scene.primitives.size(), 0.0);
     bound_primitives(primitives_at_x);
@@ -160,9 +161,15 @@ class Search {
   }
 
  private:
-  /// Every point of T lies in an open cube, in a settled one, or at least as far as `upper_`.
+  /// Every point of T lies in an open cube, in a settled or in a dropped one.
   [[nodiscard]] Enclosure enclosure(double least_open) const {
-    return {std::max(known_lower_, std::min({least_open, settled_, upper_})), upper_};
+    const auto what = [&] { return "the distance of " + text_of(x_) + " to the solid or its complement"; };
+    return intersection(known_, between(std::min({least_open, settled_, dropped_}), found_upper_, what), what);
+  }
+
+  void found_upper(double distance) {
+    found_upper_ = std::min(found_upper_, distance);
+    upper_ = std::min(upper_, distance);
   }
 
   [[nodiscard]] bool finished(double least_open) const { return verified(enclosure(least_open), tolerance_); }
@@ -185,15 +192,18 @@ class Search {
     if (all == Colour::black) {
       const Enclosure to_cube = distance(x_, cube);
       settled_ = std::min(settled_, to_cube.lo);
-      upper_ = std::min(upper_, to_cube.hi);
+      found_upper(to_cube.hi);
       return;
     }
     Node node{cube, simplified(tree, found), 0.0, {}};
     const PolytopeDistance bound = SetRelaxation(x_, cube, scene_.primitives, leaf_bound_)(node.tree);
     node.lower = bound.lower;
     node.candidate = bound.nearest;
-    // Dropped: proven to be no nearer than a proven point of T.
-    if (!(node.lower >= upper_)) open_.push(std::move(node));
+    if (node.lower >= upper_) {  // proven to be no nearer than a proven point of T
+      dropped_ = std::min(dropped_, node.lower);
+    } else {
+      open_.push(std::move(node));
+    }
   }
 
   // --- Upper bounds: points proven to lie in T ---
@@ -203,7 +213,7 @@ class Search {
     if (!is_finite(p) || colour(tree, colours(scene_, tree, {p, 0.0})) != Colour::black) return false;
     const double far = distance_up(x_, p);
     if (far < upper_) witness_ = p;
-    upper_ = std::min(upper_, far);
+    found_upper(far);
     return true;
   }
 
@@ -321,7 +331,7 @@ class Search {
       leaf_bound_of(i, Side::inside) = std::max(bound, found.distance.lo);
       // First, for the witness: tighter bounds than its own have none.
       accept_along(found.point, from(found.point, scene_.origins[i]));
-      if (subset[i]) upper_ = std::min(upper_, found.distance.hi);  // d(x, T) <= d(x, K)
+      if (subset[i]) found_upper(found.distance.hi);  // d(x, T) <= d(x, K)
     }
   }
 
@@ -342,10 +352,12 @@ class Search {
   Point x_;
   double resolution_;
   double tolerance_;
-  double known_lower_;
-  double upper_;  ///< proven: a point of T is no farther
+  Enclosure known_;
+  double upper_;                    ///< known or found: a point of T is no farther
+  double found_upper_ = kInfinity;  ///< found here
   std::optional<Point> witness_;
   double settled_ = kInfinity;  ///< proven of the cubes that are not divided further
+  double dropped_ = kInfinity;  ///< proven of the cubes that are farther than `upper_`
   std::array<std::vector<double>, 2> leaf_bounds_;
   LeafBound leaf_bound_ = [this](const SetNode& leaf) { return leaf_bound_of(leaf.primitive, leaf.side); };
   std::priority_queue<Node, std::vector<Node>, LessPromising> open_;
@@ -378,7 +390,7 @@ Enclosure SolidDistance::operator()(const Point& x, double tolerance, const Encl
   const Colour here = contains(*scene.root, x) ? colour(scene.inside, at_x) : Colour::white;
   // Where the sign is open, the distances to either side bound half of the enclosure each.
   const double share = here == Colour::gray ? tolerance / 2 : tolerance;
-  Enclosure result = known;
+  Enclosure result{-kInfinity, kInfinity};
   if (here != Colour::black) {
     const Enclosure outside{here == Colour::white ? std::max(0.0, known.lo) : 0.0, std::max(0.0, known.hi)};
     const Enclosure found = Search(scene, Side::inside, x, at_x, share, outside).run(interrupted);
@@ -391,7 +403,7 @@ Enclosure SolidDistance::operator()(const Point& x, double tolerance, const Encl
     result.lo = std::max(result.lo, -found.hi);  // whatever the sign is
     if (here == Colour::black || found.lo > 0.0) result.hi = std::min(result.hi, -found.lo);
   }
-  return result;
+  return intersection(known, result, [&] { return "the signed distance at " + text_of(x); });
 }
 
 std::optional<Point> SolidDistance::escape(const Point& x, double tolerance,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "verify/candidates.hpp"
+#include "verify/intersection.hpp"
 #include "verify/triangle.hpp"
 
 namespace verisq::verify {
@@ -117,6 +118,7 @@ CertifiedEnclosure signed_distance(std::span<const Solid> solids, const Point& x
     }
     if (!(distance.lo > 0.0)) distance.lo = -depth;
   }
+  distance = between(distance.lo, distance.hi, [&] { return "the signed distance at " + text_of(x); });
   distance = without_negative_zero(distance);
   return result;
 }

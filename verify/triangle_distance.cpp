@@ -9,6 +9,7 @@
 #include "verify/candidates.hpp"
 #include "verify/contact.hpp"
 #include "verify/convex_union.hpp"
+#include "verify/intersection.hpp"
 #include "verify/triangle.hpp"
 #include "verify/triangle_certificate.hpp"
 #include "verify/triangle_contact.hpp"
@@ -155,6 +156,8 @@ struct TriangleDistance::State {
       certificate.weights = found.weights;
       first = {index, rounded(found.upper_normal)};
     }
+    distance =
+        between(distance.lo, distance.hi, [&] { return "the distance of the triangle from " + text_of(triangle[0]); });
     if (!(distance.lo > 0.0)) certificate.normals.clear();  // that distances are not negative needs no proof
     std::erase(certificate.normals, first);
     certificate.normals.insert(certificate.normals.begin(), first);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "verify/intersection.hpp"
 #include "verify/uncertain_distance.hpp"
 
 namespace verisq {
@@ -57,7 +58,8 @@ struct UncertainChecker::State {
     if (exact) return smallest(query, claimed, certificate);
     const Finding above = smallest(query, at_most(bounds.upper_asked_for(claimed.hi)), certificate);
     const Finding below = largest(query, at_least(claimed.lo), certificate);
-    const Enclosure proven{lower(query, claimed, below, certificate), bounds.upper(above.proven.hi)};
+    const Enclosure proven = verify::between(lower(query, claimed, below, certificate), bounds.upper(above.proven.hi),
+                                             [] { return "a distance to the uncertain model"; });
     // Both models are members themselves: the midpoints of their translations lie in the intervals.
     return judge(claimed, proven, {above.proven.lo, below.proven.hi});
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "verify/intersection.hpp"
 #include "verify/rounding.hpp"
 
 namespace verisq {
@@ -35,7 +36,8 @@ UncertainModelDistance UncertainPairDistance::operator()(const Pose& pose) const
   const double of_smallest = state_->smallest(pose).distance.hi;
   const double lower = subtract(subtract(of_largest, shift_a, Direction::down), shift_b, Direction::down);
   const double upper = add(add(of_smallest, shift_a, Direction::up), shift_b, Direction::up);
-  const Enclosure distance{std::max(0.0, lower), upper};
+  const Enclosure distance =
+      between(std::max(0.0, lower), upper, [] { return "the distance of the uncertain models"; });
   // Solids are closed: members at distance 0 have a common point.
   const Proximity proximity = distance.lo > 0.0    ? Proximity::separated
                               : distance.hi == 0.0 ? Proximity::overlapping

@@ -32,7 +32,7 @@ class Batch {
   /// Waits for whatever is in flight and drops it.
   virtual void discard() = 0;
 
-  /// Kernel time of all chunks collected.
+  /// The time during which kernels of the chunks collected ran; what two of them share counts once.
   [[nodiscard]] virtual double device_seconds() const = 0;
 };
 

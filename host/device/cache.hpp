@@ -7,10 +7,11 @@
 
 namespace verisq::device {
 
-/// What was stored under `key`, if anything. The directory is $XDG_CACHE_HOME/verisq or ~/.cache/verisq.
+/// What was stored under `key`, all of it, or nothing. A damaged file is removed. The directory is
+/// $XDG_CACHE_HOME/verisq or ~/.cache/verisq.
 [[nodiscard]] std::optional<std::string> cached(std::string_view key);
 
-/// Stores `content` under `key`; failing to is not an error.
+/// Stores `content` under `key`; failing to is not an error. Other processes may do the same at the same time.
 void store_in_cache(std::string_view key, std::string_view content);
 
 }  // namespace verisq::device

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/device/batch.hpp"
+#include "host/device/busy_time.hpp"
 #include "host/device/device.hpp"
 #include "verisq/error.hpp"
 
@@ -26,7 +27,7 @@ auto reporting_failures(const std::string& device, const Work& work) {
   }
 }
 
-/// A Slot holds the buffers of one chunk: start(queries), finish(enclosures) -> kernel seconds, and
+/// A Slot holds the buffers of one chunk: start(queries), finish(enclosures) -> when kernels ran, and
 /// certify(enclosures, certificates).
 template <class Query, class Slot>
 class ChunkPipeline final : public Batch<Query> {
@@ -41,11 +42,11 @@ class ChunkPipeline final : public Batch<Query> {
     const std::vector<Query> queries(capacity_, query);
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) submit(queries);
     discard();
-    seconds_ = 0.0;
+    busy_ = {};
   }
 
   [[nodiscard]] std::size_t capacity() const override { return capacity_; }
-  [[nodiscard]] double device_seconds() const override { return seconds_; }
+  [[nodiscard]] double device_seconds() const override { return busy_.seconds(); }
 
   void submit(std::span<const Query> queries) override {
     reporting_failures(device_, [&] { slots_[next_].start(queries); });
@@ -56,7 +57,7 @@ class ChunkPipeline final : public Batch<Query> {
   void collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates) override {
     Slot& oldest = slots_[in_flight_.front()];
     in_flight_.pop_front();
-    seconds_ += reporting_failures(device_, [&] { return oldest.finish(enclosures); });
+    busy_.add(reporting_failures(device_, [&] { return oldest.finish(enclosures); }));
     certificates.clear();
     oldest.certify(enclosures, certificates);
   }
@@ -73,7 +74,7 @@ class ChunkPipeline final : public Batch<Query> {
   std::vector<Slot> slots_;
   std::deque<std::size_t> in_flight_;
   std::size_t next_ = 0;
-  double seconds_ = 0.0;
+  BusyTime busy_;
 };
 
 }  // namespace verisq::device

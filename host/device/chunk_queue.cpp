@@ -44,15 +44,15 @@ void ChunkQueue::launch(const cl::Kernel& kernel, std::size_t work_items, std::s
   kernels_.push_back(std::move(event));
 }
 
-double ChunkQueue::finish() {
+std::vector<Running> ChunkQueue::finish() {
   queue_.finish();
-  double seconds = 0.0;
+  std::vector<Running> times;
   for (const cl::Event& kernel : kernels_) {
-    seconds += 1e-9 * static_cast<double>(kernel.getProfilingInfo<CL_PROFILING_COMMAND_END>() -
-                                          kernel.getProfilingInfo<CL_PROFILING_COMMAND_START>());
+    times.push_back(
+        {kernel.getProfilingInfo<CL_PROFILING_COMMAND_START>(), kernel.getProfilingInfo<CL_PROFILING_COMMAND_END>()});
   }
   kernels_.clear();
-  return seconds;
+  return times;
 }
 
 void EnclosureColumns::read(ChunkQueue& queue, const std::array<cl::Buffer, 2>& ends, std::size_t size) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "host/device/busy_time.hpp"
 #include "host/device/device.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -43,8 +44,8 @@ class ChunkQueue {
   void launch(const cl::Kernel& kernel, std::size_t work_items, std::size_t local = usual_group_size);
   void flush() { queue_.flush(); }
 
-  /// Waits for everything; returns the seconds that kernels ran since the last call.
-  double finish();
+  /// Waits for everything; returns when the kernels since the last call ran.
+  std::vector<Running> finish();
 
  private:
   cl::Context context_;

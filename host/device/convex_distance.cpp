@@ -17,15 +17,15 @@ constexpr double smallest_interior_tolerance = 0x1p-30;
 
 }  // namespace
 
-ConvexDistance::ConvexDistance(const Device& device, ChunkQueue& queue, const std::array<cl::Buffer, 3>& coordinates,
-                               std::size_t capacity, double tolerance)
+ConvexDistance::ConvexDistance(const Device& device, const cl::Program& program, ChunkQueue& queue,
+                               const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance)
     : groups_per_block_(device.vector_width > 1 ? block_points_of_vector_work_item / device.vector_width : 1),
       vectors_(device.vector_width > 1),
       coordinates_(coordinates),
       nearest_(queue.numbers(capacity)),
       scratch_(queue.numbers(capacity * scratch_per_point)),
-      point_distance_(device.program, "point_distance"),
-      interior_depth_(device.program, "interior_depth") {
+      point_distance_(program, "point_distance"),
+      interior_depth_(program, "interior_depth") {
   for (cl_uint i = 0; i < 3; ++i) {
     point_distance_.setArg(1 + i, coordinates_[i]);
     interior_depth_.setArg(2 + i, coordinates_[i]);

@@ -14,9 +14,10 @@ using EvidenceBuffers = std::array<cl::Buffer, 5>;
 /// The kernels point_distance and interior_depth with the buffers that they need besides.
 class ConvexDistance {
  public:
-  /// `tolerance` in the device's numbers: depths are searched to it, and not far beyond what branch and bound can do.
-  ConvexDistance(const Device& device, ChunkQueue& queue, const std::array<cl::Buffer, 3>& coordinates,
-                 std::size_t capacity, double tolerance);
+  /// `program` is that of kernels/point_distance.cl, for the memory that the primitives lie in. `tolerance` in the
+  /// device's numbers: depths are searched to it, and not far beyond what branch and bound can do.
+  ConvexDistance(const Device& device, const cl::Program& program, ChunkQueue& queue,
+                 const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance);
 
   /// Enqueues the primitive `index` of `primitives` for the first `groups` vectors of points. With index 0 nothing is
   /// known yet about the points; a later one is passed over where a sphere about it is farther than what was found.

@@ -8,6 +8,7 @@
 #include <charconv>
 
 #include "host/device/cache.hpp"
+#include "host/device/checksum.hpp"
 #include "host/device/opencl_library.hpp"
 #include "host/device/program.hpp"
 #include "host/device/self_test.hpp"
@@ -46,25 +47,50 @@ int vector_width(const cl::Device& device) {
   return native >= 8 ? 16 : native >= 4 ? 8 : native >= 2 ? 4 : 1;
 }
 
+struct Opened {
+  Device device;
+  std::string binary;  // of its program
+};
+
 // Device with its program; throws where it cannot be used at all.
-Device open(const cl::Device& device) {
+Opened open(const cl::Device& device) {
   if (device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0)
     throw Error(ErrorKind::failure, "no binary64 arithmetic (cl_khr_fp64)");
   const cl::Context context(device);
   const int width = vector_width(device);
-  return {device.getInfo<CL_DEVICE_NAME>(), device, context,
-          build_program(context, device, width, kernels::embedded_sources()), width};
+  auto [program, binary] = load_program(context, device, width, kernels::embedded_sources());
+  return {{device.getInfo<CL_DEVICE_NAME>(), device, context, program, width,
+           static_cast<std::size_t>(device.getInfo<CL_DEVICE_MAX_CONSTANT_BUFFER_SIZE>())},
+          std::move(binary)};
 }
 
-// The first failure of the self-test, or an empty string; from the cache where the same build, device and driver were
-// tested before.
-std::string self_test_outcome(const Device& opened) {
-  const std::string key =
-      fmt::format("self-test\n{}\n{}\n{}", identity(opened.device), opened.vector_width, kernels::embedded_sources());
-  if (const auto outcome = cached(key)) return *outcome;
-  const std::string outcome = self_test(opened.context, opened.device, opened.program, opened.vector_width);
-  store_in_cache(key, outcome);
-  return outcome;
+// Outcomes as the cache keeps them: nothing that a damaged or empty file might say by accident.
+constexpr std::string_view passed = "passed";
+constexpr std::string_view failed = "failed: ";
+
+std::optional<std::string> remembered_failure(std::string_view key) {
+  const auto outcome = cached(key);
+  if (!outcome) return std::nullopt;
+  if (*outcome == passed) return "";
+  if (outcome->starts_with(failed)) return outcome->substr(failed.size());
+  return std::nullopt;
+}
+
+// The first failure of the self-test, or an empty string; from the cache where the same self-test tried the same binary
+// on the same device and driver.
+std::string self_test_failure(const Opened& opened) {
+  const auto& [device, binary] = opened;
+  const auto tried = [&device = opened.device] {
+    return self_test(device.context, device.device, device.program, device.vector_width);
+  };
+  if (binary.empty()) return tried();  // another run may get another one
+  const std::string key = fmt::format("self-test {}\n{}\n{}\nbinary of {} bytes, CRC-64 {:016x}\n{}",
+                                      VERISQ_SELF_TEST_DIGEST, identity(device.device), device.vector_width,
+                                      binary.size(), checksum(binary), kernels::embedded_sources());
+  if (auto failure = remembered_failure(key)) return *std::move(failure);
+  std::string failure = tried();
+  store_in_cache(key, failure.empty() ? std::string(passed) : std::string(failed) + failure);
+  return failure;
 }
 
 struct Tested {
@@ -74,9 +100,9 @@ struct Tested {
 
 Tested test(const cl::Device& device) {
   try {
-    const Device opened = open(device);
-    std::string failure = self_test_outcome(opened);
-    if (failure.empty()) return {opened, {}};
+    const Opened opened = open(device);
+    std::string failure = self_test_failure(opened);
+    if (failure.empty()) return {opened.device, {}};
     return {std::nullopt, std::move(failure)};
   } catch (const cl::Error& error) {
     return {std::nullopt, fmt::format("{} failed with OpenCL error {}", error.what(), error.err())};

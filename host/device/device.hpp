@@ -1,6 +1,7 @@
 /// An OpenCL device that passed its self-test, with the kernels compiled for it.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,7 +18,8 @@ struct Device {
   cl::Device device;
   cl::Context context;
   cl::Program program;
-  int vector_width;  ///< points a work-item
+  int vector_width;             ///< points a work-item
+  std::size_t constant_memory;  ///< bytes that a buffer in constant memory may have: 64 KiB on many graphics processors
 };
 
 /// The device that `request` asks for ("auto", an index or a part of a name; see `test_devices`), or nothing when

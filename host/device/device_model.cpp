@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host/device/model_memory.hpp"
 #include "host/device/primitive_parameters.hpp"
 
 namespace verisq::device {
@@ -62,6 +63,7 @@ DeviceModel::DeviceModel(const Device& device, const Model& model)
     : scale_exponent(device::scale_exponent(model)),
       primitives(uploaded(device, model, scale_exponent)),
       count(model.primitives.size()),
+      memory(model_memory_option(device, count * sizeof(PrimitiveParameters))),
       chunk_size(device::chunk_size(count, device.vector_width)) {}
 
 double far_away(const DeviceModel& model) {

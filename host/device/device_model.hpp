@@ -1,6 +1,8 @@
 /// A model in the memory of a device, and how large its chunks are.
 #pragma once
 
+#include <string>
+
 #include "host/device/device.hpp"
 #include "verisq/model.hpp"
 
@@ -19,6 +21,7 @@ struct DeviceModel {
   int scale_exponent;      ///< numbers of the device are model units times 2^scale_exponent
   cl::Buffer primitives;   ///< PrimitiveParameters of each
   std::size_t count;       ///< of primitives
+  std::string memory;      ///< option of programs that read them (model_memory.hpp)
   std::size_t chunk_size;  ///< queries a chunk may hold: memory stays bounded however large the model
 };
 

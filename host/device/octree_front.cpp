@@ -1,6 +1,8 @@
 /// This file implements the rounds of an octree on a device: two lists of cubes, which change places after each level.
 #include "host/device/octree_front.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,7 +37,8 @@ struct Decisions {
 
 cl::Program octree_program(const Device& device, const Model& model, const std::string& extra_options) {
   // Of one primitive there is nothing to simplify.
-  const std::string options = model.primitives.size() == 1 ? "-DNO_SIMPLIFICATION " + extra_options : extra_options;
+  std::string options = fmt::format("{} {}", box_primitives_memory(device, model), extra_options);
+  if (model.primitives.size() == 1) options += " -DNO_SIMPLIFICATION";
   return build_program(device.context, device.device, octree_vector_width(device),
                        model_source(model, kernels::embedded_octree()), options);
 }

@@ -11,17 +11,25 @@
 #include "host/device/chunk_queue.hpp"
 #include "host/device/convex_distance.hpp"
 #include "host/device/device_model.hpp"
+#include "host/device/program.hpp"
+#include "kernels/embedded_sources.hpp"
 
 namespace verisq::device {
 namespace {
 
 constexpr std::size_t numbers_per_primitive = 4;  // of its evidence: upper end and normal
 
+// The device's own program is the one for constant memory.
+cl::Program program_for(const Device& device, const DeviceModel& model) {
+  if (model.memory.empty()) return device.program;
+  return build_program(device.context, device.device, device.vector_width, kernels::embedded_sources(), model.memory);
+}
+
 // One chunk on its way through the device: its own queue, so that its transfers overlap with the other's kernels.
 class Slot {
  public:
   // `assembly`: nothing unless certificates are asked for.
-  Slot(const Device& device, const DeviceModel& model, double tolerance,
+  Slot(const Device& device, const cl::Program& program, const DeviceModel& model, double tolerance,
        const std::optional<CertificateAssembly>& assembly)
       : width_(device.vector_width),
         capacity_(model.chunk_size),
@@ -31,8 +39,8 @@ class Slot {
         queue_(device),
         primitives_(model.primitives),
         coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
-        convex_distance_(device, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
-        union_distance_(device.program, "union_distance"),
+        convex_distance_(device, program, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
+        union_distance_(program, "union_distance"),
         enclosures_(capacity_) {
     for (int i = 0; i < 5; ++i) per_primitive_[i] = queue_.numbers(capacity_ * count_);
     result_[0] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[0];
@@ -76,11 +84,11 @@ class Slot {
     queue_.flush();
   }
 
-  // Returns the seconds that kernels ran.
-  double finish(std::vector<Enclosure>& enclosures) {
-    const double seconds = queue_.finish();
+  // Returns when kernels ran.
+  std::vector<Running> finish(std::vector<Enclosure>& enclosures) {
+    std::vector<Running> times = queue_.finish();
     enclosures_.deliver(scale_, enclosures);
-    return seconds;
+    return times;
   }
 
   // Fills `certificates` where they were asked for. Precondition: finished.
@@ -145,10 +153,11 @@ std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& mod
                                           bool certificates) {
   return reporting_failures(device.name, [&] {
     const DeviceModel uploaded(device, model);
+    const cl::Program program = program_for(device, uploaded);
     std::optional<CertificateAssembly> assembly;
     if (certificates) assembly.emplace(model);
     std::vector<Slot> slots;
-    for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, uploaded, tolerance, assembly);
+    for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, tolerance, assembly);
     auto pipeline = std::make_unique<ChunkPipeline<Point, Slot>>(device.name, uploaded.chunk_size, std::move(slots));
     pipeline->warm_up({far_away(uploaded), 0.0, 0.0});
     return std::unique_ptr<Batch<Point>>(std::move(pipeline));

@@ -55,11 +55,11 @@ class Slot {
     queue_.flush();
   }
 
-  // Returns the seconds that kernels ran.
-  double finish(std::vector<Enclosure>& enclosures) {
-    const double seconds = queue_.finish();
+  // Returns when kernels ran.
+  std::vector<Running> finish(std::vector<Enclosure>& enclosures) {
+    std::vector<Running> times = queue_.finish();
     enclosures_.deliver(scale_, enclosures);
-    return seconds;
+    return times;
   }
 
   void certify(std::span<const Enclosure> /*enclosures*/, std::vector<Certificate>& /*certificates*/) const {}
@@ -98,9 +98,9 @@ class Slot {
 
 std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const Model& a, const Model& b) {
   return reporting_failures(device.name, [&] {
-    const cl::Program program =
-        build_program(device.context, device.device, device.vector_width, kernels::embedded_pair_sources());
     const DeviceModel both(device, joined(a, b));
+    const cl::Program program = build_program(device.context, device.device, device.vector_width,
+                                              kernels::embedded_pair_sources(), both.memory);
     std::vector<Slot> slots;
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, both, a.primitives.size());
     auto pipeline = std::make_unique<ChunkPipeline<Pose, Slot>>(device.name, both.chunk_size, std::move(slots));

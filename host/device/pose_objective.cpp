@@ -6,10 +6,12 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "host/device/chunk_pipeline.hpp"
 #include "host/device/chunk_queue.hpp"
+#include "host/device/model_memory.hpp"
 #include "host/device/primitive_parameters.hpp"
 #include "host/device/program.hpp"
 #include "host/device/rotation.hpp"
@@ -159,6 +161,23 @@ Evaluation evaluation_of(std::span<const double> sums, std::size_t primitives) {
   return evaluation;
 }
 
+// The kernels for candidates in the memory that `model_memory_option` names.
+struct Kernels {
+  Kernels(const Device& device, const std::string& memory_option)
+      : memory(memory_option),
+        program(build_program(device.context, device.device, device.vector_width,
+                              kernels::embedded_pose_objective_sources(), memory)),
+        pose_objective(program, "pose_objective"),
+        sum_slices(program, "sum_slices"),
+        pose_distance(program, "pose_distance") {}
+
+  std::string memory;
+  cl::Program program;
+  cl::Kernel pose_objective;
+  cl::Kernel sum_slices;
+  cl::Kernel pose_distance;
+};
+
 class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
  public:
   DeviceCandidateEvaluator(const Device& device, std::span<const Point> points, std::span<const double> weights)
@@ -166,11 +185,7 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
         points_(points.begin(), points.end()),
         weights_(weights.begin(), weights.end()),
         queue_(device),
-        program_(build_program(device.context, device.device, device.vector_width,
-                               kernels::embedded_pose_objective_sources())),
-        pose_objective_(program_, "pose_objective"),
-        sum_slices_(program_, "sum_slices"),
-        pose_distance_(program_, "pose_distance") {}
+        kernels_(device, "") {}
 
   void evaluate(std::span<const Candidate> candidates, const Fitness& fitness, const PoseCell& cell, std::size_t stride,
                 std::vector<Evaluation>& evaluations) override {
@@ -220,39 +235,43 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     if (!selected_ || selected_->stride != stride) selected_.emplace(device_, points_, weights_, stride);
     const std::size_t vectors_of_slice = is_processor() ? vectors_of_processor_slice : points_of_slice;
     slices_ = (selected_->groups + vectors_of_slice - 1) / vectors_of_slice;
+    const std::string memory = model_memory_option(device_, primitives * sizeof(ScaledPrimitive));
+    if (memory != kernels_.memory) kernels_ = Kernels(device_, memory);
     chunk_.emplace(queue_, chunk_capacity(primitives), primitives, slices_);
     for (cl_uint axis = 0; axis < 3; ++axis) {
-      pose_objective_.setArg(3 + axis, selected_->coordinates[axis]);
-      pose_distance_.setArg(2 + axis, selected_->coordinates[axis]);
+      kernels_.pose_objective.setArg(3 + axis, selected_->coordinates[axis]);
+      kernels_.pose_distance.setArg(2 + axis, selected_->coordinates[axis]);
     }
-    pose_objective_.setArg(1, static_cast<cl_uint>(slices_));
-    pose_objective_.setArg(2, static_cast<cl_uint>(selected_->groups));
-    pose_objective_.setArg(6, selected_->point_weights);
-    pose_objective_.setArg(7, chunk_->primitives);
-    pose_objective_.setArg(8, static_cast<cl_uint>(primitives));
-    pose_objective_.setArg(9, chunk_->pivots);
-    pose_objective_.setArg(14, chunk_->partials);
-    sum_slices_.setArg(1, static_cast<cl_uint>(slices_));
-    sum_slices_.setArg(2, static_cast<cl_uint>(chunk_->columns));
-    sum_slices_.setArg(3, chunk_->partials);
-    sum_slices_.setArg(4, chunk_->sums);
+    kernels_.pose_objective.setArg(1, static_cast<cl_uint>(slices_));
+    kernels_.pose_objective.setArg(2, static_cast<cl_uint>(selected_->groups));
+    kernels_.pose_objective.setArg(6, selected_->point_weights);
+    kernels_.pose_objective.setArg(7, chunk_->primitives);
+    kernels_.pose_objective.setArg(8, static_cast<cl_uint>(primitives));
+    kernels_.pose_objective.setArg(9, chunk_->pivots);
+    kernels_.pose_objective.setArg(14, chunk_->partials);
+    kernels_.sum_slices.setArg(1, static_cast<cl_uint>(slices_));
+    kernels_.sum_slices.setArg(2, static_cast<cl_uint>(chunk_->columns));
+    kernels_.sum_slices.setArg(3, chunk_->partials);
+    kernels_.sum_slices.setArg(4, chunk_->sums);
   }
 
   // At least one, however many points there are.
   [[nodiscard]] std::size_t chunk_capacity(std::size_t primitives) const {
     const std::size_t distances = is_processor() ? distances_of_processor_launch : distances_of_launch;
     const std::size_t columns = columns_of_pose + 3 * primitives;
-    const auto constant = static_cast<std::size_t>(device_.device.getInfo<CL_DEVICE_MAX_CONSTANT_BUFFER_SIZE>());
-    return std::max<std::size_t>(1, std::min({distances / (selected_->order.size() * primitives),
-                                              partial_numbers_of_launch / (slices_ * columns),
-                                              constant / (primitives * sizeof(ScaledPrimitive))}));
+    const std::size_t capacity =
+        std::min(distances / (selected_->order.size() * primitives), partial_numbers_of_launch / (slices_ * columns));
+    // All candidates of a launch share the constant memory, unless not even one has room there.
+    const std::size_t in_constant_memory = device_.constant_memory / (primitives * sizeof(ScaledPrimitive));
+    const bool constant = kernels_.memory.empty();
+    return std::max<std::size_t>(1, constant ? std::min(capacity, in_constant_memory) : capacity);
   }
 
   void set_arguments(const Fitness& fitness, const PoseCell& cell) {
-    pose_objective_.setArg(10, fitness.target);
-    pose_objective_.setArg(11, fitness.scale);
-    pose_objective_.setArg(12, cell.translation);
-    pose_objective_.setArg(13, cell.rotation);
+    kernels_.pose_objective.setArg(10, fitness.target);
+    kernels_.pose_objective.setArg(11, fitness.scale);
+    kernels_.pose_objective.setArg(12, cell.translation);
+    kernels_.pose_objective.setArg(13, cell.rotation);
   }
 
   void upload(std::span<const Candidate> candidates) {
@@ -270,11 +289,11 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
 
   void launch(std::size_t candidates) {
     Chunk& chunk = *chunk_;
-    pose_objective_.setArg(0, static_cast<cl_uint>(candidates));
-    sum_slices_.setArg(0, static_cast<cl_uint>(candidates));
+    kernels_.pose_objective.setArg(0, static_cast<cl_uint>(candidates));
+    kernels_.sum_slices.setArg(0, static_cast<cl_uint>(candidates));
     // A vector work-item is long: one a work-group lets the cores share them evenly.
-    queue_.launch(pose_objective_, candidates * slices_, is_processor() ? 1 : usual_group_size);
-    queue_.launch(sum_slices_, candidates * chunk.columns);
+    queue_.launch(kernels_.pose_objective, candidates * slices_, is_processor() ? 1 : usual_group_size);
+    queue_.launch(kernels_.sum_slices, candidates * chunk.columns);
     queue_.read(chunk.sums, std::span(chunk.sum_column).first(candidates * chunk.columns));
     queue_.finish();
   }
@@ -283,12 +302,12 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     const std::size_t capacity = selected_->groups * static_cast<std::size_t>(device_.vector_width);
     const cl::Buffer buffer = queue_.numbers(distance_columns * capacity);
     std::vector<double> columns(distance_columns * capacity);
-    pose_distance_.setArg(0, static_cast<cl_uint>(selected_->groups));
-    pose_distance_.setArg(1, static_cast<cl_ulong>(capacity));
-    pose_distance_.setArg(5, chunk_->primitives);
-    pose_distance_.setArg(6, static_cast<cl_uint>(chunk_->primitives_of_each));
-    pose_distance_.setArg(7, buffer);
-    queue_.launch(pose_distance_, selected_->groups);
+    kernels_.pose_distance.setArg(0, static_cast<cl_uint>(selected_->groups));
+    kernels_.pose_distance.setArg(1, static_cast<cl_ulong>(capacity));
+    kernels_.pose_distance.setArg(5, chunk_->primitives);
+    kernels_.pose_distance.setArg(6, static_cast<cl_uint>(chunk_->primitives_of_each));
+    kernels_.pose_distance.setArg(7, buffer);
+    queue_.launch(kernels_.pose_distance, selected_->groups);
     queue_.read(buffer, columns);
     queue_.finish();
     return columns;
@@ -298,10 +317,7 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
   std::vector<Point> points_;
   std::vector<double> weights_;
   ChunkQueue queue_;
-  cl::Program program_;
-  cl::Kernel pose_objective_;
-  cl::Kernel sum_slices_;
-  cl::Kernel pose_distance_;
+  Kernels kernels_;
   std::optional<DevicePoints> selected_;
   std::size_t slices_ = 0;
   std::optional<Chunk> chunk_;

@@ -17,7 +17,7 @@ std::optional<cl::Program> from_binary(const cl::Context& context, const cl::Dev
     program.build({device}, options.c_str());
     return program;
   } catch (const cl::Error&) {
-    return std::nullopt;  // a stale or damaged binary: compile again
+    return std::nullopt;  // a binary that the driver takes no more: compile again
   }
 }
 
@@ -42,18 +42,25 @@ std::string identity(const cl::Device& device) {
                      device.getInfo<CL_DRIVER_VERSION>());
 }
 
-cl::Program build_program(const cl::Context& context, const cl::Device& device, int vector_width,
-                          std::string_view sources, const std::string& extra_options) {
+LoadedProgram load_program(const cl::Context& context, const cl::Device& device, int vector_width,
+                           std::string_view sources, const std::string& extra_options) {
   // Never -cl-unsafe-math-optimizations, -cl-mad-enable, -cl-denorms-are-zero: design 3.
   std::string options = fmt::format("-cl-std=CL1.2 -DVECTOR_WIDTH={}", vector_width);
   if (!extra_options.empty()) options += " " + extra_options;
   const std::string key = fmt::format("program\n{}\n{}\n{}", identity(device), options, sources);
-  if (const auto binary = cached(key))
-    if (auto program = from_binary(context, device, *binary, options)) return *program;
-  cl::Program program = from_sources(context, device, sources, options);
+  if (auto binary = cached(key))
+    if (auto program = from_binary(context, device, *binary, options)) return {*program, std::move(*binary)};
+  const cl::Program program = from_sources(context, device, sources, options);
   const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
-  if (!binaries.empty()) store_in_cache(key, std::string(binaries.front().begin(), binaries.front().end()));
-  return program;
+  if (binaries.empty() || binaries.front().empty()) return {program, {}};
+  std::string binary(binaries.front().begin(), binaries.front().end());
+  store_in_cache(key, binary);
+  return {program, std::move(binary)};
+}
+
+cl::Program build_program(const cl::Context& context, const cl::Device& device, int vector_width,
+                          std::string_view sources, const std::string& extra_options) {
+  return load_program(context, device, vector_width, sources, extra_options).program;
 }
 
 }  // namespace verisq::device

@@ -24,7 +24,7 @@ constexpr cl_uint round_limit = 4096;
 
 cl::Program solid_program(const Device& device, const Model& model) {
   return build_program(device.context, device.device, solid_vector_width(device),
-                       model_source(model, kernels::embedded_solid_distance()));
+                       model_source(model, kernels::embedded_solid_distance()), box_primitives_memory(device, model));
 }
 
 cl::Buffer uploaded_alone(const Device& device, const Primitive& primitive, int scale) {
@@ -34,7 +34,7 @@ cl::Buffer uploaded_alone(const Device& device, const Primitive& primitive, int 
 
 struct Part {
   bool bent;
-  cl::Buffer convex;  // PrimitiveParameters: a primitive on its own is the first of one
+  cl::Buffer convex;  // PrimitiveParameters: a primitive on its own is the first of one, in constant memory
 };
 
 // What all slots share.
@@ -68,7 +68,7 @@ class Slot {
         parts_(model.parts),
         box_primitives_(model.box_primitives),
         coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
-        convex_distance_(device, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
+        convex_distance_(device, device.program, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
         bent_distance_(model.program, "bent_distance"),
         solid_distance_(model.program, "solid_distance"),
         enclosures_(capacity_) {
@@ -109,11 +109,11 @@ class Slot {
     queue_.flush();
   }
 
-  // Returns the seconds that kernels ran.
-  double finish(std::vector<Enclosure>& enclosures) {
-    const double seconds = queue_.finish();
+  // Returns when kernels ran.
+  std::vector<Running> finish(std::vector<Enclosure>& enclosures) {
+    std::vector<Running> times = queue_.finish();
     enclosures_.deliver(scale_, enclosures);
-    return seconds;
+    return times;
   }
 
   void certify(std::span<const Enclosure>, std::vector<Certificate>&) const {}  // searches have none

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/device/box_primitive_parameters.hpp"
+#include "host/device/model_memory.hpp"
 #include "verify/bounding_box.hpp"
 
 namespace verisq::device {
@@ -44,6 +45,10 @@ cl::Buffer uploaded_box_primitives(const Device& device, const Model& model, int
     parameters.push_back(box_primitive_parameters(primitive, scale_exponent));
   return {device.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, parameters.size() * sizeof(BoxPrimitiveParameters),
           parameters.data()};
+}
+
+std::string box_primitives_memory(const Device& device, const Model& model) {
+  return model_memory_option(device, model.primitives.size() * sizeof(BoxPrimitiveParameters));
 }
 
 }  // namespace verisq::device

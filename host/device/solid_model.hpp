@@ -1,6 +1,8 @@
 /// A model with bends or set operations in the memory of a device, and the cube that its searches start from.
 #pragma once
 
+#include <string>
+
 #include "host/device/device.hpp"
 #include "verisq/model.hpp"
 
@@ -18,6 +20,9 @@ struct RootCube {
 
 /// BoxPrimitiveParameters of each primitive.
 [[nodiscard]] cl::Buffer uploaded_box_primitives(const Device& device, const Model& model, int scale_exponent);
+
+/// The option of programs that read them (model_memory.hpp).
+[[nodiscard]] std::string box_primitives_memory(const Device& device, const Model& model);
 
 /// Children of a cube are the lanes of a vector: vectors of eight, or scalars.
 [[nodiscard]] inline int solid_vector_width(const Device& device) {

@@ -65,11 +65,11 @@ class Slot {
     queue_.flush();
   }
 
-  // Returns the seconds that kernels ran.
-  double finish(std::vector<Enclosure>& enclosures) {
-    const double seconds = queue_.finish();
+  // Returns when kernels ran.
+  std::vector<Running> finish(std::vector<Enclosure>& enclosures) {
+    std::vector<Running> times = queue_.finish();
     enclosures_.deliver(scale_, enclosures);
-    return seconds;
+    return times;
   }
 
   // Fills `certificates` where they were asked for. Precondition: finished.
@@ -139,9 +139,9 @@ class Slot {
 
 std::unique_ptr<Batch<Triangle>> triangle_batch(const Device& device, const Model& model, bool certificates) {
   return reporting_failures(device.name, [&] {
-    const cl::Program program =
-        build_program(device.context, device.device, device.vector_width, kernels::embedded_triangle_sources());
     const DeviceModel uploaded(device, model);
+    const cl::Program program = build_program(device.context, device.device, device.vector_width,
+                                              kernels::embedded_triangle_sources(), uploaded.memory);
     std::vector<Slot> slots;
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, certificates);
     auto pipeline = std::make_unique<ChunkPipeline<Triangle, Slot>>(device.name, uploaded.chunk_size, std::move(slots));

@@ -40,7 +40,7 @@ struct MapSummary {
   double minimum_lo = 0.0;  ///< enclosure of the smallest signed distance of all points
   double minimum_hi = 0.0;
   double largest_width = 0.0;
-  double device_seconds = 0.0;  ///< kernel time
+  double device_seconds = 0.0;  ///< during which kernels ran, those of two chunks at once counted once
   double host_seconds = 0.0;    ///< wall time of the host's proofs
   bool interrupted = false;
   bool out_of_time = false;  ///< the limit came while rows were wide

@@ -13,9 +13,10 @@ struct Enclosure {
   [[nodiscard]] constexpr bool operator==(const Enclosure&) const = default;
 };
 
-/// "Verified" in the sense of the contract: at most `tolerance` wide. False for NaN.
+/// "Verified" in the sense of the contract: at most `tolerance` wide. False for NaN, and for lo > hi, which encloses
+/// nothing.
 [[nodiscard]] constexpr bool verified(const Enclosure& e, double tolerance) {
-  return e.width() <= tolerance;
+  return e.lo <= e.hi && e.width() <= tolerance;
 }
 
 }  // namespace verisq

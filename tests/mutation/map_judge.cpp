@@ -60,7 +60,10 @@ device::Device compiled(const device::Device& device, const std::string& sources
   const Mutant calls{"calls", "static __attribute__((always_inline))", "static __attribute__((noinline))"};
   cl::Program program(device.context, mutated(sources, calls));
   program.build({device.device}, fmt::format("-cl-std=CL1.2 -DVECTOR_WIDTH={}", width).c_str());
-  return {device.name, device.device, device.context, program, width};
+  device::Device with_program = device;
+  with_program.program = program;
+  with_program.vector_width = width;
+  return with_program;
 }
 
 MapJudge::MapJudge(std::vector<Scene> scenes) {
