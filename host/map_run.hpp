@@ -174,9 +174,11 @@ class Mapping {
  public:
   using Run = MapRun<Query, Prover>;
 
-  /// `primitives` are all that the device must be able to hold; `make_batch(device)` makes the device ready.
+  /// `primitives` are all that the device must be able to hold; `make_batch(device)` makes the device ready, unless
+  /// `unsuited` says why no device is to be used.
   template <class MakeBatch>
-  Mapping(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch)
+  Mapping(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch,
+          const std::string& unsuited = {})
       : options_(options), prover_(std::move(prover)) {
     if (options.device == "host") return;
     const device::Selection selection = device::select_device(options.device);
@@ -184,6 +186,10 @@ class Mapping {
     if (!selection.device) return;
     if (!device::within_device_range(primitives)) {
       notice_ = "the model's sizes span more than the device's kernels are made for";
+      return;
+    }
+    if (!unsuited.empty()) {
+      notice_ = unsuited;
       return;
     }
     name_ = selection.device->name;

@@ -20,6 +20,7 @@
 
 #include "host/device/octree_front.hpp"
 #include "tests/error_matchers.hpp"
+#include "tests/large_models.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace verisq::testing {
@@ -430,6 +431,39 @@ TEST(OctreeColours, OfMoreThan32PrimitivesAreRight) {
   const Grown grown = grow(model, to_depth(6));
   expect_consistent(grown);
   EXPECT_GT(expect_right_colours(model, grown, 500), 0U);
+}
+
+// Compilers nest some 250 operands; far sooner the host, which simplifies whole trees, is faster.
+TEST(OctreeColours, OfModelsThatAreNotCompiledAreTheHosts) {
+  constexpr std::uint32_t count = 343;
+  Model model{"", grid_of_balls(count, 0.6)};
+  const Grown wide = grow(model, to_depth(5));
+  EXPECT_EQ(wide.summary.device, "host");
+  EXPECT_EQ(wide.summary.notice,
+            "the model's tree has 343 leaves, of which the device's kernels take 100: the host does all");
+  expect_consistent(wide);
+  for (const SetExpression& tree : {deep_tree(count, always_union), balanced_tree(0, count, always_union)}) {
+    model.csg = tree;
+    EXPECT_EQ(grow(model, to_depth(5)).summary.volume, wide.summary.volume);
+  }
+  model.csg = balanced_tree(0, count, in_turn);
+  const Grown mixed = grow(model, to_depth(5));
+  expect_consistent(mixed);
+  EXPECT_GT(expect_right_colours(model, mixed, 100), 0U);
+}
+
+TEST(Octree, OfLargeModels) {
+  const auto volume = [](std::uint32_t count, const SetExpression& tree) {
+    return grow({"", grid_of_balls(count, 0.6), tree}, to_depth(4)).summary.volume;
+  };
+  const Enclosure thousand = volume(1000, wide_tree(1000, SetOperation::unite));
+  EXPECT_GT(thousand.hi, 0.0);
+  EXPECT_EQ(volume(1000, deep_tree(1000, always_union)), thousand);
+  EXPECT_EQ(volume(1000, deep_tree_of_last_operands(1000, always_union)), thousand);
+  const Enclosure ten_thousand = volume(10000, wide_tree(10000, SetOperation::unite));
+  EXPECT_EQ(volume(10000, balanced_tree(0, 10000, always_union)), ten_thousand);
+  const Enclosure less = volume(10000, balanced_tree(0, 10000, in_turn));
+  EXPECT_LE(less.hi, ten_thousand.hi);
 }
 
 TEST(Octree, OfTouchingRootIsExact) {

@@ -107,11 +107,6 @@ SetNode normal_form(const Model& model, Side side) {
   return normal_form(all, side);
 }
 
-void mark_primitives(const SetNode& node, std::vector<bool>& marks) {
-  if (node.kind == Kind::leaf) marks.at(node.primitive) = true;
-  for (const SetNode& operand : node.operands) mark_primitives(operand, marks);
-}
-
 Colour colour(const SetNode& node, std::span<const Colour> primitives) {
   if (node.kind == Kind::leaf) return colour_of_leaf(node, primitives);
   const Colour decides = deciding(node.kind);
