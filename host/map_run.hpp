@@ -28,7 +28,8 @@ namespace verisq {
 ///   prove(query) -> CertifiedEnclosure, the host's own proof, with a certificate where they were asked for; when the
 ///     options are out of time it ends early, valid and wide;
 ///   coarse(query) -> CertifiedEnclosure without a search, likewise; only called when the options are out of time;
-///   at_limit(query, found): whether the host could do no better, though `found` is wider than the tolerance;
+///   at_limit(query, found): whether `found` is as tight as the methods get, so that nothing tighter is searched for,
+///     though it may be wider than the tolerance;
 ///   witnessed(query, hi, certificate): whether the certificate is likely to prove that upper end;
 ///   check(query): throws Error(input) for what is not finite;
 ///   describe(query): the query in a message.
@@ -104,6 +105,11 @@ class MapRun {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
+  // At most the tolerance wide; where 0 asks for the tightest, as tight as the methods get.
+  [[nodiscard]] bool good(const Query& query, const Enclosure& found) const {
+    return verified(found, options_.tolerance) || (options_.tolerance == 0.0 && prover_.at_limit(query, found));
+  }
+
   [[nodiscard]] bool out_of_time() const { return options_.out_of_time && options_.out_of_time(); }
 
   // Proves on the host what `found` leaves wide, and hands the rows on. `certificates` are those of `found`; empty
@@ -131,7 +137,7 @@ class MapRun {
         found[i] = intersection(found[i], proven.distance, prover_.describe(queries[i]));
       };
       if (!out_of_time()) add(prover_.prove(queries[i]));
-      if (!verified(found[i], options_.tolerance) && out_of_time()) add(prover_.coarse(queries[i]));
+      if (!good(queries[i], found[i]) && out_of_time()) add(prover_.coarse(queries[i]));
     });
     const double seconds = seconds_since(start);
     summary_.host_seconds += seconds;
@@ -139,7 +145,7 @@ class MapRun {
 
     rows_.resize(queries.size());
     for (std::size_t i = 0; i < queries.size(); ++i)
-      rows_[i] = {found[i], verified(found[i], options_.tolerance) ? Status::device_verified : Status::wide};
+      rows_[i] = {found[i], good(queries[i], found[i]) ? Status::device_verified : Status::wide};
     for (const std::size_t i : open)
       if (rows_[i].status == Status::device_verified) rows_[i].status = Status::host_verified;
     const auto is_wide = [&](std::size_t i) { return rows_[i].status == Status::wide; };
