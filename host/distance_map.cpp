@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "host/device/model_source.hpp"
 #include "host/device/point_batch.hpp"
 #include "host/device/solid_batch.hpp"
 #include "host/map_run.hpp"
@@ -29,11 +30,12 @@ bool never() {
   return false;
 }
 
-constexpr int cubes_of_rough_search = 256;
+constexpr std::size_t cubes_of_rough_search = 256;
 
-Enclosure rough_distance(const SignedDistance& distance, const Point& point, double tolerance) {
-  int polled = 0;
-  return distance(point, tolerance, [&] { return ++polled > cubes_of_rough_search; });
+Enclosure rough_distance(const SignedDistance& distance, const Point& point, double tolerance,
+                         std::size_t cubes = cubes_of_rough_search) {
+  std::size_t polled = 0;
+  return distance(point, tolerance, [&] { return ++polled > cubes; });
 }
 
 // A search tells nothing by a lower end beyond all numbers.
@@ -44,13 +46,21 @@ void refuse_empty(const Model& model, const SignedDistance& distance) {
     throw Error(ErrorKind::input, "the model has no point at all: its set operations leave nothing");
 }
 
-// Without certificates. What is known are rough distances of the primitives' centres, which cost a few cubes each.
+// What is known before a time limit begins must not take long: each cube of a search looks at many primitives.
+constexpr std::size_t most_known_centres = 16;
+constexpr std::size_t primitives_of_full_search = 64;
+
+// Without certificates. What is known are rough distances of the primitives' centres, of many spread over their order.
 verify::CoarseDistance coarse_distance(const Model& model, const SignedDistance& distance) {
   const double rough = 0x1p-6 * bounding_radius(model);
   std::vector<verify::KnownDistance> known;
-  for (const Primitive& primitive : model.primitives) {
-    const Point& centre = primitive.pose.translation;
-    known.push_back({centre, rough_distance(distance, centre, rough)});
+  const std::size_t size = model.primitives.size();
+  const std::size_t count = std::min(size, most_known_centres);
+  const std::size_t cubes =
+      cubes_of_rough_search * primitives_of_full_search / std::max(size, primitives_of_full_search);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Point& centre = model.primitives[i * size / count].pose.translation;
+    known.push_back({centre, rough_distance(distance, centre, rough, cubes)});
   }
   return {model, known};
 }
@@ -137,11 +147,13 @@ struct DistanceMapper::State {
 };
 
 DistanceMapper::DistanceMapper(const Model& model, const MapOptions& options)
-    : state_(new State{{PointProver(model, options), options, model, [&](const device::Device& device) {
+    : state_(new State{{PointProver(model, options), options, model,
+                        [&](const device::Device& device) {
                           return is_union_of_convex(model)
                                      ? device::point_batch(device, model, options.tolerance, options.certificates)
                                      : device::solid_batch(device, model, options.tolerance);
-                        }}}) {}
+                        },
+                        is_union_of_convex(model) ? std::string() : device::why_not_compiled(model)}}) {}
 DistanceMapper::~DistanceMapper() = default;
 DistanceMapper::DistanceMapper(DistanceMapper&&) noexcept = default;
 DistanceMapper& DistanceMapper::operator=(DistanceMapper&&) noexcept = default;

@@ -29,7 +29,8 @@ namespace verisq {
 ///   prove(query) -> CertifiedEnclosure, the host's own proof, with a certificate where they were asked for; when the
 ///     options are out of time it ends early, valid and wide;
 ///   coarse(query) -> CertifiedEnclosure without a search, likewise; only called when the options are out of time;
-///   at_limit(query, found): whether the host could do no better, though `found` is wider than the tolerance;
+///   at_limit(query, found): whether `found` is as tight as the methods get, so that nothing tighter is searched for,
+///     though it may be wider than the tolerance;
 ///   witnessed(query, hi, certificate): whether the certificate is likely to prove that upper end;
 ///   check(query): throws Error(input) for what is not finite;
 ///   describe(query): the query in a message.
@@ -105,6 +106,11 @@ class MapRun {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
+  // At most the tolerance wide; where 0 asks for the tightest, as tight as the methods get.
+  [[nodiscard]] bool good(const Query& query, const Enclosure& found) const {
+    return verified(found, options_.tolerance) || (options_.tolerance == 0.0 && prover_.at_limit(query, found));
+  }
+
   [[nodiscard]] bool out_of_time() const { return options_.out_of_time && options_.out_of_time(); }
 
   // Proves on the host what `found` leaves wide, and hands the rows on. `certificates` are those of `found`; empty
@@ -133,7 +139,7 @@ class MapRun {
                                         [&] { return "the distance at " + prover_.describe(queries[i]); });
       };
       if (!out_of_time()) add(prover_.prove(queries[i]));
-      if (!verified(found[i], options_.tolerance) && out_of_time()) add(prover_.coarse(queries[i]));
+      if (!good(queries[i], found[i]) && out_of_time()) add(prover_.coarse(queries[i]));
     });
     const double seconds = seconds_since(start);
     summary_.host_seconds += seconds;
@@ -141,7 +147,7 @@ class MapRun {
 
     rows_.resize(queries.size());
     for (std::size_t i = 0; i < queries.size(); ++i)
-      rows_[i] = {found[i], verified(found[i], options_.tolerance) ? Status::device_verified : Status::wide};
+      rows_[i] = {found[i], good(queries[i], found[i]) ? Status::device_verified : Status::wide};
     for (const std::size_t i : open)
       if (rows_[i].status == Status::device_verified) rows_[i].status = Status::host_verified;
     const auto is_wide = [&](std::size_t i) { return rows_[i].status == Status::wide; };
@@ -176,9 +182,11 @@ class Mapping {
  public:
   using Run = MapRun<Query, Prover>;
 
-  /// `primitives` are all that the device must be able to hold; `make_batch(device)` makes the device ready.
+  /// `primitives` are all that the device must be able to hold; `make_batch(device)` makes the device ready, unless
+  /// `unsuited` says why no device is to be used.
   template <class MakeBatch>
-  Mapping(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch)
+  Mapping(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch,
+          const std::string& unsuited = {})
       : options_(options), prover_(std::move(prover)) {
     if (options.device == "host") return;
     const device::Selection selection = device::select_device(options.device);
@@ -186,6 +194,10 @@ class Mapping {
     if (!selection.device) return;
     if (!device::within_device_range(primitives)) {
       notice_ = "the model's sizes span more than the device's kernels are made for";
+      return;
+    }
+    if (!unsuited.empty()) {
+      notice_ = unsuited;
       return;
     }
     name_ = selection.device->name;

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <utility>
 
 #include "host/device/device.hpp"
 #include "host/device/device_model.hpp"
+#include "host/device/model_source.hpp"
 #include "host/device/octree_front.hpp"
 #include "host/octree_front.hpp"
 #include "verify/octree.hpp"
@@ -40,6 +42,10 @@ struct OctreeBuilder::State {
     if (!selection.device) return;
     if (!device::within_device_range(model)) {
       notice = "the model's sizes span more than the device's kernels are made for";
+      return;
+    }
+    if (std::string reason = device::why_not_compiled(model); !reason.empty()) {
+      notice = std::move(reason);
       return;
     }
     name = selection.device->name;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "host/device/pose_batch.hpp"
 #include "host/map_run.hpp"
@@ -25,8 +26,9 @@ const Model& supported(const Model& model) {
 
 class PoseProver {
  public:
-  PoseProver(const Model& a, const Model& b)
-      : radius_(std::max(bounding_radius(a), bounding_radius(b))),
+  PoseProver(const Model& a, const Model& b, const MapOptions& options)
+      : out_of_time_(options.out_of_time),
+        radius_(std::max(bounding_radius(a), bounding_radius(b))),
         centre_a_(a.primitives.front().pose.translation),
         centre_b_(b.primitives.front().pose.translation),
         distance_(supported(a), supported(b)) {}
@@ -50,7 +52,9 @@ class PoseProver {
     return verified(found, limit * std::max({std::abs(t[0]), std::abs(t[1]), std::abs(t[2]), radius_}));
   }
 
-  [[nodiscard]] CertifiedEnclosure prove(const Pose& pose) const { return {distance_(pose).distance, {}}; }
+  [[nodiscard]] CertifiedEnclosure prove(const Pose& pose) const {
+    return {distance_(pose, out_of_time_).distance, {}};
+  }
 
   // The centre of a primitive lies in it.
   [[nodiscard]] CertifiedEnclosure coarse(const Pose& pose) const {
@@ -61,6 +65,7 @@ class PoseProver {
   [[nodiscard]] bool witnessed(const Pose& /*pose*/, double /*hi*/, const Certificate& /*none*/) const { return true; }
 
  private:
+  std::function<bool()> out_of_time_;  // empty: no limit
   double radius_;
   Point centre_a_;
   Point centre_b_;
@@ -79,7 +84,7 @@ struct PoseMapper::State {
 };
 
 PoseMapper::PoseMapper(const Model& a, const Model& b, const MapOptions& options)
-    : state_(new State{{PoseProver(a, b), without_certificates(options), device::joined(a, b),
+    : state_(new State{{PoseProver(a, b, options), without_certificates(options), device::joined(a, b),
                         [&](const device::Device& device) { return device::pose_batch(device, a, b); }}}) {}
 PoseMapper::~PoseMapper() = default;
 PoseMapper::PoseMapper(PoseMapper&&) noexcept = default;

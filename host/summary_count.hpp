@@ -20,7 +20,10 @@ inline void count(MapSummary& summary, const MapResult& row) {
   switch (row.status) {
     case Status::device_verified: ++summary.device_verified; break;
     case Status::host_verified: ++summary.host_verified; break;
-    case Status::wide: ++summary.wide; break;
+    case Status::wide:
+      ++summary.wide;
+      if (row.distance.lo < 0.0) ++summary.wide_inside;
+      break;
   }
   summary.minimum_lo = std::min(summary.minimum_lo, row.distance.lo);
   summary.minimum_hi = std::min(summary.minimum_hi, row.distance.hi);

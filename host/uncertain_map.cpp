@@ -77,7 +77,11 @@ Enclosure combine(const verify::MemberBounds& bounds, const BracketRows& rows, s
 }
 
 Status status(const Enclosure& distance, double tolerance, const BracketRows& rows, std::size_t i) {
-  if (!verified(distance, tolerance)) return Status::wide;
+  // The tightest of uncertain numbers is what the tightest of both ends leave.
+  const auto is_wide = [i](const Rows& of) { return of.results[i].status == Status::wide; };
+  const bool tightest = tolerance == 0.0 && !is_wide(rows.smallest) && !is_wide(rows.largest) &&
+                        !(rows.inflated && is_wide(*rows.inflated));
+  if (!verified(distance, tolerance) && !tightest) return Status::wide;
   const auto by_device = [i](const Rows& of) { return of.results[i].status == Status::device_verified; };
   const bool all = by_device(rows.smallest) && by_device(rows.largest) && (!rows.inflated || by_device(*rows.inflated));
   return all ? Status::device_verified : Status::host_verified;

@@ -10,6 +10,8 @@
 #include <random>
 #include <verisq/signed_distance.hpp>
 
+#include "tests/large_models.hpp"
+
 namespace verisq {
 namespace {
 
@@ -145,9 +147,7 @@ SetExpression operation(SetOperation kind, std::vector<SetExpression> operands) 
   return {std::move(operands), kind};
 }
 
-SetExpression leaf(std::uint32_t primitive) {
-  return {.primitive = primitive};
-}
+using testing::leaf;
 
 /// Along x; the others are [-1, 1].
 std::array<double, 2> range(SetExpression csg) {
@@ -166,6 +166,38 @@ TEST(BoundingBoxTest, FollowsSetOperations) {
   EXPECT_EQ(range(operation(intersect, {all, leaf(2)})), (std::array{9.0, 11.0}));
   EXPECT_EQ(range(operation(unite, {leaf(2), operation(intersect, {leaf(0), leaf(1)})})), (std::array{0.5, 11.0}));
   EXPECT_EQ(range(operation(intersect, {leaf(0), leaf(2)})), (std::array{-1.0, 1.0})) << "empty: the first operand's";
+}
+
+/// How often a box of the tree asks for that of a leaf.
+std::size_t leaves_asked_for(const SetExpression& tree) {
+  std::size_t count = 0;
+  static_cast<void>(bounding_box(tree, [&](std::uint32_t /*primitive*/) {
+    ++count;
+    return Box{{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}};
+  }));
+  return count;
+}
+
+TEST(BoundingBoxTest, LooksAtEachLeafOnce) {
+  using namespace testing;
+  EXPECT_EQ(leaves_asked_for(deep_tree(20, always_union)), 20U);
+  ASSERT_FALSE(HasFailure()) << "twice a level: a deep tree would take for ever";
+  EXPECT_EQ(leaves_asked_for(deep_tree(1000, always_union)), 1000U);
+  EXPECT_EQ(leaves_asked_for(deep_tree_of_last_operands(1000, always_union)), 1000U);
+  EXPECT_EQ(leaves_asked_for(wide_tree(10000, SetOperation::intersect)), 10000U);
+  EXPECT_EQ(leaves_asked_for(wide_tree(10000, SetOperation::subtract)), 1U);
+  EXPECT_EQ(leaves_asked_for(balanced_tree(0, 10000, always_union)), 10000U);
+  EXPECT_LE(leaves_asked_for(balanced_tree(0, 10000, in_turn)), 10000U);
+}
+
+TEST(BoundingBoxTest, OfNestedUnionsIsThatOfTheWideOne) {
+  using namespace testing;
+  const Model wide{"", grid_of_balls(1000, 0.6)};
+  for (const SetExpression& tree : {deep_tree(1000, always_union), balanced_tree(0, 1000, always_union)}) {
+    const Box found = bounding_box({"", wide.primitives, tree});
+    EXPECT_EQ(found.lower, bounding_box(wide).lower);
+    EXPECT_EQ(found.upper, bounding_box(wide).upper);
+  }
 }
 
 TEST(BoundingRadiusTest, IsThatOfTheBox) {

@@ -107,7 +107,7 @@ TEST_F(CommandLine, MapsByThePublishedMethod) {
   const auto outcome =
       map({"--model", ball, "--points", points, "--method", "published", "--tol", "0", "-o", path("map.csv")});
   EXPECT_EQ(outcome.status, 3) << outcome.err;
-  ASSERT_EQ(map({"--model", ball, "--points", points, "--tol", "0", "-o", path("dual.csv")}).status, 3);
+  ASSERT_EQ(map({"--model", ball, "--points", points, "--tol", "0", "-o", path("dual.csv")}).status, 0);
   const auto rows = rows_of(path("map.csv"));
   const auto dual = rows_of(path("dual.csv"));
   ASSERT_EQ(rows.size(), 3);
@@ -245,12 +245,66 @@ TEST_F(CommandLine, PrintsTheSummaryAsOneJsonObject) {
 }
 
 TEST_F(CommandLine, CountsWideEnclosuresInTheExitStatus) {
-  // An irrational distance has no enclosure of width 0.
+  // An irrational distance has no enclosure so narrow.
   const auto points = write("points.csv", "1,2,3\n");
-  const auto outcome = map({"--model", ball, "--points", points, "--tol", "0", "-o", path("map.csv")});
+  const auto outcome = map({"--model", ball, "--points", points, "--tol", "1e-300", "-o", path("map.csv")});
   EXPECT_EQ(outcome.status, 3) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("wide             1\n"));
   EXPECT_EQ(rows_of(path("map.csv")).at(0).status, "wide");
+}
+
+TEST_F(CommandLine, ToleranceZeroAsksForTheTightest) {
+  const auto points = write("points.csv", "1,2,3\n0.1,0.2,0.3\n-5,1e-3,7\n");
+  for (const std::string device : {"auto", "host"}) {
+    for (const bool certificates : {false, true}) {
+      std::vector<std::string> arguments{"map", "--model", ball, "--points",      points,     "--tol",
+                                         "0",   "--json",  "-o", path("map.csv"), "--device", device};
+      if (certificates) arguments.push_back("--certificates");
+      const auto outcome = run(arguments);
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      const auto summary = nlohmann::json::parse(outcome.out);
+      EXPECT_EQ(summary.at("wide"), 0);
+      EXPECT_EQ(summary.at("tightest"), true);
+      EXPECT_LT(summary.at("largest_width"), 1e-8);
+      EXPECT_THAT(folder_.contents("map.csv"), Not(HasSubstr("wide")));
+    }
+  }
+  const auto text = map({"--model", ball, "--points", points, "--tol", "0", "-o", path("map.csv")}).out;
+  EXPECT_THAT(text, HasSubstr("tolerance          0: the tightest\n"));
+  const auto mesh = write("mesh.off", tetrahedron);
+  EXPECT_EQ(map({"--model", ball, "--mesh", mesh, "--on", "triangles", "--tol", "0", "-o", path("map.csv")}).status, 0);
+}
+
+/// What the method did not have the time for is not its tightest.
+TEST_F(CommandLine, ToleranceZeroCallsRowsWideThatTheTimeLimitLeaves) {
+  const auto model = write("two.json", R"({"format": "verisq-model/1", "primitives": [
+    {"name": "a", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}},
+    {"name": "b", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]},
+     "pose": {"translation": [0.5, 0, 0]}}]})");
+  const auto points = write("points.csv", "0.25,0.1,0.1\n");
+  const auto outcome =
+      map({"--model", model, "--points", points, "--tol", "0", "--time-limit", "1e-9", "-o", path("map.csv")});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_EQ(rows_of(path("map.csv")).at(0).status, "wide");
+}
+
+/// Where primitives overlap, their union is deeper than each of them: no certificate says so.
+TEST_F(CommandLine, SaysWhyRowsWithCertificatesAreWideInOverlaps) {
+  const auto model = write("two.json", R"({"format": "verisq-model/1", "primitives": [
+    {"name": "a", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}},
+    {"name": "b", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]},
+     "pose": {"translation": [0.5, 0, 0]}}]})");
+  const auto points = write("points.csv", "0.25,0.1,0.1\n3,0,0\n");
+  const std::vector<std::string> arguments{"--model", model, "--points", points, "-o", path("map.csv")};
+  EXPECT_EQ(map(arguments).status, 0);
+  auto certified = arguments;
+  certified.push_back("--certificates");
+  const auto outcome = map(certified);
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("verisq: 1 row inside the model is wide: certificates prove a depth by one "
+                                     "primitive alone, and where primitives overlap their union is deeper; the map "
+                                     "without --certificates is tighter there\n"));
+  EXPECT_THAT(map({"--help"}).out, HasSubstr("overlap"));
 }
 
 TEST_F(CommandLine, InterruptionKeepsFinishedRows) {

@@ -1,4 +1,5 @@
 /// `verisq distance` as its user meets it: results, messages and exit status.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -101,6 +102,60 @@ TEST_F(DistanceCommand, SaysThatTouchingIsUndecided) {
   EXPECT_EQ(object["lo"], 0.0);
   EXPECT_LE(object["hi"].get<double>(), 1e-14);
   EXPECT_NE(object["proximity"], "separated");
+}
+
+TEST_F(DistanceCommand, ToleranceZeroAsksForTheTightest) {
+  const auto a = ball("a.json", "", 0.1);
+  const auto b = ball("b.json", "", 5.0, 0.7);
+  const Outcome outcome = distance({a, b, "--tol", "0"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("tolerance 0: the tightest\n"));
+  EXPECT_EQ(nlohmann::json::parse(distance({a, b, "--tol", "0", "--json"}).out)["status"], "tightest");
+  EXPECT_EQ(nlohmann::json::parse(distance({a, b, "--tol", "1e-12", "--json"}).out)["status"], "verified");
+  EXPECT_EQ(nlohmann::json::parse(distance({a, b, "--tol", "1e-20", "--json"}).out)["status"], "wide");
+  const auto poses = write("poses.csv", "0,0,0,1,0,0,0\n1,2,3,1,0,0.5,0\n");
+  EXPECT_EQ(distance({a, b, "--poses", poses, "--tol", "0", "-o", write("out.csv", "")}).status, 0);
+}
+
+TEST_F(DistanceCommand, PrintsNearPointsInBothForms) {
+  const auto a = ball("a.json", "mm", 0.0);
+  const auto b = write("bent.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+    {"name": "ball", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]},
+     "bend": {"curvature": 1e-300, "angle_deg": 30}, "pose": {"translation": [0, 5, 0]}}]})");
+  EXPECT_THAT(distance({a, b}).out, HasSubstr("near point of A    ("));
+  const auto object = nlohmann::json::parse(distance({a, b, "--json"}).out);
+  ASSERT_FALSE(object["near_points"].is_null());
+  const auto on_a = object["near_points"]["on_a"].get<std::vector<double>>();
+  const auto on_b = object["near_points"]["on_b"].get<std::vector<double>>();
+  ASSERT_EQ(on_a.size(), 3U);
+  EXPECT_LE(std::hypot(on_a[0] - on_b[0], on_a[1] - on_b[1], on_a[2] - on_b[2]), object["hi"].get<double>());
+  EXPECT_EQ(object["searched"], true);
+  const auto convex = nlohmann::json::parse(distance({a, ball("c.json", "mm", 5.0), "--json"}).out);
+  EXPECT_TRUE(convex["near_points"].is_null());
+  EXPECT_EQ(convex["searched"], false);
+}
+
+/// Two rows of balls, all of them about as far apart as the nearest.
+TEST_F(DistanceCommand, EndsConvexPairsAtTheTimeLimit) {
+  const auto row = [&](const std::string& name, double y) {
+    std::string text = R"({"format": "verisq-model/1", "primitives": [)";
+    for (int i = 0; i < 300; ++i) {
+      text += fmt::format(R"({}{{"name": "{}", "superquadric": {{"semi_axes": [1, 0.9, 100], "exponents": [0.5, 1.1]}},
+        "pose": {{"translation": [{}, {}, 0]}}}})",
+                          i == 0 ? "" : ",", i, 2.5 * i, y);
+    }
+    return write(name, text + "]}");
+  };
+  const auto a = row("a.json", 0.0);
+  const auto b = row("b.json", 5.0);
+  const Outcome limited = distance({a, b, "--time-limit", "1e-9", "--json"});
+  EXPECT_THAT(limited.err, HasSubstr("verisq: the time limit is reached; the enclosure is valid, and wide\n"));
+  EXPECT_EQ(limited.status, 3);
+  const auto wide = nlohmann::json::parse(limited.out);
+  EXPECT_LE(wide["lo"].get<double>(), 3.2);
+  EXPECT_GE(wide["hi"].get<double>(), 3.2 - 1e-12);
+  EXPECT_EQ(wide["status"], "wide");
+  EXPECT_TRUE(wide["closest_points"].is_null());
 }
 
 TEST_F(DistanceCommand, ExitsWithThreeWhereTheEnclosureIsWiderThanTheTolerance) {

@@ -107,6 +107,92 @@ TEST(ModelDistanceTest, PosesTurnTheSolids) {
   EXPECT_EQ(PairDistance(model(ball(1.0)), model(cigar))(longer).distance, by_pose.distance);
 }
 
+// ---------------------------------------------------------------- many primitives
+
+/// Balls about random centres, some of them far away.
+Model cloud(std::mt19937_64& random, std::size_t count, double offset) {
+  const auto between = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); };
+  Model result;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double far = i % 7 == 0 ? 1e6 : 1.0;
+    result.primitives.push_back(primitive(
+        ball(between(0.01, 0.3)), at(offset + far * between(0.0, 4.0), between(-4.0, 4.0), between(-4.0, 4.0))));
+  }
+  return result;
+}
+
+double least_distance_of_balls(const Model& a, const Model& b) {
+  double least = infinity;
+  for (const Primitive& p : a.primitives) {
+    for (const Primitive& q : b.primitives) {
+      const Point& c = p.pose.translation;
+      const Point& d = q.pose.translation;
+      least = std::min(least, std::hypot(c[0] - d[0], c[1] - d[1], c[2] - d[2]) - p.superquadric.semi_axes[0] -
+                                  q.superquadric.semi_axes[0]);
+    }
+  }
+  return least;
+}
+
+TEST(ModelDistanceTest, LeavesNoNearPairOut) {
+  std::mt19937_64 random(5);
+  for (int round = 0; round < 20; ++round) {
+    const Model a = cloud(random, 60, -4.5);
+    const Model b = cloud(random, 80, 0.5);
+    const double exact = least_distance_of_balls(a, b);
+    ASSERT_GT(exact, 0.0);
+    expect_distance(a, b, exact, 1e-9);
+  }
+}
+
+TEST(ModelDistanceTest, ProvesFewOfManyPairs) {
+  std::mt19937_64 random(6);
+  const Model a = cloud(random, 1500, -4.5);
+  const Model b = cloud(random, 1500, 0.5);
+  const ModelDistance found = PairDistance(a, b)();
+  const double exact = least_distance_of_balls(a, b);
+  EXPECT_NEAR(found.distance.lo, exact, 1e-9);
+  EXPECT_NEAR(found.distance.hi, exact, 1e-9);
+  EXPECT_LT(found.certificate.separations.size(), 1000U) << "of 2.25 million";
+}
+
+/// Far from the origin, where centres are enclosed by wide boxes because large numbers cancel in them.
+TEST(ModelDistanceTest, LeavesNoNearPairOutWhereCentresCancel) {
+  const double far = 0x1p80;
+  const Model a{"", {primitive(ball(1.0), at(far, 0.0, 0.0)), primitive(ball(1.0), at(far, 10.0, 0.0))}};
+  const Model b{"", {primitive(ball(1.0), at(0.0, 3.0, 0.0)), primitive(ball(1.0), at(0.0, 40.0, 0.0))}};
+  const Pose pose = at(far, 0.0, 0.0);
+  const ModelDistance found = PairDistance(a, b)(pose);
+  EXPECT_TRUE(found.distance.contains(1.0));
+  EXPECT_EQ(prove(a, b, pose, found.certificate), found.distance);
+}
+
+TEST(ModelDistanceTest, InterruptedIsValidAndWide) {
+  // Long bars side by side: their bounding spheres tell nothing.
+  const Superquadric bar{{1.0, 0.9, 100.0}, {0.5, 1.1}};
+  Model a;
+  Model b;
+  for (int i = 0; i < 12; ++i) {
+    a.primitives.push_back(primitive(bar, at(2.5 * i, 0.0, 0.0)));
+    b.primitives.push_back(primitive(bar, at(2.5 * i, 5.0 - 0.01 * i, 0.0)));
+  }
+  const PairDistance pair(a, b);
+  const ModelDistance whole = pair();
+  EXPECT_TRUE(whole.complete);
+  for (const int polls : {0, 1, 5, 40}) {
+    int polled = 0;
+    const ModelDistance part = pair({}, [&] { return ++polled > polls; });
+    EXPECT_FALSE(part.complete);
+    EXPECT_EQ(part.certificate.separations.size(), static_cast<std::size_t>(polls) + 1);
+    EXPECT_LE(part.distance.lo, whole.distance.lo);
+    EXPECT_GE(part.distance.hi, whole.distance.hi);
+    EXPECT_EQ(prove(a, b, {}, part.certificate), part.distance);
+    EXPECT_FALSE(pair.closest_points(part)) << "pairs that nobody looked at may have them";
+  }
+  EXPECT_TRUE(pair.closest_points(whole));
+  EXPECT_FALSE(pair.closest_points(whole, {}, [] { return true; }));
+}
+
 // ---------------------------------------------------------------- overlapping, touching
 
 TEST(ModelDistanceTest, OverlappingSolidsHaveAProvenCommonPoint) {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -138,10 +139,61 @@ TEST_F(OctreeCommand, RefusesBadUsage) {
   EXPECT_EQ(octree({"--model", model}).status, 2);
 }
 
+TEST_F(OctreeCommand, WritesNoLargerFileThanAllowed) {
+  const Outcome allowed = octree_of_ball({"--depth", "5", "--json"});
+  EXPECT_EQ(allowed.status, 0) << allowed.err;
+  const auto bytes = nlohmann::json::parse(allowed.out)["output_bytes"].get<std::uint64_t>();
+  EXPECT_EQ(std::filesystem::file_size(cubes()), bytes) << "known before it is written";
+  EXPECT_EQ(octree_of_ball({"--depth", "5", "--max-output", std::to_string(bytes)}).status, 0);
+  std::filesystem::remove(cubes());
+
+  const Outcome refused = octree_of_ball({"--depth", "5", "--max-output", "0.1MB"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, StartsWith("verisq: --max-output: " + cubes() + " is not written: its "));
+  EXPECT_THAT(refused.err,
+              HasSubstr(" kB are more than 0.1MB; give a larger one, or a smaller --depth or larger --tol"));
+  EXPECT_THAT(refused.out, HasSubstr("\nvolume             [")) << "which took the time, and is proven";
+  EXPECT_THAT(refused.out, HasSubstr("\noctree             not written ("));
+  EXPECT_THAT(folder_.names(), ::testing::UnorderedElementsAre("ball.json", "process.err", "process.out"));
+
+  const auto json = nlohmann::json::parse(octree_of_ball({"--depth", "5", "--max-output", "1B", "--json"}).out);
+  EXPECT_EQ(json["output"], "");
+  EXPECT_EQ(json["output_bytes"], bytes);
+}
+
+TEST_F(OctreeCommand, RefusesSizesThatAreNone) {
+  const std::string model = ball();
+  for (const std::string size : {"x", "1 XB", "-1", "1e400GiB", "nan", "1e30", "GiB"}) {
+    expect_refused({"--model", model, "-o", cubes(), "--max-output=" + size},
+                   "--max-output: " + size + " is not a size like 500MB or 4GiB");
+  }
+  for (const std::string size : {"2000000", "2000000B", "2MB", "1.5 MiB", "1TiB"})
+    EXPECT_EQ(octree_of_ball({"--depth", "2", "--max-output", size}).status, 0) << size;
+}
+
+TEST_F(OctreeCommand, RefusesWholeNumbersOutOfRangeInOneLine) {
+  const std::string model = ball();
+  const std::string huge = "99999999999999999999999";
+  const auto expect = [&](const std::string& option, const std::string& value, const std::string& what) {
+    expect_refused({"--model", model, "-o", cubes(), option, value}, option + ": " + value + " is not " + what);
+  };
+  expect("--depth", huge, "in 0 to 20");
+  expect("--depth", "3.5", "a whole number in 0 to 20");
+  expect("--depth", "1e3", "a whole number in 0 to 20");
+  expect("--depth", "0x10", "a whole number in 0 to 20");
+  expect("--depth", "-" + huge, "in 0 to 20");
+  expect("--budget", huge, "in 1 to 18446744073709551615");
+  expect("--budget", "-5", "at least 1");
+  expect("--budget", "many", "a whole number in 1 to 18446744073709551615");
+  const Outcome decimal = octree_of_ball({"--depth", "008", "--json"});
+  EXPECT_EQ(nlohmann::json::parse(decimal.out)["depth"], 8) << "not octal";
+}
+
 TEST_F(OctreeCommand, ExplainsItself) {
   const Outcome outcome = octree({"--help"});
   EXPECT_EQ(outcome.status, 0);
-  for (const char* word : {"--depth", "--tol", "--budget", "--device", "--white", "cubic model units", "Exit status"})
+  for (const char* word : {"--depth", "--tol", "--budget", "--device", "--white", "--max-output", "1GiB",
+                           "cubic model units", "Exit status"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
 }
 

@@ -8,11 +8,14 @@
 #include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <numbers>
 #include <pugixml.hpp>
 #include <random>
+#include <set>
+#include <string>
 #include <tuple>
 #include <verisq/device.hpp>
 #include <verisq/octree.hpp>
@@ -20,6 +23,7 @@
 
 #include "host/device/octree_front.hpp"
 #include "tests/error_matchers.hpp"
+#include "tests/large_models.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace verisq::testing {
@@ -432,6 +436,39 @@ TEST(OctreeColours, OfMoreThan32PrimitivesAreRight) {
   EXPECT_GT(expect_right_colours(model, grown, 500), 0U);
 }
 
+// Compilers nest some 250 operands; far sooner the host, which simplifies whole trees, is faster.
+TEST(OctreeColours, OfModelsThatAreNotCompiledAreTheHosts) {
+  constexpr std::uint32_t count = 343;
+  Model model{"", grid_of_balls(count, 0.6)};
+  const Grown wide = grow(model, to_depth(5));
+  EXPECT_EQ(wide.summary.device, "host");
+  EXPECT_EQ(wide.summary.notice,
+            "the model's tree has 343 leaves, of which the device's kernels take 100: the host does all");
+  expect_consistent(wide);
+  for (const SetExpression& tree : {deep_tree(count, always_union), balanced_tree(0, count, always_union)}) {
+    model.csg = tree;
+    EXPECT_EQ(grow(model, to_depth(5)).summary.volume, wide.summary.volume);
+  }
+  model.csg = balanced_tree(0, count, in_turn);
+  const Grown mixed = grow(model, to_depth(5));
+  expect_consistent(mixed);
+  EXPECT_GT(expect_right_colours(model, mixed, 100), 0U);
+}
+
+TEST(Octree, OfLargeModels) {
+  const auto volume = [](std::uint32_t count, const SetExpression& tree) {
+    return grow({"", grid_of_balls(count, 0.6), tree}, to_depth(4)).summary.volume;
+  };
+  const Enclosure thousand = volume(1000, wide_tree(1000, SetOperation::unite));
+  EXPECT_GT(thousand.hi, 0.0);
+  EXPECT_EQ(volume(1000, deep_tree(1000, always_union)), thousand);
+  EXPECT_EQ(volume(1000, deep_tree_of_last_operands(1000, always_union)), thousand);
+  const Enclosure ten_thousand = volume(10000, wide_tree(10000, SetOperation::unite));
+  EXPECT_EQ(volume(10000, balanced_tree(0, 10000, always_union)), ten_thousand);
+  const Enclosure less = volume(10000, balanced_tree(0, 10000, in_turn));
+  EXPECT_LE(less.hi, ten_thousand.hi);
+}
+
 TEST(Octree, OfTouchingRootIsExact) {
   const OctreeSummary summary = grow(plain({1.0, 1.0, 1.0}, {1.0, 1.0}), to_depth(2)).summary;
   EXPECT_EQ(summary.root.half_width, 1.0);
@@ -539,48 +576,131 @@ std::map<std::string, std::string> arrays_of(const std::string& file, pugi::xml_
   return arrays;
 }
 
-TEST(OctreeFile, ReadsBack) {
+template <class Number>
+std::vector<Number> numbers_of(const std::string& bytes) {
+  std::vector<Number> numbers(bytes.size() / sizeof(Number));
+  std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(Number));
+  return numbers;
+}
+
+/// A file of hexahedra as its readers see it.
+struct Hexahedra {
+  std::vector<Point> points;
+  std::vector<std::array<std::int32_t, 8>> cells;
+  std::vector<std::uint8_t> colours;
+  std::vector<std::uint8_t> levels;
+};
+
+Hexahedra read_hexahedra(const std::string& file) {
+  pugi::xml_document xml;
+  const auto arrays = arrays_of(file, xml);
+  Hexahedra result;
+  const auto coordinates = numbers_of<double>(arrays.at("Points"));
+  for (std::size_t n = 0; n + 2 < coordinates.size(); n += 3)
+    result.points.push_back({coordinates[n], coordinates[n + 1], coordinates[n + 2]});
+  const auto connectivity = numbers_of<std::int32_t>(arrays.at("connectivity"));
+  const auto offsets = numbers_of<std::int32_t>(arrays.at("offsets"));
+  for (std::size_t n = 0; n < offsets.size(); ++n) {
+    EXPECT_EQ(offsets[n], static_cast<std::int32_t>(8 * (n + 1)));
+    auto& cell = result.cells.emplace_back();
+    std::copy_n(connectivity.begin() + static_cast<std::ptrdiff_t>(8 * n), 8, cell.begin());
+  }
+  result.colours = numbers_of<std::uint8_t>(arrays.at("colour"));
+  result.levels = numbers_of<std::uint8_t>(arrays.at("level"));
+  EXPECT_EQ(arrays.at("types"), std::string(result.cells.size(), '\x0c')) << "VTK_HEXAHEDRON";
+  EXPECT_EQ(connectivity.size(), 8 * result.cells.size());
+  const pugi::xml_node piece = xml.child("VTKFile").child("UnstructuredGrid").child("Piece");
+  EXPECT_EQ(piece.attribute("NumberOfCells").as_ullong(), result.cells.size());
+  EXPECT_EQ(piece.attribute("NumberOfPoints").as_ullong(), result.points.size());
+  EXPECT_EQ(xml.select_node("//DataArray[@Name='connectivity']").node().attribute("type").value(),
+            std::string("Int32"));
+  return result;
+}
+
+/// By the triple product of the edges from corner 0 to 1, 3 and 4: positive where the corners are in the order of a
+/// hexahedron. The other corners are checked to be those of a cube.
+double volume_of(const Hexahedra& file, std::size_t n) {
+  const auto corner = [&](std::size_t i) { return file.points.at(static_cast<std::size_t>(file.cells[n][i])); };
+  const auto from_first = [&](std::size_t i) {
+    return Point{corner(i)[0] - corner(0)[0], corner(i)[1] - corner(0)[1], corner(i)[2] - corner(0)[2]};
+  };
+  const Point a = from_first(1);
+  const Point b = from_first(3);
+  const Point c = from_first(4);
+  const auto sum = [](const Point& p, const Point& q) { return Point{p[0] + q[0], p[1] + q[1], p[2] + q[2]}; };
+  EXPECT_EQ(from_first(2), sum(a, b));
+  EXPECT_EQ(from_first(5), sum(a, c));
+  EXPECT_EQ(from_first(6), sum(sum(a, b), c));
+  EXPECT_EQ(from_first(7), sum(b, c));
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+TEST(OctreeFile, ReadsBackAsHexahedra) {
   const TemporaryFolder folder;
-  const Grown grown = grow(implant(), to_depth(4));
+  const Grown grown = grow(implant(), to_depth(5));
+  std::array<double, 3> volumes{};
+  for (const OctreeCube& cube : grown.cubes)
+    volumes[static_cast<std::size_t>(cube.colour)] += std::pow(edge(grown.summary.root, cube.level), 3);
   for (const WhiteCubes white : {WhiteCubes::left_out, WhiteCubes::written}) {
     OctreeWriter writer(folder / "cubes.vtu", white);
     writer.append(grown.cubes);
+    const std::uint64_t bytes = writer.bytes();
     writer.finish(grown.summary.root);
-    pugi::xml_document xml;
-    const auto arrays = arrays_of(folder.contents("cubes.vtu"), xml);
-    const std::size_t expected =
-        static_cast<std::size_t>(std::ranges::count_if(grown.cubes, [&](const OctreeCube& cube) {
-          return white == WhiteCubes::written || cube.colour != CubeColour::white;
-        }));
-    const pugi::xml_node piece = xml.child("VTKFile").child("UnstructuredGrid").child("Piece");
-    EXPECT_EQ(piece.attribute("NumberOfCells").as_ullong(), expected);
-    EXPECT_EQ(piece.attribute("NumberOfPoints").as_ullong(), 8 * expected);
-    EXPECT_EQ(arrays.at("colour").size(), expected);
-    EXPECT_EQ(arrays.at("types"), std::string(expected, '\x0b'));
-    EXPECT_EQ(arrays.at("connectivity").size(), 64 * expected);
-    EXPECT_EQ(arrays.at("offsets").size(), 8 * expected);
-
-    std::vector<double> points(24 * expected);
-    ASSERT_EQ(arrays.at("Points").size(), points.size() * sizeof(double));
-    std::memcpy(points.data(), arrays.at("Points").data(), arrays.at("Points").size());
-    std::array<std::uint64_t, 3> colours{};
-    double black = 0.0;
-    for (std::size_t n = 0; n < expected; ++n) {
-      const auto colour = static_cast<std::size_t>(arrays.at("colour")[n]);
-      ++colours.at(colour);
-      const double size = edge(grown.summary.root, arrays.at("level")[n]);
-      for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(points[24 * n + 21 + i] - points[24 * n + i], size);
-      if (colour == 2) black += size * size * size;
+    EXPECT_EQ(std::filesystem::file_size(folder / "cubes.vtu"), bytes);
+    const Hexahedra file = read_hexahedra(folder.contents("cubes.vtu"));
+    EXPECT_LT(file.points.size(), 3 * file.cells.size()) << "corners are shared";
+    EXPECT_EQ(std::set(file.points.begin(), file.points.end()).size(), file.points.size());
+    std::array<double, 3> found{};
+    for (std::size_t n = 0; n < file.cells.size(); ++n) {
+      const double volume = volume_of(file, n);
+      EXPECT_EQ(volume, std::pow(edge(grown.summary.root, file.levels[n]), 3));
+      found.at(file.colours[n]) += volume;
     }
-    EXPECT_EQ(black, grown.summary.volume.lo);
-    std::array<std::uint64_t, 3> counted{};
-    for (const auto& [black_count, white_count, gray_count] : grown.summary.levels) {
-      counted[0] += white == WhiteCubes::written ? white_count : 0;
-      counted[1] += gray_count;
-      counted[2] += black_count;
-    }
-    EXPECT_EQ(colours, counted);
+    EXPECT_EQ(found[2], volumes[2]);
+    EXPECT_EQ(found[2], grown.summary.volume.lo);
+    EXPECT_EQ(found[1], volumes[1]);
+    EXPECT_EQ(found[0], white == WhiteCubes::written ? volumes[0] : 0.0);
   }
+}
+
+/// Equal siblings become their parent, as often as there are some; others stay.
+TEST(OctreeFile, MergesEqualSiblings) {
+  const TemporaryFolder folder;
+  std::vector<OctreeCube> cubes;
+  // Level 2 under one corner of the root black, under the opposite one black but for a gray cube.
+  for (std::uint32_t n = 0; n < 8; ++n) {
+    const std::array<std::uint32_t, 3> at{n & 1U, n >> 1U & 1U, n >> 2U};
+    cubes.push_back({at, 2, CubeColour::black});
+    cubes.push_back({{2 + at[0], 2 + at[1], 2 + at[2]}, 2, n == 3 ? CubeColour::gray : CubeColour::black});
+    if (n != 0 && n != 7) cubes.push_back({at, 1, CubeColour::black});
+  }
+  const OctreeRoot root{{0.0, 0.0, 0.0}, 1.0};
+  const auto cells = [&] {
+    OctreeWriter writer(folder / "cubes.vtu", WhiteCubes::left_out);
+    writer.append(cubes);
+    writer.finish(root);
+    return read_hexahedra(folder.contents("cubes.vtu"));
+  };
+  const Hexahedra mixed = cells();
+  EXPECT_EQ(mixed.cells.size(), 15U) << "7 of level 1, 8 of level 2";
+  EXPECT_EQ(std::ranges::count(mixed.levels, 1), 7);
+  for (OctreeCube& cube : cubes) cube.colour = CubeColour::black;
+  const Hexahedra all = cells();
+  ASSERT_EQ(all.cells.size(), 1U) << "twice";
+  EXPECT_EQ(all.levels.front(), 0);
+  EXPECT_EQ(all.points.size(), 8U);
+  EXPECT_EQ(volume_of(all, 0), 8.0);
+}
+
+TEST(OctreeFile, TakesAThirdOfSeparateVoxels) {
+  const TemporaryFolder folder;
+  const Grown grown = grow(implant(), to_depth(7));
+  OctreeWriter writer(folder / "cubes.vtu", WhiteCubes::left_out);
+  writer.append(grown.cubes);
+  const auto cells =
+      std::ranges::count_if(grown.cubes, [](const OctreeCube& cube) { return cube.colour != CubeColour::white; });
+  // Eight corners of 24 bytes, eight indices and an offset of eight, type, colour and level.
+  EXPECT_LT(3 * writer.bytes(), 267 * static_cast<std::uint64_t>(cells));
 }
 
 TEST(OctreeFile, AppearsOnlyWhenComplete) {

@@ -113,11 +113,14 @@ void expect_in_common(const std::vector<MapResult>& rows, const std::vector<Encl
   }
 }
 
-void expect_summary_of_rows(const FinishedPoses& map, double tolerance) {
+void expect_verified(const FinishedPoses& map, double tolerance) {
+  for (const auto& [distance, status] : map.rows) EXPECT_EQ(verified(distance, tolerance), status != Status::wide);
+}
+
+void expect_summary_of_rows(const FinishedPoses& map) {
   MapSummary expected;
   expected.minimum_lo = expected.minimum_hi = infinity;
   for (const auto& [distance, status] : map.rows) {
-    EXPECT_EQ(verified(distance, tolerance), status != Status::wide);
     if (status == Status::device_verified) ++expected.device_verified;
     if (status == Status::host_verified) ++expected.host_verified;
     if (status == Status::wide) ++expected.wide;
@@ -146,7 +149,8 @@ TEST_P(PoseMapTest, AgreesWithPairDistance) {
   const double tolerance = 1e-9 * scene().size();
   const FinishedPoses found = map(scene(), poses, {.tolerance = tolerance, .device = device()});
   expect_in_common(found.rows, one_by_one(scene(), poses), poses);
-  expect_summary_of_rows(found, tolerance);
+  expect_verified(found, tolerance);
+  expect_summary_of_rows(found);
   EXPECT_EQ(found.summary.wide, 0U) << found.summary.largest_width;
   EXPECT_EQ(found.summary.device == "host", found.summary.device_verified == 0);
 }
@@ -156,9 +160,13 @@ TEST_P(PoseMapTest, AsksTheHostForTheTightest) {
   const std::vector<Enclosure> expected = one_by_one(scene(), poses);
   const FinishedPoses found = map(scene(), poses, {.tolerance = 0.0, .device = device()});
   expect_in_common(found.rows, expected, poses);
-  expect_summary_of_rows(found, 0.0);
+  expect_summary_of_rows(found);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    // 1e-12 of max(translation, radii) is where the host is no longer asked.
+    // 1e-12 of max(translation, radii) is where the host is no longer asked, and what the tightest are.
+    const auto& t = poses[i].translation;
+    const double size = std::max(
+        {std::abs(t[0]), std::abs(t[1]), std::abs(t[2]), bounding_radius(scene().a), bounding_radius(scene().b)});
+    EXPECT_EQ(verified(found.rows[i].distance, 1e-12 * size), found.rows[i].status != Status::wide);
     EXPECT_LE(found.rows[i].distance.width(), std::max(expected[i].width(), 1e-11 * scene().size()));
   }
 }
@@ -189,7 +197,8 @@ TEST_P(PoseMapTest, HugeAndTinyTranslations) {
   const FinishedPoses found = map(scene(), poses, {.tolerance = tolerance, .device = device()});
   const std::vector<Enclosure> expected = one_by_one(scene(), poses);
   expect_in_common(found.rows, expected, poses);
-  expect_summary_of_rows(found, tolerance);
+  expect_verified(found, tolerance);
+  expect_summary_of_rows(found);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Point& t = poses[i].translation;
     const double limit = 1e-12 * std::max({std::abs(t[0]), std::abs(t[1]), std::abs(t[2])});
@@ -256,7 +265,8 @@ TEST(PoseMapChunksTest, DeliverAllRowsInOrder) {
     const double exact = 0x1p-10 * static_cast<double>(n);
     ASSERT_TRUE(e.contains(exact) && e.width() <= 1e-9) << fmt::format("row {}: [{}, {}]", n, e.lo, e.hi);
   }
-  expect_summary_of_rows(found, 1e-9);
+  expect_verified(found, 1e-9);
+  expect_summary_of_rows(found);
 }
 
 TEST(PoseMapChunksTest, AnInterruptedMapDeliversWholeRowsInOrder) {

@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <span>
+#include <utility>
 #include <vector>
+
+#include "tests/large_models.hpp"
 
 namespace verisq::verify {
 namespace {
@@ -16,9 +20,7 @@ constexpr std::uint32_t primitive_count = 5;
 using Membership = std::vector<bool>;  // of a point off all boundaries, in each primitive
 using Colours = std::vector<Colour>;
 
-SetExpression leaf(std::uint32_t primitive) {
-  return {.operands = {}, .operation = SetOperation::unite, .primitive = primitive};
-}
+using testing::leaf;
 
 SetExpression random_expression(std::mt19937& random, int depth) {
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
@@ -161,6 +163,59 @@ TEST(SetTreeTest, SimplifiedTreesAreTheSameSetThere) {
     }
   }
   EXPECT_GT(shortened, 100U);
+}
+
+Model large_model(std::uint32_t primitives, SetExpression tree) {
+  Model model;
+  model.primitives.resize(primitives);
+  model.csg = std::move(tree);
+  return model;
+}
+
+TEST(SetTreeTest, NestedUnionsBecomeOne) {
+  using namespace testing;
+  for (const SetExpression& tree : {deep_tree(1000, always_union), deep_tree_of_last_operands(1000, always_union),
+                                    balanced_tree(0, 1000, always_union)}) {
+    const SetNode node = normal_form(large_model(1000, tree), Side::inside);
+    ASSERT_EQ(node.kind, SetNode::Kind::union_of);
+    ASSERT_EQ(node.operands.size(), 1000U);
+    for (std::uint32_t i = 0; i < 1000; ++i) EXPECT_EQ(node.operands[i].primitive, i) << "in the order of the tree";
+  }
+}
+
+TEST(SetTreeTest, LargeTreesMeanWhatTheySay) {
+  using namespace testing;
+  constexpr std::uint32_t deep = 1000;
+  constexpr std::uint32_t wide = 10000;
+  const std::array trees{deep_tree(deep, in_turn),
+                         deep_tree_of_last_operands(deep, in_turn),
+                         wide_tree(wide, SetOperation::unite),
+                         wide_tree(wide, SetOperation::intersect),
+                         wide_tree(wide, SetOperation::subtract),
+                         balanced_tree(0, wide, in_turn)};
+  std::mt19937 random(4);
+  for (const SetExpression& tree : trees) {
+    const Model model = large_model(wide, tree);
+    const SetNode inside = normal_form(model, Side::inside);
+    const SetNode outside = normal_form(model, Side::outside);
+    EXPECT_TRUE(is_normal(inside));
+    EXPECT_TRUE(is_normal(outside));
+    for (int round = 0; round < 20; ++round) {
+      // Mostly gray: the first operand that decides must not decide all.
+      Colours colours(wide, Colour::gray);
+      Membership of(wide);
+      for (std::uint32_t i = 0; i < wide; ++i) {
+        of[i] = random() % 2 == 0;
+        if (random() % 1000 == 0) colours[i] = of[i] ? Colour::black : Colour::white;
+      }
+      ASSERT_EQ(member(inside, of), member(tree, of));
+      ASSERT_EQ(member(outside, of), !member(tree, of));
+      if (colour(inside, colours) != Colour::gray) continue;
+      const SetNode shorter = simplified(inside, colours);
+      EXPECT_TRUE(is_normal(shorter));
+      ASSERT_EQ(member(shorter, of), member(tree, of));
+    }
+  }
 }
 
 TEST(SetTreeTest, DecidedOperandsLeaveTheTree) {

@@ -20,6 +20,7 @@
 #include "host/device/solid_batch.hpp"
 #include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
+#include "tests/large_models.hpp"
 #include "tests/map_in_memory.hpp"
 #include "tests/oracle/random_solids.hpp"
 #include "tests/oracle/solid_escape.hpp"
@@ -294,6 +295,65 @@ TEST(SolidMapTest, MeetsTheHost) {
   for (const MapResult& row : map.rows) found.push_back(row.distance);
   ASSERT_EQ(found.size(), points.size());
   expect_meeting(model, points, found, tolerance);
+}
+
+/// More leaves than kernels are compiled for: as fast by the host, and the same answers however they are nested.
+TEST(SolidMapTest, TreesThatAreNotCompiledAreTheHosts) {
+  using namespace verisq::testing;
+  constexpr std::uint32_t count = 1000;
+  const double tolerance = 1e-2;
+  const std::vector<Point> points{{-1.0, -1.0, -1.0}, {4.5, 4.5, 4.5}, {5.2, 5.1, 5.0}, {3.0, 4.0, 12.0}};
+  for (const SetExpression& tree :
+       {deep_tree(count, in_turn), deep_tree_of_last_operands(count, in_turn), balanced_tree(0, count, in_turn)}) {
+    const Model model{"", grid_of_balls(count, 0.6), tree};
+    const oracle::FinishedMap map = oracle::map_in_memory(model, points, {.tolerance = tolerance});
+    EXPECT_EQ(map.summary.device, "host");
+    EXPECT_EQ(map.summary.notice,
+              "the model's tree has 1000 leaves, of which the device's kernels take 100: the host does all");
+    EXPECT_EQ(map.summary.host_verified, points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      // min and max of the balls' own distances: right of its sign, and of outer distances from below.
+      const auto bound = [&](const auto& self, const SetExpression& node) -> double {
+        if (node.operands.empty()) {
+          const Point& c = model.primitives[node.primitive].pose.translation;
+          return std::hypot(points[i][0] - c[0], points[i][1] - c[1], points[i][2] - c[2]) - 0.6;
+        }
+        double result = self(self, node.operands.front());
+        for (std::size_t k = 1; k < node.operands.size(); ++k) {
+          const double other = self(self, node.operands[k]);
+          if (node.operation == SetOperation::unite) result = std::min(result, other);
+          if (node.operation == SetOperation::intersect) result = std::max(result, other);
+          if (node.operation == SetOperation::subtract) result = std::max(result, -other);
+        }
+        return result;
+      };
+      const double estimate = bound(bound, tree);
+      const Enclosure& found = map.rows[i].distance;
+      if (estimate > 0.0) {
+        EXPECT_GE(found.hi, estimate - 1e-12) << i;
+        EXPECT_GE(found.lo, 0.0) << i;
+      } else {
+        EXPECT_LE(found.lo, estimate + 1e-12) << i;
+        EXPECT_LE(found.hi, 0.0) << i;
+      }
+    }
+  }
+}
+
+TEST(SolidMapTest, NestedUnionsOfManyAreMappedAsPlainOnes) {
+  using namespace verisq::testing;
+  constexpr std::uint32_t count = 1000;
+  const std::vector<Point> points{{-1.0, -1.0, -1.0}, {4.5, 4.5, 4.5}, {3.0, 4.0, 12.0}};
+  const Model plain{"", grid_of_balls(count, 0.6)};
+  const MapOptions options{.tolerance = 1e-2, .device = "host", .certificates = true};
+  const oracle::FinishedMap expected = oracle::map_in_memory(plain, points, options);
+  for (const SetExpression& tree : {deep_tree(count, always_union), balanced_tree(0, count, always_union)}) {
+    const oracle::FinishedMap map = oracle::map_in_memory({"", plain.primitives, tree}, points, options);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_EQ(map.rows[i].distance.lo, expected.rows[i].distance.lo);
+      EXPECT_EQ(map.rows[i].distance.hi, expected.rows[i].distance.hi);
+    }
+  }
 }
 
 /// Nothing at all is an infinite distance away.

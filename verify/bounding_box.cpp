@@ -2,6 +2,7 @@
 #include "verify/bounding_box.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "verify/bend_range.hpp"
 #include "verify/solid.hpp"
@@ -44,24 +45,6 @@ Box common_part(const Box& a, const Box& b) {
   return is_empty(common) ? a : common;
 }
 
-/// Of the operands that bound the result: all but those that a difference removes.
-template <class BoxOf, class Operands>
-Box combined(SetOperation operation, const Operands& operands, BoxOf box_of_operand) {
-  Box box = box_of_operand(operands.front());
-  if (operation == SetOperation::subtract) return box;
-  for (const auto& operand : operands) {
-    const Box other = box_of_operand(operand);
-    box = operation == SetOperation::unite ? hull(box, other) : common_part(box, other);
-  }
-  return box;
-}
-
-Box box_of(const SetExpression& expression, const std::vector<Primitive>& primitives) {
-  if (expression.operands.empty()) return box_of(primitives.at(expression.primitive));
-  return combined(expression.operation, expression.operands,
-                  [&](const SetExpression& operand) { return box_of(operand, primitives); });
-}
-
 }  // namespace
 
 Box hull(const Box& a, const Box& b) {
@@ -73,9 +56,24 @@ Box hull(const Box& a, const Box& b) {
   return both;
 }
 
+Box bounding_box(const SetExpression& expression, const BoxOfPrimitive& box_of_primitive) {
+  if (expression.operands.empty()) return box_of_primitive(expression.primitive);
+  Box box = bounding_box(expression.operands.front(), box_of_primitive);
+  if (expression.operation == SetOperation::subtract) return box;
+  for (const SetExpression& operand : std::span(expression.operands).subspan(1)) {
+    const Box other = bounding_box(operand, box_of_primitive);
+    box = expression.operation == SetOperation::unite ? hull(box, other) : common_part(box, other);
+  }
+  return box;
+}
+
 Box bounding_box(const Model& model) {
-  if (model.csg) return box_of(*model.csg, model.primitives);
-  return combined(SetOperation::unite, model.primitives, [](const Primitive& primitive) { return box_of(primitive); });
+  if (model.csg) {
+    return bounding_box(*model.csg, [&](std::uint32_t primitive) { return box_of(model.primitives.at(primitive)); });
+  }
+  Box box = box_of(model.primitives.front());
+  for (const Primitive& primitive : std::span(model.primitives).subspan(1)) box = hull(box, box_of(primitive));
+  return box;
 }
 
 }  // namespace verisq::verify

@@ -419,9 +419,12 @@ struct Nearest {
   Real upper;  ///< of the distance of the models
 };
 
-Nearest nearest_pairs(const PosedPairs& pairs, const ModelDistance& found) {
+/// Nothing where interrupted.
+std::optional<Nearest> nearest_pairs(const PosedPairs& pairs, const ModelDistance& found,
+                                     const std::function<bool()>& interrupted) {
   Nearest nearest{{}, found.distance.hi};
   for (const Separation& s : found.certificate.separations) {
+    if (interrupted && interrupted()) return std::nullopt;
     const PairBounds bounds = pairs(s.primitive_a, s.primitive_b);
     if (bounds.distance(s).lo > found.distance.hi) continue;
     const BestContact best = best_contact(bounds, s);
@@ -438,15 +441,18 @@ std::array<Enclosure, 3> rounded_outward(const PreciseVector& box) {
 
 }  // namespace
 
-std::optional<ClosestPoints> closest_points(const PosedPairs& pairs, const ModelDistance& found) {
-  const Nearest nearest = nearest_pairs(pairs, found);
+std::optional<ClosestPoints> closest_points(const PosedPairs& pairs, const ModelDistance& found,
+                                            const std::function<bool()>& interrupted) {
+  const std::optional<Nearest> nearest = nearest_pairs(pairs, found, interrupted);
+  if (!nearest) return std::nullopt;
   std::optional<Boxes> all;
-  for (const Remaining& pair : nearest.pairs) {
+  for (const Remaining& pair : nearest->pairs) {
+    if (interrupted && interrupted()) return std::nullopt;
     std::optional<Boxes> boxes = pair.by_krawczyk(pairs);
-    if (!boxes) boxes = pair.by_caps(pairs, nearest.upper);
+    if (!boxes) boxes = pair.by_caps(pairs, nearest->upper);
     all = all ? hull_of(*all, *boxes) : *boxes;
   }
-  const bool unique = nearest.pairs.size() == 1 && nearest.pairs.front().strictly_convex_one();
+  const bool unique = nearest->pairs.size() == 1 && nearest->pairs.front().strictly_convex_one();
   if (!all) return std::nullopt;
   return ClosestPoints{rounded_outward(all->on_a), rounded_outward(all->on_b), unique};
 }

@@ -1,6 +1,7 @@
 /// Boxes that contain every pair of closest points of two models.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "verify/posed_pairs.hpp"
@@ -23,7 +24,8 @@ namespace verisq::verify {
 ///
 /// `unique` is proven where one pair of primitives remains and one of its two solids is strictly convex (both exponents
 /// below 2), by the same argument, which needs no computation. Precondition: `found` is the answer for these pairs, and
-/// separated; nothing is returned where no pair of `found` remains.
-[[nodiscard]] std::optional<ClosestPoints> closest_points(const PosedPairs& pairs, const ModelDistance& found);
+/// separated and complete; nothing is returned where no pair of `found` remains, or once `interrupted` says so.
+[[nodiscard]] std::optional<ClosestPoints> closest_points(const PosedPairs& pairs, const ModelDistance& found,
+                                                          const std::function<bool()>& interrupted);
 
 }  // namespace verisq::verify

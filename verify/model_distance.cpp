@@ -10,6 +10,7 @@
 #include "verify/closest_points.hpp"
 #include "verify/convex_union.hpp"
 #include "verify/intersection.hpp"
+#include "verify/near_pairs.hpp"
 #include "verify/pair_contact.hpp"
 #include "verify/posed_pairs.hpp"
 
@@ -96,21 +97,27 @@ PairDistance::~PairDistance() = default;
 PairDistance::PairDistance(PairDistance&&) noexcept = default;
 PairDistance& PairDistance::operator=(PairDistance&&) noexcept = default;
 
-ModelDistance PairDistance::operator()(const Pose& pose) const {
+ModelDistance PairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
   const PosedPairs pairs(state_->a, state_->b, pose);
-  ModelDistance result{{kInfinity, kInfinity}, Proximity::undecided, {}};
-  auto& [distance, proximity, certificate] = result;
-  const std::size_t size_b = pairs.size_b();
-  const auto sphere_bound = [&](std::size_t k) { return pairs.lower_by_spheres(k / size_b, k % size_b); };
-  for (const auto& [bound, k] : nearest_spheres_first(pairs.size_a() * size_b, sphere_bound)) {
+  const NearPairs near = near_pairs(pairs);
+  ModelDistance result{{near.others, kInfinity}, Proximity::undecided, {}};
+  auto& [distance, proximity, certificate, complete] = result;
+  const auto sphere_bound = [&](std::size_t k) { return pairs.lower_by_spheres(near.pairs[k].a, near.pairs[k].b); };
+  for (const auto& [bound, k] : nearest_spheres_first(near.pairs.size(), sphere_bound)) {
     if (bound > distance.hi) break;  // neither this pair nor a later one can be the nearest
-    const auto what = [&, index = k] {
-      return "the distance of primitives " + std::to_string(index / size_b) + " and " + std::to_string(index % size_b);
+    if (interrupted && !certificate.separations.empty() && interrupted()) {
+      distance.lo = std::min(distance.lo, std::max(0.0, bound));
+      complete = false;
+      break;
+    }
+    const auto [a, b] = near.pairs[k];
+    const auto what = [a, b] {
+      return "the distance of primitives " + std::to_string(a) + " and " + std::to_string(b);
     };
-    const PairQuery query(pairs, static_cast<std::uint32_t>(k / size_b), static_cast<std::uint32_t>(k % size_b));
+    const PairQuery query(pairs, a, b);
     PairResult found = query.fast();
     if (found.common && pairs.share(*found.common)) {
-      return {intersection({0.0, 0.0}, {bound, kInfinity}, what), Proximity::overlapping, {{}, found.common}};
+      return {intersection({0.0, 0.0}, {bound, kInfinity}, what), Proximity::overlapping, {{}, found.common}, true};
     }
     if (!(found.distance.width() <= kExpectedWidth * query.magnitude(found))) found = query.thorough(found);
     found.distance = between(std::max({0.0, bound, found.distance.lo}), found.distance.hi, what);
@@ -123,10 +130,11 @@ ModelDistance PairDistance::operator()(const Pose& pose) const {
   return result;
 }
 
-std::optional<ClosestPoints> PairDistance::closest_points(const ModelDistance& found, const Pose& pose) const {
-  if (found.proximity != Proximity::separated) return std::nullopt;
+std::optional<ClosestPoints> PairDistance::closest_points(const ModelDistance& found, const Pose& pose,
+                                                          const std::function<bool()>& interrupted) const {
+  if (found.proximity != Proximity::separated || !found.complete) return std::nullopt;
   const PosedPairs pairs(state_->a, state_->b, pose);
-  return verify::closest_points(pairs, found);
+  return verify::closest_points(pairs, found, interrupted);
 }
 
 Enclosure prove(const Model& a, const Model& b, const Pose& pose, const PairCertificate& certificate) {

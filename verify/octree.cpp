@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "verify/bounding_box.hpp"
 #include "verify/rounding.hpp"
+#include "verify/tree_colours.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq {
@@ -111,24 +113,20 @@ UndecidedCube SiblingColours::root() const {
 }
 
 std::array<UndecidedCube, 8> SiblingColours::operator()(const OctreeRoot& root, const UndecidedCube& parent) const {
-  std::vector<bool> used(primitives_.size(), false);
-  mark_primitives(*parent.tree, used);
-  std::vector<Colour> colours(primitives_.size(), Colour::gray);
+  TreeColours primitive_colours(primitives_);
   std::array<UndecidedCube, 8> children;
   for (unsigned child = 0; child < 8; ++child) {
     OctreeCube cube = child_of(parent.cube, child);
-    const Cube box = cube_of(root, cube);
-    for (std::size_t i = 0; i < primitives_.size(); ++i)
-      if (used[i]) colours[i] = primitives_[i].colour(box);
+    const std::span<const Colour> colours = primitive_colours(*parent.tree, cube_of(root, cube));
     const Colour found = colour(*parent.tree, colours);
     if (found != Colour::gray) {
       cube.colour = found == Colour::black ? CubeColour::black : CubeColour::white;
       children[child] = {cube, nullptr};
       continue;
     }
-    const bool shorter = std::ranges::any_of(colours, [](Colour c) { return c != Colour::gray; });
-    children[child] = {cube,
-                       shorter ? std::make_shared<const SetNode>(simplified(*parent.tree, colours)) : parent.tree};
+    children[child] = {cube, primitive_colours.any_decided()
+                                 ? std::make_shared<const SetNode>(simplified(*parent.tree, colours))
+                                 : parent.tree};
   }
   return children;
 }

@@ -33,6 +33,10 @@ class PosedPairs {
   [[nodiscard]] std::size_t size_a() const { return a_->primitives.size(); }
   [[nodiscard]] std::size_t size_b() const { return b_->primitives.size(); }
 
+  /// Of spheres about the primitives' centres that contain them.
+  [[nodiscard]] const PreciseInterval& radius_a(std::size_t i) const { return a_->primitives[i].radius(); }
+  [[nodiscard]] const PreciseInterval& radius_b(std::size_t j) const { return b_->primitives[j].radius(); }
+
   /// From a primitive's own frame to that of model A.
   [[nodiscard]] const Motion& motion_a(std::size_t i) const { return a_->motions[i]; }
   [[nodiscard]] const Motion& motion_b(std::size_t j) const { return moved_[j]; }

@@ -3,9 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <utility>
 
 namespace verisq::verify {
+
+namespace {
+
+/// That operands inherit. Three planes make a corner; a few more let them change within the cube.
+constexpr std::size_t kMostInheritedCuts = 16;
+
+}  // namespace
 
 HalfSpace SetRelaxation::half_space(const SetNode& leaf) const {
   HalfSpace result = primitives_[leaf.primitive].half_space(cube_, leaf.side);
@@ -32,6 +41,19 @@ PolytopeDistance SetRelaxation::union_distance(const SetNode& node, const std::v
   return nearest;
 }
 
+void SetRelaxation::keep_farthest(std::vector<HalfSpace>& cuts) const {
+  if (cuts.size() <= kMostInheritedCuts) return;
+  const auto excess = [&](const HalfSpace& cut) {
+    const Point& n = cut.normal;
+    double along = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) along += n[i] * (x_[i] - cube_.centre[i]);
+    const double far = (along - cut.offset) / std::hypot(n[0], n[1], n[2]);
+    return std::isnan(far) ? -std::numeric_limits<double>::infinity() : far;
+  };
+  std::ranges::nth_element(cuts, cuts.begin() + kMostInheritedCuts, std::ranges::greater{}, excess);
+  cuts.resize(kMostInheritedCuts);
+}
+
 PolytopeDistance SetRelaxation::intersection_distance(const SetNode& node, std::vector<HalfSpace> cuts) const {
   double proven = 0.0;
   bool leaves_only = true;
@@ -45,6 +67,7 @@ PolytopeDistance SetRelaxation::intersection_distance(const SetNode& node, std::
   }
   PolytopeDistance farthest{0.0, cube_.centre};
   if (leaves_only) farthest = polytope_distance(x_, cube_, cuts);
+  if (!leaves_only) keep_farthest(cuts);
   for (const SetNode& operand : node.operands) {
     if (operand.kind == SetNode::Kind::leaf) continue;
     const PolytopeDistance other = distance(operand, cuts);

@@ -23,13 +23,15 @@ class SetRelaxation {
       : x_(x), cube_(cube), primitives_(primitives), leaf_bound_(leaf_bound), margin_(margin) {}
 
   /// Infinite where nothing of the set lies in the cube. A union's is that of the nearest operand; operands of an
-  /// intersection are cut by its leaves' half-spaces together.
+  /// intersection are cut by its leaves' half-spaces together, or by those that x is farthest outside of where there
+  /// are many: without the others the bound is lower, and a deep tree costs no more than a wide one.
   [[nodiscard]] PolytopeDistance operator()(const SetNode& node) const { return distance(node, {}); }
 
  private:
   [[nodiscard]] PolytopeDistance distance(const SetNode& node, std::vector<HalfSpace> cuts) const;
   [[nodiscard]] PolytopeDistance union_distance(const SetNode& node, const std::vector<HalfSpace>& cuts) const;
   [[nodiscard]] PolytopeDistance intersection_distance(const SetNode& node, std::vector<HalfSpace> cuts) const;
+  void keep_farthest(std::vector<HalfSpace>& cuts) const;
   [[nodiscard]] HalfSpace half_space(const SetNode& leaf) const;
 
   const Point& x_;

@@ -24,36 +24,76 @@ SetNode leaf(std::uint32_t primitive, Side side) {
   return {Kind::leaf, primitive, side, {}};
 }
 
-/// An operand of the same kind gives its own operands; one operand alone is the result. Precondition: one at least.
-SetNode joined(Kind kind, std::vector<SetNode> operands) {
-  if (operands.size() == 1) return std::move(operands.front());
-  SetNode result{kind, 0, Side::inside, {}};
-  for (SetNode& operand : operands) {
-    if (operand.kind == kind) {
-      std::ranges::move(operand.operands, std::back_inserter(result.operands));
-    } else {
-      result.operands.push_back(std::move(operand));
-    }
+/// A complement turns unions into intersections and back.
+Kind kind_of(const SetExpression& expression, Side side) {
+  return (expression.operation == SetOperation::unite) == (side == Side::inside) ? Kind::union_of
+                                                                                 : Kind::intersection_of;
+}
+
+/// Appends the expression's operands to those of a node of this kind: an operand of the same kind gives its own, one
+/// operand alone takes the place of its operator. Every node is made where it stays, so that deep trees cost no more
+/// than wide ones.
+void append_operands(const SetExpression& expression, Side side, Kind kind, std::vector<SetNode>& operands) {
+  if (expression.operands.empty()) {
+    operands.push_back(leaf(expression.primitive, side));
+    return;
   }
-  return result;
+  const Kind own = kind_of(expression, side);
+  const bool dissolves = own == kind || expression.operands.size() == 1;
+  std::vector<SetNode>& into = dissolves ? operands : operands.emplace_back(SetNode{own}).operands;
+  const bool subtract = expression.operation == SetOperation::subtract;
+  for (std::size_t i = 0; i < expression.operands.size(); ++i) {
+    const bool removed = subtract && i > 0;
+    append_operands(expression.operands[i], removed ? opposite(side) : side, dissolves ? kind : own, into);
+  }
 }
 
 SetNode normal_form(const SetExpression& expression, Side side) {
-  if (expression.operands.empty()) return leaf(expression.primitive, side);
-  const bool subtract = expression.operation == SetOperation::subtract;
+  const Kind kind = kind_of(expression, side);
   std::vector<SetNode> operands;
-  for (const SetExpression& operand : expression.operands) {
-    const bool removed = subtract && !operands.empty();
-    operands.push_back(normal_form(operand, removed ? opposite(side) : side));
-  }
-  // A complement turns unions into intersections and back.
-  const bool unites = (expression.operation == SetOperation::unite) == (side == Side::inside);
-  return joined(unites ? Kind::union_of : Kind::intersection_of, std::move(operands));
+  append_operands(expression, side, kind, operands);
+  if (operands.size() == 1) return std::move(operands.front());
+  return {kind, 0, Side::inside, std::move(operands)};
 }
 
 /// The colour of one operand that decides the whole; an operand of the other colour does not matter.
 Colour deciding(Kind kind) {
   return kind == Kind::union_of ? Colour::black : Colour::white;
+}
+
+Colour colour_of_leaf(const SetNode& leaf, std::span<const Colour> primitives) {
+  const Colour inside = primitives[leaf.primitive];
+  return leaf.side == Side::inside ? inside : opposite(inside);
+}
+
+/// Puts the shorter list behind the longer one: however deep the tree, no node is moved more often than the logarithm
+/// of their number. The order of operands means nothing.
+void append(std::vector<SetNode>& operands, std::vector<SetNode> more) {
+  if (operands.size() < more.size()) std::swap(operands, more);
+  std::ranges::move(more, std::back_inserter(operands));
+}
+
+/// Returns the node's colour; where it is gray, appends what is left of the node to the operands of one of this kind.
+Colour append_undecided(const SetNode& node, std::span<const Colour> primitives, Kind kind,
+                        std::vector<SetNode>& operands) {
+  if (node.kind == Kind::leaf) {
+    const Colour found = colour_of_leaf(node, primitives);
+    if (found == Colour::gray) operands.push_back(node);
+    return found;
+  }
+  std::vector<SetNode> undecided;
+  for (const SetNode& operand : node.operands) {
+    if (append_undecided(operand, primitives, node.kind, undecided) == deciding(node.kind)) return deciding(node.kind);
+  }
+  if (undecided.empty()) return opposite(deciding(node.kind));
+  if (undecided.size() == 1 && undecided.front().kind == kind) {
+    append(operands, std::exchange(undecided.front().operands, {}));
+  } else if (undecided.size() == 1 || node.kind == kind) {
+    append(operands, std::move(undecided));
+  } else {
+    operands.push_back({node.kind, 0, Side::inside, std::move(undecided)});
+  }
+  return Colour::gray;
 }
 
 }  // namespace
@@ -67,16 +107,8 @@ SetNode normal_form(const Model& model, Side side) {
   return normal_form(all, side);
 }
 
-void mark_primitives(const SetNode& node, std::vector<bool>& marks) {
-  if (node.kind == Kind::leaf) marks.at(node.primitive) = true;
-  for (const SetNode& operand : node.operands) mark_primitives(operand, marks);
-}
-
 Colour colour(const SetNode& node, std::span<const Colour> primitives) {
-  if (node.kind == Kind::leaf) {
-    const Colour inside = primitives[node.primitive];
-    return node.side == Side::inside ? inside : opposite(inside);
-  }
+  if (node.kind == Kind::leaf) return colour_of_leaf(node, primitives);
   const Colour decides = deciding(node.kind);
   bool undecided = false;
   for (const SetNode& operand : node.operands) {
@@ -90,11 +122,9 @@ Colour colour(const SetNode& node, std::span<const Colour> primitives) {
 SetNode simplified(const SetNode& node, std::span<const Colour> primitives) {
   if (node.kind == Kind::leaf) return node;
   std::vector<SetNode> operands;
-  for (const SetNode& operand : node.operands) {
-    // No operand has the deciding colour: the node is gray.
-    if (colour(operand, primitives) == Colour::gray) operands.push_back(simplified(operand, primitives));
-  }
-  return joined(node.kind, std::move(operands));
+  append_undecided(node, primitives, node.kind, operands);
+  if (operands.size() == 1) return std::move(operands.front());
+  return {node.kind, 0, Side::inside, std::move(operands)};
 }
 
 }  // namespace verisq::verify

@@ -23,9 +23,6 @@ struct SetNode {
 /// The model's solid, or with Side::outside the closure of its complement.
 [[nodiscard]] SetNode normal_form(const Model& model, Side side);
 
-/// Sets marks[i] for the primitives i of the tree's leaves.
-void mark_primitives(const SetNode& node, std::vector<bool>& marks);
-
 /// Colour of the set whose primitives K_i (not their complements) have these colours over a cube. A boundary that two
 /// operands share may stay gray.
 [[nodiscard]] Colour colour(const SetNode& node, std::span<const Colour> primitives);

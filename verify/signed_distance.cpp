@@ -86,8 +86,11 @@ CertifiedEnclosure SignedDistance::certified(const Point& point, double toleranc
   };
   const CertifiedEnclosure found = proven(verify::signed_distance(state_->convex->solids, point, tolerance));
   if (!state_->convex->loose(found.distance, std::max(tolerance, state_->resolution))) return found;
+  // What one primitive alone proves of the upper end may be loose: most of the tolerance is left to that.
+  constexpr double share_of_escape = 1.0 / 16;
   CertifiedEnclosure nearer = found;
-  nearer.certificate.escape = state_->search.escape(point, std::max(tolerance, state_->resolution), interrupted);
+  nearer.certificate.escape =
+      state_->search.escape(point, std::max(share_of_escape * tolerance, state_->resolution), interrupted);
   nearer = proven(nearer);
   return nearer.distance.lo > found.distance.lo ? nearer : found;
 }

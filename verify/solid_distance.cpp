@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <queue>
@@ -17,6 +18,7 @@
 #include "verify/intersection.hpp"
 #include "verify/set_relaxation.hpp"
 #include "verify/solid.hpp"
+#include "verify/tree_colours.hpp"
 
 namespace verisq::verify {
 
@@ -49,9 +51,10 @@ struct Scene {
   std::vector<std::optional<BentDistance>> bent_solids;
 };
 
-void mark_leaves(const SetNode& node, Side side, std::vector<bool>& marks) {
-  if (node.kind == SetNode::Kind::leaf && node.side == side) marks[node.primitive] = true;
-  for (const SetNode& operand : node.operands) mark_leaves(operand, side, marks);
+/// The primitives of the leaves on that side.
+void append_leaves(const SetNode& node, Side side, std::vector<std::uint32_t>& leaves) {
+  if (node.kind == SetNode::Kind::leaf && node.side == side) leaves.push_back(node.primitive);
+  for (const SetNode& operand : node.operands) append_leaves(operand, side, leaves);
 }
 
 /// Primitives that are subsets of the whole set: operands of unions alone.
@@ -59,17 +62,6 @@ void mark_subsets(const SetNode& node, std::vector<bool>& marks) {
   if (node.kind == SetNode::Kind::leaf && node.side == Side::inside) marks[node.primitive] = true;
   if (node.kind != SetNode::Kind::union_of) return;
   for (const SetNode& operand : node.operands) mark_subsets(operand, marks);
-}
-
-/// Of the primitives in the tree; those of the others are not looked at.
-std::vector<Colour> colours(const Scene& scene, const SetNode& tree, const Cube& cube) {
-  std::vector<bool> wanted(scene.primitives.size(), false);
-  mark_primitives(tree, wanted);
-  std::vector<Colour> result(scene.primitives.size(), Colour::gray);
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    if (wanted[i]) result[i] = scene.primitives[i].colour(cube);
-  }
-  return result;
 }
 
 std::vector<Colour> colours_at(const Scene& scene, const Point& x) {
@@ -126,7 +118,8 @@ class Search {
         resolution_(rounding_error(x, *scene.root)),
         tolerance_(std::max(tolerance, 16.0 * resolution_)),
         known_(known),
-        upper_(known.hi) {
+        upper_(known.hi),
+        colours_(scene.primitives) {
     if (side == Side::outside) {
       // All that lies beyond the root cube belongs to T, and is settled.
       const Enclosure beyond = distance_to_faces(x, *scene.root);
@@ -186,7 +179,7 @@ class Search {
   /// `tree` is the target within the cube.
   void examine(const Cube& cube, const SetNode& tree) {
     ++examined_;
-    const std::vector<Colour> found = colours(scene_, tree, cube);
+    const std::span<const Colour> found = colours_(tree, cube);
     const Colour all = colour(tree, found);
     if (all == Colour::white) return;
     if (all == Colour::black) {
@@ -210,7 +203,7 @@ class Search {
 
   /// `tree` is the target about p.
   bool accept(const Point& p, const SetNode& tree) {
-    if (!is_finite(p) || colour(tree, colours(scene_, tree, {p, 0.0})) != Colour::black) return false;
+    if (!is_finite(p) || colour(tree, colours_(tree, {p, 0.0})) != Colour::black) return false;
     const double far = distance_up(x_, p);
     if (far < upper_) witness_ = p;
     found_upper(far);
@@ -258,13 +251,27 @@ class Search {
     improve_towards_centres(node);
   }
 
+  /// The leaves whose origins are nearest to p: more than these cost more than they find, in large trees.
+  [[nodiscard]] std::vector<std::uint32_t> leaves_about(const Point& p, const SetNode& tree) const {
+    constexpr std::size_t most = 16;
+    std::vector<std::uint32_t> leaves;
+    append_leaves(tree, Side::inside, leaves);
+    std::ranges::sort(leaves);
+    leaves.erase(std::ranges::unique(leaves).begin(), leaves.end());
+    if (leaves.size() <= most) return leaves;
+    const auto apart = [&](std::uint32_t i) {
+      const Point& o = scene_.origins[i];
+      return std::hypot(o[0] - p[0], o[1] - p[1], o[2] - p[2]);
+    };
+    std::ranges::nth_element(leaves, leaves.begin() + most, {}, apart);
+    leaves.resize(most);
+    return leaves;
+  }
+
   /// Where one plane does not tell the shape, at a tip or an edge: from the candidate into the primitives that it may
   /// be a tip of. Bent or not, a primitive contains the origin of its frame.
   void improve_towards_centres(const Node& node) {
-    std::vector<bool> marks(scene_.primitives.size(), false);
-    mark_leaves(node.tree, Side::inside, marks);
-    for (std::size_t i = 0; i < marks.size(); ++i) {
-      if (!marks[i]) continue;
+    for (const std::uint32_t i : leaves_about(node.candidate, node.tree)) {
       const Proposal inwards = from(node.candidate, scene_.origins[i]);
       if (!usable(inwards)) continue;
       for (double far = std::min(tolerance_, node.cube.half_width) / 8; far < 4 * node.cube.half_width; far *= 2) {
@@ -284,8 +291,10 @@ class Search {
   // --- What single primitives prove by their certificates ---
 
   [[nodiscard]] std::vector<bool> leaves(Side side) const {
+    std::vector<std::uint32_t> leaves;
+    append_leaves(target_, side, leaves);
     std::vector<bool> marks(scene_.primitives.size(), false);
-    mark_leaves(target_, side, marks);
+    for (const std::uint32_t i : leaves) marks[i] = true;
     return marks;
   }
 
@@ -355,6 +364,7 @@ class Search {
   Enclosure known_;
   double upper_;                    ///< known or found: a point of T is no farther
   double found_upper_ = kInfinity;  ///< found here
+  TreeColours colours_;
   std::optional<Point> witness_;
   double settled_ = kInfinity;  ///< proven of the cubes that are not divided further
   double dropped_ = kInfinity;  ///< proven of the cubes that are farther than `upper_`

@@ -54,9 +54,7 @@ class Search {
   }
 
   [[nodiscard]] SearchedDistance run() {
-    for (std::uint32_t i = 0; i < a_.roots(); ++i) {
-      for (std::uint32_t j = 0; j < b_.roots(); ++j) consider(i, j, 0.0);
-    }
+    if (!consider_roots()) return result();
     while (!finished()) {
       if (known()) ++steps_when_known_;
       const CellPair pair = queue_.top();
@@ -71,6 +69,22 @@ class Search {
   }
 
  private:
+  /// False where that is interrupted, or more than there is room for: nothing is known then.
+  bool consider_roots() {
+    std::uint64_t considered = 0;
+    for (std::uint32_t i = 0; i < a_.roots(); ++i) {
+      for (std::uint32_t j = 0; j < b_.roots(); ++j) {
+        const bool asked = ++considered % kReportInterval == 0 && options_->interrupted && options_->interrupted();
+        if (asked || queue_.size() > kMostPairs) {
+          left_out_ = 0.0;
+          return false;
+        }
+        consider(i, j, 0.0);
+      }
+    }
+    return true;
+  }
+
   [[nodiscard]] double magnitude() const {
     double largest = 0.0;
     for (const double t : motion_.translation()) largest = std::max(largest, std::fabs(t));
@@ -193,7 +207,7 @@ class Search {
     const Proximity proximity = common_          ? Proximity::overlapping
                                 : found.lo > 0.0 ? Proximity::separated
                                                  : Proximity::undecided;
-    return {found, proximity, near_points_, common_, cubes()};
+    return {found, proximity, near_points_, common_, cubes(), verified(found, tolerance_)};
   }
 
   SearchMotion motion_;

@@ -38,20 +38,17 @@ std::vector<Normal> normals_of(std::uint32_t solid, const CertifiedDistance& fou
 }
 
 /// How far from x along u a walk leaves every solid for good. Beyond its supporting plane of normal u a solid never
-/// meets the ray again, so each advance clears one solid. Infinite if the plane of a solid is out of reach.
+/// meets the ray again, so each advance clears one solid, and with it those whose planes lie before: one look at each,
+/// in the order of their planes, is enough. Infinite if the plane of a solid is out of reach.
 double escape_length(std::span<const Solid> solids, const Point& x, const Proposal& u) {
+  std::vector<std::pair<double, const Solid*>> planes;  // how far they are
+  for (const Solid& solid : solids) planes.emplace_back(solid.ray_clearance(x, u), &solid);
+  if (!std::ranges::all_of(planes, [](const auto& plane) { return std::isfinite(plane.first); })) return kInfinity;
+  std::ranges::sort(planes);
   double reached = 0.0;
-  std::vector<double> clearances;
-  for (const Solid& solid : solids) clearances.push_back(solid.ray_clearance(x, u));
-  if (!std::ranges::all_of(clearances, [](double s) { return std::isfinite(s); })) return kInfinity;
-  for (bool advanced = true; advanced;) {
-    advanced = false;
-    for (std::size_t i = 0; i < solids.size(); ++i) {
-      if (reached > clearances[i] || solids[i].separated(x, u, reached)) continue;
-      // Strictly beyond the plane: solids that touch must not hide the union's interior between them.
-      reached = std::nextafter(std::max(reached, clearances[i]), kInfinity);
-      advanced = true;
-    }
+  for (const auto& [clearance, solid] : planes) {
+    // Strictly beyond the plane: solids that touch must not hide the union's interior between them.
+    if (reached <= clearance && !solid->separated(x, u, reached)) reached = std::nextafter(clearance, kInfinity);
   }
   return reached;
 }

@@ -29,11 +29,14 @@ UncertainPairDistance::~UncertainPairDistance() = default;
 UncertainPairDistance::UncertainPairDistance(UncertainPairDistance&&) noexcept = default;
 UncertainPairDistance& UncertainPairDistance::operator=(UncertainPairDistance&&) noexcept = default;
 
-UncertainModelDistance UncertainPairDistance::operator()(const Pose& pose) const {
+UncertainModelDistance UncertainPairDistance::operator()(const Pose& pose,
+                                                         const std::function<bool()>& interrupted) const {
   const double shift_a = state_->shift_a;
   const double shift_b = state_->shift_b;
-  const double of_largest = state_->largest(pose).distance.lo;
-  const double of_smallest = state_->smallest(pose).distance.hi;
+  const ModelDistance largest = state_->largest(pose, interrupted);
+  const ModelDistance smallest = state_->smallest(pose, interrupted);
+  const double of_largest = largest.distance.lo;
+  const double of_smallest = smallest.distance.hi;
   const double lower = subtract(subtract(of_largest, shift_a, Direction::down), shift_b, Direction::down);
   const double upper = add(add(of_smallest, shift_a, Direction::up), shift_b, Direction::up);
   const Enclosure distance =
@@ -42,7 +45,7 @@ UncertainModelDistance UncertainPairDistance::operator()(const Pose& pose) const
   const Proximity proximity = distance.lo > 0.0    ? Proximity::separated
                               : distance.hi == 0.0 ? Proximity::overlapping
                                                    : Proximity::undecided;
-  return {distance, proximity};
+  return {distance, proximity, largest.complete && smallest.complete};
 }
 
 }  // namespace verisq

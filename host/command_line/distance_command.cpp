@@ -26,6 +26,7 @@ namespace verisq::command_line {
 namespace {
 
 constexpr double default_relative_tolerance = 1e-6;  // of the larger bounding radius
+constexpr double limit_of_certificates = 1e-12;      // of max(largest |translation|, radii), as for --poses
 
 constexpr const char* closing_words =
     "The distance is [lo, hi], which contains the exact distance of A and of B moved by the pose: 0 where they meet.\n"
@@ -107,20 +108,54 @@ double default_tolerance(const LargestModels& models) {
   return tolerance;
 }
 
-DistanceReport exact_distance(const LargestModels& models, const Pose& pose) {
+/// Ctrl-C or the time limit.
+using Stop = std::function<bool()>;
+
+DistanceReport exact_distance(const LargestModels& models, const Pose& pose, const Stop& stop) {
   const PairDistance pair(models.a, models.b);
-  const ModelDistance found = pair(pose);
+  const ModelDistance found = pair(pose, stop);
   DistanceReport report{found.distance, found.proximity};
+  report.complete = found.complete;
   report.common = found.certificate.common;
-  report.closest = pair.closest_points(found, pose);
+  report.closest = pair.closest_points(found, pose, stop);
   report.certificate = found.certificate;
   return report;
 }
 
-DistanceReport uncertain_distance(const UncertainModel& a, const UncertainModel& b, const Pose& pose) {
-  const auto [distance, proximity] = UncertainPairDistance(a, b)(pose);
+DistanceReport uncertain_distance(const UncertainModel& a, const UncertainModel& b, const Pose& pose,
+                                  const Stop& stop) {
+  const auto [distance, proximity, complete] = UncertainPairDistance(a, b)(pose, stop);
   DistanceReport report{distance, proximity};
+  report.complete = complete;
   report.uncertain = true;
+  return report;
+}
+
+/// Rounding errors are in proportion to this length.
+double size_of(const LargestModels& models, const Pose& pose) {
+  double size = std::max(bounding_radius(models.a), bounding_radius(models.b));
+  for (const double t : pose.translation) size = std::max(size, std::abs(t));
+  return size;
+}
+
+/// By certificates of convex primitives. Says what ended before its time.
+DistanceReport certified_distance(const UncertainModel& a, const UncertainModel& b, const LargestModels& models,
+                                  const Pose& pose, double tolerance, const std::optional<double>& seconds) {
+  watch_for_interruption();
+  TimeLimit limit(seconds);
+  limit.start();
+  const Stop stop = [&] { return interrupted() || limit.passed(); };
+  const bool exact = is_exact(a) && is_exact(b);
+  DistanceReport report = exact ? exact_distance(models, pose, stop) : uncertain_distance(a, b, pose, stop);
+  // Of uncertain models the width is that of their numbers, whatever the method does.
+  const bool at_limit = !exact || verified(report.distance, limit_of_certificates * size_of(models, pose));
+  report.tightest = tolerance == 0.0 && report.complete && at_limit;
+  const bool lacks_points = exact && report.proximity == Proximity::separated && !report.closest;
+  if ((!report.complete || lacks_points) && stop()) {
+    fmt::print(stderr, "verisq: {}; {}\n", interrupted() ? "interrupted" : "the time limit is reached",
+               report.complete ? "the closest points are not enclosed" : "the enclosure is valid, and wide");
+    report.interrupted = interrupted();
+  }
   return report;
 }
 
@@ -159,12 +194,13 @@ const CLI::App& declare_distance(CLI::App& program, DistanceArguments& arguments
                   "For --poses: auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
       ->option_text("DEVICE");
   distance
-      .add_option("--tol", arguments.tolerance,
-                  "Width up to which the enclosure is called verified, in model units (default: 1e-6 of the larger "
-                  "bounding radius)")
+      .add_option(
+          "--tol", arguments.tolerance,
+          "Width up to which the enclosure is called verified, in model units; 0 asks for the tightest (default: "
+          "1e-6 of the larger bounding radius)")
       ->option_text("T");
   distance
-      .add_option("--time-limit", arguments.time_limit, "Ends a search with the best enclosure so far (default: none)")
+      .add_option("--time-limit", arguments.time_limit, "Ends the work with the best enclosure so far (default: none)")
       ->option_text("SECONDS");
   distance.add_flag("--json", arguments.json,
                     "Print one JSON object: the answer; for --poses, the summary. What is not bounded is null");
@@ -194,14 +230,13 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
       searched
           ? searched_distance(models.a, models.b, pose,
                               {.tolerance = tolerance, .seconds = seconds, .show_progress = !arguments.no_progress})
-      : exact ? exact_distance(models, pose)
-              : uncertain_distance(a, b, pose);
+          : certified_distance(a, b, models, pose, tolerance, seconds);
   report.units = units;
   report.tolerance = tolerance;
   if (!arguments.certificate) report.certificate.reset();
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (report.interrupted) return ExitStatus::interrupted;
-  return verified(report.distance, tolerance) ? ExitStatus::verified : ExitStatus::unverified;
+  return is_verified(report) ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 }  // namespace verisq::command_line

@@ -46,7 +46,7 @@ DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pos
                .interrupted = [&] { return interrupted() || limit.passed(); },
                .progress = [&](const Enclosure& e, std::uint64_t cubes) { bar.update(cubes, fraction(e.width())); }});
   }
-  if (!verified(found.distance, search.tolerance)) {
+  if (!verified(found.distance, search.tolerance) && !(search.tolerance == 0.0 && found.reached)) {
     const char* const reason = interrupted()    ? "interrupted"
                                : limit.passed() ? "the time limit is reached"
                                                 : "the search has reached rounding errors or its budget of cubes";
@@ -54,9 +54,10 @@ DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pos
   }
   DistanceReport report{found.distance, found.proximity};
   report.searched = true;
-  report.interrupted = interrupted() && !verified(found.distance, search.tolerance);
-  report.common = found.common;
+  report.interrupted = interrupted() && !found.reached;
+  report.tightest = search.tolerance == 0.0 && found.reached;
   report.near_points = found.near_points;
+  report.common = found.common;
   return report;
 }
 

@@ -72,13 +72,23 @@ nlohmann::ordered_json json_of(const PairCertificate& certificate) {
   return separations;
 }
 
+/// A common point says more.
+std::optional<std::array<Point, 2>> shown_near_points(const DistanceReport& report) {
+  return report.common ? std::nullopt : report.near_points;
+}
+
+std::string_view status_word(const DistanceReport& report) {
+  if (report.tightest) return "tightest";
+  return is_verified(report) ? "verified" : "wide";
+}
+
 }  // namespace
 
 std::string readable(const DistanceReport& report) {
   const auto units = report.units.empty() ? std::string() : " " + report.units;
   auto text = fmt::format("distance           {}{}\n", text_of(report.distance), units);
-  text += fmt::format("width              {:.3g}{}, tolerance {:.3g}{}\n", report.distance.width(), units,
-                      report.tolerance, units);
+  text += fmt::format("width              {:.3g}{}, tolerance {:.3g}{}{}\n", report.distance.width(), units,
+                      report.tolerance, units, report.tightest ? ": the tightest" : "");
   text += fmt::format("proximity          {} ({})\n", word(report.proximity),
                       report.uncertain ? explanation_of_uncertain(report.proximity) : explanation(report.proximity));
   if (report.common) text += fmt::format("common point       {}\n", text_of(*report.common));
@@ -88,8 +98,8 @@ std::string readable(const DistanceReport& report) {
                         report.closest->unique ? "proven: exactly one pair of closest points, in these boxes"
                                                : "not proven: these boxes contain every pair of closest points");
   }
-  if (report.near_points && !report.common) {
-    const auto& [on_a, on_b] = *report.near_points;
+  if (const auto near = shown_near_points(report)) {
+    const auto& [on_a, on_b] = *near;
     text += fmt::format("near point of A    {}\nnear point of B    {} in its own frame; {:.17g}{} apart at most\n",
                         text_of(on_a), text_of(on_b), report.distance.hi, units);
   }
@@ -101,16 +111,21 @@ std::string readable(const DistanceReport& report) {
 std::string json(const DistanceReport& report) {
   nlohmann::ordered_json object{{"lo", report.distance.lo},
                                 {"hi", report.distance.hi},
+                                {"status", status_word(report)},
                                 {"proximity", word(report.proximity)},
                                 {"uncertain", report.uncertain},
+                                {"searched", report.searched},
+                                {"interrupted", report.interrupted},
                                 {"closest_points", nullptr},
                                 {"unique", report.closest && report.closest->unique},
+                                {"near_points", nullptr},
                                 {"witness", nullptr},
                                 {"units", report.units},
                                 {"tolerance", report.tolerance}};
   if (report.closest) {
     object["closest_points"] = {{"on_a", json_of(report.closest->on_a)}, {"on_b", json_of(report.closest->on_b)}};
   }
+  if (const auto near = shown_near_points(report)) object["near_points"] = {{"on_a", (*near)[0]}, {"on_b", (*near)[1]}};
   if (report.common) object["witness"] = *report.common;
   if (report.certificate) object["certificate"] = json_of(*report.certificate);
   return object.dump(2) + "\n";

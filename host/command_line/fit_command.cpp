@@ -24,6 +24,7 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/whole_number.hpp"
 #include "host/files/output_file.hpp"
 
 namespace verisq::command_line {
@@ -237,8 +238,12 @@ const CLI::App& declare_fit(CLI::App& program, FitArguments& arguments) {
       ->option_text("NUMBER");
   fit.add_option("--rotation-range", arguments.rotation_range, "From the start, in degrees (default 30, at most 180)")
       ->option_text("DEGREES");
-  fit.add_option("--seed", arguments.seed, "Of the sampled poses (default 1)")->option_text("NUMBER");
-  fit.add_option("--samples", arguments.samples, "How many poses the search samples first (default 4096)")
+  fit.add_option("--seed", arguments.seed, "Of the sampled poses (default 1)")
+      ->transform(whole_number("--seed", 0))
+      ->option_text("NUMBER");
+  fit.add_option("--samples", arguments.samples,
+                 "How many poses the search samples first: 0 to 1000000000 (default 4096)")
+      ->transform(whole_number("--samples", 0, 1'000'000'000))
       ->option_text("NUMBER");
   fit.add_option("--labels", arguments.labels,
                  "Areas are the values of this integer property of a .ply mesh's vertices, not the boxes of the model "

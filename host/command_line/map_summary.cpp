@@ -26,7 +26,8 @@ std::string readable(const MapReport& report) {
   text += fmt::format("  host-verified    {}\n", summary.host_verified);
   text += fmt::format("  wide             {}\n", summary.wide);
   text += fmt::format("device             {}\n", summary.device);
-  text += fmt::format("tolerance          {:.3g}{}\n", report.tolerance, units);
+  text += fmt::format("tolerance          {:.3g}{}{}\n", report.tolerance, units,
+                      report.tolerance == 0.0 ? ": the tightest" : "");
   if (summary.points > 0) {
     text += fmt::format("smallest distance  [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
     text += fmt::format("largest width      {}{}\n", upper_digits(summary.largest_width), units);
@@ -69,6 +70,7 @@ std::string json(const MapReport& report) {
       {"notice", summary.notice},
       {"units", report.units},
       {"tolerance", report.tolerance},
+      {"tightest", report.tolerance == 0.0 && summary.wide == 0},
       {"largest_width", summary.largest_width},
       {"preparation_seconds", report.preparation_seconds},
       {"device_seconds", summary.device_seconds},

@@ -64,6 +64,11 @@ ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> 
     fmt::print(stderr, "verisq: the time limit is reached; {} of {} rows are valid, and wide\n", summary.wide,
                summary.points);
   }
+  if (summary.wide_inside > 0 && !summary.interrupted && !request.why_wide_inside.empty()) {
+    fmt::print(stderr, "verisq: {} inside the model {} wide: {}\n",
+               summary.wide_inside == 1 ? "1 row" : fmt::format("{} rows", summary.wide_inside),
+               summary.wide_inside == 1 ? "is" : "are", request.why_wide_inside);
+  }
   const MapReport report{.summary = summary,
                          .elements = request.elements,
                          .output = written,

@@ -30,7 +30,8 @@ struct MapRequest {
   std::string units;        ///< of the model; empty when not given
   double tolerance;
   bool show_progress;
-  bool json;  ///< the form of the summary
+  bool json;                         ///< the form of the summary
+  std::string why_wide_inside = {};  ///< said where rows of points inside are wide; empty: nothing
   /// Called at the end of a map that was not interrupted, with all its rows. Empty: none are kept in memory.
   std::function<void(std::span<const MapResult>, const MapReport&)> show = {};
 };

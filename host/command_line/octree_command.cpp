@@ -9,11 +9,13 @@
 #include <verisq/model_file.hpp>
 #include <verisq/octree_file.hpp>
 
+#include "host/command_line/byte_size.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/map_to_file.hpp"
 #include "host/command_line/octree_summary.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/whole_number.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -23,12 +25,15 @@ constexpr const char* closing_words =
     "undecided.\n"
     "The volume of the model lies between that of the black cubes and that of the black and gray ones together, which\n"
     "are exact: the cubes' corners and volumes are binary64 numbers. Each level about halves what is undecided.\n"
+    "Eight siblings of one colour are written as their parent. An OUT.vtu larger than --max-output is not written: "
+    "the\n"
+    "volume is printed all the same.\n"
     "Where the budget is hit, the cubes there is no room for stay gray: the octree is coarser, and valid. Ctrl-C "
     "prints\n"
     "the volume proven so far, and writes no file; a second Ctrl-C stops at once.\n"
     "\n"
     "Exit status: 0 the depth is reached, or the volume is enclosed to the tolerance; 3 the octree is valid, but the\n"
-    "budget ended it sooner; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
+    "budget ended it sooner; 2 bad usage or input, or a file above --max-output; 130 interrupted by Ctrl-C.\n"
     "\n"
     "Examples:\n"
     "  verisq octree --model stem.json -o stem.vtu\n"
@@ -41,14 +46,11 @@ constexpr const char* closing_words =
 OctreeOptions options_of(const OctreeArguments& arguments) {
   OctreeOptions options;
   if (arguments.depth && arguments.tolerance) refuse("give either --depth or --tol");
-  if (arguments.depth && (*arguments.depth < 0 || *arguments.depth > deepest_octree_level))
-    refuse(fmt::format("--depth: {} is not in 0 to {}", *arguments.depth, deepest_octree_level));
   if (arguments.depth) options.depth = *arguments.depth;
   if (arguments.tolerance) {
     options.tolerance = parse_length("--tol", *arguments.tolerance);
     options.depth = deepest_octree_level;
   }
-  if (arguments.budget && *arguments.budget == 0) refuse("--budget: 0 is not at least 1");
   if (arguments.budget) options.budget = *arguments.budget;
   options.device = arguments.device;
   options.interrupted = interrupted;
@@ -82,6 +84,7 @@ const CLI::App& declare_octree(CLI::App& program, OctreeArguments& arguments) {
       ->required()
       ->option_text("FILE REQUIRED");
   octree.add_option("--depth", arguments.depth, "Split cubes up to this level: 0 to 20 (default 7)")
+      ->transform(whole_number("--depth", 0, deepest_octree_level))
       ->option_text("LEVEL");
   octree
       .add_option(
@@ -91,6 +94,7 @@ const CLI::App& declare_octree(CLI::App& program, OctreeArguments& arguments) {
   octree
       .add_option("--budget", arguments.budget,
                   "Largest number of undecided cubes of a level: bounds the memory (default 4194304)")
+      ->transform(whole_number("--budget", 1))
       ->option_text("CUBES");
   octree
       .add_option("--device", arguments.device,
@@ -99,6 +103,10 @@ const CLI::App& declare_octree(CLI::App& program, OctreeArguments& arguments) {
   octree.add_option("-o,--output", arguments.output, "The cubes: .vtu, with cell data colour and level")
       ->required()
       ->option_text("FILE REQUIRED");
+  octree
+      .add_option("--max-output", arguments.max_output,
+                  "Largest OUT.vtu that is written, like 500MB or 4GiB (default 1GiB); its size is known before")
+      ->option_text("SIZE");
   octree.add_flag("--white", arguments.white, "Write the white cubes too");
   octree.add_flag("--json", arguments.json, "Print the summary as one JSON object");
   octree.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
@@ -107,6 +115,7 @@ const CLI::App& declare_octree(CLI::App& program, OctreeArguments& arguments) {
 
 ExitStatus run_octree(const OctreeArguments& arguments) {
   OctreeOptions options = options_of(arguments);
+  const std::uint64_t most_bytes = parse_byte_size("--max-output", arguments.max_output);
   refuse_to_overwrite(arguments.output, {arguments.model});
   const Model model = read_model(arguments.model);
   watch_for_interruption();
@@ -125,17 +134,29 @@ ExitStatus run_octree(const OctreeArguments& arguments) {
   const OctreeSummary summary = builder.build([&](std::span<const OctreeCube> cubes) { writer.append(cubes); });
   bar.reset();  // the line is cleared before anything else is said
 
-  if (!summary.interrupted) writer.finish(summary.root);
+  const std::uint64_t bytes = summary.interrupted ? 0 : writer.bytes();
+  const bool too_large = bytes > most_bytes;
+  const bool written = !summary.interrupted && !too_large;
+  if (written) writer.finish(summary.root);
   std::optional<double> tolerance;
   if (arguments.tolerance) tolerance = options.tolerance;
   const bool is_complete = complete(summary, tolerance);
   explain(summary, is_complete, arguments.output);
   const OctreeReport report{.summary = summary,
-                            .output = summary.interrupted ? "" : arguments.output,
+                            .output = written ? arguments.output : "",
+                            .output_bytes = bytes,
                             .units = model.units,
                             .tolerance = tolerance};
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (summary.interrupted) return ExitStatus::interrupted;
+  if (too_large) {
+    // After the volume, which took the time and is proven.
+    std::fflush(stdout);
+    refuse(
+        fmt::format("--max-output: {} is not written: its {} are more than {}; give a larger one, or a smaller "
+                    "--depth or larger --tol",
+                    arguments.output, byte_size_text(bytes), arguments.max_output));
+  }
   return is_complete ? ExitStatus::verified : ExitStatus::unverified;
 }
 

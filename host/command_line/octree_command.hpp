@@ -20,6 +20,7 @@ struct OctreeArguments {
   std::optional<std::size_t> budget;
   std::string device = "auto";
   std::string output;
+  std::string max_output = "1GiB";
   bool white = false;
   bool json = false;
   bool no_progress = false;

@@ -8,6 +8,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "host/command_line/byte_size.hpp"
 #include "host/command_line/progress_bar.hpp"
 
 namespace verisq::command_line {
@@ -52,7 +53,8 @@ std::string readable(const OctreeReport& report) {
   text += fmt::format("device             {}\n", summary.device);
   text += fmt::format("time               {:.3g} s (device {:.3g} s), {} cubes/s\n", summary.seconds,
                       summary.device_seconds, with_prefix(cubes_per_second(summary)));
-  text += fmt::format("octree             {}\n", report.output.empty() ? "not written" : report.output);
+  text += fmt::format("octree             {}", report.output.empty() ? "not written" : report.output);
+  text += report.output_bytes > 0 ? fmt::format(" ({})\n", byte_size_text(report.output_bytes)) : "\n";
   return text;
 }
 
@@ -83,6 +85,7 @@ std::string json(const OctreeReport& report) {
       {"seconds", summary.seconds},
       {"cubes_per_second", cubes_per_second(summary)},
       {"output", report.output},
+      {"output_bytes", report.output_bytes},
   };
   if (report.tolerance) object["tolerance"] = *report.tolerance;
   // Names of devices and files are bytes of the system, not always UTF-8: replaced rather than refused.

@@ -1,6 +1,7 @@
 /// The summary of an octree on the standard output: for people, or as one JSON object.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <verisq/octree.hpp>
@@ -10,6 +11,7 @@ namespace verisq::command_line {
 struct OctreeReport {
   OctreeSummary summary;
   std::string output;               ///< the file that holds the cubes; empty when none was written
+  std::uint64_t output_bytes;       ///< its size, written or not; 0 where it is not known
   std::string units;                ///< of the model; empty when not given
   std::optional<double> tolerance;  ///< of the volume, where one was given
 };

@@ -18,6 +18,7 @@
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/stance_summary.hpp"
+#include "host/command_line/whole_number.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -51,10 +52,6 @@ constexpr std::uint32_t most_cells = 4096;
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const StanceArguments& arguments) {
   if (arguments.cells && !arguments.accelerations) refuse("--cells: give --accelerations, too");
-  if (arguments.cells && (*arguments.cells == 0 || *arguments.cells > most_cells)) {
-    refuse(fmt::format("--cells: {} is not in 1 to {}", *arguments.cells, most_cells));
-  }
-  if (arguments.monte_carlo && *arguments.monte_carlo == 0) refuse("--monte-carlo: 0 is not at least 1");
   if (arguments.drop_height && !arguments.bounce) refuse("--drop-height: give --bounce, too");
   const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
                      arguments.monte_carlo || arguments.bounce;
@@ -294,11 +291,13 @@ const CLI::App& declare_stance(CLI::App& program, StanceArguments& arguments) {
   stance
       .add_option("--cells", arguments.cells,
                   "Of --accelerations: subdivisions of each uncertain parameter's range (default 64)")
+      ->transform(whole_number("--cells", 1, most_cells))
       ->option_text("NUMBER");
   stance
       .add_option("--monte-carlo", arguments.monte_carlo,
                   "Sample the uncertain parameters, check that the enclosures contain all samples, and say how much\n"
                   "of them the samples fill")
+      ->transform(whole_number("--monte-carlo", 1))
       ->option_text("COUNT");
   stance.add_flag("--report", arguments.report, "Instead: Tables 2, 3 and 4 of the paper, cell by cell");
   stance

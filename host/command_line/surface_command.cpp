@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
+#include <limits>
 #include <verisq/error.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/point_file.hpp>
@@ -16,6 +17,7 @@
 #include "host/command_line/map_to_file.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/surface_summary.hpp"
+#include "host/command_line/whole_number.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq::command_line {
@@ -64,7 +66,6 @@ std::optional<double> positive_length(const char* option, const std::optional<st
 SurfaceOptions options_of(const SurfaceArguments& arguments) {
   if (arguments.points.empty() == arguments.mesh.empty()) refuse("give either --points or --mesh");
   if (arguments.inward && arguments.outward) refuse("give either --inward or --outward");
-  if (arguments.smooth < 0) refuse(fmt::format("--smooth: {} is not at least 0", arguments.smooth));
   SurfaceOptions options;
   options.method = method_of(arguments);
   options.alpha = positive_length("--alpha", arguments.alpha);
@@ -144,6 +145,7 @@ const CLI::App& declare_surface(CLI::App& program, SurfaceArguments& arguments) 
       ->option_text("LENGTH");
   surface.add_flag("--fill-holes", arguments.fill_holes, "Fill the holes of --mesh");
   surface.add_option("--smooth", arguments.smooth, "Rounds of Taubin's smoothing, which keeps the volume (default 0)")
+      ->transform(whole_number("--smooth", 0, std::numeric_limits<int>::max()))
       ->option_text("ROUNDS");
   surface.add_flag("--outward", arguments.outward, "Normals point out of the solid (default)");
   surface.add_flag("--inward", arguments.inward, "Normals point into it, as for cavities");

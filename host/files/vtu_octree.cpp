@@ -3,26 +3,23 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 #include <verisq/error.hpp>
 #include <verisq/octree_file.hpp>
 
+#include "host/files/octree_cells.hpp"
 #include "host/files/output_file.hpp"
 
 namespace verisq {
 namespace {
 
 constexpr std::uint64_t corners = 8;
-constexpr std::uint8_t vtk_voxel = 11;       // an axis-parallel box; corners with x fastest, then y
-constexpr std::size_t buffered_cubes = 512;  // written at a time
-
-bool before(const OctreeCube& a, const OctreeCube& b) {
-  const auto& [ax, ay, az] = a.position;
-  const auto& [bx, by, bz] = b.position;
-  return std::tie(a.colour, a.level, az, ay, ax) < std::tie(b.colour, b.level, bz, by, bx);
-}
+constexpr std::uint8_t vtk_hexahedron = 12;
+constexpr std::size_t buffered = 512;  // cells or points that are written at a time
+constexpr std::string_view closing_lines = "\n  </AppendedData>\n</VTKFile>\n";
 
 std::filesystem::path with_known_extension(const std::filesystem::path& file) {
   if (file.extension() != ".vtu")
@@ -30,74 +27,116 @@ std::filesystem::path with_known_extension(const std::filesystem::path& file) {
   return file;
 }
 
+// Text and arrays of a file, whose sizes are known before anything is written.
+class Layout {
+ public:
+  explicit Layout(std::span<const OctreeCube> appended) : cubes_(merged(appended)), corners_(cubes_) {
+    // Indices of corners, and the offsets behind them.
+    narrow_ = corners * cubes_.size() <= std::numeric_limits<std::int32_t>::max();
+    write_declarations();
+  }
+
+  [[nodiscard]] std::uint64_t bytes() const { return text_.size() + array_bytes_ + closing_lines.size(); }
+
+  void write(OutputFile& output, const OctreeRoot& root) const {
+    output.write(text_);
+    write_points(output, root);
+    narrow_ ? write_cells<std::int32_t>(output) : write_cells<std::int64_t>(output);
+    write_array<std::uint8_t, 1>(output, cubes_.size(), [](std::size_t, auto out) { out[0] = vtk_hexahedron; });
+    write_array<std::uint8_t, 1>(output, cubes_.size(), [this](std::size_t n, auto out) {
+      out[0] = static_cast<std::uint8_t>(cubes_[n].colour);
+    });
+    write_array<std::uint8_t, 1>(output, cubes_.size(), [this](std::size_t n, auto out) { out[0] = cubes_[n].level; });
+    output.write(closing_lines);
+  }
+
+ private:
+  // Each array of the appended part is its size in bytes, a UInt64, and its bytes ("VTK File Formats", appended raw).
+  void declare(std::string_view type, std::string_view name, int components, std::uint64_t bytes) {
+    text_ += fmt::format(
+        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
+        type, name, components, array_bytes_);
+    array_bytes_ += sizeof(std::uint64_t) + bytes;
+  }
+
+  void write_declarations() {
+    const std::uint64_t count = cubes_.size();
+    const std::string_view index = narrow_ ? "Int32" : "Int64";
+    const std::uint64_t index_bytes = narrow_ ? sizeof(std::int32_t) : sizeof(std::int64_t);
+    text_ = fmt::format(
+        "<?xml version=\"1.0\"?>\n"
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+        "  <UnstructuredGrid>\n"
+        "    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n"
+        "      <Points>\n",
+        corners_.size(), count);
+    declare("Float64", "Points", 3, corners_.size() * sizeof(Point));
+    text_ += "      </Points>\n      <Cells>\n";
+    declare(index, "connectivity", 1, corners * count * index_bytes);
+    declare(index, "offsets", 1, count * index_bytes);
+    declare("UInt8", "types", 1, count);
+    text_ += "      </Cells>\n      <CellData Scalars=\"colour\">\n";
+    declare("UInt8", "colour", 1, count);
+    declare("UInt8", "level", 1, count);
+    text_ += "      </CellData>\n    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_";
+  }
+
+  /// An array of `count` times `size` numbers, which `numbers_of(index, out)` fills.
+  template <class Number, std::size_t size, class NumbersOf>
+  static void write_array(OutputFile& output, std::size_t count, const NumbersOf& numbers_of) {
+    const std::uint64_t bytes = count * size * sizeof(Number);
+    output.write_little_endian(std::span<const std::uint64_t>(&bytes, 1));
+    std::vector<Number> numbers;
+    for (std::size_t begin = 0; begin < count; begin += buffered) {
+      const std::size_t end = std::min(count, begin + buffered);
+      numbers.resize((end - begin) * size);
+      for (std::size_t n = begin; n < end; ++n)
+        numbers_of(n, std::span(numbers).subspan((n - begin) * size).template first<size>());
+      output.write_little_endian(std::span<const Number>(numbers));
+    }
+  }
+
+  // As lower_corner: no operation rounds.
+  void write_points(OutputFile& output, const OctreeRoot& root) const {
+    const double size = edge(root, corners_.level());
+    write_array<double, 3>(output, corners_.size(), [&](std::size_t n, std::span<double, 3> out) {
+      const auto at = corners_[n];
+      for (std::size_t i = 0; i < 3; ++i) out[i] = root.centre[i] - root.half_width + size * at[i];
+    });
+  }
+
+  template <class Index>
+  void write_cells(OutputFile& output) const {
+    write_array<Index, corners>(output, cubes_.size(), [this](std::size_t n, std::span<Index, corners> out) {
+      std::ranges::transform(corners_.of(cubes_[n]), out.begin(),
+                             [](std::uint64_t i) { return static_cast<Index>(i); });
+    });
+    write_array<Index, 1>(output, cubes_.size(),
+                          [](std::size_t n, auto out) { out[0] = static_cast<Index>(corners * (n + 1)); });
+  }
+
+  std::vector<OctreeCube> cubes_;
+  SharedCorners corners_;
+  bool narrow_ = true;
+  std::string text_;
+  std::uint64_t array_bytes_ = 0;
+};
+
 }  // namespace
 
 struct OctreeWriter::State {
   State(const std::filesystem::path& file, WhiteCubes written_white)
       : output(with_known_extension(file)), white(written_white) {}
 
-  // Each array of the appended part is its size in bytes, a UInt64, and its bytes ("VTK File Formats", appended raw).
-  void declare(std::string_view type, std::string_view name, int components, std::uint64_t bytes) {
-    output.write(fmt::format(
-        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-        type, name, components, next_offset));
-    next_offset += sizeof(std::uint64_t) + bytes;
-  }
-
-  void write_declarations() {
-    const std::uint64_t count = cubes.size();
-    output.write(fmt::format(
-        "<?xml version=\"1.0\"?>\n"
-        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-        "  <UnstructuredGrid>\n"
-        "    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n"
-        "      <Points>\n",
-        corners * count, count));
-    declare("Float64", "Points", 3, corners * count * sizeof(Point));
-    output.write("      </Points>\n      <Cells>\n");
-    declare("Int64", "connectivity", 1, corners * count * sizeof(std::int64_t));
-    declare("Int64", "offsets", 1, count * sizeof(std::int64_t));
-    declare("UInt8", "types", 1, count);
-    output.write("      </Cells>\n      <CellData Scalars=\"colour\">\n");
-    declare("UInt8", "colour", 1, count);
-    declare("UInt8", "level", 1, count);
-    output.write("      </CellData>\n    </Piece>\n  </UnstructuredGrid>\n");
-  }
-
-  /// An array with `per_cube` numbers a cube, which `numbers_of(cube index, out)` fills.
-  template <class Number, std::size_t per_cube, class NumbersOf>
-  void write_array(const NumbersOf& numbers_of) {
-    const std::uint64_t bytes = cubes.size() * per_cube * sizeof(Number);
-    output.write_little_endian(std::span<const std::uint64_t>(&bytes, 1));
-    std::vector<Number> numbers;
-    for (std::size_t begin = 0; begin < cubes.size(); begin += buffered_cubes) {
-      const std::size_t end = std::min(cubes.size(), begin + buffered_cubes);
-      numbers.resize((end - begin) * per_cube);
-      for (std::size_t n = begin; n < end; ++n)
-        numbers_of(n, std::span(numbers).subspan((n - begin) * per_cube).template first<per_cube>());
-      output.write_little_endian(std::span<const Number>(numbers));
-    }
-  }
-
-  template <class Number, class NumberOf>
-  void write_array(const NumberOf& number_of) {
-    write_array<Number, 1>(
-        [&](std::size_t n, std::span<Number, 1> out) { out[0] = static_cast<Number>(number_of(n)); });
-  }
-
-  void write_corners(const OctreeRoot& root) {
-    write_array<double, 3 * corners>([&](std::size_t n, std::span<double, 3 * corners> out) {
-      const Point lower = lower_corner(root, cubes[n]);
-      const double size = edge(root, cubes[n].level);
-      for (std::size_t corner = 0; corner < corners; ++corner)
-        for (std::size_t i = 0; i < 3; ++i) out[3 * corner + i] = (corner >> i & 1U) != 0 ? lower[i] + size : lower[i];
-    });
+  const Layout& finished_layout() {
+    if (!layout) layout.emplace(cubes);
+    return *layout;
   }
 
   OutputFile output;
   WhiteCubes white;
   std::vector<OctreeCube> cubes;
-  std::uint64_t next_offset = 0;
+  std::optional<Layout> layout;  // once no cubes are appended any more
 };
 
 OctreeWriter::OctreeWriter(const std::filesystem::path& file, WhiteCubes white)
@@ -107,27 +146,19 @@ OctreeWriter::OctreeWriter(OctreeWriter&&) noexcept = default;
 OctreeWriter& OctreeWriter::operator=(OctreeWriter&&) noexcept = default;
 
 void OctreeWriter::append(std::span<const OctreeCube> cubes) {
+  state_->layout.reset();
   std::ranges::copy_if(cubes, std::back_inserter(state_->cubes), [&](const OctreeCube& cube) {
     return state_->white == WhiteCubes::written || cube.colour != CubeColour::white;
   });
 }
 
+std::uint64_t OctreeWriter::bytes() {
+  return state_->finished_layout().bytes();
+}
+
 void OctreeWriter::finish(const OctreeRoot& root) {
-  State& state = *state_;
-  std::ranges::sort(state.cubes, before);
-  state.write_declarations();
-  state.output.write("  <AppendedData encoding=\"raw\">\n_");
-  state.write_corners(root);
-  state.write_array<std::int64_t, corners>([](std::size_t n, std::span<std::int64_t, corners> out) {
-    for (std::size_t corner = 0; corner < corners; ++corner)
-      out[corner] = static_cast<std::int64_t>(corners * n + corner);
-  });
-  state.write_array<std::int64_t>([](std::size_t n) { return corners * (n + 1); });
-  state.write_array<std::uint8_t>([](std::size_t) { return vtk_voxel; });
-  state.write_array<std::uint8_t>([&](std::size_t n) { return state.cubes[n].colour; });
-  state.write_array<std::uint8_t>([&](std::size_t n) { return state.cubes[n].level; });
-  state.output.write("\n  </AppendedData>\n</VTKFile>\n");
-  state.output.finish();
+  state_->finished_layout().write(state_->output, root);
+  state_->output.finish();
 }
 
 }  // namespace verisq

@@ -29,7 +29,8 @@ struct Normal {
 /// lo <= 0, `escape` is a point outside all primitives that is no farther than -lo from q; in a model of a single
 /// primitive a normal serves as well.
 /// Upper end: by one of `normals`; with hi < 0, the ball of radius -hi about q lies inside the primitive of the first
-/// normal, which is proven by covering the ball with cones (the branch and bound needs no more than the radius).
+/// normal, which is proven by covering the ball with cones (the branch and bound needs no more than the radius). Where
+/// primitives overlap, a union may be deeper than each of them: no certificate says so, and hi is loose by that.
 ///
 /// Of a triangle with corners t_i: a normal v proves the lower end (min_i v·t_i - h(v)) / |v| for its primitive; the
 /// upper end is that of the point q = t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0) by the first normal, w being `weights`; 0

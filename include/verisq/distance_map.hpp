@@ -20,7 +20,10 @@ enum class Method {
 };
 
 struct MapOptions {
-  double tolerance;                                          ///< absolute, in model units; 0 asks for the tightest
+  /// Absolute, in model units: rows at most as wide are verified. 0 asks for the tightest: then those are verified that
+  /// are as tight as the methods get, at most 1e-12 of the largest coordinate or the model's radius wide; of points
+  /// inside, 2e-9 of the radius.
+  double tolerance;
   std::string device = "auto";                               ///< "auto", "host", an index or a part of a device's name
   bool certificates = false;                                 ///< deliver what proves each enclosure again
   Method method = Method::duality;                           ///< of points; triangles know duality alone
@@ -37,7 +40,8 @@ struct MapSummary {
   std::uint64_t device_verified = 0;
   std::uint64_t host_verified = 0;
   std::uint64_t wide = 0;
-  double minimum_lo = 0.0;  ///< enclosure of the smallest signed distance of all points
+  std::uint64_t wide_inside = 0;  ///< of those, rows with a lower end below 0
+  double minimum_lo = 0.0;        ///< enclosure of the smallest signed distance of all points
   double minimum_hi = 0.0;
   double largest_width = 0.0;
   double device_seconds = 0.0;  ///< during which kernels ran, those of two chunks at once counted once

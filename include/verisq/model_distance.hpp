@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -47,6 +48,7 @@ struct ModelDistance {
   Enclosure distance;
   Proximity proximity;
   PairCertificate certificate;
+  bool complete = true;  ///< false: interrupted before all pairs of primitives that may be the nearest were looked at
 };
 
 /// Two models in one frame, each the union of all its primitives, none bent. Immutable after construction: safe to call
@@ -60,11 +62,14 @@ class PairDistance {
   PairDistance& operator=(PairDistance&&) noexcept;
 
   /// Encloses the exact distance of A and of B moved by `pose`, as tightly as the method gives; 0 where they meet.
-  [[nodiscard]] ModelDistance operator()(const Pose& pose = {}) const;
+  /// Where `interrupted`, polled after each pair of primitives, says so, what is proven by then: valid, and wide.
+  [[nodiscard]] ModelDistance operator()(const Pose& pose = {}, const std::function<bool()>& interrupted = {}) const;
 
-  /// The closest points of separated models; nothing where `found` is not separated. Precondition: `found` is the
-  /// answer for the same pose. Slower than the distance: some milliseconds a pair.
-  [[nodiscard]] std::optional<ClosestPoints> closest_points(const ModelDistance& found, const Pose& pose = {}) const;
+  /// The closest points of separated models; nothing where `found` is not separated or not complete, or where
+  /// `interrupted`, polled before each pair of primitives, says so. Precondition: `found` is the answer for the same
+  /// pose. Slower than the distance: some milliseconds a pair.
+  [[nodiscard]] std::optional<ClosestPoints> closest_points(const ModelDistance& found, const Pose& pose = {},
+                                                            const std::function<bool()>& interrupted = {}) const;
 
  private:
   struct State;

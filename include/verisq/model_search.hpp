@@ -26,6 +26,8 @@ struct SearchedDistance {
   std::optional<std::array<Point, 2>> near_points;
   std::optional<Point> common;  ///< in the frame of A: proven to lie in both
   std::uint64_t cubes;          ///< evaluated, of both models
+  /// At most the tolerance wide, or that of rounding errors where the tolerance is below.
+  bool reached;
 };
 
 /// Two models in one frame. Immutable after construction: safe to call from many threads.

@@ -1,6 +1,7 @@
 /// Octrees as files that ParaView opens.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -11,10 +12,11 @@ namespace verisq {
 /// Whether white cubes, of which a viewer sees nothing, are written too.
 enum class WhiteCubes { left_out, written };
 
-/// Writes the cubes of one octree to a `.vtu` (VTK XML, unstructured grid of voxels) with the cell data `colour` (0
-/// white, 1 gray, 2 black) and `level`. The file appears when it is complete, cubes in the order of their colours,
-/// levels and positions: the same octree gives the same file. All members throw Error(failure) naming the file and the
-/// reason.
+/// Writes the cubes of one octree to a `.vtu` (VTK XML, unstructured grid of hexahedra that share their corners) with
+/// the cell data `colour` (0 white, 1 gray, 2 black) and `level`. Eight siblings of one colour are written as their
+/// parent: the same picture and volumes, in fewer cells. The file appears when it is complete, cells in the order of
+/// their colours, levels and positions: the same octree gives the same file. All members throw Error(failure) naming
+/// the file and the reason.
 class OctreeWriter {
  public:
   /// Throws Error(input) unless the name ends in `.vtu`.
@@ -24,6 +26,9 @@ class OctreeWriter {
   OctreeWriter& operator=(OctreeWriter&&) noexcept;
 
   void append(std::span<const OctreeCube> cubes);
+
+  /// How large the file of the cubes appended so far is: exact, known without writing it.
+  [[nodiscard]] std::uint64_t bytes();
 
   /// Writes the file. `root` is the octree's.
   void finish(const OctreeRoot& root);

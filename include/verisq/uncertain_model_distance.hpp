@@ -1,6 +1,7 @@
 /// The distance of two models whose numbers are known within bounds only (design 2, §8).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
@@ -12,7 +13,8 @@ namespace verisq {
 /// What holds for every member of A and every member of B.
 struct UncertainModelDistance {
   Enclosure distance;
-  Proximity proximity;  ///< separated, overlapping: proven of all members; undecided: also where members differ
+  Proximity proximity;   ///< separated, overlapping: proven of all members; undecided: also where members differ
+  bool complete = true;  ///< false: interrupted
 };
 
 /// As PairDistance for two uncertain models; for exact ones the enclosures are the same.
@@ -24,8 +26,9 @@ class UncertainPairDistance {
   UncertainPairDistance(UncertainPairDistance&&) noexcept;
   UncertainPairDistance& operator=(UncertainPairDistance&&) noexcept;
 
-  /// Encloses the exact distances of all members of A and of B moved by `pose`.
-  [[nodiscard]] UncertainModelDistance operator()(const Pose& pose = {}) const;
+  /// Encloses the exact distances of all members of A and of B moved by `pose`; interrupted as PairDistance.
+  [[nodiscard]] UncertainModelDistance operator()(const Pose& pose = {},
+                                                  const std::function<bool()>& interrupted = {}) const;
 
  private:
   struct State;
