@@ -11,6 +11,7 @@
 #include "host/device/point_batch.hpp"
 #include "host/device/solid_batch.hpp"
 #include "host/map_run.hpp"
+#include "host/tightest_enclosure.hpp"
 #include "verify/coarse_distance.hpp"
 #include "verify/convex_union.hpp"
 #include "verify/witness_estimate.hpp"
@@ -20,11 +21,6 @@
 
 namespace verisq {
 namespace {
-
-// With a tolerance below these widths the host is asked only for what is wider than them: the device's certificates
-// outside, and its branch and bound inside, are then as good as the methods are (design 2, §2, §5).
-constexpr double outside_limit = 1e-12;  // of max(largest |coordinate|, radius of the model)
-constexpr double inside_limit = 2e-9;    // of the radius of the model
 
 bool never() {
   return false;
@@ -98,9 +94,7 @@ class PointProver {
 
   // False for NaN.
   [[nodiscard]] bool at_limit(const Point& point, const Enclosure& found) const {
-    if (found.lo < 0.0) return verified(found, inside_limit * radius_);
-    const double size = std::max({std::abs(point[0]), std::abs(point[1]), std::abs(point[2]), radius_});
-    return verified(found, outside_limit * size);
+    return verified(found, tightest_width(point, found, radius_));
   }
 
   [[nodiscard]] CertifiedEnclosure prove(const Point& point) const {

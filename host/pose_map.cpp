@@ -7,6 +7,7 @@
 
 #include "host/device/pose_batch.hpp"
 #include "host/map_run.hpp"
+#include "host/tightest_enclosure.hpp"
 #include "verify/convex_union.hpp"
 #include "verify/solid_pair_motion.hpp"
 #include "verisq/error.hpp"
@@ -15,9 +16,6 @@
 
 namespace verisq {
 namespace {
-
-// With a tolerance below this width the host is asked only for what is wider than it.
-constexpr double limit = 1e-12;  // of max(largest |translation|, radii of the models)
 
 const Model& supported(const Model& model) {
   verify::require_union_of_convex(model, "maps of poses");
@@ -49,7 +47,7 @@ class PoseProver {
   // False for NaN.
   [[nodiscard]] bool at_limit(const Pose& pose, const Enclosure& found) const {
     const auto& t = pose.translation;
-    return verified(found, limit * std::max({std::abs(t[0]), std::abs(t[1]), std::abs(t[2]), radius_}));
+    return verified(found, tightest_width(t, found, radius_));
   }
 
   [[nodiscard]] CertifiedEnclosure prove(const Pose& pose) const {

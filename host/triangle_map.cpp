@@ -4,6 +4,7 @@
 
 #include "host/device/triangle_batch.hpp"
 #include "host/map_run.hpp"
+#include "host/tightest_enclosure.hpp"
 #include "verify/coarse_distance.hpp"
 #include "verify/witness_estimate.hpp"
 #include "verisq/distance_map.hpp"
@@ -13,10 +14,6 @@
 
 namespace verisq {
 namespace {
-
-// With a tolerance below this width the host is asked only for what is wider than it: certificates are then as good as
-// they get.
-constexpr double limit = 1e-12;  // of max(largest |coordinate|, radius of the model)
 
 class TriangleProver {
  public:
@@ -42,7 +39,7 @@ class TriangleProver {
 
   // False for NaN.
   [[nodiscard]] bool at_limit(const Triangle& triangle, const Enclosure& found) const {
-    return verified(found, limit * std::max(largest_coordinate(triangle), radius_));
+    return verified(found, tightest_width(triangle, found, radius_));
   }
 
   [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
@@ -63,16 +60,6 @@ class TriangleProver {
   }
 
  private:
-  // Not finite where a coordinate is not.
-  static double largest_coordinate(const Triangle& triangle) {
-    double largest = 0.0;
-    for (const Point& p : triangle) {
-      for (const double c : p) largest = std::isnan(c) ? c : std::max(largest, std::abs(c));
-      if (std::isnan(largest)) return largest;
-    }
-    return largest;
-  }
-
   bool certificates_;
   double radius_;
   TriangleDistance distance_;

@@ -811,6 +811,23 @@ TEST_F(Check, NamesAStatusThatNoToleranceAllows) {
   EXPECT_EQ(falsified(point).at("expected"), "verified, since lo equals hi");
 }
 
+/// A tolerance of 0 calls what is deep inside verified at widths that are wide outside.
+TEST_F(Check, TakesTheStatusesOfATightestMap) {
+  ASSERT_EQ(map({"--model", ball, "--points", points_, "--tol", "0", "--certificates", "-o", path("map.csv")}).status, 0);
+  Table tightest(path("map.csv"));
+  for (const std::size_t outside : {0, 1}) {
+    tightest.set(outside, "lo", tightest.number(outside, "lo") - 1e-11);
+    tightest.at(outside, "status") = "wide";
+  }
+  for (const std::size_t inside : {2, 3}) {
+    tightest.set(inside, "lo", std::min(tightest.number(inside, "lo"), tightest.number(inside, "hi") - 1e-9));
+  }
+  const auto outcome = check(write("tightest.csv", tightest.text()));
+  EXPECT_EQ(outcome.status, 0) << outcome.out;
+  tightest.set(2, "lo", tightest.number(2, "hi") - 1e-7);
+  EXPECT_EQ(check(write("false.csv", tightest.text())).status, 3);
+}
+
 constexpr std::size_t long_count = 5000;  // more than a chunk
 
 /// A certified map of the point (0, 0, 3), `long_count` times.

@@ -6,7 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 #include <verisq/error.hpp>
@@ -22,7 +24,9 @@
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/status_consistency.hpp"
 #include "host/command_line/triangle_stream.hpp"
+#include "host/extent.hpp"
 #include "host/parallel.hpp"
+#include "host/tightest_enclosure.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -61,9 +65,9 @@ class Tally {
   Tally(const Stream& stream, MapElements elements, bool show_progress)
       : stream_(stream), bar_(show_progress, plural(elements)) {}
 
-  void add(const CheckedRow& row, Status status) {
+  void add(const CheckedRow& row, Status status, const TightestWidths& tightest) {
     const std::lock_guard lock(mutex_);
-    statuses_.add(row.index, {row.claimed, status});
+    statuses_.add(row.index, {row.claimed, status}, tightest);
     switch (row.finding.verdict) {
       case Verdict::proved: ++report_.proved; break;
       case Verdict::refuted: ++report_.refuted; break;
@@ -125,9 +129,32 @@ class Drawing {
   Mesh points_;
 };
 
+/// At least the radius of the model's bounding sphere, as it decides how wide the tightest enclosures are.
+double radius_at_most(const UncertainModel& model) {
+  std::vector<Point> corners;
+  for (const UncertainPrimitive& primitive : model.primitives) {
+    const auto& [a1, a2, a3] = primitive.semi_axes;
+    const double reach = std::hypot(a1.hi, a2.hi, a3.hi);  // of the corners of the box around any superquadric
+    for (const double sign : {-1.0, 1.0}) {
+      const auto& t = primitive.translation;
+      corners.push_back({t[0].lo + sign * reach, t[1].lo + sign * reach, t[2].lo + sign * reach});
+    }
+  }
+  constexpr double rounding = 1.0 + 0x1p-40;
+  return rounding * extent_of(corners).half_diagonal();
+}
+
+/// Of uncertain numbers, how tight the ends of a row are does not tell how tight those of its members were.
+template <typename Element>
+TightestWidths tightest_widths(const Element& element, const Enclosure& claimed, const std::optional<double>& radius) {
+  if (!radius) return {};
+  return {tightest_width(element, claimed, 0.0), tightest_width(element, claimed, *radius)};
+}
+
+/// `radius`: at least that of an exact model.
 template <typename Stream>
-CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader& map,
-                       const CheckArguments& arguments) {
+CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader& map, const CheckArguments& arguments,
+                       const std::optional<double>& radius) {
   Tally tally(stream, map.elements(), !arguments.no_progress);
   Drawing drawing(stream.mesh(), map.draws());
   std::vector<typename Stream::Element> elements(chunk_size);
@@ -157,7 +184,8 @@ CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader
     in_parallel(row_count, [&](std::size_t i) {
       if (interrupted()) return;  // a chunk of points inside can take a minute
       const auto& [claimed, status] = rows[i].result;
-      tally.add({first + i, elements[i], claimed, checker(elements[i], claimed, rows[i].certificate)}, status);
+      tally.add({first + i, elements[i], claimed, checker(elements[i], claimed, rows[i].certificate)}, status,
+                tightest_widths(elements[i], claimed, radius));
     });
     first += row_count;
   }
@@ -166,14 +194,15 @@ CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader
   return report;
 }
 
-CheckReport check_map(const UncertainChecker& checker, MapReader& map, const CheckArguments& arguments) {
+CheckReport check_map(const UncertainChecker& checker, MapReader& map, const CheckArguments& arguments,
+                      const std::optional<double>& radius) {
   if (map.elements() == MapElements::vertices) {
-    return check_rows(checker, PointStream(arguments.inputs), map, arguments);
+    return check_rows(checker, PointStream(arguments.inputs), map, arguments, radius);
   }
   if (arguments.inputs.mesh.empty()) {
     throw Error(ErrorKind::input, fmt::format("{}: a map of triangles: give their --mesh", arguments.map));
   }
-  return check_rows(checker, TriangleStream(arguments.inputs), map, arguments);
+  return check_rows(checker, TriangleStream(arguments.inputs), map, arguments, radius);
 }
 
 ExitStatus status_of(const CheckReport& report) {
@@ -212,7 +241,9 @@ ExitStatus run_check(const CheckArguments& arguments) {
   MapReader map(arguments.map);
   const UncertainChecker checker(model, point_radius);
 
-  auto report = check_map(checker, map, arguments);
+  std::optional<double> radius;
+  if (is_exact(model) && point_radius == 0.0) radius = radius_at_most(model);
+  auto report = check_map(checker, map, arguments, radius);
   report.elements = map.elements();
   report.map = arguments.map;
   report.units = model.units;
