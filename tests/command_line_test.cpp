@@ -813,7 +813,8 @@ TEST_F(Check, NamesAStatusThatNoToleranceAllows) {
 
 /// A tolerance of 0 calls what is deep inside verified at widths that are wide outside.
 TEST_F(Check, TakesTheStatusesOfATightestMap) {
-  ASSERT_EQ(map({"--model", ball, "--points", points_, "--tol", "0", "--certificates", "-o", path("map.csv")}).status, 0);
+  ASSERT_EQ(map({"--model", ball, "--points", points_, "--tol", "0", "--certificates", "-o", path("map.csv")}).status,
+            0);
   Table tightest(path("map.csv"));
   for (const std::size_t outside : {0, 1}) {
     tightest.set(outside, "lo", tightest.number(outside, "lo") - 1e-11);
