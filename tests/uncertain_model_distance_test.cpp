@@ -143,11 +143,12 @@ TEST(UncertainBallsTest, AddUpRadiiAndShiftsOfBoth) {
   UncertainModel b = uncertain_model(ball(5.0), {.semi_axes = 0.2});
   a.primitives[0].translation[0] = {-0.25, 0.25};
   b.primitives[0].translation[0] = {4.75, 5.25};
-  const auto [e, proximity] = UncertainPairDistance(a, b)();
+  const auto [e, proximity, complete] = UncertainPairDistance(a, b)();
   EXPECT_LE(e.lo, 2.2);
   EXPECT_GE(e.hi, 3.8);
   EXPECT_LE(e.width(), 1.6 + 1e-14);
   EXPECT_EQ(proximity, Proximity::separated);
+  EXPECT_TRUE(complete);
 }
 
 TEST(UncertainBallsTest, OnlyTheSecondMovesWithThePose) {
