@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "bench/rigid_motion.hpp"
-#include "verify/pair_bounds.hpp"
+#include "verify/proof/pair_bounds.hpp"
 
 namespace verisq::bench {
 

@@ -5,7 +5,7 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 
-#include "verify/posed_superquadric.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 
 namespace verisq::bench {
 

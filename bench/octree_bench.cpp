@@ -11,7 +11,7 @@
 #include "bench/row_counters.hpp"
 #include "bench/tools.hpp"
 #include "host/device/octree_front.hpp"
-#include "verify/octree.hpp"
+#include "verify/sets/octree.hpp"
 
 namespace verisq::bench {
 namespace {

@@ -20,7 +20,7 @@
 #include "bench/tools.hpp"
 #include "bench/uniform_numbers.hpp"
 #include "tests/offset_cavity.hpp"
-#include "verify/bounding_box.hpp"
+#include "verify/sets/bounding_box.hpp"
 
 namespace verisq::bench {
 namespace {

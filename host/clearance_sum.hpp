@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "verify/interval.hpp"
+#include "verify/numbers/interval.hpp"
 #include "verisq/clearance.hpp"
 
 namespace verisq {

@@ -15,9 +15,9 @@
 #include <map>
 
 #include "host/summary_count.hpp"
-#include "verify/intersection.hpp"
-#include "verify/rigid_path.hpp"
-#include "verify/rounding.hpp"
+#include "verify/numbers/rounding.hpp"
+#include "verify/placement/rigid_path.hpp"
+#include "verify/proof/intersection.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq {

@@ -20,7 +20,7 @@
 #include "host/device/device_model.hpp"
 #include "host/parallel.hpp"
 #include "host/summary_count.hpp"
-#include "verify/intersection.hpp"
+#include "verify/proof/intersection.hpp"
 #include "verisq/distance_map.hpp"
 
 namespace verisq {

@@ -10,8 +10,8 @@
 #include <span>
 #include <utility>
 
-#include "verify/intersection.hpp"
-#include "verify/rounding.hpp"
+#include "verify/numbers/rounding.hpp"
+#include "verify/proof/intersection.hpp"
 #include "verisq/distance_map.hpp"
 #include "verisq/error.hpp"
 

@@ -11,7 +11,7 @@
 #include "host/device/model_source.hpp"
 #include "host/device/octree_front.hpp"
 #include "host/octree_front.hpp"
-#include "verify/octree.hpp"
+#include "verify/sets/octree.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "host/parallel.hpp"
-#include "verify/octree.hpp"
+#include "verify/sets/octree.hpp"
 
 namespace verisq {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <verisq/error.hpp>
 
-#include "verify/rounding.hpp"
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::stance {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "host/chunk_pace.hpp"
 #include "host/summary_count.hpp"
-#include "verify/intersection.hpp"
-#include "verify/uncertain_distance.hpp"
+#include "verify/proof/intersection.hpp"
+#include "verify/proof/uncertain_distance.hpp"
 
 namespace verisq {
 namespace {

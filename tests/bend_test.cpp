@@ -1,5 +1,5 @@
 // The bend and its inverse against the formula of model.hpp in 400 digits, and the trigonometry below them.
-#include "verify/bend.hpp"
+#include "verify/sets/bend.hpp"
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@
 
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/real.hpp"
-#include "verify/trigonometry.hpp"
+#include "verify/analysis/trigonometry.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -1,5 +1,5 @@
 /// The certificate of one bent superquadric: against closed forms, its limit without a bend, and a reference by MPFR.
-#include "verify/bent_distance.hpp"
+#include "verify/sets/bent_distance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/solid_reference.hpp"
-#include "verify/solid.hpp"
+#include "verify/search/solid.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -1,6 +1,6 @@
 /// The paper's method as published: its parts against the mathematics, its enclosures against the oracle and against
 /// the duality certificate, and how wide they are.
-#include "verify/bisected_enclosure.hpp"
+#include "verify/search/bisected_enclosure.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 #include "tests/oracle/pair_reference.hpp"
 #include "tests/oracle/published_solids.hpp"
 #include "tests/oracle/random_pairs.hpp"
-#include "verify/support_mapping.hpp"
+#include "verify/search/support_mapping.hpp"
 
 namespace verisq::verify {
 namespace {

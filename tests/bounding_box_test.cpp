@@ -1,5 +1,5 @@
 /// Boxes of models: points of bent solids lie in them, closely; set operations combine them.
-#include "verify/bounding_box.hpp"
+#include "verify/sets/bounding_box.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Colours and half-spaces of posed, bent superquadrics over cubes against points evaluated at 200 bits and more.
-#include "verify/box_primitive.hpp"
+#include "verify/sets/box_primitive.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@
 #include "tests/oracle/mixed_norm.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/real.hpp"
-#include "verify/rounding.hpp"
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::verify {
 namespace {

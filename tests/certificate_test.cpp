@@ -1,5 +1,5 @@
 /// Gauge, support function and the certificates made of them: bounds that hold for any proposal, tight for good ones.
-#include "verify/certificate.hpp"
+#include "verify/proof/certificate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <random>
 #include <vector>
 
-#include "verify/contact.hpp"
-#include "verify/exterior.hpp"
-#include "verify/interior.hpp"
+#include "verify/search/contact.hpp"
+#include "verify/search/exterior.hpp"
+#include "verify/search/interior.hpp"
 
 namespace verisq::verify {
 namespace {

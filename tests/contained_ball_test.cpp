@@ -1,12 +1,12 @@
 /// The proof that a ball lies inside a superquadric: up to the depth, never beyond.
-#include "verify/contained_ball.hpp"
+#include "verify/proof/contained_ball.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
-#include "verify/certificate.hpp"
+#include "verify/proof/certificate.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -1,5 +1,5 @@
 /// Root cubes cover, halves are exact, distances enclose.
-#include "verify/cube_division.hpp"
+#include "verify/sets/cube_division.hpp"
 
 #include <gtest/gtest.h>
 

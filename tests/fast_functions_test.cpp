@@ -1,5 +1,5 @@
 // Powers and arctangents of search against MPFR at 127 bits: contained, and within the stated error.
-#include "verify/fast_functions.hpp"
+#include "verify/numbers/fast_functions.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "tests/oracle/random_cases.hpp"
-#include "verify/trigonometry.hpp"
+#include "verify/analysis/trigonometry.hpp"
 
 namespace verisq::verify {
 namespace {

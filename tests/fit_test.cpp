@@ -17,7 +17,7 @@
 #include "tests/error_matchers.hpp"
 #include "tests/offset_cavity.hpp"
 #include "tests/requested_count.hpp"
-#include "verify/bounding_box.hpp"
+#include "verify/sets/bounding_box.hpp"
 #include "verisq/mesh_clearance.hpp"
 #include "verisq/model_file.hpp"
 #include "verisq/posed_model.hpp"

@@ -1,5 +1,5 @@
 /// GJK and the support mappings: against proven bounds, other solvers, the oracle, and in every known mode of failure.
-#include "verify/gjk.hpp"
+#include "verify/search/gjk.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 
 #include "tests/oracle/pair_reference.hpp"
 #include "tests/oracle/random_pairs.hpp"
-#include "verify/contact.hpp"
-#include "verify/posed_superquadric.hpp"
-#include "verify/support_mapping.hpp"
+#include "verify/proof/posed_superquadric.hpp"
+#include "verify/search/contact.hpp"
+#include "verify/search/support_mapping.hpp"
 
 namespace verisq::verify {
 namespace {

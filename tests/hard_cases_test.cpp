@@ -14,7 +14,7 @@
 #include "tests/map_in_memory.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "tests/requested_count.hpp"
-#include "verify/posed_superquadric.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 
 namespace verisq::oracle {
 namespace {

@@ -16,7 +16,7 @@
 #include "tests/error_matchers.hpp"
 #include "tests/map_in_memory.hpp"
 #include "tests/oracle/random_cases.hpp"
-#include "verify/rigid_path.hpp"
+#include "verify/placement/rigid_path.hpp"
 
 namespace verisq::oracle {
 namespace {

@@ -1,5 +1,5 @@
 /// Proofs that contradict each other are noticed, with all that a report needs.
-#include "verify/intersection.hpp"
+#include "verify/proof/intersection.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -22,7 +22,7 @@
 #include "host/device/operation_kernels.hpp"
 #include "host/device/program.hpp"
 #include "kernels/embedded_sources.hpp"
-#include "verify/interval.hpp"
+#include "verify/numbers/interval.hpp"
 
 namespace verisq::device {
 namespace {

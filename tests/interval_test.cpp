@@ -1,5 +1,5 @@
 /// The arithmetic below every proof: directed rounding against MPFR, and the interval types on top of it.
-#include "verify/interval.hpp"
+#include "verify/numbers/interval.hpp"
 
 #include <gtest/gtest.h>
 #include <mpfr.h>

@@ -30,9 +30,9 @@
 #include "host/device/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/temporary_folder.hpp"
+#include "verify/analysis/trigonometry.hpp"
 #include "verify/stance/piecewise.hpp"
 #include "verify/stance/verified_integration.hpp"
-#include "verify/trigonometry.hpp"
 
 namespace verisq {
 namespace {

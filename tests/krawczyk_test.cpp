@@ -1,5 +1,5 @@
 /// Krawczyk's operator on systems with known zeros, and closest points of random pairs of the paper's solids.
-#include "verify/krawczyk.hpp"
+#include "verify/analysis/krawczyk.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

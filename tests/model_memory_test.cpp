@@ -27,7 +27,7 @@
 #include "host/device/solid_batch.hpp"
 #include "host/device/triangle_batch.hpp"
 #include "tests/random.hpp"
-#include "verify/octree.hpp"
+#include "verify/sets/octree.hpp"
 #include "verisq/signed_distance.hpp"
 
 namespace verisq::device {

@@ -1,5 +1,5 @@
 /// Octrees: volumes that contain the closed form, colours that random points confirm, files that read back.
-#include "verify/octree.hpp"
+#include "verify/sets/octree.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

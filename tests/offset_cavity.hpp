@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "verify/boundary.hpp"
+#include "verify/proof/boundary.hpp"
 #include "verisq/cavity.hpp"
 #include "verisq/model.hpp"
 #include "verisq/signed_distance.hpp"

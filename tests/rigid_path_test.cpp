@@ -1,5 +1,5 @@
 /// The way of points along a path of poses against 200 bits of MPFR: where they are, how far they travel.
-#include "verify/rigid_path.hpp"
+#include "verify/placement/rigid_path.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 /// Truth tables: what is said of colours holds for every way in which the gray ones may turn out.
-#include "verify/set_tree.hpp"
+#include "verify/sets/set_tree.hpp"
 
 #include <gtest/gtest.h>
 

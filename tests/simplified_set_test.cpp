@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/bitten_ball.hpp"
-#include "verify/solid_distance.hpp"
+#include "verify/sets/solid_distance.hpp"
 
 namespace verisq::verify {
 namespace {

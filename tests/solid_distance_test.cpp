@@ -1,5 +1,5 @@
 /// The branch and bound against closed forms: two spheres combined, boxes, bends.
-#include "verify/solid_distance.hpp"
+#include "verify/sets/solid_distance.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

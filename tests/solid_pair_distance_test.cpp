@@ -13,8 +13,8 @@
 #include <verisq/model_search.hpp>
 
 #include "tests/bitten_ball.hpp"
-#include "verify/solid_pair_bound.hpp"
-#include "verify/solid_pair_polytope.hpp"
+#include "verify/sets/solid_pair_bound.hpp"
+#include "verify/sets/solid_pair_polytope.hpp"
 
 namespace verisq {
 namespace {

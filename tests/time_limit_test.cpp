@@ -14,7 +14,7 @@
 
 #include "host/chunk_pace.hpp"
 #include "tests/map_in_memory.hpp"
-#include "verify/coarse_distance.hpp"
+#include "verify/sets/coarse_distance.hpp"
 
 namespace verisq {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "host/command_line/directed_digits.hpp"
 #include "host/command_line/progress_bar.hpp"
-#include "verify/rounding.hpp"
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::command_line {
 namespace {

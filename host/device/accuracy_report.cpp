@@ -14,9 +14,9 @@
 #include "host/device/device.hpp"
 #include "host/device/exact_rounding.hpp"
 #include "host/device/interval_operations.hpp"
-#include "verify/interval.hpp"
-#include "verify/real.hpp"
-#include "verify/rounding.hpp"
+#include "verify/numbers/interval.hpp"
+#include "verify/numbers/real.hpp"
+#include "verify/numbers/rounding.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq::device {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "verify/real.hpp"
+#include "verify/numbers/real.hpp"
 
 namespace verisq::device::exact {
 namespace {

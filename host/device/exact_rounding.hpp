@@ -1,14 +1,14 @@
 /// The exact value of an operation, rounded once in a given direction: the tightest binary64 bound there is, by MPFR.
 #pragma once
 
-#include "verify/rounding.hpp"
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::device::exact {
 
 using verify::Direction;
 
-// Operands are bounds of real numbers, as in verify/rounding.hpp: 0 times an infinity is 0. Shares no code with the
-// functions there, which the accuracy report measures against these.
+// Operands are bounds of real numbers, as in verify/numbers/rounding.hpp: 0 times an infinity is 0. Shares no code with
+// the functions there, which the accuracy report measures against these.
 
 [[nodiscard]] double sum(double a, double b, Direction direction);
 [[nodiscard]] double difference(double a, double b, Direction direction);

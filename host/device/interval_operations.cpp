@@ -1,5 +1,6 @@
 /// This file implements the exact ranges: from the corners of the operands, by MPFR, and case by case where an
-/// operation is not defined everywhere. It shares no code with verify/interval.hpp, so that each tests the other.
+/// operation is not defined everywhere. It shares no code with verify/numbers/interval.hpp, so that each tests the
+/// other.
 #include "host/device/interval_operations.hpp"
 
 #include <algorithm>

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "host/device/sample_operands.hpp"
-#include "verify/rounding.hpp"
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::device {
 

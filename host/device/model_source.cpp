@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernels/embedded_sources.hpp"
-#include "verify/set_tree.hpp"
+#include "verify/sets/set_tree.hpp"
 
 namespace verisq::device {
 namespace {

@@ -15,7 +15,7 @@
 #include "host/device/program.hpp"
 #include "host/device/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
-#include "verify/octree.hpp"
+#include "verify/sets/octree.hpp"
 
 namespace verisq::device {
 namespace {

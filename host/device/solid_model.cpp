@@ -7,7 +7,7 @@
 
 #include "host/device/box_primitive_parameters.hpp"
 #include "host/device/model_memory.hpp"
-#include "verify/bounding_box.hpp"
+#include "verify/sets/bounding_box.hpp"
 
 namespace verisq::device {
 namespace {

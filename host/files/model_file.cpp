@@ -11,8 +11,8 @@
 #include "host/files/input_file.hpp"
 #include "host/files/json_document.hpp"
 #include "host/files/model_areas.hpp"
-#include "verify/bend_range.hpp"
-#include "verify/convex_union.hpp"
+#include "verify/proof/convex_union.hpp"
+#include "verify/sets/bend_range.hpp"
 
 namespace verisq {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "verify/rounding.hpp"
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::stance {
 namespace {

@@ -8,8 +8,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "verify/bounding_box.hpp"
-#include "verify/convex_union.hpp"
+#include "verify/proof/convex_union.hpp"
+#include "verify/sets/bounding_box.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq::fit_search {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include "verify/solid.hpp"
+#include "verify/search/solid.hpp"
 
 namespace verisq::fit_search {
 

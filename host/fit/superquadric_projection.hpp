@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 
-#include "verify/boundary.hpp"
-#include "verify/pair_projection.hpp"
+#include "verify/proof/boundary.hpp"
+#include "verify/search/pair_projection.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::fit_search {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "verify/interval.hpp"
+#include "verify/numbers/interval.hpp"
 
 namespace verisq::stance {
 

@@ -8,7 +8,7 @@
 #include <vector>
 #include <verisq/enclosure.hpp>
 
-#include "verify/interval.hpp"
+#include "verify/numbers/interval.hpp"
 
 namespace verisq::stance {
 

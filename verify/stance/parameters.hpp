@@ -9,7 +9,7 @@
 #include <vector>
 #include <verisq/stance_analysis.hpp>
 
-#include "verify/interval.hpp"
+#include "verify/numbers/interval.hpp"
 #include "verify/stance/dual.hpp"
 
 namespace verisq::stance {

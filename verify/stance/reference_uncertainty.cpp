@@ -1,7 +1,7 @@
 /// The paper's sum over |sensitivity| times parameter, and the radius form.
 #include <verisq/stance_analysis.hpp>
 
-#include "verify/interval.hpp"
+#include "verify/numbers/interval.hpp"
 
 namespace verisq::stance {
 namespace {

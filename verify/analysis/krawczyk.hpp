@@ -1,0 +1,123 @@
+/// Krawczyk's operator: proves that a system of equations has exactly one zero in a box, and encloses it.
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+#include <concepts>
+#include <optional>
+#include <stdexcept>
+
+#include "verify/analysis/fifty_digits.hpp"
+#include "verify/numbers/interval.hpp"
+
+namespace verisq::verify {
+
+template <int N>
+using IntervalVector = Eigen::Matrix<PreciseInterval, N, 1>;
+template <int N>
+using IntervalMatrix = Eigen::Matrix<PreciseInterval, N, N>;
+
+/// Over a box V: F's values and Jacobians at all points of V.
+template <int N>
+struct SystemExpansion {
+  IntervalVector<N> value;
+  IntervalMatrix<N> jacobian;
+};
+
+/// A function F of N variables, N values. Where F is not differentiable on all of a box, the Jacobian must be unbounded
+/// or std::domain_error be thrown.
+template <class System, int N>
+concept ExpandableSystem = requires(const System& system, const IntervalVector<N>& box) {
+  { system(box) } -> std::same_as<SystemExpansion<N>>;
+};
+
+namespace krawczyk_details {
+
+/// Whether every component of `inner` lies in the interior of its counterpart.
+template <int N>
+[[nodiscard]] bool in_interior(const IntervalVector<N>& inner, const IntervalVector<N>& outer) {
+  for (int i = 0; i < N; ++i) {
+    if (!(inner[i].lower() > outer[i].lower() && inner[i].upper() < outer[i].upper())) return false;
+  }
+  return true;
+}
+
+/// A single point of the box.
+template <int N>
+[[nodiscard]] IntervalVector<N> lower_ends(const IntervalVector<N>& box) {
+  IntervalVector<N> x;
+  for (int i = 0; i < N; ++i) x[i] = box[i].lower();
+  return x;
+}
+
+/// Twice as wide as the hull of `box` and `centre`, and some rounding errors more (epsilon-inflation).
+template <int N>
+[[nodiscard]] IntervalVector<N> inflated(const IntervalVector<N>& box, const IntervalVector<N>& centre) {
+  const PreciseInterval rounding(Real(-0x1p-115), Real(0x1p-115));
+  const PreciseInterval least(Real(-0x1p-1000), Real(0x1p-1000));
+  IntervalVector<N> wide;
+  for (int i = 0; i < N; ++i) {
+    const Real radius = abs(PreciseInterval(box[i] - centre[i])).upper();
+    wide[i] = centre[i] + PreciseInterval(2) * PreciseInterval(-radius, radius) + rounding * centre[i] + least;
+  }
+  return wide;
+}
+
+/// The inverse of the matrix of lower ends in 50 digits: near enough to an inverse of every matrix of a thin box.
+template <int N>
+[[nodiscard]] std::optional<IntervalMatrix<N>> approximate_inverse(const IntervalMatrix<N>& m) {
+  Eigen::Matrix<FiftyDigits, N, N> centre;
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j < N; ++j) centre(i, j) = to_fifty_digits(m(i, j).lower());
+  }
+  const Eigen::Matrix<FiftyDigits, N, N> inverse = centre.partialPivLu().inverse();
+  IntervalMatrix<N> result;
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j < N; ++j) {
+      if (!isfinite(inverse(i, j))) return std::nullopt;
+      result(i, j) = to_real(inverse(i, j));
+    }
+  }
+  return result;
+}
+
+}  // namespace krawczyk_details
+
+/// A box about `x` that contains exactly one zero of F; nothing where that is not proven. With m = x, any matrix Y and
+/// the Jacobians J(V) over a box V about m,
+///     K(V) = m - Y F(m) + (I - Y J(V)) (V - m)
+/// contains every zero of F in V (mean value theorem, row by row), and if it lies in the interior of V there is exactly
+/// one, and it lies in K(V) (Krawczyk 1969, Moore 1977). `x` should be near a zero: a few Newton steps refine it first.
+template <int N, ExpandableSystem<N> System>
+[[nodiscard]] std::optional<IntervalVector<N>> krawczyk(const System& system,
+                                                        const std::array<Real, static_cast<std::size_t>(N)>& x) {
+  using namespace krawczyk_details;
+  constexpr int refinements = 3;
+  constexpr int most_inflations = 12;
+  try {
+    // Lazy products: Eigen's blocked ones, for larger matrices, compare scalars, which intervals do not.
+    IntervalVector<N> m;
+    for (int i = 0; i < N; ++i) m[i] = x[static_cast<std::size_t>(i)];
+    std::optional<IntervalMatrix<N>> y;
+    IntervalVector<N> newton;
+    for (int i = 0; i <= refinements; ++i) {
+      if (i > 0) m = lower_ends<N>(newton);
+      const SystemExpansion<N> at_m = system(m);
+      y = approximate_inverse<N>(at_m.jacobian);
+      if (!y) return std::nullopt;
+      newton = m - y->lazyProduct(at_m.value);
+    }
+    IntervalVector<N> image = newton;
+    for (int i = 0; i < most_inflations; ++i) {
+      const IntervalVector<N> box = inflated<N>(image, m);
+      const IntervalMatrix<N> contraction = IntervalMatrix<N>::Identity() - y->lazyProduct(system(box).jacobian);
+      image = newton + contraction.lazyProduct(IntervalVector<N>(box - m));
+      if (in_interior<N>(image, box)) return image;
+    }
+  } catch (const std::domain_error&) {
+    // F, or its derivative, is not defined on all of the box.
+  }
+  return std::nullopt;
+}
+
+}  // namespace verisq::verify

@@ -1,0 +1,188 @@
+/// Interval arithmetic for proofs: Boost.Interval with the directed rounding of this library, at two precisions.
+#pragma once
+
+#include <Eigen/Core>
+#include <boost/numeric/interval/arith.hpp>
+#include <boost/numeric/interval/arith2.hpp>
+#include <boost/numeric/interval/interval.hpp>
+#include <boost/numeric/interval/policies.hpp>
+#include <boost/numeric/interval/utility.hpp>
+#include <limits>
+#include <stdexcept>
+
+#include "verify/numbers/real.hpp"
+#include "verify/numbers/rounding.hpp"
+
+namespace verisq::verify {
+
+/// Boost.Interval's rounding policy. Boost's own policies switch the rounding mode, which compilers do not respect
+/// (measured in design 3, "On the host"); this one needs no mode and no state.
+template <class T>
+struct DirectedRounding {
+  using unprotected_rounding = DirectedRounding;
+
+  static T conv_down(const T& a) { return a; }
+  static T conv_up(const T& a) { return a; }
+  static T add_down(const T& a, const T& b) { return add(a, b, Direction::down); }
+  static T add_up(const T& a, const T& b) { return add(a, b, Direction::up); }
+  static T sub_down(const T& a, const T& b) { return subtract(a, b, Direction::down); }
+  static T sub_up(const T& a, const T& b) { return subtract(a, b, Direction::up); }
+  static T mul_down(const T& a, const T& b) { return multiply(a, b, Direction::down); }
+  static T mul_up(const T& a, const T& b) { return multiply(a, b, Direction::up); }
+  static T div_down(const T& a, const T& b) { return divide(a, b, Direction::down); }
+  static T div_up(const T& a, const T& b) { return divide(a, b, Direction::up); }
+  static T sqrt_down(const T& a) { return square_root(a, Direction::down); }
+  static T sqrt_up(const T& a) { return square_root(a, Direction::up); }
+};
+
+/// Boost.Interval's checking policy: what is not an interval of real numbers is refused, never stored.
+template <class T>
+struct ThrowingChecking {
+  static T pos_inf() { return std::numeric_limits<double>::infinity(); }
+  static T neg_inf() { return -std::numeric_limits<double>::infinity(); }
+  static bool is_nan(const T& a) {
+    if (a != a) throw std::domain_error("interval: not a number");
+    return false;
+  }
+  static T empty_lower() { throw std::domain_error("interval: empty"); }
+  static T empty_upper() { return empty_lower(); }
+  static bool is_empty(const T& lower, const T& upper) {
+    if (!(lower <= upper)) throw std::domain_error("interval: empty or not a number");
+    return false;
+  }
+};
+
+/// The real numbers between two ends of type T; an infinite end is a missing bound. Every operation returns an interval
+/// that contains all exact results. Throws std::domain_error for NaN, for lower > upper, and where an operation has no
+/// result: for division by [0, 0], for the root of negative numbers alone, for the logarithm of any or of 0 alone, for
+/// powers as `pow` says. Wraps Boost.Interval, whose converting constructor template makes Eigen's products ambiguous.
+template <class T>
+class BasicInterval {
+ public:
+  BasicInterval() = default;
+  BasicInterval(int value) : BasicInterval(T(value)) {}  // NOLINT(google-explicit-constructor): exact; Eigen needs it
+  BasicInterval(const T& value) : BasicInterval(value, value) {}  // NOLINT(google-explicit-constructor): exact
+  BasicInterval(const T& lower, const T& upper) : value_(lower, upper) {}
+
+  [[nodiscard]] const T& lower() const { return value_.lower(); }
+  [[nodiscard]] const T& upper() const { return value_.upper(); }
+
+  BasicInterval& operator+=(const BasicInterval& b) { return *this = *this + b; }
+  BasicInterval& operator-=(const BasicInterval& b) { return *this = *this - b; }
+  BasicInterval& operator*=(const BasicInterval& b) { return *this = *this * b; }
+  BasicInterval& operator/=(const BasicInterval& b) { return *this = *this / b; }
+
+  friend BasicInterval operator-(const BasicInterval& a) { return BasicInterval(-a.value_); }
+  friend BasicInterval operator+(const BasicInterval& a, const BasicInterval& b) {
+    return BasicInterval(a.value_ + b.value_);
+  }
+  friend BasicInterval operator-(const BasicInterval& a, const BasicInterval& b) {
+    return BasicInterval(a.value_ - b.value_);
+  }
+  friend BasicInterval operator*(const BasicInterval& a, const BasicInterval& b) {
+    return BasicInterval(a.value_ * b.value_);
+  }
+  /// A divisor with 0 in its interior gives the whole line, one with 0 at an end a half-line where `a` has one sign.
+  friend BasicInterval operator/(const BasicInterval& a, const BasicInterval& b) {
+    // For [-x, 0] Boost forgets the sign and gives the whole line; [0, x] it divides tightly.
+    if (a.upper() == T(0)) return -BasicInterval(-a.value_ / b.value_);
+    return BasicInterval(a.value_ / b.value_);
+  }
+
+  friend BasicInterval abs(const BasicInterval& a) { return BasicInterval(boost::numeric::abs(a.value_)); }
+  /// Tighter than a * a, which knows nothing of the dependency.
+  friend BasicInterval square(const BasicInterval& a) { return BasicInterval(boost::numeric::square(a.value_)); }
+  /// Of the part of `a` that is not negative.
+  friend BasicInterval sqrt(const BasicInterval& a) { return BasicInterval(boost::numeric::sqrt(a.value_)); }
+
+  friend BasicInterval exp(const BasicInterval& a) {
+    return {exponential(a.lower(), Direction::down), exponential(a.upper(), Direction::up)};
+  }
+  friend BasicInterval log(const BasicInterval& a) {
+    return with_numbers({logarithm(a.lower(), Direction::down), logarithm(a.upper(), Direction::up)});
+  }
+  friend BasicInterval log1p(const BasicInterval& a) {
+    return with_numbers({logarithm_1p(a.lower(), Direction::down), logarithm_1p(a.upper(), Direction::up)});
+  }
+  /// base^exponent. Of a base that reaches below 0, integer powers alone are defined: std::domain_error unless the
+  /// exponent is one integer. 0^0 = 1; a negative power of 0 is none: std::domain_error where there is no other.
+  friend BasicInterval pow(const BasicInterval& base, const BasicInterval& exponent) {
+    const T zero(0);
+    if (base.lower() >= zero) return power_of_nonnegative(base, exponent);
+    const T n = exponent.lower();
+    if (!(n == exponent.upper() && is_integer(n))) {
+      throw std::domain_error("interval: a power of negative numbers whose exponent is not one integer");
+    }
+    const bool even = is_integer(divide(n, T(2), Direction::down));  // exact
+    if (even) return power_of_nonnegative(abs(base), exponent);
+    if (base.upper() <= zero) return -power_of_nonnegative(-base, exponent);
+    return hull(-power_of_nonnegative({zero, -base.lower()}, exponent),
+                power_of_nonnegative({zero, base.upper()}, exponent));
+  }
+
+  friend BasicInterval hull(const BasicInterval& a, const BasicInterval& b) {
+    return {a.lower() < b.lower() ? a.lower() : b.lower(), a.upper() > b.upper() ? a.upper() : b.upper()};
+  }
+
+ private:
+  using Policies = boost::numeric::interval_lib::policies<DirectedRounding<T>, ThrowingChecking<T>>;
+  using Value = boost::numeric::interval<T, Policies>;
+
+  /// Checked, because Boost does not look at the results of its own operations.
+  explicit BasicInterval(const Value& value) : BasicInterval(value.lower(), value.upper()) {}
+
+  /// [infinity, infinity] and [-infinity, -infinity] hold no number.
+  static BasicInterval with_numbers(const BasicInterval& a) {
+    const T infinity(std::numeric_limits<double>::infinity());
+    if (a.lower() == infinity || a.upper() == -infinity) throw std::domain_error("interval: no value but at infinity");
+    return a;
+  }
+
+  /// Monotone in each operand on its own, so that the corners bound it.
+  static BasicInterval power_of_nonnegative(const BasicInterval& base, const BasicInterval& exponent) {
+    BasicInterval result = corner_power(base.lower(), exponent.lower());
+    result = hull(result, corner_power(base.lower(), exponent.upper()));
+    result = hull(result, corner_power(base.upper(), exponent.lower()));
+    return with_numbers(hull(result, corner_power(base.upper(), exponent.upper())));
+  }
+
+  static BasicInterval corner_power(const T& base, const T& exponent) {
+    return {power(base, exponent, Direction::down), power(base, exponent, Direction::up)};
+  }
+
+  Value value_;
+};
+
+/// Binary64 ends: fast enough for search.
+using Interval = BasicInterval<double>;
+/// 127-bit ends and an exponent range that binary64 input cannot leave: for the last word.
+using PreciseInterval = BasicInterval<Real>;
+
+template <class T>
+using Vector3 = Eigen::Matrix<BasicInterval<T>, 3, 1>;
+using PreciseVector = Vector3<Real>;
+
+/// Euclidean length.
+template <class T>
+[[nodiscard]] BasicInterval<T> length(const Vector3<T>& v) {
+  return sqrt(square(v[0]) + square(v[1]) + square(v[2]));
+}
+
+}  // namespace verisq::verify
+
+template <class T>
+struct Eigen::NumTraits<verisq::verify::BasicInterval<T>> : Eigen::GenericNumTraits<verisq::verify::BasicInterval<T>> {
+  using Real = verisq::verify::BasicInterval<T>;
+  using NonInteger = Real;
+  using Nested = Real;
+  using Literal = Real;
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 1,
+    ReadCost = 2,
+    AddCost = 8,
+    MulCost = 16
+  };
+};

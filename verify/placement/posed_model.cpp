@@ -1,0 +1,51 @@
+/// Poses composed in precise interval arithmetic, then rounded.
+#include "verisq/posed_model.hpp"
+
+#include "verify/proof/pose.hpp"
+
+namespace verisq {
+namespace {
+
+using verify::PreciseInterval;
+using verify::PreciseVector;
+using verify::Real;
+using Quaternion = Eigen::Matrix<PreciseInterval, 4, 1>;
+
+/// Either end serves: they differ by a few units of the 127th bit of the operands.
+double nearest(const PreciseInterval& value) {
+  return mpfr_get_d(value.lower().get(), MPFR_RNDN);
+}
+
+Quaternion exact(const std::array<double, 4>& q) {
+  return {Real(q[0]), Real(q[1]), Real(q[2]), Real(q[3])};
+}
+
+/// The rotation by b, then by a (Hamilton's product).
+Quaternion product(const Quaternion& a, const Quaternion& b) {
+  return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
+}
+
+std::array<double, 4> normalised(const Quaternion& q) {
+  const PreciseInterval length = sqrt(square(q[0]) + square(q[1]) + square(q[2]) + square(q[3]));
+  return {nearest(q[0] / length), nearest(q[1] / length), nearest(q[2] / length), nearest(q[3] / length)};
+}
+
+/// x -> outer(inner(x))
+Pose composed(const Pose& outer, const Pose& inner) {
+  const verify::Frame frame(outer);
+  const auto& [x, y, z] = inner.translation;
+  const PreciseVector moved = frame.rotation() * PreciseVector(Real(x), Real(y), Real(z)) + frame.origin();
+  return {.translation = {nearest(moved[0]), nearest(moved[1]), nearest(moved[2])},
+          .quaternion = normalised(product(exact(outer.quaternion), exact(inner.quaternion)))};
+}
+
+}  // namespace
+
+Model posed(const Model& model, const Pose& pose) {
+  Model moved = model;
+  for (Primitive& primitive : moved.primitives) primitive.pose = composed(pose, primitive.pose);
+  return moved;
+}
+
+}  // namespace verisq

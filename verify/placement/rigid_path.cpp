@@ -1,0 +1,201 @@
+/// Placements by halving rotations, lengths of ways by their convex speed.
+///
+/// The speed: p(s) = R(s)^T (c - t(s)) with R' = [w]x R and t' = v constant has p' = -R^T (w x (c - t(s)) + v). The
+/// rotation does not change its length, and w x (c - t(s)) + v is linear in s: |p'| is convex, so that on any interval
+/// of time it is largest at one of the ends.
+#include "verify/placement/rigid_path.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+
+#include "verify/analysis/trigonometry.hpp"
+#include "verify/proof/pose.hpp"
+
+namespace verisq::verify {
+namespace {
+
+using Quaternion = Eigen::Matrix<PreciseInterval, 4, 1>;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double smallest_normal = std::numeric_limits<double>::min();
+
+double nearest(const PreciseInterval& a) {
+  return mpfr_get_d(a.lower().get(), MPFR_RNDN);
+}
+
+double upper(const PreciseInterval& a) {
+  return a.upper().to_double(Direction::up);
+}
+
+double one_norm(const Point& x) {
+  return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]);
+}
+
+/// The sign of the exact product of two quaternions as vectors: decides which way round is the shorter one.
+int sign_of_product(const std::array<double, 4>& a, const std::array<double, 4>& b) {
+  std::array<MpfrNumber<2 * DBL_MANT_DIG>, 4> products;
+  std::array<mpfr_ptr, 4> terms{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    products[i] = rounded_result<2 * DBL_MANT_DIG>(mpfr_mul, Direction::down, MpfrNumber<2 * DBL_MANT_DIG>(a[i]).get(),
+                                                   MpfrNumber<2 * DBL_MANT_DIG>(b[i]).get());  // exact
+    terms[i] = products[i].get();
+  }
+  Real sum;
+  mpfr_sum(sum.get(), terms.data(), terms.size(), MPFR_RNDN);  // correctly rounded: has the sign of the exact sum
+  return mpfr_sgn(sum.get());
+}
+
+Quaternion unit(const Quaternion& q) {
+  const PreciseInterval length = sqrt(square(q[0]) + square(q[1]) + square(q[2]) + square(q[3]));
+  return {q[0] / length, q[1] / length, q[2] / length, q[3] / length};
+}
+
+Quaternion unit(const std::array<double, 4>& q) {
+  return unit(Quaternion{Real(q[0]), Real(q[1]), Real(q[2]), Real(q[3])});
+}
+
+/// The normalised sum of two unit quaternions is the rotation half-way between them: halving is as exact as a root,
+/// and reaches every time that is a binary fraction.
+Quaternion between(Quaternion from, Quaternion to, double fraction) {
+  while (fraction != 0.0 && fraction != 1.0) {
+    const Quaternion middle = unit(Quaternion(from + to));
+    if (fraction < 0.5) {
+      to = middle;
+      fraction = 2.0 * fraction;
+    } else {
+      from = middle;
+      fraction = 2.0 * fraction - 1.0;  // exact
+    }
+  }
+  return fraction == 0.0 ? from : to;
+}
+
+/// Of a unit quaternion.
+std::array<Point, 3> rotation_to_nearest(const Quaternion& q) {
+  const PreciseInterval one(1);
+  const PreciseInterval two(2);
+  const auto& w = q[0];
+  const auto& x = q[1];
+  const auto& y = q[2];
+  const auto& z = q[3];
+  const auto square_entry = [&](const PreciseInterval& a, const PreciseInterval& b) {
+    return nearest(one - two * (square(a) + square(b)));
+  };
+  const auto sum_entry = [&](const PreciseInterval& product, const PreciseInterval& other) {
+    return nearest(two * (product + other));
+  };
+  return {{{square_entry(y, z), sum_entry(x * y, -(w * z)), sum_entry(x * z, w * y)},
+           {sum_entry(x * y, w * z), square_entry(x, z), sum_entry(y * z, -(w * x))},
+           {sum_entry(x * z, -(w * y)), sum_entry(y * z, w * x), square_entry(x, y)}}};
+}
+
+/// The rotation vector of to from^-1. Precondition: the shorter way round, the scalar part is not negative.
+PreciseVector rotation_vector(const Quaternion& from, const Quaternion& to) {
+  const PreciseVector a(from[1], from[2], from[3]);
+  const PreciseVector b(to[1], to[2], to[3]);
+  const PreciseInterval scalar = from[0] * to[0] + a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const PreciseVector vector = from[0] * b - to[0] * a + a.cross(b);  // from q_to conj(q_from): b a^-1
+  const PreciseInterval sine = length<Real>(vector);
+  const PreciseInterval two(2);
+  // Half the angle is atan(sine / scalar); below a quarter of a turn without division by what may be 0.
+  if (scalar.lower() > Real(0.5)) {
+    const PreciseInterval factor = two * arctangent_quotient(PreciseInterval(sine / scalar)) / scalar;
+    return factor * vector;
+  }
+  const PreciseInterval factor = two * polar_angle(scalar, sine) / sine;
+  return factor * vector;
+}
+
+}  // namespace
+
+RigidPath::RigidPath(std::span<const Pose> poses) : poses_(poses.begin(), poses.end()) {
+  for (std::size_t k = 1; k < poses_.size(); ++k) {
+    auto& quaternion = poses_[k].quaternion;
+    if (sign_of_product(poses_[k - 1].quaternion, quaternion) < 0) {
+      for (double& element : quaternion) element = -element;
+    }
+    legs_.push_back(leg(poses_[k - 1], poses_[k]));
+  }
+}
+
+RigidPath::Leg RigidPath::leg(const Pose& from, const Pose& to) {
+  const PreciseVector spin = rotation_vector(unit(from.quaternion), unit(to.quaternion));
+  Leg leg{.start = from.translation,
+          .velocity = {},
+          .spin = {},
+          .spin_error = 0.0,
+          .reach = one_norm(from.translation) + one_norm(to.translation)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto n = static_cast<Eigen::Index>(i);
+    leg.velocity[i] = to.translation[i] - from.translation[i];
+    leg.spin[i] = nearest(spin[n]);
+    leg.spin_error = add(leg.spin_error, upper(abs(spin[n] - PreciseInterval(Real(leg.spin[i])))), Direction::up);
+  }
+  return leg;
+}
+
+RigidPath::Placement RigidPath::placement(double time) const {
+  const auto k = static_cast<std::size_t>(time);
+  const double fraction = time - static_cast<double>(k);  // exact
+  if (fraction == 0.0) return {rotation_to_nearest(unit(poses_[k].quaternion)), poses_[k].translation, 0.0};
+  const Pose& from = poses_[k];
+  const Pose& to = poses_[k + 1];
+  Placement placement{.rotation = rotation_to_nearest(between(unit(from.quaternion), unit(to.quaternion), fraction)),
+                      .translation = {},
+                      .reach = one_norm(from.translation) + one_norm(to.translation)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const PreciseInterval start = Real(from.translation[i]);
+    const PreciseInterval end = Real(to.translation[i]);
+    placement.translation[i] = nearest(start + PreciseInterval(Real(fraction)) * (end - start));
+  }
+  return placement;
+}
+
+// With u = 2^-53, S = |c|_1 + |t|_1 and what was rounded marked by ~: each |t~_i - t_i| <= u |t_i| (and hardly more:
+// the enclosures are 2^-120 wide), each |R~_ij - R_ij| <= u because |R_ij| <= 1, and |c_i - t~_i| is rounded by u of
+// itself. A product and its two additions round by at most 3.01 u |R~_ij| |d~_i|. In all each coordinate errs by at
+// most u (|t|_1 + 1.01 S) + 1.01 u S + 3.05 u S < 8 u S, the vector by less than 16 u S = 2^-49 S; doubled to cover the
+// rounding of S itself, and what underflows is less than the smallest normal number. Where the ends of a leg cancel in
+// t, what their 127 bits lose, less than 2^-110 of them, is no longer small beside |t|: it is added.
+PointBall RigidPath::local_point(const Placement& placement, const Point& c) {
+  const auto& [rotation, t, reach] = placement;
+  const Point d{c[0] - t[0], c[1] - t[1], c[2] - t[2]};
+  PointBall ball{{}, 0x1p-48 * (one_norm(c) + one_norm(t)) + 0x1p-100 * reach + smallest_normal};
+  for (std::size_t j = 0; j < 3; ++j) {
+    ball.centre[j] = rotation[0][j] * d[0] + rotation[1][j] * d[1] + rotation[2][j] * d[2];
+  }
+  return ball;
+}
+
+// As above: with reach r = |c|_1 + |t_begin|_1 + |t_end|_1, c - t(s) errs by at most 5 u r in all coordinates together,
+// a coordinate of its product with the spin by 8.1 u |w|_1 r, that of the sum with the velocity by 3 u |v|_1 more: the
+// vector errs by less than 16 u (|w|_1 r + |v|_1), and by spin_error r. What the code adds is twice that and more; the
+// factor 1 + 2^-49 covers the rounding of the length.
+double RigidPath::speed_up(const Leg& leg, const Point& c, double time) {
+  const auto& [start, v, w, spin_error, way_reach] = leg;
+  Point d;
+  for (std::size_t i = 0; i < 3; ++i) d[i] = c[i] - start[i] - time * v[i];
+  const double x = w[1] * d[2] - w[2] * d[1] + v[0];
+  const double y = w[2] * d[0] - w[0] * d[2] + v[1];
+  const double z = w[0] * d[1] - w[1] * d[0] + v[2];
+  const double reach = one_norm(c) + way_reach;
+  const double error = 0x1p-47 * (one_norm(w) * reach + one_norm(v)) + 4.0 * spin_error * reach + smallest_normal;
+  const double speed = std::hypot(x, y, z) * (1.0 + 0x1p-49) + error;
+  return speed < infinity ? speed : infinity;  // also for NaN
+}
+
+double RigidPath::length_up(const Point& c, double begin, double end) const {
+  double length = 0.0;
+  for (double time = begin; time < end;) {
+    const double pose_before = std::floor(time);
+    const double until = std::min(end, pose_before + 1.0);
+    const Leg& leg = legs_[static_cast<std::size_t>(pose_before)];
+    const double speed = std::max(speed_up(leg, c, time - pose_before), speed_up(leg, c, until - pose_before));
+    length = add(length, multiply(until - time, speed, Direction::up), Direction::up);  // times' difference is exact
+    time = until;
+  }
+  return length;
+}
+
+}  // namespace verisq::verify

@@ -1,0 +1,49 @@
+/// The two proofs of design 2, §2, in 127-bit interval arithmetic.
+#include "verify/proof/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace verisq::verify {
+
+PreciseVector precise(const Proposal& v) {
+  return {Real(v[0]), Real(v[1]), Real(v[2])};
+}
+
+Proposal midpoint(const PreciseVector& v) {
+  const auto middle = [](const PreciseInterval& x) {
+    return 0.5L * x.lower().to_long_double() + 0.5L * x.upper().to_long_double();
+  };
+  return {middle(v[0]), middle(v[1]), middle(v[2])};
+}
+
+std::array<double, 3> rounded(const Proposal& v) {
+  const std::array result{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+  return std::ranges::all_of(result, [](double c) { return std::isfinite(c); }) ? result : std::array<double, 3>{};
+}
+
+bool usable(const Proposal& v) {
+  return std::ranges::all_of(v, [](long double c) { return std::isfinite(c); }) &&
+         std::ranges::any_of(v, [](long double c) { return c != 0.0L; });
+}
+
+double lower_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& v) {
+  if (!usable(v)) return -std::numeric_limits<double>::infinity();
+  const PreciseVector direction = precise(v);
+  const PreciseInterval support(solid.support(magnitudes<Real>(direction, Direction::up), Direction::up));
+  const PreciseInterval bound = (direction.dot(q) - support) / length<Real>(direction);
+  return bound.lower().to_double(Direction::down);
+}
+
+double upper_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& x) {
+  return upper_bound_at(solid, q, usable(x) ? precise(x) : precise(Proposal{}));
+}
+
+double upper_bound_at(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const PreciseVector& x) {
+  const Real gauge = solid.gauge(magnitudes<Real>(x, Direction::up), Direction::up);
+  const PreciseVector b = gauge > Real(0) ? PreciseVector(x / PreciseInterval(gauge)) : x;
+  return length<Real>(PreciseVector(q - b)).upper().to_double(Direction::up);
+}
+
+}  // namespace verisq::verify

@@ -1,0 +1,44 @@
+/// Certificates (design 2, §2): a direction proves a lower bound of the signed distance, a point an upper bound.
+#pragma once
+
+#include <array>
+
+#include "verify/proof/superquadric.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+
+/// A direction or point found in floating point. It need not be accurate: a poor one proves a poor bound.
+using Proposal = std::array<long double, 3>;
+
+/// An enclosure of the signed distance and what certifies its ends, in the solid's frame.
+struct CertifiedDistance {
+  Enclosure distance;
+  Proposal direction;     ///< of the lower end
+  Proposal witness = {};  ///< of the upper end outside: leads from a point near the solid's surface to the query
+};
+
+/// sd(q) >= (v·q - h(v)) / |v| for every v, because K lies in the half-space {v·x <= h(v)}; rounded down. Minus
+/// infinity for a zero or non-finite v. The bound holds for every point of the box q, given in the solid's frame.
+[[nodiscard]] double lower_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& v);
+
+/// sd(q) <= |q - b| for every b in K; b = x / g(x) with g(x) rounded up has g(b) <= 1 and lies beside the surface.
+/// Rounded up. The centre takes the place of a zero or non-finite x.
+[[nodiscard]] double upper_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& x);
+/// The same for an x known to lie in a box.
+[[nodiscard]] double upper_bound_at(const SuperquadricBounds<Real>& solid, const PreciseVector& q,
+                                    const PreciseVector& x);
+
+/// The exact vector, for interval arithmetic. Precondition: finite.
+[[nodiscard]] PreciseVector precise(const Proposal& v);
+
+/// A floating-point point near the middle of a thin box.
+[[nodiscard]] Proposal midpoint(const PreciseVector& v);
+
+/// To nearest; zero, which proves nothing, where that is not finite.
+[[nodiscard]] std::array<double, 3> rounded(const Proposal& v);
+
+/// Whether every coordinate is finite and one of them is not zero.
+[[nodiscard]] bool usable(const Proposal& v);
+
+}  // namespace verisq::verify

@@ -1,0 +1,74 @@
+/// The two proofs of design 2, §7.
+#include "verify/proof/pair_bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace verisq::verify {
+
+namespace {
+
+bool finite(const Point& x) {
+  return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
+}
+
+bool zero(const Point& x) {
+  return std::ranges::all_of(x, [](double c) { return c == 0.0; });
+}
+
+/// x / max(1, g(x)), with g rounded up: the gauge of the result is at most 1.
+PreciseVector moved_into(const SuperquadricBounds<Real>& solid, const PreciseVector& x) {
+  const Real gauge = solid.gauge(magnitudes<Real>(x, Direction::up), Direction::up);
+  return gauge > Real(1) ? PreciseVector(x / PreciseInterval(gauge)) : x;
+}
+
+/// h(v), rounded up
+PreciseInterval support_up(const SuperquadricBounds<Real>& solid, const PreciseVector& v) {
+  return solid.support(magnitudes<Real>(v, Direction::up), Direction::up);
+}
+
+}  // namespace
+
+Motion Motion::after(const Motion& inner) const {
+  return {rotation * inner.rotation, (*this)(inner.translation)};
+}
+
+Motion Motion::inverse() const {
+  return {rotation.transpose(), -(rotation.transpose() * translation)};
+}
+
+PreciseVector Motion::operator()(const PreciseVector& x) const {
+  return rotation * x + translation;
+}
+
+Motion motion_of(const Frame& frame) {
+  return {frame.rotation(), frame.origin()};
+}
+
+PreciseVector precise(const Point& x) {
+  return {Real(x[0]), Real(x[1]), Real(x[2])};
+}
+
+Real PairBounds::lower_by_vector(const PreciseVector& v) const {
+  const PreciseVector w = relative_.rotation.transpose() * v;
+  const PreciseInterval gap = v.dot(relative_.translation) - support_up(a_->bounds(), v) - support_up(b_->bounds(), w);
+  return (gap / length<Real>(v)).lower();
+}
+
+Real PairBounds::upper_by_points(const PreciseVector& on_a, const PreciseVector& on_b) const {
+  const PreciseVector a = moved_into(a_->bounds(), on_a);
+  const PreciseVector b = relative_(moved_into(b_->bounds(), on_b));
+  return length<Real>(PreciseVector(b - a)).upper();
+}
+
+Enclosure PairBounds::distance(const Separation& separation) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto& [primitive_a, primitive_b, vector, on_a, on_b] = separation;
+  const bool direction = finite(vector) && !zero(vector);
+  const bool points = finite(on_a) && finite(on_b);
+  return {direction ? lower_by_vector(precise(vector)).to_double(Direction::down) : -infinity,
+          points ? upper_by_points(precise(on_a), precise(on_b)).to_double(Direction::up) : infinity};
+}
+
+}  // namespace verisq::verify

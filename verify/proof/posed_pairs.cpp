@@ -1,0 +1,69 @@
+/// Minimum over all pairs of what spheres, vectors and points prove.
+#include "verify/proof/posed_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "verify/proof/intersection.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+bool is_in(const PosedSuperquadric& solid, const Motion& to_own_frame, const PreciseVector& x) {
+  return solid.bounds().gauge(to_own_frame(x)).upper() <= Real(1);
+}
+
+}  // namespace
+
+PosedModel::PosedModel(const Model& model) : primitives(model.primitives.begin(), model.primitives.end()) {
+  for (const PosedSuperquadric& primitive : primitives) {
+    motions.push_back(motion_of(primitive.frame()));
+    inverse_motions.push_back(motions.back().inverse());
+  }
+}
+
+PosedPairs::PosedPairs(const PosedModel& a, const PosedModel& b, const Pose& pose) : a_(&a), b_(&b) {
+  const Motion motion = motion_of(Frame(pose));
+  for (const Motion& own : b.motions) moved_.push_back(motion.after(own));
+}
+
+double PosedPairs::lower_by_spheres(std::size_t i, std::size_t j) const {
+  const PreciseVector between = moved_[j].translation - a_->motions[i].translation;
+  return (length<Real>(between) - a_->primitives[i].radius() - b_->primitives[j].radius())
+      .lower()
+      .to_double(Direction::down);
+}
+
+bool PosedPairs::share(const Point& x) const {
+  if (!std::ranges::all_of(x, [](double c) { return std::isfinite(c); })) return false;
+  const PreciseVector point = precise(x);
+  bool in_a = false;
+  for (std::size_t i = 0; i < size_a() && !in_a; ++i) in_a = is_in(a_->primitives[i], a_->inverse_motions[i], point);
+  bool in_b = false;
+  for (std::size_t j = 0; j < size_b() && !in_b; ++j) in_b = is_in(b_->primitives[j], moved_[j].inverse(), point);
+  return in_a && in_b;
+}
+
+Enclosure proven_distance(const PosedPairs& pairs, const PairCertificate& certificate) {
+  if (certificate.common && pairs.share(*certificate.common)) return {0.0, 0.0};
+  std::vector<double> lower;
+  for (std::size_t i = 0; i < pairs.size_a(); ++i) {
+    for (std::size_t j = 0; j < pairs.size_b(); ++j) lower.push_back(pairs.lower_by_spheres(i, j));
+  }
+  double upper = kInfinity;
+  for (const Separation& separation : certificate.separations) {
+    const auto [i, j] = std::pair<std::size_t, std::size_t>(separation.primitive_a, separation.primitive_b);
+    if (i >= pairs.size_a() || j >= pairs.size_b()) continue;
+    const Enclosure proven = pairs(i, j).distance(separation);
+    double& least = lower[i * pairs.size_b() + j];
+    least = std::max(least, proven.lo);
+    upper = std::min(upper, proven.hi);
+  }
+  return between(std::max(0.0, std::ranges::min(lower)), upper, [] { return "the distance of the models"; });
+}
+
+}  // namespace verisq::verify

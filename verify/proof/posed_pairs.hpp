@@ -1,0 +1,56 @@
+/// Every pair of primitives of two models, one of which is moved by a pose.
+#pragma once
+
+#include <vector>
+
+#include "verify/proof/pair_bounds.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+/// The primitives of a model with their motions into its frame.
+struct PosedModel {
+  explicit PosedModel(const Model& model);
+
+  std::vector<PosedSuperquadric> primitives;
+  std::vector<Motion> motions;          ///< primitive's frame to model's
+  std::vector<Motion> inverse_motions;  ///< model's frame to primitive's
+};
+
+/// A and B moved. Both models must outlive this.
+class PosedPairs {
+ public:
+  PosedPairs(const PosedModel& a, const PosedModel& b, const Pose& pose);
+
+  /// Precondition: i and j are indices of primitives of A and of B.
+  [[nodiscard]] PairBounds operator()(std::size_t i, std::size_t j) const {
+    return {a_->primitives[i], b_->primitives[j], a_->inverse_motions[i].after(moved_[j])};
+  }
+
+  /// d >= |c| - r_A - r_B with the radii of spheres about the centres. Rounded down to binary64.
+  [[nodiscard]] double lower_by_spheres(std::size_t i, std::size_t j) const;
+
+  [[nodiscard]] std::size_t size_a() const { return a_->primitives.size(); }
+  [[nodiscard]] std::size_t size_b() const { return b_->primitives.size(); }
+
+  /// Of spheres about the primitives' centres that contain them.
+  [[nodiscard]] const PreciseInterval& radius_a(std::size_t i) const { return a_->primitives[i].radius(); }
+  [[nodiscard]] const PreciseInterval& radius_b(std::size_t j) const { return b_->primitives[j].radius(); }
+
+  /// From a primitive's own frame to that of model A.
+  [[nodiscard]] const Motion& motion_a(std::size_t i) const { return a_->motions[i]; }
+  [[nodiscard]] const Motion& motion_b(std::size_t j) const { return moved_[j]; }
+
+  /// Whether the point of A's frame is proven to lie in both models.
+  [[nodiscard]] bool share(const Point& x) const;
+
+ private:
+  const PosedModel* a_;
+  const PosedModel* b_;
+  std::vector<Motion> moved_;  ///< from the frame of B's primitives to A's model frame
+};
+
+/// What the certificate proves, as `prove` of model_distance.hpp says.
+[[nodiscard]] Enclosure proven_distance(const PosedPairs& pairs, const PairCertificate& certificate);
+
+}  // namespace verisq::verify

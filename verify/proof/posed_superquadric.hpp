@@ -1,0 +1,46 @@
+/// One posed superquadric K and what single evaluations prove about a point of the model frame.
+#pragma once
+
+#include "verify/proof/certificate.hpp"
+#include "verify/proof/pose.hpp"
+
+namespace verisq::verify {
+
+/// Distances are rounded outward to binary64: comparing them with claims loses nothing, because the claims are binary64
+/// numbers themselves.
+class PosedSuperquadric {
+ public:
+  explicit PosedSuperquadric(const Primitive& primitive);
+
+  [[nodiscard]] const Superquadric& superquadric() const { return superquadric_; }
+  [[nodiscard]] const SuperquadricBounds<Real>& bounds() const { return bounds_; }
+  [[nodiscard]] const Frame& frame() const { return frame_; }
+  /// Of a sphere about the centre that contains K.
+  [[nodiscard]] const PreciseInterval& radius() const { return radius_; }
+
+  /// sd(x) >= |x - centre| - radius
+  [[nodiscard]] double lower_by_sphere(const Point& x) const;
+
+  /// sd(x) >= (v·x - h(v)) / |v| for any v, in K's own frame like every v here.
+  [[nodiscard]] double lower_by_normal(const Point& x, const Proposal& v) const;
+
+  /// sd(x) <= |x - b|, where b = (x - v) / g(x - v) lies in K.
+  [[nodiscard]] double upper_by_normal(const Point& x, const Proposal& v) const;
+
+  /// Whether x is proven to lie outside.
+  [[nodiscard]] bool excludes(const Point& x) const;
+
+  /// Whether g(x) <= 1 is proven.
+  [[nodiscard]] bool contains(const Point& x) const;
+
+  /// Whether the ball is proven to lie in K, by covering it with cones.
+  [[nodiscard]] bool contains_ball_about(const Point& x, double radius) const;
+
+ private:
+  Superquadric superquadric_;
+  SuperquadricBounds<Real> bounds_;
+  Frame frame_;
+  PreciseInterval radius_;
+};
+
+}  // namespace verisq::verify

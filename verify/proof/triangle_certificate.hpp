@@ -1,0 +1,44 @@
+/// What single evaluations prove about the distance of a triangle to one posed superquadric (design 2, §6).
+#pragma once
+
+#include <array>
+
+#include "verify/proof/posed_superquadric.hpp"
+#include "verisq/mesh.hpp"
+
+namespace verisq::verify {
+
+/// w_1, w_2 of the point t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0).
+using Weights = std::array<double, 2>;
+
+/// Whether w_1, w_2 >= 0 and w_1 + w_2 <= 1 exactly: the point belongs to the triangle. False for NaN.
+[[nodiscard]] bool in_triangle(const Weights& weights);
+
+/// A triangle in the frame of one primitive. Its corners are binary64 numbers in the model frame; here they are
+/// enclosed to the rounding of 127 bits, and with them whatever is computed from them.
+class PosedTriangle {
+ public:
+  PosedTriangle(const Triangle& triangle, const Frame& frame);
+
+  [[nodiscard]] const std::array<PreciseVector, 3>& corners() const { return corners_; }
+  [[nodiscard]] PreciseVector point(const Weights& weights) const;
+
+ private:
+  std::array<PreciseVector, 3> corners_;
+};
+
+// Rounded outward to binary64. Distances of triangles are never negative, these bounds may be.
+
+/// d >= min_i u·(t_i - centre) / |u| - radius; u is the triangle's point closest to the centre, found in floating
+/// point.
+[[nodiscard]] double lower_by_sphere(const PosedSuperquadric& solid, const Triangle& triangle);
+
+/// d >= (min_i v·t_i - h(v)) / |v| for every v: the half-space {v·x <= h(v)} holds the solid, and the triangle, being
+/// convex, lies beyond it if its corners do. Minus infinity for a zero or non-finite v.
+[[nodiscard]] double lower_by_normal(const PosedSuperquadric& solid, const PosedTriangle& triangle, const Proposal& v);
+
+/// d <= 0 where the point q of the triangle has g(q) <= 1; else d <= |q - b|, where b = (q - v) / g(q - v) lies in the
+/// solid, and infinity for a zero or non-finite v.
+[[nodiscard]] double upper_by_point(const PosedSuperquadric& solid, const PreciseVector& q, const Proposal& v);
+
+}  // namespace verisq::verify

@@ -1,0 +1,127 @@
+/// The bracketing models, each of their numbers rounded to the safe side.
+#include "verisq/uncertain_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "verify/numbers/interval.hpp"
+#include "verify/proof/convex_union.hpp"
+#include "verisq/error.hpp"
+
+namespace verisq {
+
+namespace {
+
+using namespace verify;
+
+template <std::size_t N>
+std::array<Enclosure, N> exactly(const std::array<double, N>& numbers) {
+  std::array<Enclosure, N> intervals{};
+  std::ranges::transform(numbers, intervals.begin(), [](double x) { return Enclosure{x, x}; });
+  return intervals;
+}
+
+template <std::size_t N>
+std::array<double, N> mapped(const std::array<Enclosure, N>& intervals, double (*choose)(const Enclosure&)) {
+  std::array<double, N> numbers{};
+  std::ranges::transform(intervals, numbers.begin(), choose);
+  return numbers;
+}
+
+double low(const Enclosure& interval) {
+  return interval.lo;
+}
+
+double high(const Enclosure& interval) {
+  return interval.hi;
+}
+
+/// In the interval, because rounding is monotone.
+double middle(const Enclosure& interval) {
+  return std::midpoint(interval.lo, interval.hi);
+}
+
+template <std::size_t N>
+bool all_exact(const std::array<Enclosure, N>& intervals) {
+  return std::ranges::all_of(intervals, [](const Enclosure& e) { return e.lo == e.hi; });
+}
+
+/// The farthest that the translation lies from the midpoint, which the rounding of the midpoint makes longer than half
+/// the diagonal.
+PreciseInterval shift_of(const UncertainPrimitive& primitive) {
+  PreciseVector farthest;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& [lo, hi] = primitive.translation[i];
+    const PreciseInterval centre = Real(middle(primitive.translation[i]));
+    const Real below = (centre - PreciseInterval(Real(lo))).upper();
+    const Real above = (PreciseInterval(Real(hi)) - centre).upper();
+    farthest[static_cast<Eigen::Index>(i)] = std::max(below, above);
+  }
+  return length<Real>(farthest);
+}
+
+/// Of a ball about the centre that lies in the solid: that of the ellipsoid of the same semi-axes where no exponent
+/// exceeds 1, since norms fall as p = 2/e rises; always that of the octahedron, whose norm is the largest.
+PreciseInterval inradius(const Superquadric& solid) {
+  if (std::ranges::max(solid.exponents) <= 1.0) return Real(std::ranges::min(solid.semi_axes));
+  PreciseInterval inverse_squares(0);
+  for (const double axis : solid.semi_axes) inverse_squares += PreciseInterval(1) / square(PreciseInterval(Real(axis)));
+  return PreciseInterval(1) / sqrt(inverse_squares);
+}
+
+/// Contains K + d for every |d| <= s. K is convex and contains the ball B(r) about its centre, hence
+/// K + d ⊂ K + B(s) = K + (s/r) B(r) ⊂ K + (s/r) K = (1 + s/r) K; semi-axes rounded up only add to it.
+Superquadric inflated(const Superquadric& solid, const PreciseInterval& shift) {
+  const PreciseInterval factor = PreciseInterval(1) + shift / inradius(solid);
+  Superquadric result = solid;
+  for (double& axis : result.semi_axes) axis = (PreciseInterval(Real(axis)) * factor).upper().to_double(Direction::up);
+  return result;
+}
+
+void check_finite(double shift, const Superquadric& solid, std::size_t index) {
+  const auto finite = [](double x) { return std::isfinite(x); };
+  if (finite(shift) && std::ranges::all_of(solid.semi_axes, finite)) return;
+  throw Error(ErrorKind::input, "primitives[" + std::to_string(index) +
+                                    "].pose.translation: its uncertainty makes the sizes of the solid overflow");
+}
+
+}  // namespace
+
+UncertainModel uncertain(const Model& model) {
+  UncertainModel result{model.units, {}, model.csg};
+  for (const auto& [name, superquadric, pose, bend] : model.primitives) {
+    result.primitives.push_back({name, exactly(superquadric.semi_axes), exactly(superquadric.exponents),
+                                 exactly(pose.translation), pose.quaternion, bend});
+  }
+  return result;
+}
+
+bool is_exact(const UncertainModel& model) {
+  return std::ranges::all_of(model.primitives, [](const UncertainPrimitive& primitive) {
+    return all_exact(primitive.semi_axes) && all_exact(primitive.exponents) && all_exact(primitive.translation);
+  });
+}
+
+Bracket bracket(const UncertainModel& model) {
+  const Model nothing_yet{model.units, {}, model.csg};
+  Bracket result{nothing_yet, nothing_yet, std::nullopt, 0.0};
+  Model everywhere = nothing_yet;
+  for (const UncertainPrimitive& primitive : model.primitives) {
+    // The gauge falls as a semi-axis rises and rises with an exponent, each on its own (design 2, §8).
+    const Superquadric small{mapped(primitive.semi_axes, low), mapped(primitive.exponents, high)};
+    const Superquadric large{mapped(primitive.semi_axes, high), mapped(primitive.exponents, low)};
+    const Pose pose{mapped(primitive.translation, middle), primitive.quaternion};
+    const PreciseInterval shift = shift_of(primitive);
+    result.smallest.primitives.push_back({primitive.name, small, pose, primitive.bend});
+    result.largest.primitives.push_back({primitive.name, large, pose, primitive.bend});
+    everywhere.primitives.push_back({primitive.name, inflated(large, shift), pose, primitive.bend});
+    result.shift = std::max(result.shift, shift.upper().to_double(Direction::up));
+    check_finite(result.shift, everywhere.primitives.back().superquadric, everywhere.primitives.size() - 1);
+  }
+  if (!is_exact(model)) require_union_of_convex(result.largest, "intervals");
+  if (model.primitives.size() > 1 && result.shift > 0.0) result.inflated = std::move(everywhere);
+  return result;
+}
+
+}  // namespace verisq

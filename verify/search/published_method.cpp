@@ -1,0 +1,139 @@
+/// Eqs. (16) to (20) of the paper.
+///
+/// Why the enclosures are right, whatever GJK says. The box P contains a point p* of the surface, because F takes the
+/// value 1 on the bisected segment; p* belongs to the solid, so that sup |P - Q| is an upper bound. The box N contains
+/// a (sub)gradient n of F at p*, and F is convex: F(x) >= F(p*) + n·(x - p*), so that the solid {F <= 1} lies in the
+/// half-space n·(x - p*) <= 0. Hence n·(q - p*)/|n|, which lies in the interval L, is a lower bound for a point q. For
+/// a second solid B, n·y over B is least at the support point r of -n, which lies in the box R: n·(r - p*)/|n| is a
+/// lower bound. A distance is not negative: 0 is a lower bound in any case.
+#include "verisq/published_method.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "verify/proof/convex_union.hpp"
+#include "verify/proof/pose.hpp"
+#include "verify/search/bisected_enclosure.hpp"
+#include "verify/search/gjk.hpp"
+#include "verify/search/support_mapping.hpp"
+
+namespace verisq {
+
+namespace {
+
+using namespace verify;
+
+constexpr std::string_view method_name = "the published method";
+
+Interval rounded_outward(const PreciseInterval& x) {
+  return {x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)};
+}
+
+template <class Matrix>
+auto rounded_outward(const Eigen::MatrixBase<Matrix>& x) {
+  return x.unaryExpr([](const PreciseInterval& c) { return rounded_outward(c); }).eval();
+}
+
+Coordinates<double> middle(const PreciseVector& x) {
+  const Proposal m = midpoint(x);
+  return {static_cast<double>(m[0]), static_cast<double>(m[1]), static_cast<double>(m[2])};
+}
+
+GjkTolerance<double> stop_at(double accuracy) {
+  return {.relative = accuracy};
+}
+
+GjkResult<double> closest(const Primitive& solid, const Coordinates<double>& local, double accuracy) {
+  return gjk<double>(SuperquadricSet<double>(solid.superquadric), PointSet<double>{local}, local, stop_at(accuracy));
+}
+
+/// In the frame of `a`, turned back to the model's axes: translations in common cost no digits.
+GjkResult<double> closest(const Primitive& a, const Primitive& b, double accuracy) {
+  Primitive first = a;
+  Primitive second = b;
+  first.pose.translation = {};
+  second.pose.translation = difference(b.pose.translation, a.pose.translation);
+  return gjk<double>(posed_set<double>(first), posed_set<double>(second), second.pose.translation, stop_at(accuracy));
+}
+
+/// The surface near p, first along d as the paper has it; where that line misses the solid (touching, where d is
+/// rounding error) along the ray from the centre, which cannot.
+IntervalVector surface_near(const BisectedEnclosure& solid, const Coordinates<double>& p,
+                            const Coordinates<double>& d) {
+  if (const auto box = solid.surface_point(p, d)) return *box;
+  if (const auto box = solid.surface_point(p, p)) return *box;
+  return solid.support_point(IntervalVector(1, 0, 0));
+}
+
+/// B's frame seen from A's: x_B = turn x_A + shift.
+struct RelativeFrame {
+  Eigen::Matrix<Interval, 3, 3> turn;
+  IntervalVector shift;
+
+  RelativeFrame(const Frame& a, const Frame& b)
+      : turn(rounded_outward(b.rotation().transpose() * a.rotation())),
+        shift(rounded_outward(b.rotation().transpose() * PreciseVector(a.origin() - b.origin()))) {}
+
+  [[nodiscard]] IntervalVector point_of_b(const IntervalVector& x_a) const { return turn * x_a + shift; }
+  [[nodiscard]] IntervalVector direction_of_b(const IntervalVector& v_a) const { return turn * v_a; }
+  [[nodiscard]] IntervalVector point_of_a(const IntervalVector& x_b) const {
+    return turn.transpose() * IntervalVector(x_b - shift);
+  }
+};
+
+}  // namespace
+
+Enclosure published_distance(const Primitive& solid, const Point& point, double accuracy) {
+  require_convex(solid, method_name);
+  const BisectedEnclosure enclosure(solid.superquadric);
+  const PreciseVector local = Frame(solid.pose).local_point(point);
+  const IntervalVector q = rounded_outward(local);
+  if (enclosure.bounds().gauge(q).upper() <= 1.0) return {0.0, 0.0};
+  const GjkResult<double> found = closest(solid, middle(local), accuracy);
+  const IntervalVector p = surface_near(enclosure, found.on_a, difference(found.on_b, found.on_a));
+  const IntervalVector to = q - p;
+  return {plane_distance(enclosure.normal(p), to), length<double>(to).upper()};
+}
+
+Enclosure published_distance(const Primitive& a, const Primitive& b, double accuracy) {
+  require_convex(a, method_name);
+  require_convex(b, method_name);
+  const BisectedEnclosure enclosure_a(a.superquadric);
+  const BisectedEnclosure enclosure_b(b.superquadric);
+  const RelativeFrame relative(Frame(a.pose), Frame(b.pose));
+  const GjkResult<double> found = closest(a, b, accuracy);
+
+  const RigidMotion<double> of_a({{}, a.pose.quaternion});
+  const RigidMotion<double> of_b({difference(b.pose.translation, a.pose.translation), b.pose.quaternion});
+  const Coordinates<double> p_a = of_a.inverse_point(found.on_a);
+  const Coordinates<double> to_b = of_a.inverse_direction(difference(found.on_b, found.on_a));
+  const Coordinates<double> to_a = of_b.inverse_direction(difference(found.on_a, found.on_b));
+  const IntervalVector p = surface_near(enclosure_a, p_a, to_b);
+  const IntervalVector q = surface_near(enclosure_b, of_b.inverse_point(found.on_b), to_a);
+
+  const IntervalVector common(p_a[0], p_a[1], p_a[2]);
+  if (found.end == GjkEnd::common && enclosure_a.bounds().gauge(common).upper() <= 1.0 &&
+      enclosure_b.bounds().gauge(relative.point_of_b(common)).upper() <= 1.0) {
+    return {0.0, 0.0};
+  }
+  const double hi = length<double>(IntervalVector(relative.point_of_a(q) - p)).upper();
+  const IntervalVector normal = enclosure_a.normal(p);
+  if (!bounded(normal)) return {0.0, hi};
+  const IntervalVector r = enclosure_b.support_point(-relative.direction_of_b(normal));
+  return {plane_distance(normal, relative.point_of_a(r) - p), hi};
+}
+
+double unverified_distance(const Primitive& solid, const Point& point, double accuracy) {
+  require_convex(solid, method_name);
+  const GjkResult<double> found = closest(solid, RigidMotion<double>(solid.pose).inverse_point(point), accuracy);
+  return found.end == GjkEnd::common ? 0.0 : found.upper;
+}
+
+double unverified_distance(const Primitive& a, const Primitive& b, double accuracy) {
+  require_convex(a, method_name);
+  require_convex(b, method_name);
+  const GjkResult<double> found = closest(a, b, accuracy);
+  return found.end == GjkEnd::common ? 0.0 : found.upper;
+}
+
+}  // namespace verisq

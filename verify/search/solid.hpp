@@ -1,0 +1,35 @@
+/// One posed superquadric, ready for searches and their proofs.
+#pragma once
+
+#include "verify/proof/posed_superquadric.hpp"
+
+namespace verisq::verify {
+
+class Solid {
+ public:
+  explicit Solid(const Primitive& primitive) : posed_(primitive) {}
+
+  /// Signed distance of a point of the model frame.
+  [[nodiscard]] CertifiedDistance signed_distance(const Point& x, double tolerance) const;
+
+  /// A direction of the solid's frame in the model's, to nearest. Zero if v is not usable.
+  [[nodiscard]] Proposal model_direction(const Proposal& v) const { return posed_.frame().model_direction(v); }
+
+  /// What needs no search.
+  [[nodiscard]] const PosedSuperquadric& posed() const { return posed_; }
+
+  /// How far along x + s u the supporting plane of normal u lies: beyond the returned s (rounded up) every point of the
+  /// ray is outside. Precondition: u is usable.
+  [[nodiscard]] double ray_clearance(const Point& x, const Proposal& u) const;
+
+  /// Whether x + s u is proven to lie outside, at a positive distance.
+  [[nodiscard]] bool separated(const Point& x, const Proposal& u, double s) const;
+
+  /// The corners of the bounding box of the solid's posed box, along each axis of the model frame.
+  [[nodiscard]] PreciseVector bounding_box() const;
+
+ private:
+  PosedSuperquadric posed_;
+};
+
+}  // namespace verisq::verify

@@ -1,0 +1,344 @@
+/// Affine enclosures of a primitive's own coordinates over cubes, and what the convex gauge proves with them.
+#include "verify/sets/box_primitive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "verify/proof/boundary.hpp"
+#include "verify/proof/pose.hpp"
+#include "verify/sets/bend.hpp"
+
+namespace verisq::verify {
+
+// Nothing below throws: no interval here has +infinity as its lower or -infinity as its upper end. The input is finite,
+// rounding down never overflows to +infinity nor up to -infinity, and then sums, products, roots and quotients by what
+// does not contain 0 have the same property and never are NaN.
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr HalfSpace kNothing{{0.0, 0.0, 0.0}, kInfinity};
+
+template <class T>
+using Matrix3 = Eigen::Matrix<BasicInterval<T>, 3, 3>;
+using Coordinates = std::array<double, 3>;
+
+BasicInterval<double> in_precision(const PreciseInterval& a, double /*of the ends*/) {
+  return {a.lower().to_double(Direction::down), a.upper().to_double(Direction::up)};
+}
+
+PreciseInterval in_precision(const PreciseInterval& a, const Real& /*of the ends*/) {
+  return a;
+}
+
+/// How a primitive lies in the model frame.
+template <class T>
+class Placement {
+ public:
+  explicit Placement(const Primitive& primitive) {
+    const Frame frame(primitive.pose);
+    for (int i = 0; i < 3; ++i) {
+      translation_[i] = T(primitive.pose.translation[i]);
+      for (int j = 0; j < 3; ++j) rotation_(i, j) = in_precision(frame.rotation()(j, i), T());
+    }
+    if (primitive.bend) bend_.emplace(*primitive.bend);
+  }
+
+  [[nodiscard]] const Matrix3<T>& rotation() const { return rotation_; }  ///< model to own frame
+  [[nodiscard]] const std::optional<BendMap<T>>& bend() const { return bend_; }
+
+  [[nodiscard]] Vector3<T> from_centre(const Point& x) const {
+    return {BasicInterval<T>(T(x[0])) - translation_[0], BasicInterval<T>(T(x[1])) - translation_[1],
+            BasicInterval<T>(T(x[2])) - translation_[2]};
+  }
+
+  /// Own, unbent coordinates of a box in the own, bent frame, but for the sign of z: it is lost at the cut, and the
+  /// gauge does not depend on it.
+  [[nodiscard]] Vector3<T> unbent_up_to_sign(const Vector3<T>& own) const {
+    return bend_ ? bend_->unbent_up_to_sign(own) : own;
+  }
+
+ private:
+  Matrix3<T> rotation_;
+  Vector3<T> translation_;
+  std::optional<BendMap<T>> bend_;
+};
+
+/// Of a ball about the centre that contains the primitive. A bend keeps the length of the axis and the distances from
+/// it, so that it leaves the ball of radius a3 + |(a1, a2)|.
+double bounding_radius(const Primitive& primitive) {
+  const auto& a = primitive.superquadric.semi_axes;
+  const Interval across = sqrt(square(Interval(a[0])) + square(Interval(a[1])));
+  const Interval along(a[2]);
+  return (primitive.bend ? across + along : sqrt(square(across) + square(along))).upper();
+}
+
+/// The largest length that rows 0 and 2 of `turned` give to a vector with |e|_inf <= 1: convex, hence at a corner.
+double reach_in_plane(const Matrix3<double>& turned) {
+  double reach = 0.0;
+  for (const int sign_y : {-1, 1}) {
+    for (const int sign_z : {-1, 1}) {  // the other corners are opposite to these
+      const auto component = [&](int row) {
+        return turned(row, 0) + Interval(sign_y) * turned(row, 1) + Interval(sign_z) * turned(row, 2);
+      };
+      reach = std::max(reach, sqrt(square(component(0)) + square(component(2))).upper());
+    }
+  }
+  return reach;
+}
+
+double reach_of_unit_cube(const Placement<double>& placement) {
+  if (!placement.bend()) return 0.0;
+  Matrix3<double> turned;
+  for (int j = 0; j < 3; ++j) turned.col(j) = placement.bend()->turned(Vector3<double>(placement.rotation().col(j)));
+  return reach_in_plane(turned);
+}
+
+/// y(c + e) = centre + derivative e + remainder for |e|_inf <= h, with |v . remainder| bounded for every v.
+struct AffineMap {
+  Vector3<double> centre;
+  Matrix3<double> derivative;
+  Vector3<double> direction;  // of the bend
+  double radial = 0.0, axial = 0.0;
+
+  [[nodiscard]] Interval remainder(const Vector3<double>& v) const {
+    const Interval along = v[0] * direction[0] + v[1] * direction[1];
+    return abs(along) * Interval(radial) + abs(v[2]) * Interval(axial);
+  }
+};
+
+double sum_of_magnitudes(const Interval& a, const Interval& b, const Interval& c) {
+  return (abs(a) + abs(b) + abs(c)).upper();
+}
+
+/// The box of all images.
+Vector3<double> range(const AffineMap& map, double half_width) {
+  Vector3<double> result;
+  for (int i = 0; i < 3; ++i) {
+    const Interval linear(sum_of_magnitudes(map.derivative(i, 0), map.derivative(i, 1), map.derivative(i, 2)));
+    const Interval remainder = i == 2 ? Interval(map.axial) : abs(map.direction[i]) * Interval(map.radial);
+    const double half = (linear * Interval(half_width) + remainder).upper();
+    result[i] = map.centre[i] + Interval(-half, half);
+  }
+  return result;
+}
+
+Coordinates midpoint(const Vector3<double>& box) {
+  const auto middle = [](const Interval& a) { return 0.5 * a.lower() + 0.5 * a.upper(); };
+  return {middle(box[0]), middle(box[1]), middle(box[2])};
+}
+
+Coordinates absolute(const Coordinates& x) {
+  return {std::fabs(x[0]), std::fabs(x[1]), std::fabs(x[2])};
+}
+
+Vector3<double> exact(const Coordinates& x) {
+  return {Interval(x[0]), Interval(x[1]), Interval(x[2])};
+}
+
+bool is_finite(const Coordinates& x) {
+  return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
+}
+
+Interval dot(const Vector3<double>& a, const Vector3<double>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// {n . e <= offset} with n = derivative^T v rounded: contains every |e|_inf <= h with v . (y(c + e) - centre) <=
+/// bound.
+HalfSpace pulled_back(const AffineMap& map, const Coordinates& direction, double bound, double half_width) {
+  const Vector3<double> v = exact(direction);
+  const Vector3<double> image = map.derivative.transpose() * v;
+  const Coordinates normal = midpoint(image);
+  if (!is_finite(normal)) return kNothing;
+  const Vector3<double> error = image - exact(normal);
+  const Interval slack = Interval(sum_of_magnitudes(error[0], error[1], error[2])) * Interval(half_width);
+  return {normal, (Interval(bound) + slack + map.remainder(v)).upper()};
+}
+
+/// Whether no |e|_inf <= h lies in the half-space.
+bool misses_cube(const HalfSpace& half_space, double half_width) {
+  const auto& n = half_space.normal;
+  const Interval reach = Interval(sum_of_magnitudes(Interval(n[0]), Interval(n[1]), Interval(n[2])));
+  return (Interval(half_space.offset) + reach * Interval(half_width)).upper() < 0.0;
+}
+
+}  // namespace
+
+struct BoxPrimitive::State {
+  explicit State(const Primitive& primitive)
+      : placement(primitive),
+        precise_placement(primitive),
+        bounds(primitive.superquadric),
+        precise_bounds(primitive.superquadric),
+        boundary(primitive.superquadric),
+        semi_axes(primitive.superquadric.semi_axes),
+        radius(bounding_radius(primitive)),
+        reach(reach_of_unit_cube(placement)),
+        keeps_axes(primitive.pose.quaternion[1] == 0.0 && primitive.pose.quaternion[2] == 0.0 &&
+                   primitive.pose.quaternion[3] == 0.0 && !primitive.bend) {}
+
+  [[nodiscard]] bool sphere_misses(const Vector3<double>& from_centre, double half_width) const;
+  [[nodiscard]] std::optional<AffineMap> affine(const Vector3<double>& own, double half_width) const;
+  [[nodiscard]] Vector3<double> natural_range(const Vector3<double>& own, double half_width) const;
+
+  [[nodiscard]] Colour box_colour(const Vector3<double>& box) const;
+  [[nodiscard]] Colour precise_colour(const Point& x) const;
+  [[nodiscard]] bool half_space_misses(const AffineMap& map, double half_width) const;
+
+  [[nodiscard]] std::optional<Coordinates> gradient(const Coordinates& x) const;
+  [[nodiscard]] double excess_over_tangent(const AffineMap& map, const Vector3<double>& box,
+                                           const Coordinates& tangent) const;
+  [[nodiscard]] HalfSpace inside(const AffineMap& map, double half_width) const;
+  [[nodiscard]] HalfSpace outside(const AffineMap& map, double half_width) const;
+
+  Placement<double> placement;
+  Placement<Real> precise_placement;
+  SuperquadricBounds<double> bounds;
+  SuperquadricBounds<Real> precise_bounds;
+  Boundary<double> boundary;
+  Coordinates semi_axes;
+  double radius;
+  double reach;     // in the plane of the bend, of the cube of half-width 1
+  bool keeps_axes;  // the boxes of own coordinates are the cubes themselves
+};
+
+bool BoxPrimitive::State::sphere_misses(const Vector3<double>& from_centre, double half_width) const {
+  const Interval half_diagonal = sqrt(Interval(3)) * Interval(half_width);
+  return length<double>(from_centre).lower() > (Interval(radius) + half_diagonal).upper();
+}
+
+std::optional<AffineMap> BoxPrimitive::State::affine(const Vector3<double>& own, double half_width) const {
+  if (!placement.bend()) return AffineMap{own, placement.rotation(), Vector3<double>::Zero()};
+  const double step = (Interval(reach) * Interval(half_width)).upper();
+  const auto expansion = placement.bend()->expansion(own, step);
+  if (!expansion) return std::nullopt;
+  return AffineMap{expansion->centre, expansion->derivative * placement.rotation(), placement.bend()->direction(),
+                   expansion->radial, expansion->axial};
+}
+
+Vector3<double> BoxPrimitive::State::natural_range(const Vector3<double>& own, double half_width) const {
+  const AffineMap posed{own, placement.rotation(), Vector3<double>::Zero()};
+  return placement.unbent_up_to_sign(range(posed, half_width));
+}
+
+/// Cheap bounds first: max <= g <= sum of the |coordinates| / semi-axes. A gauge in plain floating point then tells
+/// which of the two proofs is worth its powers.
+Colour BoxPrimitive::State::box_colour(const Vector3<double>& box) const {
+  constexpr double doubt = 1e-9;
+  const Coordinates nearest = magnitudes<double>(box, Direction::down);
+  const Coordinates farthest = magnitudes<double>(box, Direction::up);
+  double sum = 0.0;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (nearest[i] > semi_axes[i]) return Colour::white;
+    const double ratio = divide(farthest[i], semi_axes[i], Direction::up);
+    sum = add(sum, ratio, Direction::up);
+    largest = std::max(largest, ratio);
+  }
+  if (sum < 1.0) return Colour::black;
+  if (boundary.gauge(nearest) > 1.0 - doubt && bounds.gauge(nearest, Direction::down) > 1.0) return Colour::white;
+  const bool hopeful = largest < 1.0 + doubt && boundary.gauge(farthest) < 1.0 + doubt;
+  return hopeful && bounds.gauge(farthest, Direction::up) < 1.0 ? Colour::black : Colour::gray;
+}
+
+/// For points whose colour the rounding errors of binary64 hide.
+Colour BoxPrimitive::State::precise_colour(const Point& x) const {
+  const PreciseVector own = precise_placement.rotation() * precise_placement.from_centre(x);
+  const PreciseInterval gauge = precise_bounds.gauge(precise_placement.unbent_up_to_sign(own));
+  if (gauge.lower() > Real(1)) return Colour::white;
+  return gauge.upper() < Real(1) ? Colour::black : Colour::gray;
+}
+
+/// The gradient of g in plain floating point, where it is usable.
+std::optional<Coordinates> BoxPrimitive::State::gradient(const Coordinates& x) const {
+  const Coordinates magnitude = absolute(x);
+  Coordinates result = boundary.normal(magnitude);
+  // Euler: g is homogeneous of degree 1.
+  const double scale =
+      boundary.gauge(magnitude) / (result[0] * magnitude[0] + result[1] * magnitude[1] + result[2] * magnitude[2]);
+  for (std::size_t i = 0; i < 3; ++i) result[i] = std::copysign(result[i] * scale, x[i]);
+  if (!is_finite(result)) return std::nullopt;
+  return result;
+}
+
+HalfSpace BoxPrimitive::State::inside(const AffineMap& map, double half_width) const {
+  const auto v = gradient(midpoint(map.centre));
+  if (!v) return kNothing;
+  const double support = bounds.support(absolute(*v), Direction::up);
+  if (!std::isfinite(support)) return kNothing;
+  const double bound = (Interval(support) - dot(exact(*v), map.centre)).upper();
+  return pulled_back(map, *v, bound, half_width);
+}
+
+/// A bound of g(y) - 1 - w . (y - centre) over the box: g minus a linear function is convex, largest at a corner.
+double BoxPrimitive::State::excess_over_tangent(const AffineMap& map, const Vector3<double>& box,
+                                                const Coordinates& tangent) const {
+  const auto end = [&box](int axis, int side) { return side == 0 ? box[axis].lower() : box[axis].upper(); };
+  double largest = -kInfinity;
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      const double section = bounds.section(std::fabs(end(0, i)), std::fabs(end(1, j)), Direction::up);
+      for (int l = 0; l < 2; ++l) {
+        const double gauge = bounds.gauge(section, std::fabs(end(2, l)), Direction::up);
+        const Coordinates corner{end(0, i), end(1, j), end(2, l)};
+        if (!is_finite(corner) || !std::isfinite(gauge)) return kInfinity;
+        const Interval linear = dot(exact(tangent), Vector3<double>(exact(corner) - map.centre));
+        largest = std::max(largest, (Interval(gauge) - Interval(1) - linear).upper());
+      }
+    }
+  }
+  return largest;
+}
+
+/// Outside of the interior, 1 <= g(y) <= 1 + m + w . (y - centre).
+HalfSpace BoxPrimitive::State::outside(const AffineMap& map, double half_width) const {
+  const auto w = gradient(midpoint(map.centre));
+  if (!w) return kNothing;
+  const double bound = excess_over_tangent(map, range(map, half_width), *w);
+  if (!std::isfinite(bound)) return kNothing;
+  return pulled_back(map, {-(*w)[0], -(*w)[1], -(*w)[2]}, bound, half_width);
+}
+
+/// Whether the half-space of the gradient, whose support is 1 but for rounding, proves that no point of the cube lies
+/// in K. Its powers are spent where it is about to.
+bool BoxPrimitive::State::half_space_misses(const AffineMap& map, double half_width) const {
+  const Coordinates centre = midpoint(map.centre);
+  if (!(boundary.gauge(absolute(centre)) > 1.0)) return false;
+  const auto v = gradient(centre);
+  if (!v) return false;
+  const double bound = (Interval(1) - dot(exact(*v), map.centre)).upper();
+  return misses_cube(pulled_back(map, *v, bound, half_width), half_width) &&
+         misses_cube(inside(map, half_width), half_width);
+}
+
+BoxPrimitive::BoxPrimitive(const Primitive& primitive) : state_(std::make_unique<State>(primitive)) {}
+BoxPrimitive::~BoxPrimitive() = default;
+BoxPrimitive::BoxPrimitive(BoxPrimitive&&) noexcept = default;
+BoxPrimitive& BoxPrimitive::operator=(BoxPrimitive&&) noexcept = default;
+
+Colour BoxPrimitive::colour(const Cube& cube) const {
+  const Vector3<double> from_centre = state_->placement.from_centre(cube.centre);
+  if (state_->sphere_misses(from_centre, cube.half_width)) return Colour::white;
+  const Vector3<double> own = state_->placement.rotation() * from_centre;
+  if (cube.half_width == 0.0) {
+    const Colour found = state_->box_colour(state_->placement.unbent_up_to_sign(own));
+    return found == Colour::gray ? state_->precise_colour(cube.centre) : found;
+  }
+  const auto map = state_->affine(own, cube.half_width);
+  if (!map) return state_->box_colour(state_->natural_range(own, cube.half_width));
+  const Colour found = state_->box_colour(range(*map, cube.half_width));
+  if (found != Colour::gray || state_->keeps_axes) return found;
+  return state_->half_space_misses(*map, cube.half_width) ? Colour::white : Colour::gray;
+}
+
+HalfSpace BoxPrimitive::half_space(const Cube& cube, Side side) const {
+  const Vector3<double> own = state_->placement.rotation() * state_->placement.from_centre(cube.centre);
+  const auto map = state_->affine(own, cube.half_width);
+  if (!map) return kNothing;
+  return side == Side::inside ? state_->inside(*map, cube.half_width) : state_->outside(*map, cube.half_width);
+}
+
+}  // namespace verisq::verify

@@ -1,0 +1,258 @@
+/// Multipliers are searched in floating point, an active set at a time; one interval evaluation proves the bound.
+#include "verify/sets/polytope_distance.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "verify/numbers/interval.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using Vector = Eigen::Vector3d;
+
+/// The problem about the cube's centre, scaled by powers of two so that lengths and normals are about 1 and their
+/// squares neither overflow nor vanish.
+struct Scaled {
+  Vector query;
+  double half_width;
+  std::vector<Vector> normals;
+  std::vector<double> offsets;
+};
+
+using Multipliers = std::vector<double>;
+
+double power_of_two_about(double size) {
+  if (!(size > 0.0) || !std::isfinite(size)) return 1.0;
+  int exponent = 0;
+  std::frexp(size, &exponent);
+  return std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
+}
+
+double largest_magnitude(const Point& v) {
+  return std::max({std::fabs(v[0]), std::fabs(v[1]), std::fabs(v[2])});
+}
+
+/// The unit of length.
+double unit_of(const Point& x, const Cube& cube) {
+  const Point& c = cube.centre;
+  return power_of_two_about(std::max(largest_magnitude({x[0] - c[0], x[1] - c[1], x[2] - c[2]}), cube.half_width));
+}
+
+Scaled scaled(const Point& x, const Cube& cube, std::span<const HalfSpace> half_spaces, double unit) {
+  Scaled result{{}, cube.half_width / unit, {}, {}};
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    result.query[i] = (x[k] - cube.centre[k]) / unit;
+  }
+  for (const auto& [normal, offset] : half_spaces) {
+    const double size = power_of_two_about(largest_magnitude(normal));
+    result.normals.emplace_back(normal[0] / size, normal[1] / size, normal[2] / size);
+    result.offsets.push_back(offset / size / unit);
+  }
+  return result;
+}
+
+/// What the search finds.
+struct Solution {
+  Vector nearest;
+  Multipliers multipliers;
+  std::optional<Multipliers> empty;  ///< of a combination of half-spaces that misses the cube
+};
+
+/// The dual active-set method of Goldfarb and Idnani (Mathematical Programming 27, 1983) for a Hessian of 1: it starts
+/// at the query and moves onto one violated plane after the other, so that the multipliers stay nonnegative.
+class ActiveSet {
+ public:
+  explicit ActiveSet(const Scaled& problem) : normals_(problem.normals), offsets_(problem.offsets) {
+    for (std::size_t j = 0; j < normals_.size(); ++j) {
+      const double length = normals_[j].norm();
+      lengths_.push_back(length);
+      normals_[j] /= length;
+      offsets_[j] /= length;
+    }
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      for (const double sign : {-1.0, 1.0}) {
+        normals_.push_back(sign * Vector::Unit(i));
+        offsets_.push_back(problem.half_width);
+      }
+    }
+    multipliers_.assign(normals_.size(), 0.0);
+    nearest_ = problem.query;
+  }
+
+  [[nodiscard]] Solution solve() {
+    constexpr int most_planes = 30;  // ends what rounding makes endless
+    for (int n = 0; n < most_planes; ++n) {
+      const std::size_t worst = most_violated();
+      if (worst == normals_.size()) break;
+      if (const auto impossible = move_onto(worst)) return {nearest_, of_half_spaces(multipliers_), impossible};
+    }
+    return {nearest_, of_half_spaces(multipliers_), std::nullopt};
+  }
+
+ private:
+  using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
+  using Rates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
+
+  /// For normals of the given lengths.
+  [[nodiscard]] Multipliers of_half_spaces(const Multipliers& of_planes) const {
+    Multipliers result;
+    for (std::size_t j = 0; j < lengths_.size(); ++j) result.push_back(std::max(0.0, of_planes[j]) / lengths_[j]);
+    return result;
+  }
+
+  [[nodiscard]] double violation(std::size_t j) const { return normals_[j].dot(nearest_) - offsets_[j]; }
+
+  [[nodiscard]] std::size_t most_violated() const {
+    double most = 1e-15;  // the rounding error of lengths about 1
+    std::size_t found = normals_.size();
+    for (std::size_t j = 0; j < normals_.size(); ++j) {
+      const double excess = violation(j);
+      if (!(excess > most) || std::ranges::find(active_, j) != active_.end()) continue;
+      most = excess;
+      found = j;
+    }
+    return found;
+  }
+
+  /// How fast the active multipliers fall as that of `normal` grows, so that all active planes are kept.
+  [[nodiscard]] Rates rates(const Vector& normal, Vector& across) const {
+    across = normal;
+    if (active_.empty()) return {};
+    Columns columns(3, static_cast<Eigen::Index>(active_.size()));
+    for (std::size_t a = 0; a < active_.size(); ++a) columns.col(static_cast<Eigen::Index>(a)) = normals_[active_[a]];
+    const Rates fall = columns.householderQr().solve(normal);
+    across -= columns * fall;
+    return fall;
+  }
+
+  /// Where the planes leave no point, gives the multipliers of a combination that shows it.
+  std::optional<Multipliers> move_onto(std::size_t plane) {
+    constexpr double dependent = 1e-12;
+    while (true) {
+      Vector across;
+      const Rates fall = rates(normals_[plane], across);
+      const double squared = across.squaredNorm();
+      const bool blocked = active_.size() == 3 || squared < dependent * dependent;
+      const double full = blocked ? kInfinity : violation(plane) / squared;
+      double step = full;
+      std::size_t leaves = active_.size();
+      for (std::size_t a = 0; a < active_.size(); ++a) {
+        const double rate = fall[static_cast<Eigen::Index>(a)];
+        if (!(rate > 0.0) || !(multipliers_[active_[a]] / rate < step)) continue;
+        step = multipliers_[active_[a]] / rate;
+        leaves = a;
+      }
+      if (step == kInfinity) {
+        Multipliers impossible(multipliers_.size(), 0.0);
+        impossible[plane] = 1.0;
+        for (std::size_t a = 0; a < active_.size(); ++a) impossible[active_[a]] = -fall[static_cast<Eigen::Index>(a)];
+        return of_half_spaces(impossible);
+      }
+      if (!blocked) nearest_ -= step * across;
+      for (std::size_t a = 0; a < active_.size(); ++a) {
+        multipliers_[active_[a]] -= step * fall[static_cast<Eigen::Index>(a)];
+      }
+      multipliers_[plane] += step;
+      if (leaves == active_.size()) {
+        active_.push_back(plane);
+        return std::nullopt;
+      }
+      multipliers_[active_[leaves]] = 0.0;
+      active_.erase(active_.begin() + static_cast<std::ptrdiff_t>(leaves));
+    }
+  }
+
+  std::vector<Vector> normals_;  ///< of length 1; the last six are those of the cube's faces
+  std::vector<double> offsets_;
+  std::vector<double> lengths_;  ///< of the half-spaces' normals
+  std::vector<double> multipliers_;
+  std::vector<std::size_t> active_;
+  Vector nearest_;
+};
+
+/// The same problem, enclosed.
+struct Proof {
+  Proof(const Point& x, const Cube& cube, double unit_length) : unit(Interval(1) / Interval(unit_length)) {
+    for (std::size_t i = 0; i < 3; ++i) query[i] = (Interval(x[i]) - Interval(cube.centre[i])) * unit;
+    half_width = Interval(cube.half_width) * unit;
+  }
+
+  /// min over |e| <= h of (e - d)^2 + 2 s e = dist(d - s, [-h, h])^2 + s (2 d - s), for each coordinate.
+  [[nodiscard]] double squared_distance(const std::array<Interval, 3>& s, const Interval& offset) const {
+    Interval sum = -(Interval(2) * offset);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Interval outside = abs(query[i] - s[i]) - half_width;
+      sum += square(Interval(std::max(0.0, outside.lower()))) + s[i] * (Interval(2) * query[i] - s[i]);
+    }
+    return sum.lower();
+  }
+
+  /// Whether s.e > offset all over the cube.
+  [[nodiscard]] bool empty(const std::array<Interval, 3>& s, const Interval& offset) const {
+    Interval reach(0);
+    for (std::size_t i = 0; i < 3; ++i) reach += abs(s[i]) * half_width;
+    return (-reach - offset).lower() > 0.0;
+  }
+
+  Interval unit;
+  std::array<Interval, 3> query;
+  Interval half_width;
+};
+
+/// A combination of half-spaces, which contains their intersection: sum of m_j n_j.e <= sum of m_j b_j.
+struct Combination {
+  std::array<Interval, 3> normal{Interval(0), Interval(0), Interval(0)};
+  Interval offset{0};
+};
+
+Combination combination(std::span<const HalfSpace> half_spaces, const Multipliers& multipliers, const Interval& unit) {
+  Combination result;
+  for (std::size_t j = 0; j < half_spaces.size(); ++j) {
+    if (!(multipliers[j] > 0.0) || !std::isfinite(multipliers[j])) continue;
+    const auto& [normal, offset] = half_spaces[j];
+    const Interval weight = Interval(multipliers[j]) / Interval(power_of_two_about(largest_magnitude(normal)));
+    for (std::size_t i = 0; i < 3; ++i) result.normal[i] += weight * Interval(normal[i]);
+    result.offset += weight * Interval(offset) * unit;
+  }
+  return result;
+}
+
+}  // namespace
+
+PolytopeDistance polytope_distance(const Point& x, const Cube& cube, std::span<const HalfSpace> half_spaces) {
+  std::vector<HalfSpace> usable;
+  for (const HalfSpace& half_space : half_spaces) {
+    const double size = largest_magnitude(half_space.normal);
+    if (size > 0.0 && std::isfinite(size) && std::isfinite(half_space.offset)) usable.push_back(half_space);
+  }
+  const double unit = unit_of(x, cube);
+  const Scaled problem = scaled(x, cube, usable, unit);
+  const Solution solution = ActiveSet(problem).solve();
+  const Vector e = solution.nearest.cwiseMax(-problem.half_width).cwiseMin(problem.half_width) * unit;
+  PolytopeDistance result{0.0, cube.centre};
+  if (e.allFinite()) result.nearest = {cube.centre[0] + e[0], cube.centre[1] + e[1], cube.centre[2] + e[2]};
+
+  const Proof proof(x, cube, unit);
+  if (solution.empty) {
+    const Combination impossible = combination(usable, *solution.empty, proof.unit);
+    if (proof.empty(impossible.normal, impossible.offset)) {
+      result.lower = kInfinity;
+      return result;
+    }
+  }
+  const Combination combined = combination(usable, solution.multipliers, proof.unit);
+  const double squared = proof.squared_distance(combined.normal, combined.offset);
+  if (squared > 0.0) result.lower = multiply(square_root(squared, Direction::down), unit, Direction::down);
+  return result;
+}
+
+}  // namespace verisq::verify

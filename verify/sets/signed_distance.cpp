@@ -1,0 +1,98 @@
+/// The public entry: certificates where they are as good as any proof, the search over cubes elsewhere.
+#include "verisq/signed_distance.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "verify/search/solid_union.hpp"
+#include "verify/sets/solid_distance.hpp"
+#include "verisq/checker.hpp"
+#include "verisq/error.hpp"
+
+namespace verisq {
+
+namespace {
+
+constexpr Enclosure nothing_known{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+
+/// Narrower enclosures are not searched for, in parts of the model's radius.
+constexpr double search_limit = 1e-10;
+
+bool never() {
+  return false;
+}
+
+/// What certificates of convex primitives need.
+struct ConvexUnion {
+  explicit ConvexUnion(const Model& model) : checker(model), solids(model.primitives.begin(), model.primitives.end()) {}
+
+  /// Outside, and of a single primitive, certificates are tight; where primitives may overlap, their union is deeper
+  /// than each of them, and the escape along a ray may be far from the shortest.
+  [[nodiscard]] bool loose(const Enclosure& found, double tolerance) const {
+    return solids.size() > 1 && !(found.lo > 0.0) && !verified(found, tolerance);
+  }
+
+  Checker checker;
+  std::vector<verify::Solid> solids;
+};
+
+}  // namespace
+
+struct SignedDistance::State {
+  explicit State(const Model& model) : search(model), resolution(search_limit * bounding_radius(model)) {
+    if (is_union_of_convex(model)) convex.emplace(model);
+  }
+
+  [[nodiscard]] Enclosure searched(const Point& point, double tolerance, const Enclosure& known,
+                                   const std::function<bool()>& interrupted) const {
+    return search(point, std::max(tolerance, resolution), known, interrupted);
+  }
+
+  std::optional<ConvexUnion> convex;
+  verify::SolidDistance search;
+  double resolution;
+};
+
+SignedDistance::SignedDistance(const Model& model) : state_(std::make_unique<State>(model)) {}
+
+SignedDistance::~SignedDistance() = default;
+SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
+SignedDistance& SignedDistance::operator=(SignedDistance&&) noexcept = default;
+
+Enclosure SignedDistance::operator()(const Point& point, double tolerance) const {
+  return (*this)(point, tolerance, never);
+}
+
+Enclosure SignedDistance::operator()(const Point& point, double tolerance,
+                                     const std::function<bool()>& interrupted) const {
+  if (!state_->convex) return state_->searched(point, tolerance, nothing_known, interrupted);
+  const Enclosure known = verify::signed_distance(state_->convex->solids, point, tolerance).distance;
+  if (!state_->convex->loose(known, std::max(tolerance, state_->resolution))) return known;
+  return state_->searched(point, tolerance, known, interrupted);
+}
+
+CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance) const {
+  return certified(point, tolerance, never);
+}
+
+CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance,
+                                             const std::function<bool()>& interrupted) const {
+  if (!state_->convex) throw Error(ErrorKind::input, "certificates: only for unions of primitives that are not bent");
+  const auto proven = [&](CertifiedEnclosure found) {
+    found.distance = state_->convex->checker(point, found.distance, found.certificate).proven;
+    return found;
+  };
+  const CertifiedEnclosure found = proven(verify::signed_distance(state_->convex->solids, point, tolerance));
+  if (!state_->convex->loose(found.distance, std::max(tolerance, state_->resolution))) return found;
+  // What one primitive alone proves of the upper end may be loose: most of the tolerance is left to that.
+  constexpr double share_of_escape = 1.0 / 16;
+  CertifiedEnclosure nearer = found;
+  nearer.certificate.escape =
+      state_->search.escape(point, std::max(share_of_escape * tolerance, state_->resolution), interrupted);
+  nearer = proven(nearer);
+  return nearer.distance.lo > found.distance.lo ? nearer : found;
+}
+
+}  // namespace verisq

@@ -1,0 +1,428 @@
+/// Best-first search over cubes of the model frame: the cube that may hold the nearest point is halved next.
+#include "verify/sets/solid_distance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <queue>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "verify/proof/intersection.hpp"
+#include "verify/search/candidates.hpp"
+#include "verify/search/solid.hpp"
+#include "verify/sets/bent_distance.hpp"
+#include "verify/sets/cube_division.hpp"
+#include "verify/sets/set_relaxation.hpp"
+#include "verify/sets/tree_colours.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kMostCubes = 20000;
+
+/// The solid, ready for searches.
+struct Scene {
+  explicit Scene(const Model& model)
+      : inside(normal_form(model, Side::inside)),
+        outside(normal_form(model, Side::outside)),
+        root(root_cube(bounding_box(model))) {
+    for (const Primitive& primitive : model.primitives) {
+      primitives.emplace_back(primitive);
+      origins.push_back(primitive.pose.translation);
+      const bool bent = is_bent(primitive);
+      solids.push_back(bent ? std::nullopt : std::optional<Solid>(primitive));
+      bent_solids.push_back(bent ? std::optional<BentDistance>(primitive) : std::nullopt);
+    }
+  }
+
+  SetNode inside;
+  SetNode outside;           ///< the closure of its complement
+  std::optional<Cube> root;  ///< contains the solid; nothing where it is too large for binary64
+  std::vector<BoxPrimitive> primitives;
+  std::vector<Point> origins;                ///< of the primitives' frames
+  std::vector<std::optional<Solid>> solids;  ///< nothing where the primitive is bent
+  std::vector<std::optional<BentDistance>> bent_solids;
+};
+
+/// The primitives of the leaves on that side.
+void append_leaves(const SetNode& node, Side side, std::vector<std::uint32_t>& leaves) {
+  if (node.kind == SetNode::Kind::leaf && node.side == side) leaves.push_back(node.primitive);
+  for (const SetNode& operand : node.operands) append_leaves(operand, side, leaves);
+}
+
+/// Primitives that are subsets of the whole set: operands of unions alone.
+void mark_subsets(const SetNode& node, std::vector<bool>& marks) {
+  if (node.kind == SetNode::Kind::leaf && node.side == Side::inside) marks[node.primitive] = true;
+  if (node.kind != SetNode::Kind::union_of) return;
+  for (const SetNode& operand : node.operands) mark_subsets(operand, marks);
+}
+
+std::vector<Colour> colours_at(const Scene& scene, const Point& x) {
+  std::vector<Colour> result;
+  for (const BoxPrimitive& primitive : scene.primitives) result.push_back(primitive.colour({x, 0.0}));
+  return result;
+}
+
+bool is_finite(const Point& x) {
+  return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
+}
+
+/// p moved by about `length` along v.
+Point moved(const Point& p, const Proposal& v, long double length) {
+  const long double scale = length / std::hypot(v[0], v[1], v[2]);
+  return {static_cast<double>(p[0] + scale * v[0]), static_cast<double>(p[1] + scale * v[1]),
+          static_cast<double>(p[2] + scale * v[2])};
+}
+
+Proposal from(const Point& a, const Point& b) {
+  const auto part = [&](std::size_t i) { return static_cast<long double>(b[i]) - a[i]; };
+  return {part(0), part(1), part(2)};
+}
+
+/// Of lengths computed with numbers of this size.
+double rounding_error(const Point& x, const Cube& root) {
+  double size = root.half_width;
+  for (std::size_t i = 0; i < 3; ++i) size = std::max({size, std::fabs(x[i]), std::fabs(root.centre[i])});
+  return 0x1p-48 * size;
+}
+
+/// A part of space that may hold the point of the target nearest to the query.
+struct Node {
+  Cube cube;
+  SetNode tree;     ///< the target within the cube
+  double lower;     ///< proven of the distance to the target within the cube
+  Point candidate;  ///< where the nearest point may be; proves nothing
+};
+
+struct LessPromising {
+  bool operator()(const Node& a, const Node& b) const { return a.lower > b.lower; }
+};
+
+/// The distance d(x, T) of one point to one target set T within the root cube.
+class Search {
+ public:
+  /// T is the solid, or with Side::outside the closure of its complement, for which x must lie in the root cube.
+  /// `primitives_at_x` are the colours of all primitives at x; `known` encloses d(x, T).
+  Search(const Scene& scene, Side side, const Point& x, std::span<const Colour> primitives_at_x, double tolerance,
+         const Enclosure& known)
+      : scene_(scene),
+        target_(side == Side::inside ? scene.inside : scene.outside),
+        x_(x),
+        resolution_(rounding_error(x, *scene.root)),
+        tolerance_(std::max(tolerance, 16.0 * resolution_)),
+        known_(known),
+        upper_(known.hi),
+        colours_(scene.primitives) {
+    if (side == Side::outside) {
+      // All that lies beyond the root cube belongs to T, and is settled.
+      const Enclosure beyond = distance_to_faces(x, *scene.root);
+      settled_ = beyond.lo;
+      found_upper(beyond.hi);
+    }
+    for (auto& bounds : leaf_bounds_) bounds.assign(scene.primitives.size(), 0.0);
+    bound_primitives(primitives_at_x);
+    bound_complements(primitives_at_x);
+  }
+
+  Search(const Search&) = delete;  // refers to itself
+  Search& operator=(const Search&) = delete;
+
+  /// The point of T that proved the upper bound, unless a whole cube, a certificate or what was known did.
+  [[nodiscard]] const std::optional<Point>& witness() const { return witness_; }
+
+  [[nodiscard]] Enclosure run(const std::function<bool()>& interrupted) {
+    examine(*scene_.root, target_);
+    while (!open_.empty()) {
+      const Node node = open_.top();
+      // Best first: no open cube has a lower bound below this one's.
+      if (node.lower >= settled_ || finished(node.lower) || examined_ >= kMostCubes || interrupted()) {
+        return enclosure(node.lower);
+      }
+      open_.pop();
+      if (worth_improving(node.cube)) improve_upper(node);
+      if (finished(node.lower)) return enclosure(node.lower);
+      divide(node);
+    }
+    return enclosure(kInfinity);
+  }
+
+ private:
+  /// Every point of T lies in an open cube, in a settled or in a dropped one.
+  [[nodiscard]] Enclosure enclosure(double least_open) const {
+    const auto what = [&] { return "the distance of " + text_of(x_) + " to the solid or its complement"; };
+    return intersection(known_, between(std::min({least_open, settled_, dropped_}), found_upper_, what), what);
+  }
+
+  void found_upper(double distance) {
+    found_upper_ = std::min(found_upper_, distance);
+    upper_ = std::min(upper_, distance);
+  }
+
+  [[nodiscard]] bool finished(double least_open) const { return verified(enclosure(least_open), tolerance_); }
+
+  void divide(const Node& node) {
+    const auto children = halves(node.cube);
+    if (!children) {
+      settled_ = std::min(settled_, node.lower);
+      return;
+    }
+    for (const Cube& child : *children) examine(child, node.tree);
+  }
+
+  /// `tree` is the target within the cube.
+  void examine(const Cube& cube, const SetNode& tree) {
+    ++examined_;
+    const std::span<const Colour> found = colours_(tree, cube);
+    const Colour all = colour(tree, found);
+    if (all == Colour::white) return;
+    if (all == Colour::black) {
+      const Enclosure to_cube = distance(x_, cube);
+      settled_ = std::min(settled_, to_cube.lo);
+      found_upper(to_cube.hi);
+      return;
+    }
+    Node node{cube, simplified(tree, found), 0.0, {}};
+    const PolytopeDistance bound = SetRelaxation(x_, cube, scene_.primitives, leaf_bound_)(node.tree);
+    node.lower = bound.lower;
+    node.candidate = bound.nearest;
+    if (node.lower >= upper_) {  // proven to be no nearer than a proven point of T
+      dropped_ = std::min(dropped_, node.lower);
+    } else {
+      open_.push(std::move(node));
+    }
+  }
+
+  // --- Upper bounds: points proven to lie in T ---
+
+  /// `tree` is the target about p.
+  bool accept(const Point& p, const SetNode& tree) {
+    if (!is_finite(p) || colour(tree, colours_(tree, {p, 0.0})) != Colour::black) return false;
+    const double far = distance_up(x_, p);
+    if (far < upper_) witness_ = p;
+    found_upper(far);
+    return true;
+  }
+
+  [[nodiscard]] PolytopeDistance proposal(const Node& node, const Cube& about, double margin) const {
+    static const LeafBound nothing = [](const SetNode&) { return 0.0; };
+    return SetRelaxation(x_, about, scene_.primitives, nothing, margin)(node.tree);
+  }
+
+  bool accept_proposal(const Point& p, const Node& node) {
+    return accept(p, contains(node.cube, p) ? node.tree : target_);
+  }
+
+  /// At each new scale, and now and then: proposals cost as much as dividing a cube.
+  [[nodiscard]] bool worth_improving(const Cube& cube) {
+    const bool smaller = cube.half_width < finest_;
+    finest_ = std::min(finest_, cube.half_width);
+    return smaller || visited_++ % 8 == 0;
+  }
+
+  /// Sequential linearisation: each relaxation is made about the last one's nearest point, in a cube that shrinks
+  /// nearly quadratically, as its error does.
+  void improve_upper(const Node& node) {
+    constexpr std::array<int, 7> halvings{1, 2, 3, 5, 8, 13, 21};
+    constexpr double reach = 8.0;  // in margins: how far the nearest point moves at corners that are not too sharp
+    const double margin = std::min(tolerance_, node.cube.half_width) / 8;
+    Cube about{node.candidate, node.cube.half_width};
+    for (const int n : halvings) {
+      const double half_width = std::ldexp(node.cube.half_width, -n);
+      if (n > 1 && !(half_width > reach * margin)) break;
+      about.half_width = half_width;
+      const PolytopeDistance found = proposal(node, about, margin);
+      about.centre = found.nearest;
+      if (!is_finite(found.nearest)) return;
+      if (found.lower == kInfinity) continue;  // on its way to the set
+      if (found.lower >= upper_) return;
+      if (accept_proposal(found.nearest, node) && upper_ - found.lower <= tolerance_ / 2) return;
+    }
+    for (double wider = 2.0 * margin; wider < node.cube.half_width; wider *= 4.0) {
+      const PolytopeDistance found = proposal(node, {about.centre, reach * wider}, wider);
+      if (found.lower != kInfinity && (found.lower >= upper_ || accept_proposal(found.nearest, node))) return;
+    }
+    improve_towards_centres(node);
+  }
+
+  /// The leaves whose origins are nearest to p: more than these cost more than they find, in large trees.
+  [[nodiscard]] std::vector<std::uint32_t> leaves_about(const Point& p, const SetNode& tree) const {
+    constexpr std::size_t most = 16;
+    std::vector<std::uint32_t> leaves;
+    append_leaves(tree, Side::inside, leaves);
+    std::ranges::sort(leaves);
+    leaves.erase(std::ranges::unique(leaves).begin(), leaves.end());
+    if (leaves.size() <= most) return leaves;
+    const auto apart = [&](std::uint32_t i) {
+      const Point& o = scene_.origins[i];
+      return std::hypot(o[0] - p[0], o[1] - p[1], o[2] - p[2]);
+    };
+    std::ranges::nth_element(leaves, leaves.begin() + most, {}, apart);
+    leaves.resize(most);
+    return leaves;
+  }
+
+  /// Where one plane does not tell the shape, at a tip or an edge: from the candidate into the primitives that it may
+  /// be a tip of. Bent or not, a primitive contains the origin of its frame.
+  void improve_towards_centres(const Node& node) {
+    for (const std::uint32_t i : leaves_about(node.candidate, node.tree)) {
+      const Proposal inwards = from(node.candidate, scene_.origins[i]);
+      if (!usable(inwards)) continue;
+      for (double far = std::min(tolerance_, node.cube.half_width) / 8; far < 4 * node.cube.half_width; far *= 2) {
+        if (accept_proposal(moved(node.candidate, inwards, far), node)) break;
+      }
+    }
+  }
+
+  /// About p, farther and farther along v.
+  void accept_along(const Point& p, const Proposal& v) {
+    if (!usable(v)) return;
+    for (const double margin : {tolerance_ / 8, tolerance_ / 2, 8 * tolerance_}) {
+      if (accept(moved(p, v, margin), target_)) return;
+    }
+  }
+
+  // --- What single primitives prove by their certificates ---
+
+  [[nodiscard]] std::vector<bool> leaves(Side side) const {
+    std::vector<std::uint32_t> leaves;
+    append_leaves(target_, side, leaves);
+    std::vector<bool> marks(scene_.primitives.size(), false);
+    for (const std::uint32_t i : leaves) marks[i] = true;
+    return marks;
+  }
+
+  /// Primitives K that are subsets of T.
+  [[nodiscard]] std::vector<bool> subsets() const {
+    std::vector<bool> marks(scene_.primitives.size(), false);
+    mark_subsets(target_, marks);
+    return marks;
+  }
+
+  double& leaf_bound_of(std::size_t primitive, Side side) {
+    return leaf_bounds_[static_cast<std::size_t>(side)][primitive];
+  }
+
+  [[nodiscard]] double bound_by_sphere(std::size_t primitive) const {
+    const auto& solid = scene_.solids[primitive];
+    return std::max(0.0,
+                    solid ? solid->posed().lower_by_sphere(x_) : scene_.bent_solids[primitive]->lower_by_sphere(x_));
+  }
+
+  /// d(x, K) and a point beside K's nearest.
+  [[nodiscard]] BentDistance::Nearest nearest_of(std::size_t primitive) const {
+    if (!scene_.solids[primitive]) return (*scene_.bent_solids[primitive])(x_);
+    const Solid& solid = *scene_.solids[primitive];
+    const CertifiedDistance found = solid.signed_distance(x_, tolerance_ / 4);
+    const Proposal out = solid.model_direction(usable(found.witness) ? found.witness : found.direction);
+    const Point surface = usable(out) ? moved(x_, out, -static_cast<long double>(found.distance.hi)) : x_;
+    return {found.distance, surface};
+  }
+
+  /// d(x, K) of primitives K that x is outside of.
+  void bound_primitives(std::span<const Colour> at_x) {
+    const std::vector<bool> wanted = leaves(Side::inside);
+    const std::vector<bool> subset = subsets();
+    const auto by_sphere = [&](std::size_t i) {
+      return wanted[i] && at_x[i] == Colour::white ? bound_by_sphere(i) : -1.0;
+    };
+    for (const auto& [bound, i] : nearest_spheres_first(scene_.primitives.size(), by_sphere)) {
+      if (bound < 0.0) continue;
+      leaf_bound_of(i, Side::inside) = bound;
+      if (bound > upper_) continue;
+      const BentDistance::Nearest found = nearest_of(i);
+      leaf_bound_of(i, Side::inside) = std::max(bound, found.distance.lo);
+      // First, for the witness: tighter bounds than its own have none.
+      accept_along(found.point, from(found.point, scene_.origins[i]));
+      if (subset[i]) found_upper(found.distance.hi);  // d(x, T) <= d(x, K)
+    }
+  }
+
+  /// d(x, closure of K's complement) of primitives K that x is in.
+  void bound_complements(std::span<const Colour> at_x) {
+    const std::vector<bool> wanted = leaves(Side::outside);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      if (!wanted[i] || !scene_.solids[i] || at_x[i] != Colour::black) continue;
+      const CertifiedDistance found = scene_.solids[i]->signed_distance(x_, tolerance_ / 4);
+      leaf_bound_of(i, Side::outside) = std::max(0.0, -found.distance.hi);
+      const Proposal out = scene_.solids[i]->model_direction(found.direction);
+      if (usable(out)) accept_along(moved(x_, out, -static_cast<long double>(found.distance.lo)), out);
+    }
+  }
+
+  const Scene& scene_;
+  const SetNode& target_;
+  Point x_;
+  double resolution_;
+  double tolerance_;
+  Enclosure known_;
+  double upper_;                    ///< known or found: a point of T is no farther
+  double found_upper_ = kInfinity;  ///< found here
+  TreeColours colours_;
+  std::optional<Point> witness_;
+  double settled_ = kInfinity;  ///< proven of the cubes that are not divided further
+  double dropped_ = kInfinity;  ///< proven of the cubes that are farther than `upper_`
+  std::array<std::vector<double>, 2> leaf_bounds_;
+  LeafBound leaf_bound_ = [this](const SetNode& leaf) { return leaf_bound_of(leaf.primitive, leaf.side); };
+  std::priority_queue<Node, std::vector<Node>, LessPromising> open_;
+  std::size_t examined_ = 0;
+  std::size_t visited_ = 0;
+  double finest_ = kInfinity;
+};
+
+/// Finite, where everything is proven to be empty.
+double at_most_finite(double lower) {
+  return std::min(lower, std::numeric_limits<double>::max());
+}
+
+}  // namespace
+
+struct SolidDistance::State {
+  Scene scene;
+};
+
+SolidDistance::SolidDistance(const Model& model) : state_(new State{Scene(model)}) {}
+SolidDistance::~SolidDistance() = default;
+SolidDistance::SolidDistance(SolidDistance&&) noexcept = default;
+SolidDistance& SolidDistance::operator=(SolidDistance&&) noexcept = default;
+
+Enclosure SolidDistance::operator()(const Point& x, double tolerance, const Enclosure& known,
+                                    const std::function<bool()>& interrupted) const {
+  const Scene& scene = state_->scene;
+  if (!scene.root) return known;
+  const std::vector<Colour> at_x = colours_at(scene, x);
+  const Colour here = contains(*scene.root, x) ? colour(scene.inside, at_x) : Colour::white;
+  // Where the sign is open, the distances to either side bound half of the enclosure each.
+  const double share = here == Colour::gray ? tolerance / 2 : tolerance;
+  Enclosure result{-kInfinity, kInfinity};
+  if (here != Colour::black) {
+    const Enclosure outside{here == Colour::white ? std::max(0.0, known.lo) : 0.0, std::max(0.0, known.hi)};
+    const Enclosure found = Search(scene, Side::inside, x, at_x, share, outside).run(interrupted);
+    result.hi = std::min(result.hi, found.hi);  // whatever the sign is
+    if (here == Colour::white || found.lo > 0.0) result.lo = std::max(result.lo, at_most_finite(found.lo));
+  }
+  if (here != Colour::white) {
+    const Enclosure inside{here == Colour::black ? std::max(0.0, -known.hi) : 0.0, std::max(0.0, -known.lo)};
+    const Enclosure found = Search(scene, Side::outside, x, at_x, share, inside).run(interrupted);
+    result.lo = std::max(result.lo, -found.hi);  // whatever the sign is
+    if (here == Colour::black || found.lo > 0.0) result.hi = std::min(result.hi, -found.lo);
+  }
+  return intersection(known, result, [&] { return "the signed distance at " + text_of(x); });
+}
+
+std::optional<Point> SolidDistance::escape(const Point& x, double tolerance,
+                                           const std::function<bool()>& interrupted) const {
+  const Scene& scene = state_->scene;
+  if (!scene.root || !contains(*scene.root, x)) return std::nullopt;
+  Search search(scene, Side::outside, x, colours_at(scene, x), tolerance, {0.0, kInfinity});
+  static_cast<void>(search.run(interrupted));
+  return search.witness();
+}
+
+}  // namespace verisq::verify

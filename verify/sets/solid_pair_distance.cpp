@@ -1,0 +1,257 @@
+/// Best first: the pair of cells with the least lower bound is refined, in the cell whose polytope is looser.
+#include "verify/sets/solid_pair_distance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <queue>
+#include <vector>
+#include <verisq/error.hpp>
+
+#include "verify/sets/solid_pair_bound.hpp"
+#include "verify/sets/solid_pair_points.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+constexpr std::size_t kMostPairs = std::size_t{1} << 22U;      // 24 bytes each
+constexpr std::uint64_t kMostCubes = std::uint64_t{1} << 20U;  // some 200 bytes each
+constexpr std::uint64_t kReportInterval = 64;                  // refined pairs between two looks at the options
+constexpr std::uint64_t kStepsForCommonPoint = 4096;           // refined pairs, once the distance is known to be small
+
+/// No enclosure is asked to be narrower than this share of the coordinates: rounding errors would keep every pair.
+constexpr double kFinestRelativeTolerance = 0x1p-42;
+
+struct CellPair {
+  double lower;
+  double eccentricity;  ///< how far apart the cubes' centres are, in half-widths, where the bound is 0
+  std::uint32_t a;
+  std::uint32_t b;
+};
+
+/// The least lower bound first; where the models seem to meet, cubes that coincide before those that hardly touch: they
+/// lead to common points.
+struct LaterThan {
+  bool operator()(const CellPair& p, const CellPair& q) const {
+    return p.lower != q.lower ? p.lower > q.lower : p.eccentricity > q.eccentricity;
+  }
+};
+
+class Search {
+  struct Child {
+    CellPair pair;
+    Approach approach;
+  };
+
+ public:
+  Search(const SearchSolid& a, const SearchSolid& b, const Pose& pose, const SearchOptions& options)
+      : motion_(pose), points_(a, b, motion_), a_(a), b_(b), options_(&options) {
+    tolerance_ = std::max(options.tolerance, kFinestRelativeTolerance * magnitude());
+  }
+
+  [[nodiscard]] SearchedDistance run() {
+    if (!consider_roots()) return result();
+    while (!finished()) {
+      if (known()) ++steps_when_known_;
+      const CellPair pair = queue_.top();
+      queue_.pop();
+      refine(pair);
+      if (++steps_ % kReportInterval == 0 && options_->progress) options_->progress(enclosure(), cubes());
+    }
+    if (queue_.empty() && left_out_ == kInfinity && upper_ == kInfinity) {
+      throw Error(ErrorKind::input, "a model has no point at all: its set operations leave nothing");
+    }
+    return result();
+  }
+
+ private:
+  /// False where that is interrupted, or more than there is room for: nothing is known then.
+  bool consider_roots() {
+    std::uint64_t considered = 0;
+    for (std::uint32_t i = 0; i < a_.roots(); ++i) {
+      for (std::uint32_t j = 0; j < b_.roots(); ++j) {
+        const bool asked = ++considered % kReportInterval == 0 && options_->interrupted && options_->interrupted();
+        if (asked || queue_.size() > kMostPairs) {
+          left_out_ = 0.0;
+          return false;
+        }
+        consider(i, j, 0.0);
+      }
+    }
+    return true;
+  }
+
+  [[nodiscard]] double magnitude() const {
+    double largest = 0.0;
+    for (const double t : motion_.translation()) largest = std::max(largest, std::fabs(t));
+    for (const Cells* cells : {&a_, &b_}) {
+      for (std::uint32_t i = 0; i < cells->roots(); ++i) {
+        const Cube& cube = (*cells)[i].polytope.cube();
+        for (const double c : cube.centre) largest = std::max(largest, std::fabs(c) + cube.half_width);
+      }
+    }
+    return largest;
+  }
+
+  /// Pairs at least this far are left out: what they have is not nearer than the tolerance allows. A trifle less than
+  /// upper - tolerance, so that rounding that difference costs nothing.
+  [[nodiscard]] double enough() const { return upper_ - 0.999 * tolerance_; }
+
+  [[nodiscard]] double lower() const {
+    return std::min({left_out_, upper_, queue_.empty() ? kInfinity : queue_.top().lower});
+  }
+
+  [[nodiscard]] Enclosure enclosure() const { return common_ ? Enclosure{0.0, 0.0} : Enclosure{lower(), upper_}; }
+
+  [[nodiscard]] std::uint64_t cubes() const { return a_.evaluated() + b_.evaluated(); }
+
+  /// Whether all that is left is as far as the best points, but for the tolerance. Precondition: something is left.
+  [[nodiscard]] bool known() const { return queue_.top().lower >= enough(); }
+
+  [[nodiscard]] bool finished() const {
+    if (common_ || queue_.empty() || queue_.size() > kMostPairs || cubes() > kMostCubes) return true;
+    // Where the models seem to meet, a common point says more than a small distance.
+    if (known() && (queue_.top().lower > 0.0 || steps_when_known_ >= kStepsForCommonPoint)) return true;
+    return steps_ > 0 && steps_ % kReportInterval == 0 && options_->interrupted && options_->interrupted();
+  }
+
+  /// Bounds a pair that is part of one with the bound `least`, and keeps it where it may have closest points.
+  void consider(std::uint32_t i, std::uint32_t j, double least) {
+    const Cell& x = a_[i];
+    const Cell& y = b_[j];
+    Approach found = approach(x.polytope, y.polytope, motion_, direction_, enough());
+    found.lower = std::max(found.lower, least);
+    // Of models that do not meet, closest points lie on both boundaries: from a point in the interior of one the way to
+    // the other gets shorter within the model.
+    if ((x.inside || y.inside) && found.lower > 0.0) return;
+    if (found.lower > 0.0 && found.lower >= enough()) {
+      left_out_ = std::min(left_out_, found.lower);
+      return;
+    }
+    const CellPair pair{found.lower, found.lower > 0.0 ? 0.0 : eccentricity(x.polytope.cube(), y.polytope.cube()), i,
+                        j};
+    queue_.push(pair);
+    if (!nearest_child_ || LaterThan{}(nearest_child_->pair, pair)) nearest_child_ = {pair, found};
+  }
+
+  void refine(const CellPair& pair) {
+    nearest_child_.reset();
+    const bool a_first = a_[pair.a].slack >= b_[pair.b].slack;
+    const bool refined = a_first ? refine_a(pair) || refine_b(pair) : refine_b(pair) || refine_a(pair);
+    if (!refined) left_out_ = std::min(left_out_, pair.lower);
+    if (nearest_child_) propose(*nearest_child_);
+  }
+
+  bool refine_a(const CellPair& pair) {
+    const std::optional<CellRange> children = a_.children(pair.a);
+    if (!children) return false;
+    for (std::uint32_t i = children->first; i < children->end; ++i) consider(i, pair.b, pair.lower);
+    return true;
+  }
+
+  bool refine_b(const CellPair& pair) {
+    const std::optional<CellRange> children = b_.children(pair.b);
+    if (!children) return false;
+    for (std::uint32_t j = children->first; j < children->end; ++j) consider(pair.a, j, pair.lower);
+    return true;
+  }
+
+  /// Points of the child, where its relaxation promises better ones than are known.
+  void propose(const Child& child) {
+    const Cell& x = a_[child.pair.a];
+    const Cell& y = b_[child.pair.b];
+    const Approach& found = child.approach;
+    if (found.lower <= 0.0 && find_common(x, y)) return;
+    if (found.between >= upper_ - 0.1 * (upper_ - lower())) return;
+    const double scale = std::max(x.polytope.cube().half_width, y.polytope.cube().half_width);
+    auto points = points_.settled(x, y, found.on_a, found.on_b, scale);
+    if (!points || points->distance >= upper_) return;
+    points = points_.improved(x, y, *points, scale, 0.1 * tolerance_);
+    upper_ = points->distance;
+    near_points_ = {points->on_a, points->on_b};
+    if (upper_ == 0.0) common_ = points->on_a;
+    const Point b = motion_.to_a(points->on_b);
+    direction_ = unit({b[0] - points->on_a[0], b[1] - points->on_a[1], b[2] - points->on_a[2]});
+  }
+
+  [[nodiscard]] double eccentricity(const Cube& x, const Cube& y) const {
+    const Point centre = motion_.to_a(y.centre);
+    return std::hypot(centre[0] - x.centre[0], centre[1] - x.centre[1], centre[2] - x.centre[2]) /
+           (x.half_width + y.half_width);
+  }
+
+  /// Tries the centres of cubes that lie in one model, and points of both polytopes, away from their faces if they can
+  /// be.
+  bool find_common(const Cell& x, const Cell& y) {
+    if (x.inside && try_common(x, y, x.polytope.cube().centre)) return true;
+    if (y.inside && try_common(x, y, motion_.to_a(y.polytope.cube().centre))) return true;
+    const double size = std::min(x.polytope.cube().half_width, y.polytope.cube().half_width);
+    return std::ranges::any_of(std::array{0.25 * size, 0x1p-6 * size, 0.0}, [&](double margin) {
+      const CutCube within_x = x.polytope.shrunk(margin);
+      const CutCube within_y = y.polytope.shrunk(margin);
+      return try_common(x, y, approach(within_x, within_y, motion_, {}, kInfinity).on_a);
+    });
+  }
+
+  bool try_common(const Cell& x, const Cell& y, const Point& at) {
+    if (points_.common(x, y, at)) common_ = at;
+    return common_.has_value();
+  }
+
+  [[nodiscard]] SearchedDistance result() const {
+    const Enclosure found = enclosure();
+    const Proximity proximity = common_          ? Proximity::overlapping
+                                : found.lo > 0.0 ? Proximity::separated
+                                                 : Proximity::undecided;
+    return {found, proximity, near_points_, common_, cubes(), verified(found, tolerance_)};
+  }
+
+  SearchMotion motion_;
+  PointSearch points_;
+  Cells a_;
+  Cells b_;
+  const SearchOptions* options_;
+  double tolerance_ = 0.0;
+  std::priority_queue<CellPair, std::vector<CellPair>, LaterThan> queue_;
+  double upper_ = kInfinity;
+  double left_out_ = kInfinity;  ///< the least lower bound of all pairs that are in the queue no more, not refined
+  Point direction_{};            ///< from A to B, between the best points
+  std::optional<std::array<Point, 2>> near_points_;
+  std::optional<Point> common_;
+  std::optional<Child> nearest_child_;  ///< of the pair that is being refined
+  std::uint64_t steps_ = 0;
+  std::uint64_t steps_when_known_ = 0;
+};
+
+}  // namespace
+
+SearchedDistance solid_pair_distance(const SearchSolid& a, const SearchSolid& b, const Pose& pose,
+                                     const SearchOptions& options) {
+  return Search(a, b, pose, options).run();
+}
+
+}  // namespace verisq::verify
+
+namespace verisq {
+
+struct ModelSearch::State {
+  verify::SearchSolid a;
+  verify::SearchSolid b;
+};
+
+ModelSearch::ModelSearch(const Model& a, const Model& b)
+    : state_(std::make_unique<State>(State{verify::SearchSolid(a), verify::SearchSolid(b)})) {}
+
+ModelSearch::~ModelSearch() = default;
+ModelSearch::ModelSearch(ModelSearch&&) noexcept = default;
+ModelSearch& ModelSearch::operator=(ModelSearch&&) noexcept = default;
+
+SearchedDistance ModelSearch::operator()(const Pose& pose, const SearchOptions& options) const {
+  return verify::solid_pair_distance(state_->a, state_->b, pose, options);
+}
+
+}  // namespace verisq
