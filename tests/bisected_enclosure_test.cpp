@@ -89,7 +89,7 @@ TEST(BisectedEnclosureTest, TheNormalOfABoxHoldsThoseOfItsPoints) {
     Point member = x;
     for (double& c : member) c += radius * random.uniform(-1, 1);
     const IntervalVector thin = solid.normal(exact(member));
-    for (Eigen::Index k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < 3; ++k) {
       ASSERT_LE(wide[k].lower(), thin[k].lower()) << "case " << i;
       ASSERT_GE(wide[k].upper(), thin[k].upper()) << "case " << i;
     }
@@ -119,7 +119,7 @@ TEST(BisectedEnclosureTest, TheSupportPointOfABoxHoldsThoseOfItsDirections) {
     for (std::size_t k = 0; k < 3; ++k) member[k] = v[k] + radius * random.uniform(-1, 1);
     const Coordinates<long double> x = SuperquadricSet<long double>(s)(member);
     for (std::size_t k = 0; k < 3; ++k) {
-      const Interval& side = box[static_cast<Eigen::Index>(k)];
+      const Interval& side = box[k];
       // The floating-point mapping's own error, large where a huge exponent 2/(2 - e) multiplies it.
       const long double slack = 1e-16L * s.semi_axes[k];
       ASSERT_GE(x[k], side.lower() - slack) << "case " << i << " coordinate " << k;

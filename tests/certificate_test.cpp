@@ -73,8 +73,8 @@ TEST(SuperquadricTest, EllipsoidHasEuclideanNorms) {
     const PreciseVector v = precise(random.direction());
     PreciseVector scaled;
     PreciseVector shrunk;
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      const PreciseInterval a = Real(ellipsoid.semi_axes[static_cast<std::size_t>(k)]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const PreciseInterval a = Real(ellipsoid.semi_axes[k]);
       scaled[k] = v[k] * a;
       shrunk[k] = v[k] / a;
     }
@@ -100,7 +100,7 @@ TEST(SuperquadricTest, BoxesOfPointsAreEnclosedWithoutOverestimation) {
     Vector3<double> box;
     Vector3<double> nearest;
     Vector3<double> farthest;
-    for (Eigen::Index k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < 3; ++k) {
       const double a = random.uniform(-3.0, 3.0);
       const double b = random.uniform(-3.0, 3.0);
       box[k] = Interval(std::min(a, b), std::max(a, b));

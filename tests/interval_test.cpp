@@ -15,6 +15,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "verify/analysis/interval_matrix.hpp"
+
 namespace verisq::verify {
 namespace {
 
@@ -404,9 +406,54 @@ TEST(IntervalTest, WorksAsEigenScalar) {
       EXPECT_NEAR(product(i, j).lower(), i == j ? 1.0 : 0.0, 1e-14);
     }
   }
-  const Vector3<double> v(Interval(3.0), Interval(4.0), Interval(12.0));
-  EXPECT_EQ(length<double>(v).lower(), 13.0);
-  EXPECT_EQ(length<double>(v).upper(), 13.0);
+}
+
+/// Whether all components are these numbers.
+bool is_exactly(const Vector3<double>& v, const std::array<double, 3>& wanted) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (v[i].lower() != wanted[i] || v[i].upper() != wanted[i]) return false;
+  }
+  return true;
+}
+
+bool is_exactly(const Matrix3<double>& m, const std::array<std::array<double, 3>, 3>& wanted) {
+  return is_exactly(m.row(0), wanted[0]) && is_exactly(m.row(1), wanted[1]) && is_exactly(m.row(2), wanted[2]);
+}
+
+TEST(VectorTest, OperationsOnIntegersAreExact) {
+  const Vector3<double> v(3, -4, 12);
+  const Vector3<double> w(1, 2, -5);
+  EXPECT_TRUE(is_exactly(Vector3<double>(), {0, 0, 0}));
+  EXPECT_TRUE(is_exactly(-v, {-3, 4, -12}));
+  EXPECT_TRUE(is_exactly(v + w, {4, -2, 7}));
+  EXPECT_TRUE(is_exactly(v - w, {2, -6, 17}));
+  EXPECT_TRUE(is_exactly(v * Interval(2), {6, -8, 24}));
+  EXPECT_TRUE(is_exactly(v / Interval(2), {1.5, -2, 6}));
+  EXPECT_EQ(v.dot(w).lower(), -65);
+  EXPECT_EQ(v.dot(w).upper(), -65);
+  EXPECT_EQ(length<double>(v).lower(), 13);
+  EXPECT_EQ(length<double>(v).upper(), 13);
+}
+
+TEST(MatrixTest, OperationsOnIntegersAreExact) {
+  const Matrix3<double> a({1, 2, 3}, {0, -1, 4}, {5, 6, -2});
+  const Matrix3<double> b({2, 0, 1}, {-3, 1, 0}, {1, 4, -1});
+  EXPECT_TRUE(is_exactly(a + b, {{{3, 2, 4}, {-3, 0, 4}, {6, 10, -3}}}));
+  EXPECT_TRUE(is_exactly(-a, {{{-1, -2, -3}, {0, 1, -4}, {-5, -6, 2}}}));
+  EXPECT_TRUE(is_exactly(a * Interval(3), {{{3, 6, 9}, {0, -3, 12}, {15, 18, -6}}}));
+  EXPECT_TRUE(is_exactly(a * Vector3<double>(1, 2, -1), {2, -6, 19}));
+  EXPECT_TRUE(is_exactly(a * b, {{{-1, 14, -2}, {7, 15, -4}, {-10, -2, 7}}}));
+  EXPECT_TRUE(is_exactly(a.transpose(), {{{1, 0, 5}, {2, -1, 6}, {3, 4, -2}}}));
+  EXPECT_TRUE(is_exactly(a.column(2), {3, 4, -2}));
+  EXPECT_TRUE(is_exactly(Matrix3<double>::identity() * a, {{{1, 2, 3}, {0, -1, 4}, {5, 6, -2}}}));
+  EXPECT_TRUE(a(1, 2).lower() == 4 && a(2, 1).lower() == 6);
+}
+
+TEST(VectorTest, ComponentsContainWhatTheirBoxesCanGive) {
+  const Vector3<double> v(Interval(1, 2), Interval(-1, 1), Interval(3, 3));
+  const Interval product = v.dot({Interval(2, 3), Interval(4, 5), Interval(-1, 1)});
+  EXPECT_EQ(product.lower(), 2 - 5 - 3);
+  EXPECT_EQ(product.upper(), 6 + 5 + 3);
 }
 
 }  // namespace

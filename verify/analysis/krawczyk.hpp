@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "verify/analysis/fifty_digits.hpp"
-#include "verify/numbers/interval.hpp"
+#include "verify/analysis/interval_matrix.hpp"
 
 namespace verisq::verify {
 

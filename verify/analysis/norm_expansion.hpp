@@ -8,22 +8,25 @@
 #include <cmath>
 #include <type_traits>
 
-#include "verify/numbers/interval.hpp"
+#include "verify/numbers/vector.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
+
+template <class Number>
+inline constexpr bool is_interval = std::is_same_v<Number, PreciseInterval>;
 
 /// The gradient of the support function is the support point, its Hessian how that moves with the direction. The
 /// gradient of the gauge is an outer normal.
 template <class Number>
 struct NormExpansion {
-  Number value;
-  Eigen::Matrix<Number, 3, 1> gradient;
-  Eigen::Matrix<Number, 3, 3> hessian;
-};
+  using Vector = std::conditional_t<is_interval<Number>, PreciseVector, Eigen::Matrix<Number, 3, 1>>;
+  using Matrix = std::conditional_t<is_interval<Number>, PreciseMatrix, Eigen::Matrix<Number, 3, 3>>;
 
-template <class Number>
-inline constexpr bool is_interval = std::is_same_v<Number, PreciseInterval>;
+  Number value;
+  Vector gradient;
+  Matrix hessian;
+};
 
 /// ‖(x, y)‖_q with all derivatives up to the second.
 template <class Number>
@@ -92,7 +95,7 @@ template <class Number>
 template <class Number>
 class NormFunction {
  public:
-  using Vector = Eigen::Matrix<Number, 3, 1>;
+  using Vector = typename NormExpansion<Number>::Vector;
 
   /// h, with q - 1 = e / (2 - e). For intervals: precondition that both exponents are below 2.
   [[nodiscard]] static NormFunction support(const Superquadric& solid) {
@@ -123,11 +126,11 @@ class NormFunction {
     for (std::size_t i = 0; i < 3; ++i) signed_weights[i] = weights_[i] * sign_of<Number>(v[static_cast<int>(i)]);
     NormExpansion<Number> result;
     result.value = whole.value;
-    result.gradient << signed_weights[0] * whole.dx * section.dx, signed_weights[1] * whole.dx * section.dy,
-        signed_weights[2] * whole.dy;
+    result.gradient = {signed_weights[0] * whole.dx * section.dx, signed_weights[1] * whole.dx * section.dy,
+                       signed_weights[2] * whole.dy};
     const auto product = [&](std::size_t i, std::size_t j) { return Number(signed_weights[i] * signed_weights[j]); };
     const auto own = [&](std::size_t i) { return Number(weights_[i] * weights_[i]); };
-    Eigen::Matrix<Number, 3, 3>& m = result.hessian;
+    auto& m = result.hessian;
     m(0, 0) = own(0) * (whole.dxx * section.dx * section.dx + whole.dx * section.dxx);
     m(1, 1) = own(1) * (whole.dxx * section.dy * section.dy + whole.dx * section.dyy);
     m(2, 2) = own(2) * whole.dyy;

@@ -1,7 +1,6 @@
 /// Interval arithmetic for proofs: Boost.Interval with the directed rounding of this library, at two precisions.
 #pragma once
 
-#include <Eigen/Core>
 #include <boost/numeric/interval/arith.hpp>
 #include <boost/numeric/interval/arith2.hpp>
 #include <boost/numeric/interval/interval.hpp>
@@ -158,31 +157,4 @@ using Interval = BasicInterval<double>;
 /// 127-bit ends and an exponent range that binary64 input cannot leave: for the last word.
 using PreciseInterval = BasicInterval<Real>;
 
-template <class T>
-using Vector3 = Eigen::Matrix<BasicInterval<T>, 3, 1>;
-using PreciseVector = Vector3<Real>;
-
-/// Euclidean length.
-template <class T>
-[[nodiscard]] BasicInterval<T> length(const Vector3<T>& v) {
-  return sqrt(square(v[0]) + square(v[1]) + square(v[2]));
-}
-
 }  // namespace verisq::verify
-
-template <class T>
-struct Eigen::NumTraits<verisq::verify::BasicInterval<T>> : Eigen::GenericNumTraits<verisq::verify::BasicInterval<T>> {
-  using Real = verisq::verify::BasicInterval<T>;
-  using NonInteger = Real;
-  using Nested = Real;
-  using Literal = Real;
-  enum {
-    IsComplex = 0,
-    IsInteger = 0,
-    IsSigned = 1,
-    RequireInitialization = 1,
-    ReadCost = 2,
-    AddCost = 8,
-    MulCost = 16
-  };
-};

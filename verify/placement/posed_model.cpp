@@ -1,6 +1,8 @@
 /// Poses composed in precise interval arithmetic, then rounded.
 #include "verisq/posed_model.hpp"
 
+#include <array>
+
 #include "verify/proof/pose.hpp"
 
 namespace verisq {
@@ -9,7 +11,7 @@ namespace {
 using verify::PreciseInterval;
 using verify::PreciseVector;
 using verify::Real;
-using Quaternion = Eigen::Matrix<PreciseInterval, 4, 1>;
+using Quaternion = std::array<PreciseInterval, 4>;
 
 /// Either end serves: they differ by a few units of the 127th bit of the operands.
 double nearest(const PreciseInterval& value) {

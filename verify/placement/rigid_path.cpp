@@ -5,7 +5,7 @@
 /// of time it is largest at one of the ends.
 #include "verify/placement/rigid_path.hpp"
 
-#include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -15,7 +15,7 @@
 namespace verisq::verify {
 namespace {
 
-using Quaternion = Eigen::Matrix<PreciseInterval, 4, 1>;
+using Quaternion = std::array<PreciseInterval, 4>;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double smallest_normal = std::numeric_limits<double>::min();
@@ -55,11 +55,15 @@ Quaternion unit(const std::array<double, 4>& q) {
   return unit(Quaternion{Real(q[0]), Real(q[1]), Real(q[2]), Real(q[3])});
 }
 
+Quaternion sum(const Quaternion& p, const Quaternion& q) {
+  return {p[0] + q[0], p[1] + q[1], p[2] + q[2], p[3] + q[3]};
+}
+
 /// The normalised sum of two unit quaternions is the rotation half-way between them: halving is as exact as a root,
 /// and reaches every time that is a binary fraction.
 Quaternion between(Quaternion from, Quaternion to, double fraction) {
   while (fraction != 0.0 && fraction != 1.0) {
-    const Quaternion middle = unit(Quaternion(from + to));
+    const Quaternion middle = unit(sum(from, to));
     if (fraction < 0.5) {
       to = middle;
       fraction = 2.0 * fraction;
@@ -90,21 +94,23 @@ std::array<Point, 3> rotation_to_nearest(const Quaternion& q) {
            {sum_entry(x * z, -(w * y)), sum_entry(y * z, w * x), square_entry(x, y)}}};
 }
 
+PreciseVector cross(const PreciseVector& a, const PreciseVector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 /// The rotation vector of to from^-1. Precondition: the shorter way round, the scalar part is not negative.
 PreciseVector rotation_vector(const Quaternion& from, const Quaternion& to) {
   const PreciseVector a(from[1], from[2], from[3]);
   const PreciseVector b(to[1], to[2], to[3]);
   const PreciseInterval scalar = from[0] * to[0] + a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  const PreciseVector vector = from[0] * b - to[0] * a + a.cross(b);  // from q_to conj(q_from): b a^-1
+  const PreciseVector vector = b * from[0] - a * to[0] + cross(a, b);  // from q_to conj(q_from): b a^-1
   const PreciseInterval sine = length<Real>(vector);
   const PreciseInterval two(2);
   // Half the angle is atan(sine / scalar); below a quarter of a turn without division by what may be 0.
   if (scalar.lower() > Real(0.5)) {
-    const PreciseInterval factor = two * arctangent_quotient(PreciseInterval(sine / scalar)) / scalar;
-    return factor * vector;
+    return vector * (two * arctangent_quotient(PreciseInterval(sine / scalar)) / scalar);
   }
-  const PreciseInterval factor = two * polar_angle(scalar, sine) / sine;
-  return factor * vector;
+  return vector * (two * polar_angle(scalar, sine) / sine);
 }
 
 }  // namespace
@@ -127,10 +133,9 @@ RigidPath::Leg RigidPath::leg(const Pose& from, const Pose& to) {
           .spin_error = 0.0,
           .reach = one_norm(from.translation) + one_norm(to.translation)};
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto n = static_cast<Eigen::Index>(i);
     leg.velocity[i] = to.translation[i] - from.translation[i];
-    leg.spin[i] = nearest(spin[n]);
-    leg.spin_error = add(leg.spin_error, upper(abs(spin[n] - PreciseInterval(Real(leg.spin[i])))), Direction::up);
+    leg.spin[i] = nearest(spin[i]);
+    leg.spin_error = add(leg.spin_error, upper(abs(spin[i] - PreciseInterval(Real(leg.spin[i])))), Direction::up);
   }
   return leg;
 }

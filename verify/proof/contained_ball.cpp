@@ -97,7 +97,7 @@ class BallProof {
 
   [[nodiscard]] bool inside(const PreciseVector& d) const {
     std::array<Real, 3> x;
-    for (std::size_t k = 0; k < 3; ++k) x[k] = add(q_[k], d[static_cast<Eigen::Index>(k)].upper(), Direction::up);
+    for (std::size_t k = 0; k < 3; ++k) x[k] = add(q_[k], d[k].upper(), Direction::up);
     return bounds_.gauge(x, Direction::up) <= Real(1);
   }
 

@@ -6,8 +6,6 @@
 
 namespace verisq::verify {
 
-using PreciseMatrix = Eigen::Matrix<PreciseInterval, 3, 3>;
-
 /// A rigid motion x -> R x + t, enclosed.
 struct Motion {
   PreciseMatrix rotation;

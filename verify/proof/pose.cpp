@@ -10,18 +10,16 @@ PreciseVector exact(const Point& x) {
 }
 
 /// Rotation matrix of q/|q|: homogeneous of degree 2 in q, divided by |q|^2, so that no square root is needed.
-Eigen::Matrix<PreciseInterval, 3, 3> rotation_matrix(const std::array<double, 4>& quaternion) {
+PreciseMatrix rotation_matrix(const std::array<double, 4>& quaternion) {
   const PreciseInterval w = Real(quaternion[0]);
   const PreciseInterval x = Real(quaternion[1]);
   const PreciseInterval y = Real(quaternion[2]);
   const PreciseInterval z = Real(quaternion[3]);
   const PreciseInterval one(1);
   const PreciseInterval s = PreciseInterval(2) / (square(w) + square(x) + square(y) + square(z));
-  Eigen::Matrix<PreciseInterval, 3, 3> r;
-  r << one - s * (square(y) + square(z)), s * (x * y - w * z), s * (x * z + w * y),  //
-      s * (x * y + w * z), one - s * (square(x) + square(z)), s * (y * z - w * x),   //
-      s * (x * z - w * y), s * (y * z + w * x), one - s * (square(x) + square(y));
-  return r;
+  return {{one - s * (square(y) + square(z)), s * (x * y - w * z), s * (x * z + w * y)},
+          {s * (x * y + w * z), one - s * (square(x) + square(z)), s * (y * z - w * x)},
+          {s * (x * z - w * y), s * (y * z + w * x), one - s * (square(x) + square(y))}};
 }
 
 }  // namespace

@@ -19,10 +19,10 @@ class Frame {
   [[nodiscard]] Proposal model_direction(const Proposal& v) const;
 
   [[nodiscard]] const PreciseVector& origin() const { return translation_; }
-  [[nodiscard]] const Eigen::Matrix<PreciseInterval, 3, 3>& rotation() const { return rotation_; }
+  [[nodiscard]] const PreciseMatrix& rotation() const { return rotation_; }
 
  private:
-  Eigen::Matrix<PreciseInterval, 3, 3> rotation_;
+  PreciseMatrix rotation_;
   PreciseVector translation_;
 };
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "verify/numbers/interval.hpp"
+#include "verify/numbers/vector.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
@@ -31,7 +31,7 @@ struct RevolvedPoint {
   RevolvedPoint result{solid, {}, false, revolution_order(solid)};
   for (std::size_t k = 0; k < 3; ++k) {
     result.solid.semi_axes[k] = solid.semi_axes[result.order[k]];
-    result.q[static_cast<Eigen::Index>(k)] = abs(q[static_cast<Eigen::Index>(result.order[k])]);
+    result.q[k] = abs(q[result.order[k]]);
   }
   result.planar = result.solid.semi_axes[0] == result.solid.semi_axes[1] && solid.exponents[1] == 1.0;
   if (result.planar) {

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "verify/numbers/interval.hpp"
+#include "verify/numbers/vector.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "verify/numbers/interval.hpp"
+#include "verify/numbers/vector.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verisq/error.hpp"
 
@@ -56,7 +56,7 @@ PreciseInterval shift_of(const UncertainPrimitive& primitive) {
     const PreciseInterval centre = Real(middle(primitive.translation[i]));
     const Real below = (centre - PreciseInterval(Real(lo))).upper();
     const Real above = (PreciseInterval(Real(hi)) - centre).upper();
-    farthest[static_cast<Eigen::Index>(i)] = std::max(below, above);
+    farthest[i] = std::max(below, above);
   }
   return length<Real>(farthest);
 }

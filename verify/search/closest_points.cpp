@@ -42,12 +42,13 @@ struct SeparationSystem {
   NormFunction<PreciseInterval> support_b;
   const Motion* relative;
 
-  [[nodiscard]] SystemExpansion<3> operator()(const PreciseVector& v) const {
+  [[nodiscard]] SystemExpansion<3> operator()(const IntervalVector<3>& unknowns) const {
+    const PreciseVector v = three_of(unknowns);
     const PreciseMatrix& r = relative->rotation;
     const NormExpansion<PreciseInterval> a = support_a(v);
     const NormExpansion<PreciseInterval> b = support_b(r.transpose() * v);
-    return {v - relative->translation + a.gradient + r * b.gradient,
-            PreciseMatrix::Identity() + a.hessian + r * b.hessian * r.transpose()};
+    return {block(v - relative->translation + a.gradient + r * b.gradient),
+            block(PreciseMatrix::identity() + a.hessian + r * b.hessian * r.transpose())};
   }
 
   [[nodiscard]] PreciseVector on_b(const PreciseVector& v) const {
@@ -63,19 +64,19 @@ struct SurfaceSystem {
   SeparationSystem separation;
 
   [[nodiscard]] SystemExpansion<4> operator()(const IntervalVector<4>& unknowns) const {
-    const PreciseVector x = unknowns.head<3>();
+    const PreciseVector x = three_of(unknowns);
     const PreciseInterval s = unknowns[3];
     const PreciseMatrix& r = separation.relative->rotation;
     const NormExpansion<PreciseInterval> g = gauge_a(x);
     const PreciseVector v = g.gradient * s;
     const NormExpansion<PreciseInterval> b = separation.support_b(r.transpose() * v);
-    const PreciseMatrix by_v = PreciseMatrix::Identity() + r * b.hessian * r.transpose();
+    const PreciseMatrix by_v = PreciseMatrix::identity() + r * b.hessian * r.transpose();
     SystemExpansion<4> f;
-    f.value.head<3>() = v - separation.relative->translation + x + r * b.gradient;
+    f.value.head<3>() = block(v - separation.relative->translation + x + r * b.gradient);
     f.value[3] = g.value - PreciseInterval(1);
-    f.jacobian.topLeftCorner<3, 3>() = PreciseMatrix::Identity() + by_v * (g.hessian * s);
-    f.jacobian.topRightCorner<3, 1>() = by_v * g.gradient;
-    f.jacobian.bottomLeftCorner<1, 3>() = g.gradient.transpose();
+    f.jacobian.topLeftCorner<3, 3>() = block(PreciseMatrix::identity() + by_v * (g.hessian * s));
+    f.jacobian.topRightCorner<3, 1>() = block(by_v * g.gradient);
+    f.jacobian.bottomLeftCorner<1, 3>() = block(g.gradient).transpose();
     f.jacobian(3, 3) = PreciseInterval(0);
     return f;
   }
@@ -90,8 +91,8 @@ struct SurfacesSystem {
 
   [[nodiscard]] SystemExpansion<8> operator()(const IntervalVector<8>& unknowns) const {
     const PreciseMatrix& r = relative->rotation;
-    const PreciseVector x = unknowns.segment<3>(0);
-    const PreciseVector y = unknowns.segment<3>(3);
+    const PreciseVector x = three_of(unknowns);
+    const PreciseVector y = three_of(unknowns, 3);
     const PreciseInterval s = unknowns[6];
     const PreciseInterval m = unknowns[7];
     const NormExpansion<PreciseInterval> a = gauge_a(x);
@@ -99,20 +100,20 @@ struct SurfacesSystem {
     const PreciseVector normal_b = r * b.gradient;
     const PreciseMatrix curvature_a = a.hessian * s;
     SystemExpansion<8> f;
-    f.value << relative->translation + r * y - x - a.gradient * s, a.gradient * s + normal_b * m,
+    f.value << block(relative->translation + r * y - x - a.gradient * s), block(a.gradient * s + normal_b * m),
         a.value - PreciseInterval(1), b.value - PreciseInterval(1);
     for (int i = 0; i < 8; ++i) {
       for (int j = 0; j < 8; ++j) f.jacobian(i, j) = PreciseInterval(0);
     }
-    f.jacobian.block<3, 3>(0, 0) = -(PreciseMatrix::Identity() + curvature_a);
-    f.jacobian.block<3, 3>(0, 3) = r;
-    f.jacobian.block<3, 1>(0, 6) = -a.gradient;
-    f.jacobian.block<3, 3>(3, 0) = curvature_a;
-    f.jacobian.block<3, 3>(3, 3) = r * (b.hessian * m);
-    f.jacobian.block<3, 1>(3, 6) = a.gradient;
-    f.jacobian.block<3, 1>(3, 7) = normal_b;
-    f.jacobian.block<1, 3>(6, 0) = a.gradient.transpose();
-    f.jacobian.block<1, 3>(7, 3) = b.gradient.transpose();
+    f.jacobian.block<3, 3>(0, 0) = block(-(PreciseMatrix::identity() + curvature_a));
+    f.jacobian.block<3, 3>(0, 3) = block(r);
+    f.jacobian.block<3, 1>(0, 6) = block(-a.gradient);
+    f.jacobian.block<3, 3>(3, 0) = block(curvature_a);
+    f.jacobian.block<3, 3>(3, 3) = block(r * (b.hessian * m));
+    f.jacobian.block<3, 1>(3, 6) = block(a.gradient);
+    f.jacobian.block<3, 1>(3, 7) = block(normal_b);
+    f.jacobian.block<1, 3>(6, 0) = block(a.gradient).transpose();
+    f.jacobian.block<1, 3>(7, 3) = block(b.gradient).transpose();
     return f;
   }
 };
@@ -124,14 +125,15 @@ std::optional<PairBox> by_surfaces(const SurfacesSystem& system, const PreciseCo
   const Real m = -PreciseVector(system.relative->rotation.transpose() * start.vector).dot(start.on_b).lower();
   const auto zero = krawczyk<8>(system, {x1, x2, x3, y1, y2, y3, s, m});
   if (!zero || !((*zero)[6].lower() > Real(0)) || !((*zero)[7].lower() > Real(0))) return std::nullopt;
-  const PreciseVector on_a = zero->segment<3>(0);
-  return PairBox{system.gauge_a(on_a).gradient * (*zero)[6], on_a, zero->segment<3>(3)};
+  const PreciseVector on_a = three_of(*zero);
+  return PairBox{system.gauge_a(on_a).gradient * (*zero)[6], on_a, three_of(*zero, 3)};
 }
 
 std::optional<PairBox> by_separation(const SeparationSystem& system, const PreciseContact& start) {
-  const auto v = krawczyk<3>(system, coordinates(start.vector));
-  if (!v) return std::nullopt;
-  return PairBox{*v, system.support_a(*v).gradient, system.on_b(*v)};
+  const auto zero = krawczyk<3>(system, coordinates(start.vector));
+  if (!zero) return std::nullopt;
+  const PreciseVector v = three_of(*zero);
+  return PairBox{v, system.support_a(v).gradient, system.on_b(v)};
 }
 
 std::optional<PairBox> by_surface(const SurfaceSystem& system, const PreciseContact& start) {
@@ -139,7 +141,7 @@ std::optional<PairBox> by_surface(const SurfaceSystem& system, const PreciseCont
   const Real s = start.vector.dot(start.on_a).lower();  // n·x = 1
   const auto zero = krawczyk<4>(system, {x, y, z, s});
   if (!zero || !((*zero)[3].lower() > Real(0))) return std::nullopt;
-  const PreciseVector on_a = zero->head<3>();
+  const PreciseVector on_a = three_of(*zero);
   const PreciseVector v = system.gauge_a(on_a).gradient * (*zero)[3];
   return PairBox{v, on_a, system.separation.on_b(v)};
 }
@@ -193,7 +195,7 @@ struct Cap {
   [[nodiscard]] PreciseVector box(const Motion& motion) const {
     PreciseVector result;
     for (int k = 0; k < 3; ++k) {
-      PreciseVector axis = motion.rotation.row(k).transpose();
+      PreciseVector axis = motion.rotation.row(k);
       for (int i = 0; i < 3; ++i) {
         if (planes[static_cast<std::size_t>(i)]) axis[i] = PreciseInterval(0);  // e_i x_i = 0
       }

@@ -43,7 +43,7 @@ Reduced reduce(const Superquadric& solid, const PreciseVector& q) {
   Reduced reduced{point.solid, {}, point.planar, point.order, std::ilogb(std::ranges::max(solid.semi_axes))};
   for (double& axis : reduced.solid.semi_axes) axis = std::ldexp(axis, -reduced.scale);  // see searchable()
   for (std::size_t k = 0; k < 3; ++k) {
-    const double coordinate = point.q[static_cast<Eigen::Index>(k)].upper().to_double(Direction::up);
+    const double coordinate = point.q[k].upper().to_double(Direction::up);
     reduced.q[k] = scaled_up(coordinate, -reduced.scale);
   }
   return reduced;
@@ -53,7 +53,7 @@ Reduced reduce(const Superquadric& solid, const PreciseVector& q) {
 Proposal restored(const Reduced& reduced, const std::array<double, 3>& normal, const PreciseVector& q) {
   std::array<long double, 3> original{};
   for (std::size_t k = 0; k < 3; ++k) {
-    original[k] = q[static_cast<Eigen::Index>(reduced.order[k])].upper().to_long_double();
+    original[k] = q[reduced.order[k]].upper().to_long_double();
   }
   std::array<long double, 3> v{normal[0], normal[1], normal[2]};
   if (reduced.planar) {

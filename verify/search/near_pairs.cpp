@@ -19,7 +19,7 @@ struct Sphere {
 Sphere sphere_of(const PreciseVector& centre, const PreciseInterval& radius) {
   Sphere sphere{{}, radius.upper().to_double(Direction::up), 0.0, 0.0};
   for (std::size_t i = 0; i < 3; ++i) {
-    const PreciseInterval& c = centre[static_cast<Eigen::Index>(i)];
+    const PreciseInterval& c = centre[i];
     sphere.centre[i] = c.upper().to_double(Direction::up);
     sphere.size += std::fabs(sphere.centre[i]);
     sphere.width += (PreciseInterval(c.upper()) - PreciseInterval(c.lower())).upper().to_double(Direction::up);

@@ -29,9 +29,12 @@ Interval rounded_outward(const PreciseInterval& x) {
   return {x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)};
 }
 
-template <class Matrix>
-auto rounded_outward(const Eigen::MatrixBase<Matrix>& x) {
-  return x.unaryExpr([](const PreciseInterval& c) { return rounded_outward(c); }).eval();
+IntervalVector rounded_outward(const PreciseVector& x) {
+  return {rounded_outward(x[0]), rounded_outward(x[1]), rounded_outward(x[2])};
+}
+
+Matrix3<double> rounded_outward(const PreciseMatrix& x) {
+  return {rounded_outward(x.row(0)), rounded_outward(x.row(1)), rounded_outward(x.row(2))};
 }
 
 Coordinates<double> middle(const PreciseVector& x) {
@@ -67,7 +70,7 @@ IntervalVector surface_near(const BisectedEnclosure& solid, const Coordinates<do
 
 /// B's frame seen from A's: x_B = turn x_A + shift.
 struct RelativeFrame {
-  Eigen::Matrix<Interval, 3, 3> turn;
+  Matrix3<double> turn;
   IntervalVector shift;
 
   RelativeFrame(const Frame& a, const Frame& b)

@@ -36,11 +36,10 @@ bool Solid::separated(const Point& x, const Proposal& u, double s) const {
 
 PreciseVector Solid::bounding_box() const {
   PreciseVector box;
-  for (Eigen::Index i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i) {
     PreciseInterval half(0);
-    for (Eigen::Index j = 0; j < 3; ++j) {
-      half += abs(posed_.frame().rotation()(i, j)) *
-              PreciseInterval(Real(posed_.superquadric().semi_axes[static_cast<std::size_t>(j)]));
+    for (std::size_t j = 0; j < 3; ++j) {
+      half += abs(posed_.frame().rotation()(i, j)) * PreciseInterval(Real(posed_.superquadric().semi_axes[j]));
     }
     box[i] = posed_.frame().origin()[i] + PreciseInterval(-half.upper(), half.upper());
   }

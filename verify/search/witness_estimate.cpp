@@ -13,9 +13,7 @@ WitnessEstimate::WitnessEstimate(const Model& model) {
   for (const auto& [name, superquadric, pose, bend] : model.primitives) {
     const Frame frame(pose);
     std::array<Vector, 3> rotation{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      rotation[i] = midpoint(frame.rotation().col(static_cast<Eigen::Index>(i)));
-    }
+    for (std::size_t i = 0; i < 3; ++i) rotation[i] = midpoint(frame.rotation().column(i));
     const auto& a = superquadric.semi_axes;
     primitives_.push_back({Boundary<long double>(superquadric),
                            rotation,

@@ -138,10 +138,9 @@ std::optional<typename BendMap<T>::Expansion> BendMap<T>::expansion(const Vector
   const BasicInterval<T> c = p.m / p.distance;
   const BasicInterval<T> s = p.rise / p.distance;
   const BasicInterval<T> shift = c - one;
-  Eigen::Matrix<BasicInterval<T>, 3, 3> d;
-  d << one + shift * square(cosine_), shift * cosine_ * sine_, -s * cosine_,  //
-      shift * cosine_ * sine_, one + shift * square(sine_), -s * sine_,       //
-      s * cosine_ / p.distance, s * sine_ / p.distance, c / p.distance;
+  const Matrix3<T> d{{one + shift * square(cosine_), shift * cosine_ * sine_, -s * cosine_},
+                     {shift * cosine_ * sine_, one + shift * square(sine_), -s * sine_},
+                     {s * cosine_ / p.distance, s * sine_ / p.distance, c / p.distance}};
 
   // The Hessian of r has norm |k| / W, that of z |k| / W^2.
   const BasicInterval<T> radial = step * BasicInterval<T>(radius_bound) / (BasicInterval<T>(2) * nearest);

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "verify/numbers/interval.hpp"
+#include "verify/numbers/vector.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
@@ -33,7 +33,7 @@ class BendMap {
   ///   unbent(x + d) = centre + derivative d + a direction + b (0, 0, 1),  |a| <= radial, |b| <= axial.
   struct Expansion {
     Vector3<T> centre;
-    Eigen::Matrix<BasicInterval<T>, 3, 3> derivative;
+    Matrix3<T> derivative;
     T radial, axial;
   };
 

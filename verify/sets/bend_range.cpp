@@ -18,8 +18,8 @@ PreciseInterval angle(const Bend& bend, const Superquadric& superquadric) {
 }
 
 /// The largest of the coordinate `axis` of the bend's frame: 0 for |r|, 1 for |s|.
-PreciseInterval extent_of(const Bend& bend, const Superquadric& superquadric, Eigen::Index axis) {
-  return SuperquadricBounds<Real>(superquadric).support(PreciseVector(turn(bend).col(axis)));
+PreciseInterval extent_of(const Bend& bend, const Superquadric& superquadric, std::size_t axis) {
+  return SuperquadricBounds<Real>(superquadric).support(turn(bend).column(axis));
 }
 
 PreciseInterval symmetric(const PreciseInterval& half) {
@@ -28,14 +28,10 @@ PreciseInterval symmetric(const PreciseInterval& half) {
 
 }  // namespace
 
-Eigen::Matrix<PreciseInterval, 3, 3> turn(const Bend& bend) {
+PreciseMatrix turn(const Bend& bend) {
   const PreciseInterval c = cos_of_degrees<Real>(bend.angle_degrees);
   const PreciseInterval s = sin_of_degrees<Real>(bend.angle_degrees);
-  Eigen::Matrix<PreciseInterval, 3, 3> result;
-  result << c, -s, 0,  //
-      s, c, 0,         //
-      0, 0, 1;
-  return result;
+  return {{c, -s, 0}, {s, c, 0}, {0, 0, 1}};
 }
 
 PreciseInterval extent(const Bend& bend, const Superquadric& superquadric) {

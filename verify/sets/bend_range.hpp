@@ -1,14 +1,14 @@
 /// What a bend asks of the primitive that it bends, and how far it takes its points.
 #pragma once
 
-#include "verify/numbers/interval.hpp"
+#include "verify/numbers/vector.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
 
 /// Rotation about z that takes the bend's frame (r, s, z) to the primitive's: columns (cos a, sin a, 0), (-sin a, cos
 /// a, 0), (0, 0, 1).
-[[nodiscard]] Eigen::Matrix<PreciseInterval, 3, 3> turn(const Bend& bend);
+[[nodiscard]] PreciseMatrix turn(const Bend& bend);
 
 /// The largest |r| of the solid: its support function towards the direction of the bend.
 [[nodiscard]] PreciseInterval extent(const Bend& bend, const Superquadric& superquadric);

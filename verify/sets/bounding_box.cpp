@@ -12,12 +12,10 @@ namespace verisq::verify {
 
 namespace {
 
-using Rotation = Eigen::Matrix<PreciseInterval, 3, 3>;
-
 Box rounded_outward(const PreciseVector& x) {
   Box box{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const PreciseInterval& range = x[static_cast<Eigen::Index>(i)];
+    const PreciseInterval& range = x[i];
     box.lower[i] = range.lower().to_double(Direction::down);
     box.upper[i] = range.upper().to_double(Direction::up);
   }
@@ -27,7 +25,7 @@ Box rounded_outward(const PreciseVector& x) {
 Box box_of(const Primitive& primitive) {
   if (!is_bent(primitive)) return rounded_outward(Solid(primitive).bounding_box());
   const Frame frame(primitive.pose);
-  const Rotation rotation = frame.rotation() * turn(*primitive.bend);
+  const PreciseMatrix rotation = frame.rotation() * turn(*primitive.bend);
   return rounded_outward(frame.origin() + rotation * bent_box(*primitive.bend, primitive.superquadric));
 }
 
@@ -85,7 +83,7 @@ double bounding_radius(const Model& model) {
   const Box box = bounding_box(model);
   PreciseVector diagonal;
   for (std::size_t i = 0; i < 3; ++i) {
-    diagonal[static_cast<Eigen::Index>(i)] = PreciseInterval(Real(box.upper[i])) - PreciseInterval(Real(box.lower[i]));
+    diagonal[i] = PreciseInterval(Real(box.upper[i])) - PreciseInterval(Real(box.lower[i]));
   }
   return (length<Real>(diagonal) / PreciseInterval(2)).upper().to_double(Direction::up);
 }

@@ -21,8 +21,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr HalfSpace kNothing{{0.0, 0.0, 0.0}, kInfinity};
 
-template <class T>
-using Matrix3 = Eigen::Matrix<BasicInterval<T>, 3, 3>;
 using Coordinates = std::array<double, 3>;
 
 BasicInterval<double> in_precision(const PreciseInterval& a, double /*of the ends*/) {
@@ -91,9 +89,8 @@ double reach_in_plane(const Matrix3<double>& turned) {
 
 double reach_of_unit_cube(const Placement<double>& placement) {
   if (!placement.bend()) return 0.0;
-  Matrix3<double> turned;
-  for (int j = 0; j < 3; ++j) turned.col(j) = placement.bend()->turned(Vector3<double>(placement.rotation().col(j)));
-  return reach_in_plane(turned);
+  const auto turned_column = [&](std::size_t j) { return placement.bend()->turned(placement.rotation().column(j)); };
+  return reach_in_plane(Matrix3<double>(turned_column(0), turned_column(1), turned_column(2)).transpose());
 }
 
 /// y(c + e) = centre + derivative e + remainder for |e|_inf <= h, with |v . remainder| bounded for every v.
@@ -211,7 +208,7 @@ bool BoxPrimitive::State::sphere_misses(const Vector3<double>& from_centre, doub
 }
 
 std::optional<AffineMap> BoxPrimitive::State::affine(const Vector3<double>& own, double half_width) const {
-  if (!placement.bend()) return AffineMap{own, placement.rotation(), Vector3<double>::Zero()};
+  if (!placement.bend()) return AffineMap{own, placement.rotation(), Vector3<double>()};
   const double step = (Interval(reach) * Interval(half_width)).upper();
   const auto expansion = placement.bend()->expansion(own, step);
   if (!expansion) return std::nullopt;
@@ -220,7 +217,7 @@ std::optional<AffineMap> BoxPrimitive::State::affine(const Vector3<double>& own,
 }
 
 Vector3<double> BoxPrimitive::State::natural_range(const Vector3<double>& own, double half_width) const {
-  const AffineMap posed{own, placement.rotation(), Vector3<double>::Zero()};
+  const AffineMap posed{own, placement.rotation(), Vector3<double>()};
   return placement.unbent_up_to_sign(range(posed, half_width));
 }
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "verify/numbers/interval.hpp"
+#include "verify/numbers/vector.hpp"
 #include "verify/proof/intersection.hpp"
 
 namespace verisq::verify {
@@ -26,7 +26,7 @@ Enclosure rounded_outward(const PreciseInterval& a) {
 
 PreciseInterval way(const Point& x, const Point& y) {
   PreciseVector between;
-  for (std::size_t i = 0; i < 3; ++i) between[static_cast<Eigen::Index>(i)] = exactly(x[i]) - exactly(y[i]);
+  for (std::size_t i = 0; i < 3; ++i) between[i] = exactly(x[i]) - exactly(y[i]);
   return length<Real>(between);
 }
 
@@ -38,7 +38,7 @@ double lower_by_box(const Point& x, const Box& box) {
   for (std::size_t i = 0; i < 3; ++i) {
     const double beyond = std::max(subtract(box.lower[i], x[i], Direction::down),  //
                                    subtract(x[i], box.upper[i], Direction::down));
-    outside[static_cast<Eigen::Index>(i)] = exactly(std::max(0.0, beyond));
+    outside[i] = exactly(std::max(0.0, beyond));
     depth = std::min(depth, -beyond);
   }
   return depth >= 0.0 ? 0.0 - depth : rounded_outward(length<Real>(outside)).lo;

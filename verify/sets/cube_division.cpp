@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "verify/numbers/interval.hpp"
+#include "verify/numbers/vector.hpp"
 
 namespace verisq::verify {
 
@@ -75,7 +75,7 @@ Enclosure distance(const Point& x, const Cube& cube) {
   for (std::size_t i = 0; i < 3; ++i) {
     const PreciseInterval beyond = abs(PreciseInterval(Real(x[i])) - PreciseInterval(Real(cube.centre[i]))) -
                                    PreciseInterval(Real(cube.half_width));
-    outside[static_cast<Eigen::Index>(i)] = {std::max(Real(0), beyond.lower()), std::max(Real(0), beyond.upper())};
+    outside[i] = {std::max(Real(0), beyond.lower()), std::max(Real(0), beyond.upper())};
   }
   const PreciseInterval length_outside = length<Real>(outside);
   return {length_outside.lower().to_double(Direction::down), length_outside.upper().to_double(Direction::up)};

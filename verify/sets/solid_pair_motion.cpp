@@ -21,7 +21,7 @@ SearchMotion::SearchMotion(const Pose& pose)
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       // Both ends are within 2^-52 of the exact entry, because 127 bits lose nothing that counts here.
-      rotation_[i][j] = nearest(precise_.rotation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+      rotation_[i][j] = nearest(precise_.rotation(i, j));
     }
   }
 }
@@ -56,7 +56,7 @@ Cube SearchMotion::enclosed_in_b(const Point& x) const {
   const PreciseVector in_b = inverse_(precise(x));
   Cube cube{{}, 0.0};
   for (std::size_t i = 0; i < 3; ++i) {
-    const PreciseInterval& component = in_b[static_cast<Eigen::Index>(i)];
+    const PreciseInterval& component = in_b[i];
     cube.centre[i] = nearest(component);
     const PreciseInterval deviation = abs(component - PreciseInterval(Real(cube.centre[i])));
     cube.half_width = std::max(cube.half_width, deviation.upper().to_double(Direction::up));

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "verify/numbers/interval.hpp"
+#include "verify/analysis/interval_matrix.hpp"
 
 namespace verisq::stance {
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "verify/analysis/interval_matrix.hpp"
 #include "verify/analysis/trigonometry.hpp"
-#include "verify/numbers/interval.hpp"
 
 namespace verisq::stance {
 
