@@ -2,7 +2,7 @@
 #pragma once
 
 #include "verify/proof/posed_superquadric.hpp"
-#include "verisq/model_distance.hpp"
+#include "verisq/pair_certificate.hpp"
 
 namespace verisq::verify {
 

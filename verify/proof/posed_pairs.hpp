@@ -50,7 +50,7 @@ class PosedPairs {
   std::vector<Motion> moved_;  ///< from the frame of B's primitives to A's model frame
 };
 
-/// What the certificate proves, as `prove` of model_distance.hpp says.
+/// What the certificate proves, as `prove` of verisq/pair_certificate.hpp says.
 [[nodiscard]] Enclosure proven_distance(const PosedPairs& pairs, const PairCertificate& certificate);
 
 }  // namespace verisq::verify

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "verify/proof/posed_pairs.hpp"
+#include "verisq/model_distance.hpp"
 
 namespace verisq::verify {
 

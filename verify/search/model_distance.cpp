@@ -137,11 +137,4 @@ std::optional<ClosestPoints> PairDistance::closest_points(const ModelDistance& f
   return verify::closest_points(pairs, found, interrupted);
 }
 
-Enclosure prove(const Model& a, const Model& b, const Pose& pose, const PairCertificate& certificate) {
-  for (const Model* model : {&a, &b}) require_union_of_convex(*model, "certificates");
-  const PosedModel posed_a(a);
-  const PosedModel posed_b(b);
-  return proven_distance(PosedPairs(posed_a, posed_b, pose), certificate);
-}
-
 }  // namespace verisq

@@ -1,0 +1,18 @@
+/// Both models posed, and what the certificate proves about them.
+#include "verisq/pair_certificate.hpp"
+
+#include "verify/proof/convex_union.hpp"
+#include "verify/proof/posed_pairs.hpp"
+
+namespace verisq {
+
+using namespace verify;
+
+Enclosure prove(const Model& a, const Model& b, const Pose& pose, const PairCertificate& certificate) {
+  for (const Model* model : {&a, &b}) require_union_of_convex(*model, "certificates");
+  const PosedModel posed_a(a);
+  const PosedModel posed_b(b);
+  return proven_distance(PosedPairs(posed_a, posed_b, pose), certificate);
+}
+
+}  // namespace verisq
