@@ -49,8 +49,8 @@ constexpr const char* closing_words =
     "SIGHUP (what was checked so far is printed).\n"
     "\n"
     "Examples:\n"
-    "  verisq map --model stem.json --mesh femur.off --certificates -o clearance.csv\n"
-    "  verisq check --model stem.json --mesh femur.off --map clearance.csv";
+    "  verisq map --model stem.json --mesh femur.off --certificates -o clearance.csv\n";
+constexpr const char* example = "--model stem.json --mesh femur.off --map clearance.csv";
 
 bool comes_first(const CheckedRow& a, const CheckedRow& b) {
   const bool a_refuted = a.finding.verdict == Verdict::refuted;
@@ -212,18 +212,24 @@ ExitStatus status_of(const CheckReport& report) {
 
 }  // namespace
 
+void declare_check_options(CLI::App& command, CheckArguments& arguments) {
+  const CLI::App* const program = command.get_parent();
+  const std::string name = (program == nullptr ? "" : program->get_name() + " ") + command.get_name();
+  command.footer(fmt::format("{}  {} {}", closing_words, name, example));
+  declare_inputs(command, arguments.inputs);
+  command.add_option("--map", arguments.map, "The map, written with --certificates: .csv .vtp .csv.partial")
+      ->required()
+      ->option_text("FILE REQUIRED");
+  command.add_option("--point-radius", arguments.point_radius, "As the map was made with (default 0)")
+      ->option_text("NUMBER");
+  command.add_flag("--json", arguments.json, "Print the summary as one JSON object");
+  command.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
+}
+
 const CLI::App& declare_check(CLI::App& program, CheckArguments& arguments) {
   CLI::App& check =
       *program.add_subcommand("check", "Prove a finished map again from its certificates, without OpenCL");
-  check.footer(closing_words);
-  declare_inputs(check, arguments.inputs);
-  check.add_option("--map", arguments.map, "The map, written with --certificates: .csv .vtp .csv.partial")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  check.add_option("--point-radius", arguments.point_radius, "As the map was made with (default 0)")
-      ->option_text("NUMBER");
-  check.add_flag("--json", arguments.json, "Print the summary as one JSON object");
-  check.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
+  declare_check_options(check, arguments);
   return check;
 }
 

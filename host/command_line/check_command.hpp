@@ -1,5 +1,5 @@
-/// `verisq check`: proves a finished map again from the model, the points or triangles, and the certificates, without
-/// OpenCL.
+/// `verisq check`, which is also the program `verisq-check`: proves a finished map again from the model, the points or
+/// triangles, and the certificates, without OpenCL.
 #pragma once
 
 #include <string>
@@ -17,6 +17,10 @@ struct CheckArguments {
   bool json = false;
   bool no_progress = false;
 };
+
+/// Adds the options and their explanation to `command`, whose name the examples show; parsing fills `arguments`, which
+/// must outlive it.
+void declare_check_options(CLI::App& command, CheckArguments& arguments);
 
 /// Adds the command to `program`; parsing fills `arguments`, which must outlive `program`.
 const CLI::App& declare_check(CLI::App& program, CheckArguments& arguments);

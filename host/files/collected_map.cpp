@@ -3,9 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <numeric>
-
 namespace verisq {
 
 CollectedMap::CollectedMap(const MapKind& kind) : mesh_(kind.mesh), elements_(kind.elements) {
@@ -41,12 +38,6 @@ std::span<const Point> CollectedMap::vertices() const {
 std::span<const std::array<std::uint32_t, 3>> CollectedMap::triangles() const {
   if (mesh_ == nullptr) return {};
   return mesh_->triangles;
-}
-
-double finite_middle(double lo, double hi) {
-  if (std::isfinite(lo) && std::isfinite(hi)) return std::midpoint(lo, hi);
-  if (std::isfinite(lo)) return lo;
-  return std::isfinite(hi) ? hi : 0.0;
 }
 
 }  // namespace verisq

@@ -41,8 +41,4 @@ class CollectedMap {
   std::vector<std::uint8_t> statuses_;
 };
 
-/// A finite number inside the enclosure, for colours: the middle; where one end is infinite the other end; where both
-/// are, 0. Never NaN.
-[[nodiscard]] double finite_middle(double lo, double hi);
-
 }  // namespace verisq

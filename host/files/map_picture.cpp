@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "host/files/collected_map.hpp"
+#include "host/files/finite_middle.hpp"
 
 namespace verisq {
 namespace {

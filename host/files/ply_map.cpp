@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "host/files/collected_map.hpp"
+#include "host/files/finite_middle.hpp"
 #include "host/files/map_format.hpp"
 
 namespace verisq {

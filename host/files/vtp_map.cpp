@@ -4,6 +4,7 @@
 
 #include "host/files/certificate_columns.hpp"
 #include "host/files/collected_map.hpp"
+#include "host/files/finite_middle.hpp"
 #include "host/files/map_format.hpp"
 #include "host/files/vtp_layout.hpp"
 
