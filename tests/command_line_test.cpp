@@ -253,6 +253,22 @@ TEST_F(CommandLine, CountsWideEnclosuresInTheExitStatus) {
   EXPECT_EQ(rows_of(path("map.csv")).at(0).status, "wide");
 }
 
+TEST_F(CommandLine, WholeNumbersSayWhatTheyMayBe) {
+  const std::string huge = "99999999999999999999";
+  const auto expect = [&](std::vector<std::string> arguments, const std::string& message) {
+    const auto outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.err, "verisq: " + message + "\n");
+  };
+  expect({"fit", "--seed", huge}, "--seed: " + huge + " is not in 0 to 18446744073709551615");
+  expect({"fit", "--samples", huge}, "--samples: " + huge + " is not in 0 to 1000000000");
+  expect({"fit", "--samples", "1e5"}, "--samples: 1e5 is not a whole number in 0 to 1000000000");
+  expect({"stance", "--cells", huge}, "--cells: " + huge + " is not in 1 to 4096");
+  expect({"stance", "--monte-carlo", huge}, "--monte-carlo: " + huge + " is not in 1 to 18446744073709551615");
+  expect({"stance", "--monte-carlo", "0"}, "--monte-carlo: 0 is not at least 1");
+  expect({"octree", "--depth", huge}, "--depth: " + huge + " is not in 0 to 20");
+}
+
 TEST_F(CommandLine, ToleranceZeroAsksForTheTightest) {
   const auto points = write("points.csv", "1,2,3\n0.1,0.2,0.3\n-5,1e-3,7\n");
   for (const std::string device : {"auto", "host"}) {

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string_view>
 #include <verisq/error.hpp>
 #include <verisq/model_file.hpp>
