@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <random>
@@ -11,6 +12,7 @@
 #include <vector>
 #include <verisq/stance_bounce.hpp>
 
+#include "tests/stance_example.hpp"
 #include "verify/stance/bounce_phase.hpp"
 #include "verify/stance/verified_integration.hpp"
 
@@ -24,12 +26,22 @@ constexpr double kGravity = 9.81;
 long double reference_damping(long double e) {
   long double below = 1 / e - 1;
   long double above = 1 / e;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 160; ++i) {
     const long double d = 0.5L * (below + above);
     const bool beyond = d * e >= 1 || std::log1p(d) - std::log1p(-d * e) > d * (1 + e);
     (beyond ? above : below) = d;
   }
   return 0.5L * (below + above);
+}
+
+/// The numbers of one bounce that a drop gives as ranges.
+struct Sample {
+  long double mass, restitution, impact_velocity;
+};
+
+/// Of a drop with one mass and one impact velocity.
+Sample sample_of(const Drop& drop, long double restitution) {
+  return {drop.mass.lo, restitution, drop.impact_velocity.lo};
 }
 
 struct ReferenceBounce {
@@ -41,9 +53,12 @@ struct ReferenceBounce {
 /// shrink with the way to the ground, where the law is not smooth.
 class ReferenceIntegration {
  public:
-  ReferenceIntegration(const Drop& drop, long double restitution)
-      : drop_(drop), damping_(reference_damping(restitution)), speed_(std::sqrt(2.0L * drop.gravity * drop.height)) {
-    unit_ = std::pow(static_cast<long double>(drop.mass) / (drop.stiffness * std::pow(speed_, n() - 1)), 1 / (n() + 1));
+  ReferenceIntegration(const Drop& drop, const Sample& sample)
+      : drop_(drop),
+        sample_(sample),
+        damping_(reference_damping(sample.restitution)),
+        speed_(std::sqrt(2.0L * drop.gravity * drop.height)) {
+    unit_ = std::pow(sample.mass / (drop.stiffness * std::pow(speed_, n() - 1)), 1 / (n() + 1));
   }
 
   [[nodiscard]] ReferenceBounce run(long double tolerance) const {
@@ -84,7 +99,8 @@ class ReferenceIntegration {
   [[nodiscard]] State slope(const State& s) const {
     const long double depth = std::max(s.depth, 0.0L);
     const long double elastic = drop_.stiffness * (drop_.exponent == 1.0 ? depth : depth * std::sqrt(depth));
-    return {s.velocity, drop_.gravity - elastic * std::max(0.0L, 1 + damping_ * s.velocity / speed_) / drop_.mass};
+    const long double damped = std::max(0.0L, 1 + damping_ * s.velocity / sample_.impact_velocity);
+    return {s.velocity, drop_.gravity - elastic * damped / sample_.mass};
   }
 
   [[nodiscard]] State runge_kutta(const State& s, long double h) const {
@@ -111,13 +127,18 @@ class ReferenceIntegration {
   }
 
   Drop drop_;
+  Sample sample_;
   long double damping_;
   long double speed_;
   long double unit_;  ///< of time
 };
 
+ReferenceBounce reference(const Drop& drop, const Sample& sample) {
+  return ReferenceIntegration(drop, sample).run(1e-17L);
+}
+
 ReferenceBounce reference(const Drop& drop, long double restitution) {
-  return ReferenceIntegration(drop, restitution).run(1e-17L);
+  return reference(drop, sample_of(drop, restitution));
 }
 
 /// Whether the enclosure, widened by the reference's own error, contains the reference.
@@ -143,26 +164,36 @@ double relative_width(const Enclosure& e) {
   return e.width() / e.hi;
 }
 
+/// The same, with the touch-down speed for impact velocity, to nearest: the speed of the restitution.
+Drop at_impact_velocity(Drop drop) {
+  const double speed = std::sqrt(2.0) * std::sqrt(drop.gravity) * std::sqrt(drop.height);
+  drop.impact_velocity = {speed, speed};
+  return drop;
+}
+
 /// A forefoot's cylinder, so stiff that it lies still at `rest` m of penetration.
 Drop forefoot(double mass, double exponent, double rest, const Enclosure& restitution) {
-  return {.mass = mass,
-          .radius = {0.04, 0.2},
-          .height = 0.05,
-          .gravity = kGravity,
-          .stiffness = mass * kGravity / std::pow(rest, exponent),
-          .exponent = exponent,
-          .restitution = restitution};
+  return at_impact_velocity({.mass = {mass, mass},
+                             .radius = {0.04, 0.2},
+                             .height = 0.05,
+                             .gravity = kGravity,
+                             .stiffness = mass * kGravity / std::pow(rest, exponent),
+                             .exponent = exponent,
+                             .restitution = restitution,
+                             .impact_velocity = {}});
 }
 
 std::string described(const Drop& d) {
-  return fmt::format("mass {} height {} stiffness {} exponent {} restitution [{}, {}]", d.mass, d.height, d.stiffness,
-                     d.exponent, d.restitution.lo, d.restitution.hi);
+  return fmt::format(
+      "mass [{}, {}] height {} gravity {} stiffness {} exponent {} restitution [{}, {}] impact velocity [{}, {}]",
+      d.mass.lo, d.mass.hi, d.height, d.gravity, d.stiffness, d.exponent, d.restitution.lo, d.restitution.hi,
+      d.impact_velocity.lo, d.impact_velocity.hi);
 }
 
 TEST(StanceBounce, ReferenceAgreesWithItself) {
   for (const double exponent : {1.0, 1.5}) {
     const Drop drop = forefoot(0.36, exponent, 2e-5, {0.1, 0.1});
-    const ReferenceIntegration integration(drop, 0.1L);
+    const ReferenceIntegration integration(drop, sample_of(drop, 0.1L));
     const ReferenceBounce coarse = integration.run(1e-15L);
     const ReferenceBounce fine = integration.run(1e-18L);
     ASSERT_TRUE(fine.lifts_off);
@@ -211,6 +242,7 @@ TEST(StanceBounce, ContainsTheReferenceForManyDrops) {
     Drop drop = forefoot(std::exp(uniform(-3.0, 5.0)), i % 2 == 0 ? 1.0 : 1.5, std::exp(uniform(-14.0, -5.0)),
                          {restitution, restitution});
     drop.height = std::exp(uniform(-6.0, 0.0));
+    drop = at_impact_velocity(drop);
     SCOPED_TRACE(described(drop));
     const Bounce b = bounce(drop, {.relative_tolerance = i % 3 == 0 ? 1e-12 : 1e-6});
     const ReferenceBounce exact = reference(drop, restitution);
@@ -253,13 +285,14 @@ TEST(StanceBounce, IntervalRestitutionGivesTheHull) {
 TEST(StanceBounce, ReproducesTheRestitutionWhereGravityIsNegligible) {
   for (const double exponent : {1.0, 1.5}) {
     for (const double restitution : {0.02, 0.1, 0.2, 0.5, 0.9}) {
-      const Drop drop{.mass = 1.0,
+      const Drop drop{.mass = {1.0, 1.0},
                       .radius = {0.1, 0.1},
                       .height = 5e11,
                       .gravity = 1e-12,  // so that the touch-down speed is 1 m/s
                       .stiffness = 1.0,
                       .exponent = exponent,
-                      .restitution = {restitution, restitution}};
+                      .restitution = {restitution, restitution},
+                      .impact_velocity = {1.0, 1.0}};
       const Bounce b = bounce(drop, {.relative_tolerance = 1e-10});
       EXPECT_TRUE(b.proven);
       EXPECT_NEAR(b.effective_restitution.lo, restitution, 1e-8 * restitution);
@@ -313,8 +346,8 @@ TEST(StanceBounce, GrazingTakesBothModes) {
 
 TEST(StanceBounce, ContactPhaseLeavesAGrazingOutcomeOpen) {
   // One damping factor, next to that at which the body comes back to the surface with no speed.
-  const BounceFlow flow(Interval(0.1), 1.0);
-  const auto outcome = [&](double damping) { return contact_phase(flow, Interval(damping), 1e-8, {}); };
+  const BounceFlow flow(1.0);
+  const auto outcome = [&](double damping) { return contact_phase(flow, Interval(0.1), Interval(damping), 1e-8, {}); };
   EXPECT_EQ(outcome(4.36).outcome, Outcome::lifts_off);
   EXPECT_EQ(outcome(4.363).outcome, Outcome::stays);
   const ContactPhase grazing = outcome(4.3614501133561134);
@@ -322,6 +355,179 @@ TEST(StanceBounce, ContactPhaseLeavesAGrazingOutcomeOpen) {
   EXPECT_EQ(grazing.rebound.lower(), 0.0);
   EXPECT_LT(grazing.rebound.upper(), 1e-3);
   EXPECT_EQ(grazing.lift_off.upper(), kInfinity);
+}
+
+/// A cylinder of the nine-segment model with all numbers of its body and contact, dropped from rest.
+Drop dropped(const std::string& name, double height) {
+  const Model model = nine_segments();
+  const auto cylinder = std::ranges::find(model.cylinders, name, &ContactCylinder::name);
+  return {.mass = model.bodies.at(cylinder->body).mass.range,
+          .radius = cylinder->radius.range,
+          .height = height,
+          .gravity = model.gravity,
+          .stiffness = cylinder->stiffness,
+          .exponent = cylinder->exponent,
+          .restitution = cylinder->normal_restitution.range,
+          .impact_velocity = cylinder->impact_velocity.range};
+}
+
+/// The range's ends times the factor's.
+Enclosure scaled(const Enclosure& range, const Enclosure& factor) {
+  return {range.lo * factor.lo, range.hi * factor.hi};
+}
+
+/// The corners of the box of mass, restitution and impact velocity, then random points, `count` in all.
+std::vector<Sample> samples_of(const Drop& drop, int count, std::mt19937& random) {
+  std::vector<Sample> samples;
+  for (const double mass : {drop.mass.lo, drop.mass.hi}) {
+    for (const double restitution : {drop.restitution.lo, drop.restitution.hi}) {
+      for (const double speed : {drop.impact_velocity.lo, drop.impact_velocity.hi}) {
+        samples.push_back({mass, restitution, speed});
+      }
+    }
+  }
+  const auto within = [&](const Enclosure& range) {
+    return std::uniform_real_distribution<double>(range.lo, range.hi)(random);
+  };
+  while (std::ssize(samples) < count) {
+    samples.push_back({within(drop.mass), within(drop.restitution), within(drop.impact_velocity)});
+  }
+  return samples;
+}
+
+/// What the samples attain.
+struct Attained {
+  Enclosure deepest{kInfinity, -kInfinity};
+  Enclosure rebound{kInfinity, -kInfinity};
+  Enclosure lift_off{kInfinity, -kInfinity};
+  int lifted = 0;
+  int stayed = 0;
+
+  void add(const ReferenceBounce& exact) {
+    extend(deepest, exact.deepest);
+    extend(rebound, exact.rebound_speed);
+    if (exact.lifts_off) extend(lift_off, exact.lift_off_time);
+    ++(exact.lifts_off ? lifted : stayed);
+  }
+
+ private:
+  static void extend(Enclosure& hull, long double value) {
+    hull = {std::min(hull.lo, static_cast<double>(value)), std::max(hull.hi, static_cast<double>(value))};
+  }
+};
+
+/// Expects that the bounce contains the samples. Their error is far below what the bounce's own tolerance widens.
+Attained expect_encloses_samples(const Bounce& bounce, const Drop& drop, int count) {
+  std::mt19937 random(14);
+  Attained attained;
+  for (const Sample& sample : samples_of(drop, count, random)) {
+    const ReferenceBounce exact = ReferenceIntegration(drop, sample).run(1e-15L);
+    SCOPED_TRACE(fmt::format("mass {} restitution {} impact velocity {}", static_cast<double>(sample.mass),
+                             static_cast<double>(sample.restitution), static_cast<double>(sample.impact_velocity)));
+    expect_encloses(bounce, exact);
+    attained.add(exact);
+  }
+  return attained;
+}
+
+/// Expects that each end is that of the samples to one per cent of their hull's width.
+void expect_tight(const Enclosure& enclosure, const Enclosure& attained) {
+  EXPECT_NEAR(enclosure.lo, attained.lo, 0.01 * attained.width());
+  EXPECT_NEAR(enclosure.hi, attained.hi, 0.01 * attained.width());
+}
+
+constexpr int kSamples = 1000;
+
+TEST(StanceBounce, FeetOfUncertainMassAndImpactVelocityContainAThousandSamples) {
+  for (const char* name : {"right hindfoot", "right forefoot"}) {
+    Drop drop = dropped(name, 0.05);
+    drop.mass = scaled(drop.mass, {0.5, 1.5});
+    drop.restitution = {0.15, 0.15};
+    drop.impact_velocity = {0.8, 1.25};
+    SCOPED_TRACE(described(drop));
+    const Bounce b = bounce(drop);
+    EXPECT_TRUE(b.proven);
+    const Attained attained = expect_encloses_samples(b, drop, kSamples);
+    EXPECT_EQ(attained.stayed, 0);
+    expect_tight(b.deepest_penetration, attained.deepest);
+    expect_tight(b.rebound_speed, attained.rebound);
+    expect_tight(b.lift_off_time, attained.lift_off);
+  }
+}
+
+TEST(StanceBounce, FeetThatMayStayContainAThousandSamples) {
+  for (const char* name : {"right hindfoot", "right forefoot"}) {
+    Drop drop = dropped(name, 0.01);
+    drop.mass = scaled(drop.mass, {0.5, 1.5});
+    drop.restitution = {0.02, 0.2};
+    drop.impact_velocity = {0.8, 1.25};
+    SCOPED_TRACE(described(drop));
+    const Bounce b = bounce(drop);
+    EXPECT_TRUE(b.proven);
+    const Attained attained = expect_encloses_samples(b, drop, kSamples);
+    EXPECT_GT(attained.stayed, 10);
+    EXPECT_GT(attained.lifted, 10);
+    expect_tight(b.deepest_penetration, attained.deepest);
+    expect_tight(b.rebound_speed, attained.rebound);
+    EXPECT_EQ(b.rebound_speed.lo, 0.0);
+    EXPECT_EQ(b.lift_off_time.hi, kInfinity);
+    EXPECT_NEAR(b.lift_off_time.lo, attained.lift_off.lo, 0.01 * attained.lift_off.lo);
+  }
+}
+
+TEST(StanceBounce, MassAloneMovesThePenetrationByItsEnds) {
+  Drop drop = at_impact_velocity(dropped("right forefoot", 0.01));
+  drop.mass = {0.18, 0.54};
+  drop.restitution = {0.105, 0.105};
+  const Bounce b = bounce(drop);
+  EXPECT_TRUE(b.proven);
+  EXPECT_NEAR(b.deepest_penetration.lo, 2.391e-4, 1e-7);
+  EXPECT_NEAR(b.deepest_penetration.hi, 4.178e-4, 1e-7);
+  EXPECT_EQ(b.rebound_speed.lo, 0.0) << "0.54 kg do not lift off";
+  (void)expect_encloses_samples(b, drop, 50);
+}
+
+TEST(StanceBounce, ImpactVelocityDamps) {
+  const auto rebound = [](const char* name, double speed) {
+    Drop drop = dropped(name, 0.01);
+    drop.restitution = {0.105, 0.105};
+    drop.impact_velocity = {speed, speed};
+    const Bounce b = bounce(drop);
+    EXPECT_TRUE(b.proven);
+    expect_encloses(b, reference(drop, drop.restitution.lo));
+    return b.rebound_speed;
+  };
+  EXPECT_NEAR(rebound("right forefoot", 1.0).lo, 0.07699, 1e-5);
+  EXPECT_NEAR(rebound("right hindfoot", 1.0).lo, 0.0606, 1e-4);
+  // The touch-down speed, to nearest.
+  EXPECT_NEAR(rebound("right forefoot", 0.4429446918070021).lo, 0.01323, 1e-5);
+  EXPECT_EQ(rebound("right hindfoot", 0.4429446918070021).hi, 0.0);
+  // Much slower and much faster than the touch-down.
+  EXPECT_EQ(rebound("right forefoot", 0.05).hi, 0.0);
+  EXPECT_GT(rebound("right forefoot", 100.0).lo, 0.96 * 0.4429446918070021);
+}
+
+TEST(StanceBounce, ContainsTheSamplesOfManyBoxes) {
+  std::mt19937 random(15);
+  const auto uniform = [&](double lowest, double highest) {
+    return std::uniform_real_distribution(lowest, highest)(random);
+  };
+  int both_modes = 0;
+  for (int i = 0; i < 20; ++i) {
+    Drop drop = forefoot(std::exp(uniform(-3.0, 5.0)), i % 2 == 0 ? 1.0 : 1.5, std::exp(uniform(-10.0, -5.0)), {});
+    const double restitution = uniform(0.05, 0.8);
+    drop.restitution = {restitution, restitution + uniform(0.0, 0.15)};
+    drop.mass = scaled(drop.mass, {uniform(0.4, 1.0), uniform(1.0, 2.5)});
+    const double speed = std::exp(uniform(-1.0, 2.0));
+    drop.impact_velocity = scaled(drop.impact_velocity, {speed, speed * uniform(1.0, 1.5)});
+    SCOPED_TRACE(described(drop));
+    const Bounce b = bounce(drop);
+    EXPECT_TRUE(b.proven);
+    const Attained attained = expect_encloses_samples(b, drop, 20);
+    if (attained.lifted > 0 && attained.stayed > 0) ++both_modes;
+    expect_tight(b.deepest_penetration, attained.deepest);
+  }
+  EXPECT_GT(both_modes, 1);
 }
 
 TEST(StanceBounce, RefusesAbsurdDrops) {
@@ -332,10 +538,17 @@ TEST(StanceBounce, RefusesAbsurdDrops) {
     return !b.proven && b.rebound_speed == Enclosure{-kInfinity, kInfinity};
   };
   for (const double bad : {0.0, -1.0, kInfinity, nan}) {
-    for (double Drop::*const member : {&Drop::mass, &Drop::height, &Drop::gravity, &Drop::stiffness, &Drop::exponent}) {
+    for (double Drop::*const member : {&Drop::height, &Drop::gravity, &Drop::stiffness, &Drop::exponent}) {
       Drop drop = good;
       drop.*member = bad;
       EXPECT_TRUE(refused(drop)) << described(drop);
+    }
+    for (Enclosure Drop::*const member : {&Drop::mass, &Drop::impact_velocity}) {
+      for (const Enclosure range : {Enclosure{bad, 1.0}, {1.0, bad}, {bad, bad}, {0.5, 0.25}}) {
+        Drop drop = good;
+        drop.*member = range;
+        EXPECT_TRUE(refused(drop)) << described(drop);
+      }
     }
   }
   for (const Enclosure bad : {Enclosure{0.2, 0.1}, {0.0, 0.1}, {0.5, 1.0}, {-0.1, 0.1}, {nan, 0.1}, {0.1, nan}}) {
@@ -356,9 +569,10 @@ TEST(StanceBounce, IsHonestAtTheEndsOfTheNumbers) {
   int calls = 0;
   const BounceOptions short_run{.interrupted = [&] { return ++calls > 300; }};
   for (const double extreme : {1e-320, 1e-300, 1e-100, 1e100, 1e300}) {
-    for (double Drop::*const member : {&Drop::mass, &Drop::height, &Drop::gravity, &Drop::stiffness}) {
+    for (double Drop::*const member : {&Drop::height, &Drop::gravity, &Drop::stiffness}) {
       Drop drop = good;
       drop.*member = extreme;
+      drop = at_impact_velocity(drop);
       SCOPED_TRACE(described(drop));
       calls = 0;
       const Bounce b = bounce(drop, short_run);
@@ -367,6 +581,24 @@ TEST(StanceBounce, IsHonestAtTheEndsOfTheNumbers) {
       // Contact takes energy: nothing rebounds faster than it came.
       EXPECT_LE(b.effective_restitution.hi, b.proven ? 0.2001 : kInfinity);
     }
+    for (const Enclosure mass : {Enclosure{extreme, extreme}, {std::min(0.36, extreme), std::max(0.36, extreme)}}) {
+      Drop drop = good;
+      drop.mass = mass;
+      SCOPED_TRACE(described(drop));
+      calls = 0;
+      const Bounce b = bounce(drop, short_run);
+      EXPECT_LE(b.effective_restitution.lo, 0.2);
+      EXPECT_LE(b.effective_restitution.hi, b.proven ? 0.2001 : kInfinity);
+    }
+    // With the least damping, it rebounds as fast as it came.
+    Drop drop = good;
+    drop.impact_velocity = {extreme, extreme};
+    SCOPED_TRACE(described(drop));
+    calls = 0;
+    const Bounce b = bounce(drop, short_run);
+    EXPECT_LE(b.effective_restitution.lo, 1.0);
+    EXPECT_LE(b.effective_restitution.hi, b.proven ? 1.0001 : kInfinity);
+    EXPECT_EQ(b.effective_restitution.lo > 0.99, b.proven && extreme > 1.0);
   }
   Drop dead = good;
   for (const double restitution : {1e-300, 1e-9}) {
@@ -396,6 +628,19 @@ TEST(StanceBounce, InterruptedHalfwayStillContains) {
     EXPECT_LE(b.steps, allowed);
     EXPECT_EQ(b.lift_off_time.hi, kInfinity);
     expect_encloses(b, exact);
+  }
+}
+
+TEST(StanceBounce, InterruptedAmidRangesStillContains) {
+  Drop drop = dropped("right forefoot", 0.05);
+  drop.mass = {0.18, 0.54};
+  drop.restitution = {0.15, 0.15};
+  drop.impact_velocity = {0.8, 1.25};
+  for (const int allowed : {0, 5, 30, 60, 200}) {
+    int calls = 0;
+    const Bounce b = bounce(drop, {.interrupted = [&] { return ++calls > allowed; }});
+    EXPECT_FALSE(b.proven);
+    (void)expect_encloses_samples(b, drop, 12);
   }
 }
 

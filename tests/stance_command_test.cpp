@@ -6,10 +6,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <span>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -45,6 +47,19 @@ class StanceCommand : public ::testing::Test {
     const Outcome outcome = stance_of_example(arguments);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return Json::parse(outcome.out);
+  }
+  /// A copy of the file in which each first text, which must be there, is replaced once by the second.
+  [[nodiscard]] std::string with(const std::string& file,
+                                 const std::vector<std::pair<std::string, std::string>>& replacements) const {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    std::string xml = text.str();
+    for (const auto& [from, to] : replacements) {
+      const std::size_t at = xml.find(from);
+      EXPECT_NE(at, std::string::npos) << from;
+      if (at != std::string::npos) xml.replace(at, from.size(), to);
+    }
+    return folder_.file("changed.xml", xml).string();
   }
   [[nodiscard]] static std::string example() { return VERISQ_EXAMPLES "/stance.xml"; }
   void expect_refused(const Arguments& arguments, const std::string& message) const {
@@ -143,7 +158,8 @@ TEST_F(StanceCommand, DropsACylinder) {
   const Json json = json_of_example({"--uncertain", "none", "--bounce", "left hindfoot", "--drop-height", "0.02"});
   const Json& bounce = json["bounce"];
   EXPECT_EQ(bounce["proven"], true);
-  EXPECT_EQ(bounce["mass"], 0.84);
+  EXPECT_EQ(bounce["mass"], Json({{"lo", 0.84}, {"hi", 0.84}}));
+  EXPECT_EQ(bounce["impact_velocity"], Json({{"lo", 1.0}, {"hi", 1.0}}));
   EXPECT_EQ(bounce["radius"]["lo"], std::midpoint(0.02, 0.15));
   EXPECT_EQ(bounce["radius"]["lo"], bounce["radius"]["hi"]);
   const double speed = std::sqrt(2.0 * 9.81 * 0.02);
@@ -151,6 +167,80 @@ TEST_F(StanceCommand, DropsACylinder) {
   EXPECT_GE(bounce["touch_down_speed"]["hi"], speed * (1.0 - 1e-15));
   EXPECT_GT(bounce["rebound_speed"]["lo"], 0.0);
   EXPECT_LT(bounce["rebound_speed"]["hi"], speed);
+}
+
+/// Expects the bounce's end to contain the value, within one per cent.
+void expect_lower_end(const Json& enclosure, double value) {
+  EXPECT_LE(enclosure["lo"], value);
+  EXPECT_NEAR(enclosure["lo"], value, 0.01 * value);
+}
+
+void expect_upper_end(const Json& enclosure, double value) {
+  EXPECT_GE(enclosure["hi"], value);
+  EXPECT_NEAR(enclosure["hi"], value, 0.01 * value);
+}
+
+// In long double, by Runge-Kutta steps of 10^-7 s, for the least and the greatest mass; the digits that are cut make
+// the ranges smaller.
+TEST_F(StanceCommand, DropsAFootOfUncertainMass) {
+  const std::string model = with(
+      example(), {{R"(<mass value="0.36"/>)", R"(<mass parameter="mff" unit="kg" nominal="0.36" deviation="0.18"/>)"}});
+  const Outcome outcome = stance({model, "--uncertain", "mff", "--bounce", "right forefoot", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json bounce = Json::parse(outcome.out)["bounce"];
+  EXPECT_EQ(bounce["mass"]["lo"], 0.18);
+  EXPECT_NEAR(bounce["mass"]["hi"], 0.54, 1e-15);
+  EXPECT_EQ(bounce["proven"], true);
+  expect_lower_end(bounce["deepest_penetration"], 3.2406836098e-4);
+  expect_upper_end(bounce["deepest_penetration"], 5.6757165057e-4);
+  expect_lower_end(bounce["rebound_speed"], 0.0704137218);
+  expect_upper_end(bounce["rebound_speed"], 0.0849221328);
+  expect_lower_end(bounce["lift_off_time"], 0.0506552717);
+  expect_upper_end(bounce["lift_off_time"], 0.0552724288);
+}
+
+// At the touch-down speed, with the masses of the same file: 0.54 kg stay on the ground.
+TEST_F(StanceCommand, DropsAFootOfUncertainMassThatMayStay) {
+  const std::string model = with(
+      example(), {{R"(<mass value="0.36"/>)", R"(<mass parameter="mff" unit="kg" nominal="0.36" deviation="0.18"/>)"},
+                  {R"(<cylinder name="right forefoot" body="right forefoot" half_length="0.04"
+            stiffness="1e5" exponent="1" impact_velocity="1")",
+                   R"(<cylinder name="right forefoot" body="right forefoot" half_length="0.04"
+            stiffness="1e5" exponent="1" impact_velocity="0.442944691807002")"}});
+  const Outcome outcome = stance({model, "--uncertain", "mff", "--bounce", "right forefoot", "--json"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;  // no end of the time on the ground
+  const Json bounce = Json::parse(outcome.out)["bounce"];
+  EXPECT_EQ(bounce["proven"], true);
+  EXPECT_NEAR(bounce["deepest_penetration"]["lo"], 2.391e-4, 1e-7);
+  EXPECT_NEAR(bounce["deepest_penetration"]["hi"], 4.178e-4, 1e-7);
+  EXPECT_EQ(bounce["rebound_speed"]["lo"], 0.0);
+  EXPECT_TRUE(bounce["lift_off_time"]["hi"].is_null());
+}
+
+TEST_F(StanceCommand, TheImpactVelocityActs) {
+  const Json forefoot = json_of_example({"--uncertain", "none", "--bounce", "right forefoot"})["bounce"];
+  EXPECT_NEAR(forefoot["rebound_speed"]["lo"], 0.07699, 1e-5);
+  const Json hindfoot = json_of_example({"--uncertain", "none", "--bounce", "right hindfoot"})["bounce"];
+  EXPECT_NEAR(hindfoot["rebound_speed"]["lo"], 0.0606, 1e-4);
+}
+
+TEST_F(StanceCommand, AnImpactVelocityOfTheFileIsARange) {
+  const std::string model =
+      with(example(), {{R"(<cylinder name="right forefoot" body="right forefoot" half_length="0.04"
+            stiffness="1e5" exponent="1" impact_velocity="1" stribeck_velocity="0.01">)",
+                        R"(<cylinder name="right forefoot" body="right forefoot" half_length="0.04"
+            stiffness="1e5" exponent="1" stribeck_velocity="0.01">
+            <impact_velocity parameter="vN" unit="m/s" lower="0.5" upper="1"/>)"}});
+  const auto bounce = [&](const char* uncertain) {
+    const Outcome outcome = stance({model, "--uncertain", uncertain, "--bounce", "right forefoot", "--json"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return Json::parse(outcome.out)["bounce"];
+  };
+  const Json range = bounce("vN");
+  EXPECT_EQ(range["impact_velocity"], Json({{"lo", 0.5}, {"hi", 1.0}}));
+  EXPECT_NEAR(range["rebound_speed"]["hi"], 0.07699, 1e-5);
+  EXPECT_LT(range["rebound_speed"]["lo"], 0.04);
+  EXPECT_EQ(bounce("none")["impact_velocity"], Json({{"lo", 0.75}, {"hi", 0.75}}));
 }
 
 TEST_F(StanceCommand, PrintsATable) {

@@ -78,7 +78,7 @@ inline ContactCylinder cylinder(const Model& model, const std::string& name, std
           0.04,
           1e5,
           1,
-          1,
+          number(1),
           quantity(model, eN),
           quantity(model, eT),
           quantity(model, mu_st),

@@ -121,7 +121,7 @@ void expect_equal(const ContactCylinder& a, const Model& model_a, const ContactC
   EXPECT_EQ(a.half_length, b.half_length);
   EXPECT_EQ(a.stiffness, b.stiffness);
   EXPECT_EQ(a.exponent, b.exponent);
-  EXPECT_EQ(a.impact_velocity, b.impact_velocity);
+  expect_equal(a.impact_velocity, model_a, b.impact_velocity, model_b);
   expect_equal(a.normal_restitution, model_a, b.normal_restitution, model_b);
   expect_equal(a.tangential_restitution, model_a, b.tangential_restitution, model_b);
   expect_equal(a.static_friction, model_a, b.static_friction, model_b);
@@ -200,7 +200,8 @@ TEST(StanceFile, ReadsEveryField) {
   EXPECT_EQ(sole.half_length, 0.125);
   EXPECT_EQ(sole.stiffness, 1e5);
   EXPECT_EQ(sole.exponent, 1.5);
-  EXPECT_EQ(sole.impact_velocity, 0.5);
+  EXPECT_EQ(sole.impact_velocity.nominal, 0.5);
+  EXPECT_EQ(sole.impact_velocity.range, (Enclosure{0.5, 0.5}));
   EXPECT_EQ(sole.stribeck_velocity, 0.25);
   EXPECT_EQ(sole.static_friction.nominal, 0.5);
   EXPECT_EQ(sole.dynamic_friction.nominal, 0.75);
@@ -303,6 +304,37 @@ TEST(StanceFile, RefusesNumbersThatNoContactHas) {
   expect_refused(R"(y="0.6" z="0.8")", R"(y="0.6" z="0.81")",
                  "line 22: <axis>: its length is 1.008017857, must be 1 to within 1e-09");
   expect_refused(R"(y="0.6" z="0.8")", R"(y="0" z="0")", "line 22: <axis>: its length is 0, must be 1 to within 1e-09");
+}
+
+TEST(StanceFile, AnImpactVelocityMayHaveARange) {
+  const std::string without = changed(R"( impact_velocity="0.5")", "");
+  const auto with_element = [&](const std::string& attributes) {
+    std::string xml = without;
+    return xml.insert(xml.find("    <centre x="), "    <impact_velocity " + attributes + "/>\n");
+  };
+  const auto read = [&](const std::string& attributes) {
+    return parse_model(with_element(attributes), "m.xml").cylinders[0].impact_velocity;
+  };
+  EXPECT_EQ(read(R"(value="0.5")").range, (Enclosure{0.5, 0.5}));
+  EXPECT_EQ(read(R"(parameter="v" unit="m/s" lower="0.5" upper="2")").range, (Enclosure{0.5, 2.0}));
+  EXPECT_EQ(read(R"(parameter="v" nominal="1" deviation="0.5")").range, (Enclosure{0.5, 1.5}));
+}
+
+TEST(StanceFile, RefusesWhatIsNoImpactVelocity) {
+  const auto refused = [](const std::string& attribute, const std::string& element, const std::string& message) {
+    std::string xml = changed(R"( impact_velocity="0.5")", attribute);
+    expect_refused(xml.insert(xml.find("    <centre x="), element), message);
+  };
+  refused("", "", "line 19: <cylinder>: impact_velocity is missing: give an attribute or an element");
+  refused(R"( impact_velocity="0")", "", "line 19: <cylinder>: impact_velocity = '0': must be positive");
+  refused(R"( impact_velocity="1")", "<impact_velocity value=\"1\"/>\n",
+          "line 21: <impact_velocity>: given as an attribute, too");
+  refused("", "<impact_velocity parameter=\"v\" lower=\"0\" upper=\"1\"/>\n",
+          "line 21: <impact_velocity>: 0 must be positive");
+  refused("", "<impact_velocity lower=\"0.5\" upper=\"1\"/>\n",
+          "line 21: <impact_velocity>: a range needs the name of a parameter");
+  refused("", "<impact_velocity value=\"1\"/>\n<impact_velocity value=\"1\"/>\n",
+          "line 22: <impact_velocity>: a second one in <cylinder>");
 }
 
 TEST(StanceFile, DynamicFrictionMayExceedStaticFriction) {

@@ -135,13 +135,14 @@ const ContactCylinder& parse_cylinder(const std::string& name, const Model& mode
 
 /// The cylinder alone, with the mass of its body.
 Drop drop_of(const ContactCylinder& cylinder, const Model& model, UncertainSet uncertain, double height) {
-  return {.mass = model.bodies[cylinder.body].mass.nominal,
+  return {.mass = over(model.bodies[cylinder.body].mass, uncertain),
           .radius = over(cylinder.radius, uncertain),
           .height = height,
           .gravity = model.gravity,
           .stiffness = cylinder.stiffness,
           .exponent = cylinder.exponent,
-          .restitution = over(cylinder.normal_restitution, uncertain)};
+          .restitution = over(cylinder.normal_restitution, uncertain),
+          .impact_velocity = over(cylinder.impact_velocity, uncertain)};
 }
 
 [[noreturn]] void report_escape(const Model& model, const std::string& component, const Enclosure& claimed,

@@ -151,8 +151,9 @@ std::string bounce_text(const StanceSummary& summary) {
   const auto line = [&](std::string_view name, std::string_view unit, const Enclosure& enclosure) {
     text += fmt::format("  {:<24}{:<6}{}\n", name, unit, outward_digits(enclosure));
   };
-  line("radius", "m", summary.drop->radius);
+  line("mass", "kg", summary.drop->mass);
   line("normal restitution", "", summary.drop->restitution);
+  line("impact velocity v_N", "m/s", summary.drop->impact_velocity);
   line("touch-down time", "s", bounce.touch_down_time);
   line("touch-down speed", "m/s", bounce.touch_down_speed);
   line("deepest penetration", "m", bounce.deepest_penetration);
@@ -237,9 +238,10 @@ Json json_of(const PaperReport& report) {
 Json json_of(const Bounce& bounce, const std::string& dropped, const Drop& drop) {
   return {{"cylinder", dropped},
           {"height", drop.height},
-          {"mass", drop.mass},
+          {"mass", ends(drop.mass)},
           {"radius", ends(drop.radius)},
           {"restitution", ends(drop.restitution)},
+          {"impact_velocity", ends(drop.impact_velocity)},
           {"touch_down_time", ends(bounce.touch_down_time)},
           {"touch_down_speed", ends(bounce.touch_down_speed)},
           {"deepest_penetration", ends(bounce.deepest_penetration)},

@@ -141,8 +141,8 @@ class ModelReader {
   [[nodiscard]] ContactCylinder read_cylinder(const XmlElement& element) {
     element.check_attributes(
         {"name", "body", "half_length", "stiffness", "exponent", "impact_velocity", "stribeck_velocity"});
-    element.check_children({"centre", "axis", "radius", "normal_restitution", "tangential_restitution",
-                            "static_friction", "dynamic_friction"});
+    element.check_children({"impact_velocity", "centre", "axis", "radius", "normal_restitution",
+                            "tangential_restitution", "static_friction", "dynamic_friction"});
     ContactCylinder cylinder{};
     cylinder.name = element.text("name");
     if (!cylinders_.insert(cylinder.name).second) element.fail("name", "another cylinder has this name");
@@ -151,13 +151,25 @@ class ModelReader {
     cylinder.stiffness = positive(element, "stiffness");
     cylinder.exponent = element.number("exponent");
     if (cylinder.exponent != 1.0 && cylinder.exponent != 1.5) element.fail("exponent", "must be 1 or 1.5");
-    cylinder.impact_velocity = positive(element, "impact_velocity");
+    cylinder.impact_velocity = read_impact_velocity(element);
     cylinder.stribeck_velocity = positive(element, "stribeck_velocity");
     cylinder.centre = quantities_.read_vector(element.child("centre"));
     cylinder.axis = read_axis(element.child("axis"));
     cylinder.radius = quantities_.read(element.child("radius"), is_positive, must_be_positive);
     read_surface(element, cylinder);
     return cylinder;
+  }
+
+  /// An attribute, which is exact, or a child that is a quantity.
+  [[nodiscard]] Quantity read_impact_velocity(const XmlElement& element) {
+    const std::optional<XmlElement> child = element.find("impact_velocity");
+    if (!child && !element.has("impact_velocity")) {
+      element.fail("impact_velocity is missing: give an attribute or an element");
+    }
+    if (child && element.has("impact_velocity")) child->fail("given as an attribute, too");
+    if (child) return quantities_.read(*child, is_positive, must_be_positive);
+    const double number = positive(element, "impact_velocity");
+    return {number, {number, number}, std::nullopt};
   }
 
   void read_surface(const XmlElement& element, ContactCylinder& cylinder) {

@@ -6,21 +6,25 @@
 
 namespace verisq::stance {
 
-/// A cylinder that lies along z falls on the ground y = 0 under gravity; Hunt-Crossley with exponent 1 or 1.5, whose
-/// impact velocity v_N is the touch-down speed.
+/// A cylinder that lies along z, alone, falls on the ground y = 0 under gravity. The ground pushes with
+/// k delta^n max(0, 1 + D delta'/v_N), where D follows from the restitution: Hunt-Crossley, exponent n of 1 or 1.5.
+/// Numbers in an Enclosure are any within: each bounce has one of them all the while.
 struct Drop {
-  double mass;            ///< kg
-  Enclosure radius;       ///< m
-  double height;          ///< of the lowest point above the ground at rest, m; above 0
-  double gravity;         ///< m/s^2
-  double stiffness;       ///< N / m^n
-  double exponent;        ///< 1 or 1.5
-  Enclosure restitution;  ///< e_N in (0, 1)
+  Enclosure mass;             ///< kg; above 0
+  Enclosure radius;           ///< m; acts on nothing: the lowest point falls by the height whatever the radius
+  double height;              ///< of the lowest point above the ground at rest, m; above 0
+  double gravity;             ///< m/s^2
+  double stiffness;           ///< k, N / m^n
+  double exponent;            ///< n, 1 or 1.5
+  Enclosure restitution;      ///< e_N in (0, 1), at touch-down with the speed v_N
+  Enclosure impact_velocity;  ///< v_N, m/s; above 0
 };
 
+/// Contains the bounces for all numbers of the drop.
 struct Bounce {
   Enclosure touch_down_time, touch_down_speed;  ///< s, m/s
-  /// A body that stays on the ground has rebound speed 0. Where it may, the time's upper end is infinite.
+  /// A body that stays on the ground has rebound speed 0. Where it may, the time's upper end is infinite, and the lower
+  /// end is that of the bodies that lift off, if any may.
   Enclosure lift_off_time, rebound_speed;
   Enclosure deepest_penetration;    ///< m
   Enclosure effective_restitution;  ///< rebound speed by touch-down speed
@@ -29,7 +33,7 @@ struct Bounce {
 };
 
 struct BounceOptions {
-  double relative_tolerance = 1e-6;  ///< of the local error, to the rebound speed
+  double relative_tolerance = 1e-6;  ///< of the local error, to the rebound speed that it would have without gravity
   std::function<bool()> interrupted = {};
 };
 

@@ -12,7 +12,8 @@
 namespace verisq::stance {
 
 /// A number of the model. Where it is a parameter of the analysis, `parameter` is its index in Model::parameters, and
-/// `nominal` and `range` are that parameter's.
+/// `nominal` and `range` are that parameter's. Where it is none, `range` is `nominal` alone: analyses take parameters
+/// over ranges, and nothing else.
 struct Quantity {
   double nominal = 0.0;
   Enclosure range{0.0, 0.0};  ///< contains `nominal`
@@ -52,7 +53,8 @@ struct Body {
   QuantityVector inertia;         ///< principal moments about the centre of mass, axes of the body, kg m^2
 };
 
-/// Hunt-Crossley contact of a cylinder with the ground y = 0 (design 5, "Contact").
+/// Hunt-Crossley contact of a cylinder with the ground y = 0 (design 5, "Contact"). It acts in no analysis of the whole
+/// body; a Drop takes mass, normal restitution, impact velocity, stiffness and exponent from it.
 struct ContactCylinder {
   std::string name;
   std::uint32_t body;
@@ -62,7 +64,7 @@ struct ContactCylinder {
   double half_length;          ///< m
   double stiffness;            ///< k, N / m^n
   double exponent;             ///< n: 1 or 1.5
-  double impact_velocity;      ///< v_N, m/s
+  Quantity impact_velocity;    ///< v_N, m/s: the speed at which a touch-down has the normal restitution
   Quantity normal_restitution;
   Quantity tangential_restitution;
   Quantity static_friction;
@@ -70,7 +72,8 @@ struct ContactCylinder {
   double stribeck_velocity;  ///< v_s, m/s
 };
 
-/// PID on one joint: torque = -proportional e - integral (integral of e) - derivative velocity.
+/// PID on one joint: torque = -proportional e - integral (integral of e) - derivative velocity. It acts in no analysis
+/// yet.
 struct Controller {
   std::uint32_t body;
   std::uint32_t joint;  ///< index in that body's joints

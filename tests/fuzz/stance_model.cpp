@@ -60,7 +60,7 @@ class ModelPromise {
 
   void check_positive(const Quantity& quantity) const {
     check_quantity(quantity);
-    check(quantity.range.lo > 0.0, "masses and radii are positive");
+    check(quantity.range.lo > 0.0, "masses, radii and impact velocities are positive");
   }
 
   void check_parameters() const {
@@ -100,8 +100,8 @@ class ModelPromise {
       check_quantity(quantity);
       check(quantity.range.lo >= 0.0, "friction is not negative");
     }
-    for (const double number :
-         {cylinder.half_length, cylinder.stiffness, cylinder.impact_velocity, cylinder.stribeck_velocity}) {
+    check_positive(cylinder.impact_velocity);
+    for (const double number : {cylinder.half_length, cylinder.stiffness, cylinder.stribeck_velocity}) {
       check(std::isfinite(number) && number > 0.0, "numbers of contact are positive");
     }
     check(cylinder.exponent == 1.0 || cylinder.exponent == 1.5, "the exponent is 1 or 1.5");

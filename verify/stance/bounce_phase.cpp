@@ -22,8 +22,8 @@ constexpr std::size_t kMostSteps = 20000;
 
 class Integration {
  public:
-  Integration(const BounceFlow& flow, const Interval& damping, double tolerance)
-      : flow_(flow), tolerance_(tolerance), set_(Set::of(touch_down(damping))) {}
+  Integration(const BounceFlow& flow, const Interval& gravity, const Interval& damping, double tolerance)
+      : flow_(flow), tolerance_(tolerance), set_(Set::of(touch_down(gravity, damping))) {}
 
   ContactPhase run(const std::function<bool()>& interrupted) {
     try {
@@ -38,15 +38,16 @@ class Integration {
   }
 
  private:
-  static State touch_down(const Interval& damping) {
+  static State touch_down(const Interval& gravity, const Interval& damping) {
     State state;
-    state << Interval(0), Interval(1), Interval(0), damping;
+    state << Interval(0), Interval(1), Interval(0), damping, gravity;
     return state;
   }
 
   /// False where no step is proven.
   bool advance() {
-    while (length_ > kShortestLength) {
+    const double shortest = shortest_length();
+    while (length_ > shortest) {
       if (const std::optional<Step> longest = Step::attempt(flow_, set_, length_, tolerance_)) {
         // Another length may have an event within the step that this one has at its end.
         if (accept(*longest)) {
@@ -61,6 +62,16 @@ class Integration {
       length_ *= 0.7;
     }
     return false;
+  }
+
+  /// An event is open as long as some states are before it and others behind: a step much shorter than the set takes to
+  /// pass one place will not prove it.
+  double shortest_length() const {
+    constexpr double part = 0.01;
+    const int event = returning_ ? BounceFlow::root_of_penetration : BounceFlow::velocity;
+    const Interval& states = set_.hull[event];
+    const double rate = abs(flow_.taylor_coefficients(set_.hull, 1)[1][event]).upper();
+    return std::max(kShortestLength, part * (states.upper() - states.lower()) / rate);
   }
 
   /// Goes to the end of the step, or to lift-off, unless it is open what happens on the way.
@@ -117,9 +128,9 @@ class Integration {
 
 }  // namespace
 
-ContactPhase contact_phase(const BounceFlow& flow, const Interval& damping, double tolerance,
+ContactPhase contact_phase(const BounceFlow& flow, const Interval& gravity, const Interval& damping, double tolerance,
                            const std::function<bool()>& interrupted) {
-  return Integration(flow, damping, tolerance).run(interrupted);
+  return Integration(flow, gravity, damping, tolerance).run(interrupted);
 }
 
 }  // namespace verisq::stance

@@ -25,9 +25,9 @@ struct ContactPhase {
   std::size_t steps;
 };
 
-/// For all damping factors of `damping`; `tolerance` is the local error of a step.
-/// Precondition: damping within [0, infinity), gravity of the flow positive.
-[[nodiscard]] ContactPhase contact_phase(const BounceFlow& flow, const Interval& damping, double tolerance,
-                                         const std::function<bool()>& interrupted);
+/// For all gravities gamma and damping factors d of the two; `tolerance` is the local error of a step.
+/// Precondition: damping within [0, infinity), gravity positive.
+[[nodiscard]] ContactPhase contact_phase(const BounceFlow& flow, const Interval& gravity, const Interval& damping,
+                                         double tolerance, const std::function<bool()>& interrupted);
 
 }  // namespace verisq::stance

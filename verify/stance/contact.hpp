@@ -60,10 +60,10 @@ template <class T>
 /// The law F_n = k delta_+^n max(0, 1 + D delta'/v_N).
 template <class T>
 struct HuntCrossley {
-  T stiffness;             ///< k, N / m^n
-  double exponent;         ///< n >= 1
-  T damping;               ///< D, see damping_factor()
-  double impact_velocity;  ///< v_N > 0, m/s
+  T stiffness;        ///< k, N / m^n
+  double exponent;    ///< n >= 1
+  T damping;          ///< D, see damping_factor()
+  T impact_velocity;  ///< v_N > 0, m/s
 };
 
 /// N, never negative; 0 without penetration. `rate` is delta', m/s.
@@ -71,7 +71,7 @@ template <class T>
 [[nodiscard]] T normal_force(const HuntCrossley<T>& law, const T& penetration, const T& rate) {
   const auto clear = [](const T&) { return T(0); };
   const auto pressed = [&](const T& delta) {
-    const T damped = max(T(T(1) + law.damping * rate / T(law.impact_velocity)), T(0));
+    const T damped = max(T(T(1) + law.damping * rate / law.impact_velocity), T(0));
     return T(law.stiffness * contact_details::power(delta, law.exponent) * damped);
   };
   return piecewise(penetration, 0.0, clear, pressed);

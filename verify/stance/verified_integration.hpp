@@ -50,22 +50,28 @@ template <int N>
   return result;
 }
 
+[[nodiscard]] inline bool contains(const Interval& outer, const Interval& inner) {
+  return outer.lower() <= inner.lower() && inner.upper() <= outer.upper();
+}
+
 template <int N>
 [[nodiscard]] bool contains(const StateBox<N>& outer, const StateBox<N>& inner) {
   for (int i = 0; i < N; ++i) {
-    if (!(outer[i].lower() <= inner[i].lower() && inner[i].upper() <= outer[i].upper())) return false;
+    if (!contains(outer[i], inner[i])) return false;
   }
   return true;
 }
 
-/// A little larger, for states of magnitude about 1: a guess, which Picard's operator has to confirm.
+/// A little larger, for components of magnitude about 1: a guess, which Picard's operator has to confirm.
+[[nodiscard]] inline Interval inflated(const Interval& a) {
+  const double radius = 0.1 * (a.upper() - a.lower()) + 1e-12;
+  return a + Interval(-radius, radius);
+}
+
 template <int N>
 [[nodiscard]] StateBox<N> inflated(const StateBox<N>& box) {
   StateBox<N> result;
-  for (int i = 0; i < N; ++i) {
-    const double radius = 0.1 * (box[i].upper() - box[i].lower()) + 1e-12;
-    result[i] = box[i] + Interval(-radius, radius);
-  }
+  for (int i = 0; i < N; ++i) result[i] = inflated(box[i]);
   return result;
 }
 
@@ -227,8 +233,10 @@ class TaylorStep {
     for (int attempts = 0; attempts < 8; ++attempts) {
       const StateBox<size> image = picard(box);
       if (contains<size>(box, image)) return intersection<size>(image, picard(image));
-      for (int i = 0; i < size; ++i) box[i] = hull(box[i], image[i]);
-      box = inflated<size>(box);
+      // Those that hold stay: a wider one would widen the images of the others as fast as they grow.
+      for (int i = 0; i < size; ++i) {
+        if (!contains(box[i], image[i])) box[i] = inflated(hull(box[i], image[i]));
+      }
     }
     return std::nullopt;
   }
