@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 #include <verisq/error.hpp>
 
 #include "verify/numbers/rounding.hpp"
@@ -18,6 +19,34 @@ using verify::Direction;
 
 constexpr std::array<std::string_view, 4> row_names{"w1", "w2", "w4", "w6"};
 constexpr std::array<std::size_t, 4> row_components{0, 1, 3, 5};
+
+/// Constants that the paper does not give; flags.
+enum Reconstructed : unsigned {
+  none = 0,
+  gravity = 1,
+  legs = 2,          ///< their mass, 30.82 kg
+  feet = 4,          ///< their place: with the pelvis's frame, the legs' first moment of mass, 1.3865 kg m
+  femur = 8,         ///< its mass, 10.34 kg
+  hips = 16,         ///< 0.0795 m to each side
+  pelvis_frame = 32  ///< 0.05 m behind the reference point
+};
+
+constexpr std::array<std::pair<unsigned, std::string_view>, 6> reconstructed_names{{
+    {gravity, "gravity"},
+    {legs, "mass of the legs"},
+    {feet, "place of the feet"},
+    {femur, "mass of the femur"},
+    {hips, "place of the hips"},
+    {pelvis_frame, "place of the pelvis's frame"},
+}};
+
+std::vector<std::string_view> names_of(unsigned constants) {
+  std::vector<std::string_view> names;
+  for (const auto& [flag, name] : reconstructed_names) {
+    if ((constants & flag) != 0) names.push_back(name);
+  }
+  return names;
+}
 
 /// What the paper prints, and what the audit says it should have printed.
 struct Printed {
@@ -31,6 +60,7 @@ struct PrintedTable {
   std::string_view title;
   std::array<std::string_view, Columns> columns;
   std::array<std::array<Printed, Columns>, 4> rows;
+  std::array<std::array<unsigned, Columns>, 4> reconstructed;
 };
 
 constexpr Printed range(double lo, double hi) {
@@ -57,6 +87,11 @@ constexpr PrintedTable<3> table_2{
       {range(-94000, -59569), range(-91500, -62069), range(-76785, -76784)},
       {range(-3189, 3189), number(0), number(0)},
       {range(-5017, 4549), range(-5017, 4549), range(133, 134)}}},
+    {{{none, none, none},
+      {gravity | legs, gravity | legs, gravity | legs},
+      {gravity, none, none},
+      {gravity | legs | feet | pelvis_frame, gravity | legs | feet | pelvis_frame,
+       gravity | legs | feet | pelvis_frame}}},
 };
 
 constexpr PrintedTable<3> table_3{
@@ -66,6 +101,7 @@ constexpr PrintedTable<3> table_3{
       {range(-981, -980), Printed{}, number(0)},
       {number(0), number(0), number(0)},
       {misprinted({-982, 50}, {-99, 50}, "the lower end is a misprint of -0.982"), range(-63766, -34334), number(0)}}},
+    {{{none, none, none}, {gravity, none, none}, {none, none, none}, {gravity | pelvis_frame, gravity, none}}},
 };
 
 constexpr PrintedTable<4> table_4{
@@ -76,6 +112,10 @@ constexpr PrintedTable<4> table_4{
        misprinted({44443, 73844}, {44478, 73909}, "no enclosure: takes 9.80 where |dw2/dmp| is 9.81")},
       {number(0), number(0), mislabelled(78), number(807)},
       {number(-25), number(-49050), mislabelled(50), range(3844, 7047)}}},
+    {{{none, none, none, none},
+      {gravity, none, gravity, gravity | femur},
+      {none, none, gravity | hips, gravity | femur | hips},
+      {gravity | pelvis_frame, gravity, gravity | pelvis_frame, gravity | femur | pelvis_frame}}},
 };
 
 bool within_a_hundredth(const Hundredths& a, const Hundredths& b) {
@@ -90,12 +130,17 @@ CellVerdict verdict(const Printed& printed, const Hundredths& ours) {
   return CellVerdict::differs;
 }
 
-Cell compare(std::string_view row, std::string_view column, const Printed& printed, const Enclosure& enclosure) {
+Cell compare(std::string_view row, std::string_view column, const Printed& printed, unsigned reconstructed,
+             const Enclosure& enclosure) {
   const Hundredths ours = rounded_outward(enclosure);
   const CellVerdict found = verdict(printed, ours);
-  return {row,   column,
-          ours,  printed.cell ? text(*printed.cell) : "",
-          found, found == CellVerdict::misprint ? printed.reason : ""};
+  return {row,
+          column,
+          ours,
+          printed.cell ? text(*printed.cell) : "",
+          found,
+          found == CellVerdict::misprint ? printed.reason : "",
+          names_of(reconstructed)};
 }
 
 /// `columns` are the enclosures of all six components, one array a column.
@@ -105,7 +150,7 @@ PaperTable compare(const PrintedTable<Columns>& printed, const std::array<Wrench
   for (std::size_t row = 0; row < row_names.size(); ++row) {
     for (std::size_t column = 0; column < Columns; ++column) {
       table.cells.push_back(compare(row_names[row], printed.columns[column], printed.rows[row][column],
-                                    columns[column][row_components[row]]));
+                                    printed.reconstructed[row][column], columns[column][row_components[row]]));
     }
   }
   return table;
@@ -161,6 +206,10 @@ std::string_view word(CellVerdict verdict) {
     case CellVerdict::unprinted: break;
   }
   return "not printed";
+}
+
+std::vector<std::string_view> reconstructed_constants() {
+  return names_of(gravity | legs | feet | femur | hips | pelvis_frame);
 }
 
 Hundredths rounded_outward(const Enclosure& enclosure) {

@@ -40,7 +40,13 @@ struct Cell {
   std::string printed;  ///< empty where unprinted
   CellVerdict verdict;
   std::string_view reason;  ///< of a misprint, else empty
+  /// Constants of examples/stance.xml that enter the cell and were chosen so that the tables come out: that it matches
+  /// is no evidence for them.
+  std::vector<std::string_view> reconstructed;
 };
+
+/// All that a cell may name.
+[[nodiscard]] std::vector<std::string_view> reconstructed_constants();
 
 struct PaperTable {
   std::string_view title;

@@ -19,6 +19,7 @@
 
 #include "host/stance_report.hpp"
 #include "host/stance_samples.hpp"
+#include "host/stance_scope.hpp"
 #include "tests/process.hpp"
 #include "tests/stance_example.hpp"
 #include "tests/temporary_folder.hpp"
@@ -243,6 +244,62 @@ TEST_F(StanceCommand, AnImpactVelocityOfTheFileIsARange) {
   EXPECT_EQ(bounce("none")["impact_velocity"], Json({{"lo", 0.75}, {"hi", 0.75}}));
 }
 
+using ::testing::Contains;
+using ::testing::Not;
+
+/// Words of a list.
+std::vector<std::string> words(const Json& list) {
+  return list.get<std::vector<std::string>>();
+}
+
+TEST_F(StanceCommand, SaysWhatDoesNotActBesideEachResult) {
+  const Json json =
+      json_of_example({"--uncertain", "mp", "--accelerations", "--sensitivities", "--bounce", "right forefoot"});
+  for (const char* key : {"wrench_scope", "accelerations_scope"}) {
+    const Json& scope = json[key];
+    EXPECT_THAT(words(scope["does_not_act"]),
+                ::testing::IsSupersetOf({"ground contact (cylinders: 4)", "friction", "controller (joints: 20)"}));
+    EXPECT_THAT(scope["meaning"].get<std::string>(), HasSubstr("the feet stand on nothing"));
+    EXPECT_THAT(words(scope["parameters_without_effect"]),
+                ::testing::IsSupersetOf({"omega", "rff", "rhf", "eN", "eT", "mu_st", "mu_d"}));
+    EXPECT_THAT(words(scope["parameters_without_effect"]), Not(Contains("mp")));
+  }
+  EXPECT_THAT(words(json["wrench_scope"]["parameters_without_effect"]), Contains("py"));
+  EXPECT_THAT(words(json["accelerations_scope"]["parameters_without_effect"]), Not(Contains("py")));
+  EXPECT_EQ(json["bounce"]["scope"]["parameters_without_effect"],
+            Json({"omega", "Fx", "Fy", "mp", "px", "py", "pz", "mf", "rhf", "eT", "mu_st", "mu_d", "rff"}));
+  EXPECT_THAT(words(json["bounce"]["scope"]["does_not_act"]), Contains("all other bodies and cylinders"));
+
+  const Outcome outcome = stance_of_example({"--uncertain", "mp", "--accelerations", "--bounce", "right forefoot"});
+  EXPECT_THAT(outcome.out, HasSubstr("\n  does NOT act: ground contact (cylinders: 4), friction, controller (joints: "
+                                     "20)\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\n  parameters without effect here: omega, rhf, eN, eT, mu_st, mu_d, rff\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("one cylinder falls alone, lying flat, with the mass of the body 'right forefoot'"));
+  EXPECT_THAT(stance({"--help"}).out, HasSubstr("Ground contact, friction and the controller do NOT act on the body"));
+}
+
+/// What has no effect has none: neither on the enclosures of the wrench nor on those of the accelerations.
+TEST(StanceScope, ParametersWithoutEffectHaveNone) {
+  const stance::Model model = stance::nine_segments();
+  const auto uncertain = std::array{0U + stance::mp};
+  const auto check = [&](const stance::Scope& scope, const auto& evaluate) {
+    const auto before = evaluate(model);
+    for (std::uint32_t i = 0; i < model.parameters.size(); ++i) {
+      stance::Model changed = model;
+      changed.parameters[i].nominal += 0.01 * (1.0 + changed.parameters[i].range.width());
+      const bool without_effect = std::ranges::find(scope.parameters_without_effect, model.parameters[i].name) !=
+                                  scope.parameters_without_effect.end();
+      if (i == stance::mp) continue;
+      EXPECT_EQ(evaluate(changed) == before, without_effect) << model.parameters[i].name;
+    }
+  };
+  check(stance::wrench_scope(model, uncertain, stance::Mode::tight),
+        [&](const stance::Model& m) { return stance::wrench(m, uncertain, stance::Mode::tight); });
+  check(stance::acceleration_scope(model),
+        [&](const stance::Model& m) { return stance::accelerations(m, {}, {.cells = 1}); });
+}
+
 TEST_F(StanceCommand, PrintsATable) {
   const Outcome outcome = stance_of_example({"--uncertain", "mp", "--monte-carlo", "10", "--sensitivities"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -331,9 +388,14 @@ TEST_F(StanceCommand, ExplainsItself) {
 TEST_F(StanceCommand, ReportsTheTablesOfThePaper) {
   const Outcome outcome = stance_of_example({"--report"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("  w6  all         [-50.17, 45.49]         [-50.17, 45.49]         match\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("  w6  all         [-50.17, 45.49]         [-50.17, 45.49]         match (reconstructed: "
+                        "gravity, mass of the legs, place of the feet, place of the pelvis's frame)\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  w1  all         [0.00, 200.00]          [0.00, 200.00]          match\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("That such a cell matches is no evidence for these constants.\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("ground contact, friction and controller do NOT act"));
   EXPECT_THAT(outcome.out, HasSubstr("[-9.82, 0.50]           misprint in the paper: the lower end is a misprint of "
-                                     "-0.982\n"));
+                                     "-0.982 (reconstructed: gravity, place of the pelvis's frame)\n"));
   EXPECT_THAT(outcome.out, HasSubstr("  w6              [38.18, 70.07]          15.94125"));
 }
 
@@ -342,6 +404,9 @@ TEST_F(StanceCommand, ReportsTheTablesAsJson) {
   EXPECT_EQ(json["paper"]["all_explained"], true);
   ASSERT_EQ(json["paper"]["tables"].size(), 3U);
   EXPECT_EQ(json["paper"]["tables"][1]["cells"][9]["verdict"], "misprint in the paper");
+  EXPECT_EQ(json["paper"]["tables"][1]["cells"][9]["reconstructed"], Json({"gravity", "place of the pelvis's frame"}));
+  EXPECT_EQ(json["paper"]["tables"][0]["cells"][0]["reconstructed"], Json::array());
+  EXPECT_EQ(json["paper"]["reconstructed_constants"].size(), 6U);
 }
 
 using stance::Cell;
@@ -411,6 +476,50 @@ TEST(StanceReport, AnotherModelDiffers) {
   EXPECT_EQ(cells(report.tables[0]).at({"w2", "nominal"})->verdict, CellVerdict::differs);
   // Not even where the paper is wrong anyway.
   EXPECT_EQ(cells(report.tables[2]).at({"w2", "r"})->verdict, CellVerdict::differs);
+}
+
+/// The model with one reconstructed constant a tenth greater, all others as they are.
+stance::Model with_other(const std::string& constant) {
+  stance::Model model = stance::nine_segments();
+  const auto scale = [](stance::Quantity& quantity, double factor) {
+    quantity = stance::example::number(factor * quantity.nominal);
+  };
+  const auto each = [&](const std::string& ending, const auto& change) {
+    for (stance::Body& body : model.bodies) {
+      if (body.name.ends_with(ending)) change(body);
+    }
+  };
+  if (constant == "gravity") model.gravity *= 1.1;
+  if (constant == "mass of the legs") each("tibia", [&](stance::Body& tibia) { scale(tibia.mass, 1.1); });
+  if (constant == "place of the feet")
+    each("hindfoot", [&](stance::Body& foot) { scale(foot.centre_of_mass[0], 2.0); });
+  if (constant == "mass of the femur") {  // the leg's remains
+    const double more = 1.0;
+    model.parameters[stance::mf].nominal += more;
+    model.parameters[stance::mf].range = {10.34 + more, 10.34 + more};
+    model.bodies[1].mass = stance::example::quantity(model, stance::mf);
+    model.bodies[5].mass = stance::example::number(10.34 + more);
+    each("tibia", [&](stance::Body& tibia) { tibia.mass = stance::example::number(tibia.mass.nominal - more); });
+  }
+  if (constant == "place of the hips") each("femur", [&](stance::Body& femur) { scale(femur.offset[2], 1.1); });
+  if (constant == "place of the pelvis's frame")
+    each("pelvis", [&](stance::Body& pelvis) { scale(pelvis.offset[0], 1.1); });
+  return model;
+}
+
+TEST(StanceReport, NamesTheReconstructedConstantsThatEnterACell) {
+  const PaperReport before = stance::compare_with_paper(stance::nine_segments());
+  for (const std::string_view constant : stance::reconstructed_constants()) {
+    const PaperReport after = stance::compare_with_paper(with_other(std::string(constant)));
+    for (std::size_t t = 0; t < before.tables.size(); ++t) {
+      for (std::size_t i = 0; i < before.tables[t].cells.size(); ++i) {
+        const Cell& cell = before.tables[t].cells[i];
+        const bool enters = cell.ours != after.tables[t].cells[i].ours;
+        EXPECT_EQ(std::ranges::find(cell.reconstructed, constant) != cell.reconstructed.end(), enters)
+            << constant << ": " << before.tables[t].title << " " << cell.row << " " << cell.column;
+      }
+    }
+  }
 }
 
 TEST(StanceReport, RoundsToHundredthsOutward) {

@@ -31,6 +31,11 @@ constexpr const char* closing_words =
     "uncertain parameters; the others are at their nominal values. What is asked for besides follows. Printed digits\n"
     "are rounded outward. The model's format: docs/stance.md.\n"
     "\n"
+    "Ground contact, friction and the controller do NOT act on the body: they are read from the model, no more. The\n"
+    "wrench is that of gravity and the applied force alone, at rest; in the accelerations the body falls freely, legs\n"
+    "hanging. --bounce drops one cylinder alone, with nobody standing on it. Each result says below it what acts in\n"
+    "it, what does not, and which parameters have no effect on it.\n"
+    "\n"
     "Exit status: 0 all is proven; 1 a sample escapes from an enclosure, which is a defect, or the program failed; 2 "
     "bad\n"
     "usage or input; 3 something stayed unproven (an infinite end), or a cell of --report differs; 130 interrupted by\n"
@@ -169,6 +174,7 @@ class Analysis {
     if (!arguments.bounce) return;
     const ContactCylinder& cylinder = parse_cylinder(*arguments.bounce, summary_.model);
     summary_.dropped = cylinder.name;
+    summary_.bounce_scope = bounce_scope(summary_.model, cylinder);
     summary_.drop = drop_of(cylinder, summary_.model, summary_.uncertain, height);
   }
 
@@ -199,6 +205,7 @@ class Analysis {
   void enclose_wrench() {
     const WrenchEnclosure enclosures = wrench(summary_.model, summary_.uncertain, summary_.mode);
     summary_.wrench = enclosures;
+    summary_.wrench_scope = wrench_scope(summary_.model, summary_.uncertain, summary_.mode);
     std::vector<std::string> names;
     for (std::size_t k = 0; k < wrench_size; ++k) names.push_back(component_name(k));
     summary_.wrench_samples = check(sampled_wrench_of(summary_.model, {enclosures.begin(), enclosures.end()}), names);
@@ -219,6 +226,7 @@ class Analysis {
   }
 
   void enclose_accelerations() {
+    summary_.acceleration_scope = acceleration_scope(summary_.model);
     {
       ProgressBar bar(!arguments_.no_progress, "%");
       std::mutex mutex;
@@ -288,7 +296,7 @@ const CLI::App& declare_stance(CLI::App& program, StanceArguments& arguments) {
       ->option_text("MODE");
   stance.add_flag("--sensitivities", arguments.sensitivities,
                   "Also the wrench's derivatives by every parameter, and the reference uncertainty");
-  stance.add_flag("--accelerations", arguments.accelerations, "Also the accelerations of all joints");
+  stance.add_flag("--accelerations", arguments.accelerations, "Also the accelerations of all joints, in free fall");
   stance
       .add_option("--cells", arguments.cells,
                   "Of --accelerations: subdivisions of each uncertain parameter's range (default 64)")
@@ -300,10 +308,14 @@ const CLI::App& declare_stance(CLI::App& program, StanceArguments& arguments) {
                   "of them the samples fill")
       ->transform(whole_number("--monte-carlo", 1))
       ->option_text("COUNT");
-  stance.add_flag("--report", arguments.report, "Instead: Tables 2, 3 and 4 of the paper, cell by cell");
+  stance.add_flag("--report", arguments.report,
+                  "Instead: Tables 2, 3 and 4 of the paper, cell by cell,\n"
+                  "with the constants that were reconstructed from these same tables");
   stance
-      .add_option("--bounce", arguments.bounce,
-                  "Also drop this contact cylinder, with the mass of its body, and enclose its rebound")
+      .add_option(
+          "--bounce", arguments.bounce,
+          "Also drop this contact cylinder alone, with the mass of its body, and enclose its rebound; the mass,\n"
+          "the normal restitution and the impact velocity take their ranges where they are uncertain")
       ->option_text("CYLINDER");
   stance.add_option("--drop-height", arguments.drop_height, "Of its lowest point, in m (default 0.01)")
       ->option_text("NUMBER");

@@ -75,6 +75,14 @@ std::string stripped(const std::string& text) {
   return result;
 }
 
+/// What the numbers above it are, and what is not in them.
+std::string scope_text(const Scope& scope) {
+  std::string text = fmt::format("  meaning: {}\n  acts: {}\n  does NOT act: {}\n", scope.meaning,
+                                 fmt::join(scope.acts, ", "), fmt::join(scope.does_not_act, ", "));
+  if (scope.parameters_without_effect.empty()) return text;
+  return text + fmt::format("  parameters without effect here: {}\n", fmt::join(scope.parameters_without_effect, ", "));
+}
+
 std::string wrench_text(const StanceSummary& summary) {
   std::string text = fmt::format("\nwrench on the root, {} mode\n", word(summary.mode));
   for (std::size_t k = 0; k < wrench_size; ++k) {
@@ -82,7 +90,7 @@ std::string wrench_text(const StanceSummary& summary) {
     text += fmt::format("  {}  {:<15} {:<4}{:<30}{}\n", component_name(k), component_words[k], component_unit(k),
                         outward_digits(enclosure), filled_text(summary.wrench_samples, k, enclosure));
   }
-  return text + samples_text(summary.wrench_samples);
+  return text + scope_text(summary.wrench_scope) + samples_text(summary.wrench_samples);
 }
 
 std::string sensitivities_text(const StanceSummary& summary) {
@@ -117,14 +125,20 @@ std::string accelerations_text(const StanceSummary& summary) {
     text += fmt::format("  {:<20} {:<8}{:<34}{}\n", names[k], units[k], outward_digits(enclosure),
                         filled_text(summary.acceleration_samples, k, enclosure));
   }
-  return text + samples_text(summary.acceleration_samples);
+  return text + scope_text(summary.acceleration_scope) + samples_text(summary.acceleration_samples);
+}
+
+std::string reconstructed_text(const Cell& cell) {
+  if (cell.reconstructed.empty()) return "";
+  return fmt::format(" (reconstructed: {})", fmt::join(cell.reconstructed, ", "));
 }
 
 std::string table_text(const PaperTable& table) {
   std::string text = fmt::format("{}\n  {:<4}{:<12}{:<24}{:<24}verdict\n", table.title, "", "", "verisq", "paper");
   for (const Cell& cell : table.cells) {
-    text += fmt::format("  {:<4}{:<12}{:<24}{:<24}{}{}{}\n", cell.row, cell.column, stance::text(cell.ours),
-                        cell.printed, stance::word(cell.verdict), cell.reason.empty() ? "" : ": ", cell.reason);
+    text +=
+        fmt::format("  {:<4}{:<12}{:<24}{:<24}{}{}{}{}\n", cell.row, cell.column, stance::text(cell.ours), cell.printed,
+                    stance::word(cell.verdict), cell.reason.empty() ? "" : ": ", cell.reason, reconstructed_text(cell));
   }
   return text + "\n";
 }
@@ -132,7 +146,11 @@ std::string table_text(const PaperTable& table) {
 std::string paper_text(const PaperReport& report) {
   std::string text =
       "Directed rounding to the second digit. w1, w2 are forces (N), w4, w6 moments (N m): the paper's labels are "
-      "swapped.\n\n";
+      "swapped.\n"
+      "The wrench is that of gravity and the applied force alone: ground contact, friction and controller do NOT act.\n"
+      "'reconstructed' names constants that enter a cell and that the paper does not give: they were chosen so that "
+      "the\n"
+      "model reproduces Tables 2 to 4. That such a cell matches is no evidence for these constants.\n\n";
   for (const PaperTable& table : report.tables) text += table_text(table);
   text +=
       "  The paper's r multiplies sensitivities that are rounded first. From unrounded ones, and as half the width\n"
@@ -160,12 +178,20 @@ std::string bounce_text(const StanceSummary& summary) {
   line("lift-off time", "s", bounce.lift_off_time);
   line("rebound speed", "m/s", bounce.rebound_speed);
   line("effective restitution", "", bounce.effective_restitution);
+  text += scope_text(summary.bounce_scope);
   text += fmt::format("  {} steps{}\n", bounce.steps, bounce.proven ? "" : "; NOT proven");
   return text;
 }
 
 Json ends(const Enclosure& enclosure) {
   return {{"lo", enclosure.lo}, {"hi", enclosure.hi}};
+}
+
+Json json_of(const Scope& scope) {
+  return {{"meaning", scope.meaning},
+          {"acts", scope.acts},
+          {"does_not_act", scope.does_not_act},
+          {"parameters_without_effect", scope.parameters_without_effect}};
 }
 
 Json json_with_samples(const Enclosure& enclosure, const std::optional<Samples>& samples, std::size_t k) {
@@ -228,15 +254,22 @@ Json json_of(const PaperReport& report) {
                        {"verisq", stance::text(cell.ours)},
                        {"paper", cell.printed},
                        {"verdict", stance::word(cell.verdict)},
-                       {"reason", cell.reason}});
+                       {"reason", cell.reason},
+                       {"reconstructed", cell.reconstructed}});
     }
     tables.push_back({{"title", table.title}, {"cells", cells}});
   }
-  return {{"tables", tables}, {"unrounded", json_of(report.unrounded)}, {"all_explained", report.all_explained()}};
+  return {{"tables", tables},
+          {"unrounded", json_of(report.unrounded)},
+          {"all_explained", report.all_explained()},
+          {"reconstructed_constants", reconstructed_constants()},
+          {"reconstructed_from", "Tables 2 to 4: a match of a cell that these constants enter is no evidence for them"},
+          {"does_not_act", {"ground contact", "friction", "controller"}}};
 }
 
-Json json_of(const Bounce& bounce, const std::string& dropped, const Drop& drop) {
+Json json_of(const Bounce& bounce, const std::string& dropped, const Drop& drop, const Scope& scope) {
   return {{"cylinder", dropped},
+          {"scope", json_of(scope)},
           {"height", drop.height},
           {"mass", ends(drop.mass)},
           {"radius", ends(drop.radius)},
@@ -299,13 +332,17 @@ std::string json(const StanceSummary& summary) {
     object["uncertain"] = uncertain;
     object["mode"] = word(summary.mode);
     object["wrench"] = json_of(*summary.wrench, summary.wrench_samples);
+    object["wrench_scope"] = json_of(summary.wrench_scope);
   }
   if (summary.wrench_samples) object["samples"] = summary.wrench_samples->count;
   if (!summary.sensitivities.empty()) object["sensitivities"] = json_of_sensitivities(summary);
   if (summary.reference) object["reference_uncertainty"] = json_of(*summary.reference);
-  if (!summary.accelerations.empty()) object["accelerations"] = json_of_accelerations(summary);
+  if (!summary.accelerations.empty()) {
+    object["accelerations"] = json_of_accelerations(summary);
+    object["accelerations_scope"] = json_of(summary.acceleration_scope);
+  }
   if (summary.acceleration_samples) object["acceleration_samples"] = summary.acceleration_samples->count;
-  if (summary.bounce) object["bounce"] = json_of(*summary.bounce, summary.dropped, *summary.drop);
+  if (summary.bounce) object["bounce"] = json_of(*summary.bounce, summary.dropped, *summary.drop, summary.bounce_scope);
   object["notes"] = notes(summary.model);
   object["interrupted"] = summary.interrupted;
   object["seconds"] = summary.seconds;

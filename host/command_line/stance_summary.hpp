@@ -9,6 +9,7 @@
 
 #include "host/stance_report.hpp"
 #include "host/stance_samples.hpp"
+#include "host/stance_scope.hpp"
 
 namespace verisq::command_line {
 
@@ -19,15 +20,18 @@ struct StanceSummary {
   std::vector<std::uint32_t> uncertain;
   stance::Mode mode = stance::Mode::tight;
   std::optional<stance::WrenchEnclosure> wrench;
+  stance::Scope wrench_scope;
   std::optional<stance::Samples> wrench_samples;
   std::vector<stance::WrenchEnclosure> sensitivities;  ///< by every parameter of the model; or empty
   std::optional<stance::ReferenceUncertainty> reference;
   std::vector<Enclosure> accelerations;  ///< of all joints, bodies in order; or empty
+  stance::Scope acceleration_scope;
   std::optional<stance::Samples> acceleration_samples;
   std::optional<stance::PaperReport> paper;
   std::string dropped;  ///< the cylinder that bounces
   std::optional<stance::Drop> drop;
   std::optional<stance::Bounce> bounce;
+  stance::Scope bounce_scope;
   double seconds = 0.0;
   bool interrupted = false;
 };

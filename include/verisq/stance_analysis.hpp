@@ -17,7 +17,8 @@ enum class Mode : std::uint8_t {
   tight,  ///< each parameter once, monotonicity, subdivision
 };
 
-/// Components of the wrench on the root of the tree at rest, in the order of the paper's w1 ... w6: forces along x, y,
+/// Components of the wrench of gravity and the applied force on the root of the tree at rest, without ground contact,
+/// friction and controller, in the order of the paper's w1 ... w6: forces along x, y,
 /// z are w1, w2, w3 (N), moments about x, y, z are w4, w5, w6 (N m): see design 5 for the paper's labels.
 constexpr std::size_t wrench_size = 6;
 using WrenchEnclosure = std::array<Enclosure, wrench_size>;
@@ -53,9 +54,10 @@ struct AccelerationOptions {
   std::function<void(double fraction)> progress = {};  ///< of the box's volume that is done
 };
 
-/// Enclosures of all joint accelerations of the stance under gravity and the applied force over the box, by Krawczyk
-/// with the midpoint inverse on each cell of a subdivision (design 5, "Dynamics"), finer where a cell may reach the
-/// ends. Infinite ends where a cell could not be proven.
+/// Enclosures of all joint accelerations of the stance under gravity and the applied force alone over the box: without
+/// ground contact, friction and controller the body falls freely. By Krawczyk with the midpoint inverse on each cell of
+/// a subdivision (design 5, "Dynamics"), finer where a cell may reach the ends. Infinite ends where a cell could not be
+/// proven.
 [[nodiscard]] std::vector<Enclosure> accelerations(const Model& model, UncertainSet uncertain,
                                                    const AccelerationOptions& options);
 
