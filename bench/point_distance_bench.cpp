@@ -24,7 +24,7 @@ constexpr std::size_t outside_count = 1'000'000;
 constexpr std::size_t inside_count = 100'000;
 constexpr std::size_t host_count = 1'000;  // the host's own proofs take their time
 // Of the largest semi-axis. Outside, tolerance 0 would ask the host to improve on every enclosure that is not exact;
-// this is what the design expects of nearly all points.
+// nearly all points are within this.
 constexpr double outside_tolerance = 1e-12;
 constexpr double inside_tolerance = 1e-6;
 constexpr int repetitions = 5;

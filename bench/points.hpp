@@ -17,7 +17,8 @@ namespace verisq::bench {
   return std::ranges::max(solid.semi_axes);
 }
 
-/// The gauge g of design 2, §1, in plain floating point: above 1 outside, below 1 inside. Good enough to sort points.
+/// The gauge g of docs/mathematics.md §1, in plain floating point: above 1 outside, below 1 inside. Good enough to sort
+/// points.
 [[nodiscard]] inline double approximate_gauge(const Superquadric& solid, const Point& point) {
   const double p1 = 2.0 / solid.exponents[0];
   const double p2 = 2.0 / solid.exponents[1];

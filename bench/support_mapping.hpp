@@ -1,4 +1,4 @@
-/// The support mapping ∇h of a superquadric in plain floating point (design 2, §1): what GJK sees of a solid.
+/// The support mapping ∇h of a superquadric in plain floating point (docs/mathematics.md §1): what GJK sees of a solid.
 #pragma once
 
 #include <verisq/model.hpp>

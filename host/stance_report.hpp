@@ -1,4 +1,4 @@
-/// Tables 2, 3 and 4 of the paper beside what this program encloses, cell by cell (audit: design 5).
+/// Tables 2, 3 and 4 of the paper beside what this program encloses, cell by cell (audit: docs/stance.md §1).
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // This file implements one level of an interval octree: the colours of the eight children of many cubes, and the list
-// of those that stay undecided (design 2, §10, §11).
+// of those that stay undecided (docs/mathematics.md §10, §11).
 //
 // A work-item takes one cube; its children are the lanes. What is decided about a primitive in the cube is therefore
 // the same in all lanes, and decided primitives are passed over by scalar branches: Duff's simplification.
@@ -93,7 +93,7 @@ ALWAYS_INLINE double8 relative_coordinates(double8 side, double8 x, double8 t, d
   return mul_towards(side, fmax(fma(side, slack, fma(side, h, d)), REAL(0.0)), inverse_axis);
 }
 
-// The powers of design 2, §1, compared with 1: no last root.
+// The powers of docs/mathematics.md §1, compared with 1: no last root.
 ALWAYS_INLINE colour siblings_colour(parent_cube parent, MODEL_SPACE const box_primitive* p) {
   MODEL_SPACE const superquadric* s = &p->solid;
   const double h = parent.child_half_width;

@@ -1,5 +1,5 @@
-// This file implements the enclosure of the distance of two superquadrics, the second moved by a pose (design 2, §7),
-// 0 where they meet.
+// This file implements the enclosure of the distance of two superquadrics, the second moved by a pose
+// (docs/mathematics.md §7), 0 where they meet.
 //
 // For any v the distance is at least (v.c - h_A(v) - h_B(v)) / |v|, c from A's centre to B's; a point of each bounds it
 // from above. Everything happens in A's own frame; of the numbers that place B in it only a bound of their error is

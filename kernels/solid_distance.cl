@@ -1,5 +1,5 @@
-// This file implements the signed distance of points to any model by branch and bound over cubes (design 2, §10 and
-// §11).
+// This file implements the signed distance of points to any model by branch and bound over cubes
+// (docs/mathematics.md §10 and §11).
 //
 // The solid S lies in the root cube, and so does the point of the closure of its complement that is nearest to any
 // point of S. A work-item owns a query and keeps the cubes that may hold the nearest point of its target (S, or that

@@ -1,5 +1,5 @@
-// This file implements the enclosure of the distance of triangles to one superquadric (design 2, §6), 0 where they
-// meet.
+// This file implements the enclosure of the distance of triangles to one superquadric (docs/mathematics.md §6), 0 where
+// they meet.
 //
 // For any v every point of the triangle is at least (min_i v.t_i - h(v)) / |v| away from the solid; a point of the
 // triangle and one of the solid bound the distance from above.

@@ -1,4 +1,4 @@
-/// The program as its user meets it: results, messages and exit status of every case of the contract (design 1).
+/// The program as its user meets it: results, messages and exit status of every case of docs/formats.md.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -130,7 +130,8 @@ TEST(OracleTest, GapsAreTinyOnRandomCases) {
   EXPECT_LE(wide, 1);
 }
 
-/// Support point of design 2, §1, in double and for the positive octant; a tie of a maximum norm goes to the first.
+/// Support point of docs/mathematics.md §1, in double and for the positive octant; a tie of a maximum norm goes to the
+/// first.
 Triple<double> support_point(const Superquadric& s, const MixedNorm<double>& norm, const Triple<double>& v) {
   const auto shares = [](double first, double second, const ConjugateExponents<double>& e) {
     const double large = std::max(first, second);
@@ -148,8 +149,8 @@ Triple<double> support_point(const Superquadric& s, const MixedNorm<double>& nor
   return scaled(x, 1 / std::max(1.0, norm.gauge(x)));
 }
 
-/// Branch and bound over the octant's directions (design 2, §5) in double: an upper bound of the signed distance
-/// inside, proven but for rounding, at most `tolerance` above the best direction seen.
+/// Branch and bound over the octant's directions (docs/mathematics.md §5) in double: an upper bound of the signed
+/// distance inside, proven but for rounding, at most `tolerance` above the best direction seen.
 double upper_bound_inside(const Superquadric& s, const Triple<double>& q, double tolerance) {
   struct Cell {
     std::array<Triple<double>, 3> corners;

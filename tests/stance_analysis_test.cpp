@@ -75,8 +75,8 @@ std::vector<double> sample(const Model& model, UncertainSet uncertain, std::mt19
   return values;
 }
 
-/// Design 5, "What the tables say", and the other two coordinates of an upright stance: none.
-std::array<double, wrench_size> design_wrench(const std::vector<double>& p) {
+/// docs/stance.md §1, and the other two coordinates of an upright stance: none.
+std::array<double, wrench_size> closed_form_wrench(const std::vector<double>& p) {
   constexpr double g = 9.81;
   constexpr double femur = 10.34;
   constexpr double legs = 30.82;
@@ -88,7 +88,7 @@ std::array<double, wrench_size> design_wrench(const std::vector<double>& p) {
 }
 
 /// Partial derivatives of the above by mp, px, ... where they are not 0.
-std::array<double, wrench_size> design_derivative(const std::vector<double>& p, std::uint32_t parameter) {
+std::array<double, wrench_size> closed_form_derivative(const std::vector<double>& p, std::uint32_t parameter) {
   constexpr double g = 9.81;
   switch (parameter) {
     case Fx: return {1, 0, 0, 0, 0, 0};
@@ -278,10 +278,10 @@ TEST_F(StanceAnalysis, TightW6IsTheExactRange) {
     EXPECT_LE(e.hi, 13.6001);
     std::vector<double> p = nominal_values(model);
     p[mp] = 65, p[px] = 0.1;
-    EXPECT_THAT(e, ContainsSample(design_wrench(p)[w6]));
-    EXPECT_NEAR(e.lo, design_wrench(p)[w6], 1e-10);
+    EXPECT_THAT(e, ContainsSample(closed_form_wrench(p)[w6]));
+    EXPECT_NEAR(e.lo, closed_form_wrench(p)[w6], 1e-10);
     p[px] = 0.05;
-    EXPECT_NEAR(e.hi, design_wrench(p)[w6], 1e-10);
+    EXPECT_NEAR(e.hi, closed_form_wrench(p)[w6], 1e-10);
   }
 }
 
@@ -303,7 +303,7 @@ TEST_F(StanceAnalysis, NoSampleEscapesAndTheSamplesFillTheTightEnclosure) {
   for (std::size_t i = 0; i < samples; ++i) {
     const std::vector<double> p = sample(model, table_1, random);
     const auto w = sampled_wrench(model, p);
-    const auto expected = design_wrench(p);
+    const auto expected = closed_form_wrench(p);
     for (std::size_t k = 0; k < wrench_size; ++k) {
       ASSERT_NEAR(w[k], expected[k], sampling_error);
       ASSERT_THAT(enclosure[k], ContainsSample(w[k])) << "component " << k;
@@ -368,7 +368,7 @@ TEST_F(StanceAnalysis, SensitivitiesContainSampledOnes) {
     WrenchEnclosure hull;
     hull.fill({infinity, -infinity});
     for (int n = 0; n < 1000; ++n) {
-      const auto expected = design_derivative(sample(model, table_1, random), i);
+      const auto expected = closed_form_derivative(sample(model, table_1, random), i);
       for (std::size_t k = 0; k < wrench_size; ++k) {
         ASSERT_THAT(tight[k], ContainsSample(expected[k])) << model.parameters[i].name << ", component " << k;
         ASSERT_THAT(paper[k], ContainsSample(expected[k])) << model.parameters[i].name << ", component " << k;

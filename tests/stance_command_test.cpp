@@ -81,7 +81,7 @@ void expect_ends(const Json& enclosure, double lo, double hi) {
   EXPECT_NEAR(enclosure["hi"], hi, 1e-9);
 }
 
-// g (mp + 30.82), and so on, of design 5 in the decimals of the model, a little rounded towards the inside.
+// g (mp + 30.82), and so on, of docs/stance.md §1 in the decimals of the model, a little rounded towards the inside.
 TEST_F(StanceCommand, EnclosesTheWrenchTightly) {
   const Json json = json_of_example({});
   EXPECT_EQ(json["mode"], "tight");

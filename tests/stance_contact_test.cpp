@@ -59,7 +59,7 @@ double relation(double damping, double restitution) {
 }
 
 TEST(ContactDamping, SolvesTheRelationToTheLastPlace) {
-  EXPECT_NEAR(damping_factor(0.1), 9.99815939749567, 1e-13);  // design 5: 9.998
+  EXPECT_NEAR(damping_factor(0.1), 9.99815939749567, 1e-13);  // docs/stance.md §4: 9.998
   for (const double e : {0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 0.99}) {
     const Interval d = damping_factor(Interval(e));
     EXPECT_LE(d.upper(), std::nextafter(d.lower(), kInfinity));

@@ -417,7 +417,7 @@ TEST(IntervalDynamics, UncertainParametersOccurOncePerEntryInUprightStance) {
   EXPECT_NEAR(bias[3].upper(), 9.81 * (65 * 0.10 + legs), 1e-11);
 }
 
-/// The design's formulas for the components, with the legs' moment from the table of segments.
+/// The formulas of docs/stance.md §1 for the components, with the legs' moment from the table of segments.
 std::array<double, wrench_size> reference_wrench(std::span<const double> p) {
   const double leg = 5.07 + p[mf];
   const double legs = 10.34 + p[mf] + 2 * 5.07;

@@ -1,4 +1,4 @@
-/// The nine-segment stance model of the paper in code (design 5, "Tree"; paper Table 1), for tests.
+/// The nine-segment stance model of the paper in code (docs/stance.md §2; paper Table 1), for tests.
 #pragma once
 
 #include <cstdint>

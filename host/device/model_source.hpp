@@ -1,4 +1,4 @@
-/// A model's tree of set operations as straight-line OpenCL C (design 2, §11).
+/// A model's tree of set operations as straight-line OpenCL C (docs/mathematics.md §11).
 #pragma once
 
 #include <cstddef>

@@ -44,7 +44,7 @@ std::string identity(const cl::Device& device) {
 
 LoadedProgram load_program(const cl::Context& context, const cl::Device& device, int vector_width,
                            std::string_view sources, const std::string& extra_options) {
-  // Never -cl-unsafe-math-optimizations, -cl-mad-enable, -cl-denorms-are-zero: design 3.
+  // Never -cl-unsafe-math-optimizations, -cl-mad-enable, -cl-denorms-are-zero: docs/rounding.md §1.
   std::string options = fmt::format("-cl-std=CL1.2 -DVECTOR_WIDTH={}", vector_width);
   if (!extra_options.empty()) options += " " + extra_options;
   const std::string key = fmt::format("program\n{}\n{}\n{}", identity(device), options, sources);

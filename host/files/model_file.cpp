@@ -1,4 +1,4 @@
-/// The model format `verisq-model/1`: what the contract (design 1, "Model file") accepts and refuses.
+/// The model format `verisq-model/1`: what docs/formats.md §2 accepts and refuses.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::string_view format_name = "verisq-model/1";
 
-/// Whether a number may be an interval where the contract allows it.
+/// Whether a number may be an interval where the format allows it.
 enum class Intervals { allowed, refused };
 
 bool is_interval(const nlohmann::json& value) {
@@ -55,7 +55,7 @@ Enclosure number_or_interval(const JsonValue& value, Intervals intervals) {
   return {number, number};
 }
 
-/// Numbers that the contract lets be uncertain.
+/// Numbers that the format lets be uncertain.
 template <std::size_t N>
 std::array<Enclosure, N> numbers_or_intervals(const JsonValue& value, Intervals intervals) {
   check_size(value, N);
@@ -98,7 +98,7 @@ Superquadric largest(const UncertainPrimitive& primitive) {
   return {{a1.hi, a2.hi, a3.hi}, {e1.lo, e2.lo}};
 }
 
-/// What the contract asks of a bend must be proven: a curvature within rounding errors of the limits is refused too.
+/// What the format asks of a bend must be proven: a curvature within rounding errors of the limits is refused too.
 Bend read_bend(const JsonValue& value, const Superquadric& superquadric) {
   value.check_keys({"curvature", "angle_deg"});
   const JsonValue curvature = value.at("curvature");

@@ -1,4 +1,4 @@
-/// Superquadric, bend (design 2, §9) and pose in plain binary64.
+/// Superquadric, bend (docs/mathematics.md §9) and pose in plain binary64.
 #include "host/report/placed_primitive.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-/// What proves an enclosure again, without device, solver or search (design 2, §2): a few vectors a point.
+/// What proves an enclosure again, without device, solver or search (docs/mathematics.md §2): a few vectors a point.
 #pragma once
 
 #include <cstdint>

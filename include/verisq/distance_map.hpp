@@ -15,7 +15,7 @@ namespace verisq {
 
 /// How the host proves points outside.
 enum class Method {
-  duality,    ///< certificates of design 2, §2: tight
+  duality,    ///< certificates of docs/mathematics.md §2: tight
   published,  ///< the paper's bisected segment (published_method.hpp), to compare with: on the host, no certificates
 };
 

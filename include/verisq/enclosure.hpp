@@ -13,8 +13,8 @@ struct Enclosure {
   [[nodiscard]] constexpr bool operator==(const Enclosure&) const = default;
 };
 
-/// "Verified" in the sense of the contract: at most `tolerance` wide. False for NaN, and for lo > hi, which encloses
-/// nothing.
+/// "Verified" in the sense of docs/formats.md §1: at most `tolerance` wide. False for NaN, and for lo > hi, which
+/// encloses nothing.
 [[nodiscard]] constexpr bool verified(const Enclosure& e, double tolerance) {
   return e.lo <= e.hi && e.width() <= tolerance;
 }

@@ -29,9 +29,9 @@ struct Pose {
 };
 
 /// Bends a primitive, in its own frame, along the z axis towards the direction at `angle_degrees` from x to y: the axis
-/// becomes an arc of curvature k in that plane (paper Eq. (2), design 2, §9). With r = x cos a + y sin a, s = y cos a -
-/// x sin a, the point (r, s, z) moves to (1/k - (1/k - r) cos kz, s, (1/k - r) sin kz); k = 0 leaves everything in
-/// place. Precondition: finite; |k| times the largest |r| of the solid below 1, |k| a3 below pi.
+/// becomes an arc of curvature k in that plane (paper Eq. (2), docs/mathematics.md §9). With r = x cos a + y sin a,
+/// s = y cos a - x sin a, the point (r, s, z) moves to (1/k - (1/k - r) cos kz, s, (1/k - r) sin kz); k = 0 leaves
+/// everything in place. Precondition: finite; |k| times the largest |r| of the solid below 1, |k| a3 below pi.
 struct Bend {
   double curvature;  ///< k, 1 / model unit
   double angle_degrees;
@@ -63,8 +63,8 @@ struct Model {
 /// Whether the primitive has a bend that moves anything: without one it is convex.
 [[nodiscard]] bool is_bent(const Primitive& primitive);
 
-/// Whether the model is the union of all its primitives, none of them bent: what the certificates of design 2, §2 are
-/// made for. Anything else is searched by branch and bound (§9 to §11).
+/// Whether the model is the union of all its primitives, none of them bent: what the certificates of
+/// docs/mathematics.md §2 are made for. Anything else is searched by branch and bound (§9 to §11).
 [[nodiscard]] bool is_union_of_convex(const Model& model);
 
 }  // namespace verisq

@@ -1,4 +1,4 @@
-/// Reads and writes the model format `verisq-model/1` (JSON) of the contract.
+/// Reads and writes the model format `verisq-model/1` (JSON), docs/formats.md §2.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace verisq {
 
-/// Throws Error(input) with one line naming file, key and value for everything the contract refuses: syntax
+/// Throws Error(input) with one line naming file, key and value for everything the format refuses: syntax
 /// errors, unknown keys, non-finite numbers, exponents outside (0, 2], non-positive semi-axes, a zero quaternion, a
 /// bend whose curvature is not proven to be small enough (see Bend), duplicate or unknown names, an operator without
 /// operands or a difference of one; and for intervals, which an exact model does not have. The key `areas`

@@ -10,9 +10,9 @@
 namespace verisq {
 
 /// Signed distance to a model (outside: Euclidean distance; inside: minus the distance to the boundary): by the
-/// certificates of design 2, §2 and §5 where they are tight, by branch and bound (§9 to §11) where primitives overlap,
-/// are bent or are combined by other operations than the union. Immutable after construction: safe to call from many
-/// threads.
+/// certificates of docs/mathematics.md §2 and §5 where they are tight, by branch and bound (§9 to §11) where primitives
+/// overlap, are bent or are combined by other operations than the union. Immutable after construction: safe to call
+/// from many threads.
 class SignedDistance {
  public:
   explicit SignedDistance(const Model& model);

@@ -1,5 +1,5 @@
-/// Verified uncertainty analysis of a stance model: wrench, sensitivities, reference uncertainty, accelerations (design
-/// 5).
+/// Verified uncertainty analysis of a stance model: wrench, sensitivities, reference uncertainty, accelerations
+/// (docs/stance.md).
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ enum class Mode : std::uint8_t {
 
 /// Components of the wrench of gravity and the applied force on the root of the tree at rest, without ground contact,
 /// friction and controller, in the order of the paper's w1 ... w6: forces along x, y,
-/// z are w1, w2, w3 (N), moments about x, y, z are w4, w5, w6 (N m): see design 5 for the paper's labels.
+/// z are w1, w2, w3 (N), moments about x, y, z are w4, w5, w6 (N m): see docs/stance.md §1 for the paper's labels.
 constexpr std::size_t wrench_size = 6;
 using WrenchEnclosure = std::array<Enclosure, wrench_size>;
 
@@ -56,7 +56,7 @@ struct AccelerationOptions {
 
 /// Enclosures of all joint accelerations of the stance under gravity and the applied force alone over the box: without
 /// ground contact, friction and controller the body falls freely. By Krawczyk with the midpoint inverse on each cell of
-/// a subdivision (design 5, "Dynamics"), finer where a cell may reach the ends. Infinite ends where a cell could not be
+/// a subdivision (docs/stance.md §3), finer where a cell may reach the ends. Infinite ends where a cell could not be
 /// proven.
 [[nodiscard]] std::vector<Enclosure> accelerations(const Model& model, UncertainSet uncertain,
                                                    const AccelerationOptions& options);

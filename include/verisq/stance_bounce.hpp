@@ -1,4 +1,4 @@
-/// A verified drop and bounce of one contact cylinder (design 5, "Beyond the paper").
+/// A verified drop and bounce of one contact cylinder (docs/stance.md §6).
 #pragma once
 
 #include <functional>

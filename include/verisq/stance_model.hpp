@@ -1,5 +1,5 @@
 /// A model of human stance: a tree of rigid bodies, contact cylinders, a controller, and numbers that may be uncertain
-/// (paper §3, design 5).
+/// (paper §3, docs/stance.md).
 #pragma once
 
 #include <array>
@@ -53,7 +53,7 @@ struct Body {
   QuantityVector inertia;         ///< principal moments about the centre of mass, axes of the body, kg m^2
 };
 
-/// Hunt-Crossley contact of a cylinder with the ground y = 0 (design 5, "Contact"). It acts in no analysis of the whole
+/// Hunt-Crossley contact of a cylinder with the ground y = 0 (docs/stance.md §4). It acts in no analysis of the whole
 /// body; a Drop takes mass, normal restitution, impact velocity, stiffness and exponent from it.
 struct ContactCylinder {
   std::string name;

@@ -9,8 +9,8 @@
 
 namespace verisq {
 
-/// Distance of a triangle, its interior included, to a model: 0 where they meet (design 2, §6). Immutable after
-/// construction: safe to call from many threads.
+/// Distance of a triangle, its interior included, to a model: 0 where they meet (docs/mathematics.md §6). Immutable
+/// after construction: safe to call from many threads.
 class TriangleDistance {
  public:
   /// Throws Error(input) unless the model is_union_of_convex.

@@ -1,4 +1,4 @@
-/// Maps of models, points and triangles whose numbers are known within bounds only (design 2, §8).
+/// Maps of models, points and triangles whose numbers are known within bounds only (docs/mathematics.md §8).
 #pragma once
 
 #include <memory>

@@ -1,4 +1,5 @@
-/// Models whose numbers are known within bounds only (design 2, §8), and the ordinary models that bracket them.
+/// Models whose numbers are known within bounds only (docs/mathematics.md §8), and the ordinary models that bracket
+/// them.
 #pragma once
 
 #include <array>

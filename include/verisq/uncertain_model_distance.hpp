@@ -1,4 +1,4 @@
-/// The distance of two models whose numbers are known within bounds only (design 2, §8).
+/// The distance of two models whose numbers are known within bounds only (docs/mathematics.md §8).
 #pragma once
 
 #include <functional>

@@ -1,7 +1,8 @@
 /// Distance of two convex sets by following the central path of its barrier problem: one method for solids and
 /// triangles, separated, touching and overlapping, whatever their exponents; in double to start and at 200 bits to end.
 ///
-/// A superquadric is an affine image of a product of power cones (Chares 2009; design 2, §1): with p_i = 2/e_i,
+/// A superquadric is an affine image of a product of power cones (Chares 2009; docs/mathematics.md §1): with
+/// p_i = 2/e_i,
 ///   |X| <= u^(1/p2) r^(1-1/p2),  |Y| <= v^(1/p2) r^(1-1/p2),  r = u + v,
 ///   r <= s^(1/p1),  |Z| <= t^(1/p1),  s + t <= 1,
 /// where u/r, v/r, s and t are the terms of the two nested norms, each a variable because each may be tiny. Each cone

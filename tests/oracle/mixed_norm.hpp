@@ -1,5 +1,5 @@
-/// A superquadric as the unit ball of a mixed norm (design 2, §1): gauge, its gradient and the support function, for
-/// double (to propose) and Real (to prove).
+/// A superquadric as the unit ball of a mixed norm (docs/mathematics.md §1): gauge, its gradient and the support
+/// function, for double (to propose) and Real (to prove).
 #pragma once
 
 #include <algorithm>

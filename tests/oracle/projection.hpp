@@ -12,8 +12,8 @@ struct Bounds {
 };
 
 /// Finds the closest point b (Newton at 200 bits from a start in double; nested root searches where that fails) and
-/// proves the distance by the duality gap of design 2, §2: (v·q - h(v))/|v| <= distance <= |q - b|. A search that
-/// fails leaves a wide gap, never a wrong one. Precondition: q >= 0 and g(q) > 1.
+/// proves the distance by the duality gap of docs/mathematics.md §2: (v·q - h(v))/|v| <= distance <= |q - b|. A search
+/// that fails leaves a wide gap, never a wrong one. Precondition: q >= 0 and g(q) > 1.
 [[nodiscard]] Bounds distance_outside(const Superquadric& superquadric, const MixedNorm<Real>& norm, const Vector& q);
 
 }  // namespace verisq::oracle

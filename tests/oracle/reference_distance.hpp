@@ -1,6 +1,6 @@
 /// The test oracle: the exact signed distance of a point to one posed convex superquadric, by MPFR at 200 bits. It
-/// shares no code with verify/ and kernels/, only the mathematics: the certificates of design 2, §2, hold for any
-/// candidate however found, so an oracle that fails to converge is wide, not wrong.
+/// shares no code with verify/ and kernels/, only the mathematics: the certificates of docs/mathematics.md §2 hold for
+/// any candidate however found, so an oracle that fails to converge is wide, not wrong.
 #pragma once
 
 #include <verisq/model.hpp>

@@ -1,4 +1,5 @@
-/// The equations of a nearest boundary point in logarithms (design 2, §3), and Newton's method on them at 200 bits.
+/// The equations of a nearest boundary point in logarithms (docs/mathematics.md §3), and Newton's method on them at 200
+/// bits.
 #pragma once
 
 #include <array>

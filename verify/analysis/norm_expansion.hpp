@@ -88,10 +88,10 @@ template <class Number>
 }
 
 /// ‖( ‖(w1 v1, w2 v2)‖_q2 , w3 v3 )‖_q1 and its derivatives: the support function has the semi-axes as weights, the
-/// gauge their reciprocals (design 2, §1). Over a box the intervals contain the values of all its points; they are
-/// unbounded, or std::domain_error is thrown, where a component with q < 2 may vanish, or two components at once.
-/// Floating-point results are proposals: exponents are kept away from 0 and 2, where the solid has edges or flat faces,
-/// and zero components are replaced by tiny ones in the Hessian.
+/// gauge their reciprocals (docs/mathematics.md §1). Over a box the intervals contain the values of all its points;
+/// they are unbounded, or std::domain_error is thrown, where a component with q < 2 may vanish, or two components at
+/// once. Floating-point results are proposals: exponents are kept away from 0 and 2, where the solid has edges or flat
+/// faces, and zero components are replaced by tiny ones in the Hessian.
 template <class Number>
 class NormFunction {
  public:

@@ -15,7 +15,7 @@
 namespace verisq::verify {
 
 /// Boost.Interval's rounding policy. Boost's own policies switch the rounding mode, which compilers do not respect
-/// (measured in design 3, "On the host"); this one needs no mode and no state.
+/// (measured: docs/rounding.md §8); this one needs no mode and no state.
 template <class T>
 struct DirectedRounding {
   using unprotected_rounding = DirectedRounding;

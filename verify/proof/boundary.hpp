@@ -17,7 +17,7 @@ class Boundary {
 
   explicit Boundary(const Superquadric& solid);
 
-  /// The gauge g of design 2, §1.
+  /// The gauge g of docs/mathematics.md §1.
   [[nodiscard]] Float gauge(const Vector& x) const;
 
   /// Unit outer normal of the level surface of g through x; at an edge or vertex one of the normals.

@@ -1,4 +1,4 @@
-/// The two proofs of design 2, §2, in 127-bit interval arithmetic.
+/// The two proofs of docs/mathematics.md §2, in 127-bit interval arithmetic.
 #include "verify/proof/certificate.hpp"
 
 #include <algorithm>

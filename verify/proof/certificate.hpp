@@ -1,4 +1,5 @@
-/// Certificates (design 2, §2): a direction proves a lower bound of the signed distance, a point an upper bound.
+/// Certificates (docs/mathematics.md §2): a direction proves a lower bound of the signed distance, a point an upper
+/// bound.
 #pragma once
 
 #include <array>

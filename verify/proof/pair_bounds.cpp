@@ -1,4 +1,4 @@
-/// The two proofs of design 2, §7.
+/// The two proofs of docs/mathematics.md §7.
 #include "verify/proof/pair_bounds.hpp"
 
 #include <algorithm>

@@ -22,8 +22,8 @@ struct Motion {
 /// The exact point, for interval arithmetic. Precondition: finite.
 [[nodiscard]] PreciseVector precise(const Point& x);
 
-/// Bounds of the distance of A and B (design 2, §7), each by a single evaluation in 127-bit interval arithmetic.
-/// Points of B are stated in B's own frame, all else in A's. The solids must outlive this.
+/// Bounds of the distance of A and B (docs/mathematics.md §7), each by a single evaluation in 127-bit interval
+/// arithmetic. Points of B are stated in B's own frame, all else in A's. The solids must outlive this.
 class PairBounds {
  public:
   /// `relative` leads from B's own frame to A's.

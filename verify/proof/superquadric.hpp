@@ -1,4 +1,4 @@
-/// The superquadric as a unit ball: bounds of its gauge and of its support function (design 2, §1).
+/// The superquadric as a unit ball: bounds of its gauge and of its support function (docs/mathematics.md §1).
 #pragma once
 
 #include <array>

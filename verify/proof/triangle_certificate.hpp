@@ -1,4 +1,4 @@
-/// What single evaluations prove about the distance of a triangle to one posed superquadric (design 2, §6).
+/// What single evaluations prove about the distance of a triangle to one posed superquadric (docs/mathematics.md §6).
 #pragma once
 
 #include <array>

@@ -108,7 +108,7 @@ Bracket bracket(const UncertainModel& model) {
   Bracket result{nothing_yet, nothing_yet, std::nullopt, 0.0};
   Model everywhere = nothing_yet;
   for (const UncertainPrimitive& primitive : model.primitives) {
-    // The gauge falls as a semi-axis rises and rises with an exponent, each on its own (design 2, §8).
+    // The gauge falls as a semi-axis rises and rises with an exponent, each on its own (docs/mathematics.md §8).
     const Superquadric small{mapped(primitive.semi_axes, low), mapped(primitive.exponents, high)};
     const Superquadric large{mapped(primitive.semi_axes, high), mapped(primitive.exponents, low)};
     const Pose pose{mapped(primitive.translation, middle), primitive.quaternion};

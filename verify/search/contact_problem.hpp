@@ -1,6 +1,6 @@
 /// The optimality conditions of the closest point as one monotone equation in logarithms, for any floating-point type.
 ///
-/// In units of the semi-axes, X_i = x_i / a_i, the conditions of design 2, §3 are, with k_i = p_i - 1,
+/// In units of the semi-axes, X_i = x_i / a_i, the conditions of docs/mathematics.md §3 are, with k_i = p_i - 1,
 ///     X + (μ / a1^2) X^k2 = q1 / a1,     Y alike,     Z + (λ / a3^2) Z^k1 = q3 / a3,
 ///     λ = μ r^(p2 - p1),     r = ‖(X, Y)‖_p2,     g = ‖(r, Z)‖_p1 = 1.
 /// Given μ, each equation has one root. X and Y fall as μ rises. So does Z, because λ rises: D(r), the squared distance

@@ -23,7 +23,7 @@ struct DistanceExpansion {
   LogUnknowns closest;
 };
 
-/// Newton's method on the optimality conditions of design 2, §3, in logarithms:
+/// Newton's method on the optimality conditions of docs/mathematics.md §3, in logarithms:
 ///     X + (λ r^(p1 - p2) / a1^2) X^(p2 - 1) = |q1| / a1,   Y alike,   Z + (λ / a3^2) Z^(p1 - 1) = |q3| / a3,
 ///     r = ‖(X, Y)‖_p2,   ‖(r, Z)‖_p1 = 1.
 /// It proves nothing, and converges less surely than ContactProblem but in a tenth of the time.

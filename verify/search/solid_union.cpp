@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The direction as long as the distance (design 2, §3: the closest point is x - v).
+/// The direction as long as the distance (docs/mathematics.md §3: the closest point is x - v).
 Proposal normal_vector(const CertifiedDistance& found) {
   constexpr double shortest = 0x1p-900;  // its components stay normal numbers, unless they do not matter
   const Proposal& u = found.direction;

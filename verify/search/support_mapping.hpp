@@ -32,7 +32,8 @@ struct TriangleSet {
 /// A superquadric in its own frame: Eq. (5) of the paper at the angles of Eqs. (14) and (15), without the angles. With
 /// X = a1 |v1|, Y = a2 |v2| and q = 2/(2 - e2) Eq. (14) says tan^2 ω = (Y/X)^q, so that
 ///     cos^2 ω = X^q / (X^q + Y^q),   x = a1 (cos^2 η)^(e1/2) (cos^2 ω)^(e2/2),
-/// and alike for η with the norm r = ‖(X, Y)‖_q and Z = a3 |v3| (design 2, §1: the gradient of the support function).
+/// and alike for η with the norm r = ‖(X, Y)‖_q and Z = a3 |v3| (docs/mathematics.md §1: the gradient of the support
+/// function).
 template <class Float>
 class SuperquadricSet {
  public:

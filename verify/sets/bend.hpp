@@ -1,4 +1,5 @@
-/// The bend of a primitive and its inverse, enclosed without cancellation for small curvatures (design 2, §9).
+/// The bend of a primitive and its inverse, enclosed without cancellation for small curvatures
+/// (docs/mathematics.md §9).
 #pragma once
 
 #include <optional>

@@ -17,7 +17,8 @@ namespace {
 /// x0 may lie outside of K: within 1 + this times K.
 constexpr double kNeighbourhood = 0x1p-20;
 
-/// f and K in plain floating point, in the frame of the bend (design 2, §9): unbent (r, s, z), bent (R, S, Z).
+/// f and K in plain floating point, in the frame of the bend (docs/mathematics.md §9): unbent (r, s, z), bent (R, S,
+/// Z).
 class ConvexProblem {
  public:
   /// Everything in the primitive's own frame.

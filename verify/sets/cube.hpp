@@ -1,4 +1,4 @@
-/// Cubes of the model frame, and what is said about a set within one of them (design 2, §10).
+/// Cubes of the model frame, and what is said about a set within one of them (docs/mathematics.md §10).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// The octree of a solid: its root, exact cubes, the colours of eight siblings, volumes (design 2, §10).
+/// The octree of a solid: its root, exact cubes, the colours of eight siblings, volumes (docs/mathematics.md §10).
 #pragma once
 
 #include <array>

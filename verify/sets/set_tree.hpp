@@ -1,4 +1,5 @@
-/// Trees of set operations over cubes: three-valued logic of colours, and Duff's simplification (design 2, §11).
+/// Trees of set operations over cubes: three-valued logic of colours, and Duff's simplification
+/// (docs/mathematics.md §11).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// Signed distance of a point to any model, by branch and bound over cubes (design 2, §10, §11).
+/// Signed distance of a point to any model, by branch and bound over cubes (docs/mathematics.md §10, §11).
 #pragma once
 
 #include <functional>

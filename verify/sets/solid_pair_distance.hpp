@@ -1,4 +1,4 @@
-/// The distance of two solids by branch and bound over pairs of cubes (design 2, §10, §11).
+/// The distance of two solids by branch and bound over pairs of cubes (docs/mathematics.md §10, §11).
 #pragma once
 
 #include "verify/sets/solid_pair_cells.hpp"

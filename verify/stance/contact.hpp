@@ -1,4 +1,4 @@
-/// Hunt-Crossley contact of a cylinder with the ground y = 0 (design 5, "Contact"), over double, Interval and Dual.
+/// Hunt-Crossley contact of a cylinder with the ground y = 0 (docs/stance.md §4), over double, Interval and Dual.
 #pragma once
 
 #include "verify/stance/contact_damping.hpp"

@@ -1,4 +1,5 @@
-/// The damping of Hunt-Crossley contact that gives a restitution: D in F = k delta^n (1 + D delta'/v_N) (design 5).
+/// The damping of Hunt-Crossley contact that gives a restitution: D in F = k delta^n (1 + D delta'/v_N)
+/// (docs/stance.md §4).
 #pragma once
 
 #include "verify/stance/dual.hpp"

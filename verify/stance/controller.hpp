@@ -1,4 +1,4 @@
-/// The PID controller of a joint (design 5, "Contact").
+/// The PID controller of a joint (docs/stance.md §4).
 #pragma once
 
 #include <verisq/stance_model.hpp>

@@ -1,4 +1,4 @@
-/// Friction with a bristle: an elastic force that a velocity-dependent coefficient limits (design 5, "Contact").
+/// Friction with a bristle: an elastic force that a velocity-dependent coefficient limits (docs/stance.md §4).
 #pragma once
 
 #include "verify/stance/dual.hpp"

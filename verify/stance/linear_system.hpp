@@ -1,5 +1,5 @@
 /// Enclosures of the solutions of linear systems A(p) x = b(p) over a box of parameters p, by Krawczyk's operator with
-/// an approximate inverse at the box's centre (design 5, "Dynamics"; for parametric systems Rump 1994).
+/// an approximate inverse at the box's centre (docs/stance.md §3; for parametric systems Rump 1994).
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
 /// Ranges of differentiable functions over boxes, by mean-value forms and bisection: exact up to rounding where the
-/// derivatives have proven signs (design 5, "tight" mode).
+/// derivatives have proven signs (docs/stance.md §5).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 /// Piecewise functions, |x|, sgn, max, min, clamp and any other of two branches, with the hull of the branches where an
-/// interval contains a switch (the paper's pwFunc, §3; design 5, "Contact").
+/// interval contains a switch (the paper's pwFunc, §3; docs/stance.md §4).
 #pragma once
 
 #include <limits>

@@ -55,7 +55,7 @@ template <class T>
 /// the world's axes. Moments are about the root's reference point: the world's origin, which the root's translations
 /// carry along; there the applied force acts. Unlike the recursion, which moves moments from frame to frame and so
 /// meets a mass twice, this takes each body's weight at its centre of mass: every parameter occurs once a component, as
-/// long as the tree stands upright (design 5). Precondition: the model has a root.
+/// long as the tree stands upright (docs/stance.md §3). Precondition: the model has a root.
 template <class T>
 [[nodiscard]] std::array<T, wrench_size> root_wrench(const Model& model, std::span<const T> parameters,
                                                      const State<T>& state) {

@@ -51,7 +51,7 @@ template <class T>
 }
 
 /// Ten numbers about the frame's origin, not about the centre of mass: a body's parameter then occurs once in every
-/// entry of the mass matrix that is linear in it, and no interval is divided by the mass (design 5, "Dynamics").
+/// entry of the mass matrix that is linear in it, and no interval is divided by the mass (docs/stance.md §3).
 template <class T>
 struct Inertia {
   T mass = T(0);

@@ -16,7 +16,7 @@ namespace verisq::stance {
 
 /// Where the component is evaluated: in `tight` mode the box of the uncertain set. In `paper` mode the moment about z
 /// (w6) sees the x of the root's centre of mass as px + (px - px), three times as wide as px: the printed cells are
-/// those of g mp (0.05 + (px - px) - px) + c6 (design 5, "What the tables say").
+/// those of g mp (0.05 + (px - px) - px) + c6 (docs/stance.md §1).
 [[nodiscard]] Box evaluation_box(const Model& model, UncertainSet uncertain, std::size_t component, Mode mode);
 
 }  // namespace verisq::stance
