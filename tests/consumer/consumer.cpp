@@ -21,9 +21,7 @@ int main() {
   };
   verisq::Enclosure mapped{};
   const auto sink = [&](std::span<const verisq::Point>, std::span<const verisq::MapResult> results,
-                        std::span<const verisq::Certificate>) {
-    mapped = results[0].distance;
-  };
+                        std::span<const verisq::Certificate>) { mapped = results[0].distance; };
   const auto summary = verisq::map_points(model, source, sink, {.tolerance = 1e-12, .device = "host"});
 
   std::printf("direct [%.17g, %.17g], mapped [%.17g, %.17g]\n", direct.lo, direct.hi, mapped.lo, mapped.hi);
