@@ -67,14 +67,15 @@ std::optional<Entry> intact_entry(const std::string& whole) {
   return Entry{body.substr(0, key_length), body.substr(key_length)};
 }
 
+// The size is asked of the open file: the path may lead to another one, of another process, a moment later.
 std::optional<std::string> bytes_of(const fs::path& path) {
   std::error_code failed;
   if (!fs::is_regular_file(path, failed)) return std::nullopt;  // a pipe would be waited for
-  const std::uintmax_t size = fs::file_size(path, failed);
-  if (failed) return std::nullopt;  // another process removed it
-  std::string bytes(size, '\0');
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) return std::nullopt;  // another process removed it
+  std::string bytes(static_cast<std::size_t>(file.tellg()), '\0');
+  file.seekg(0);
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return std::nullopt;
   return bytes;
 }
 
