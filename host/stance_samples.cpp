@@ -135,9 +135,16 @@ Sampled sampled_accelerations_of(const Model& model, std::vector<Enclosure> clai
 Samples take_samples(const Model& model, UncertainSet uncertain, const Sampled& sampled, const SampleOptions& options) {
   const Sampler sampler(model, uncertain, sampled);
   Collection collection(sampled.claimed.size(), options);
-  in_parallel((options.count + chunk_size - 1) / chunk_size, [&](std::size_t i) {
-    if (!collection.ended()) collection.add(sampler.chunk(i, std::min(chunk_size, options.count - i * chunk_size)));
-  });
+  const std::uint64_t chunks = options.count / chunk_size + (options.count % chunk_size > 0 ? 1 : 0);
+  // In blocks: once it is ended, no more than a block of chunks is left to be passed over.
+  constexpr std::uint64_t block = 4096;
+  for (std::uint64_t first = 0; first < chunks && !collection.ended(); first += std::min(block, chunks - first)) {
+    in_parallel(std::min(block, chunks - first), [&](std::size_t i) {
+      if (collection.ended()) return;
+      const std::uint64_t done = (first + i) * chunk_size;
+      collection.add(sampler.chunk(first + i, std::min<std::uint64_t>(chunk_size, options.count - done)));
+    });
+  }
   return collection.samples();
 }
 

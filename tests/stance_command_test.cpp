@@ -5,8 +5,10 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -584,6 +586,15 @@ TEST(StanceSamples, RoundingErrorsOfASampleAreNoEscape) {
   const auto samples = stance::take_samples(one_parameter(), first, sampled, {.count = 10000});
   EXPECT_FALSE(samples.escape);
   EXPECT_GE(samples.hull[0].lo, 0.0);
+}
+
+TEST(StanceSamples, EndWhereverTheyAreInterrupted) {
+  std::uint64_t polled = 0;
+  const auto samples = stance::take_samples(
+      one_parameter(), first, first_parameter({-1.0, 3.0}),
+      {.count = std::numeric_limits<std::uint64_t>::max(), .interrupted = [&] { return ++polled > 10; }});
+  EXPECT_GT(samples.count, 0U);
+  EXPECT_LT(polled, 10'000U);  // not once for each of the samples that are left
 }
 
 TEST(StanceSamples, WhatIsNotUncertainIsNominal) {
