@@ -110,11 +110,11 @@ ModelDistance PairDistance::operator()(const Pose& pose, const std::function<boo
       complete = false;
       break;
     }
-    const auto [a, b] = near.pairs[k];
-    const auto what = [a, b] {
-      return "the distance of primitives " + std::to_string(a) + " and " + std::to_string(b);
+    const PrimitivePair pair = near.pairs[k];
+    const auto what = [pair] {
+      return "the distance of primitives " + std::to_string(pair.a) + " and " + std::to_string(pair.b);
     };
-    const PairQuery query(pairs, a, b);
+    const PairQuery query(pairs, pair.a, pair.b);
     PairResult found = query.fast();
     if (found.common && pairs.share(*found.common)) {
       return {intersection({0.0, 0.0}, {bound, kInfinity}, what), Proximity::overlapping, {{}, found.common}, true};
