@@ -15,6 +15,7 @@
 #include "verify/proof/convex_union.hpp"
 #include "verify/search/witness_estimate.hpp"
 #include "verify/sets/coarse_distance.hpp"
+#include "verify/sets/set_tree.hpp"
 #include "verisq/error.hpp"
 #include "verisq/published_method.hpp"
 #include "verisq/signed_distance.hpp"
@@ -26,37 +27,42 @@ bool never() {
   return false;
 }
 
-constexpr std::size_t cubes_of_rough_search = 256;
+/// Cubes of a rough search: what comes before a time limit begins must not take long, and each cube of a large model
+/// looks at many leaves.
+std::size_t cubes_of_rough_search(const Model& model) {
+  constexpr std::size_t cubes = 256;
+  constexpr std::size_t size = 64;  // up to which all of them are looked at
+  return cubes * size / std::max(verify::size_of_tree(model), size);
+}
 
-Enclosure rough_distance(const SignedDistance& distance, const Point& point, double tolerance,
-                         std::size_t cubes = cubes_of_rough_search) {
+Enclosure rough_distance(const Model& model, const SignedDistance& distance, const Point& point, double tolerance,
+                         const std::function<bool()>& interrupted) {
   std::size_t polled = 0;
-  return distance(point, tolerance, [&] { return ++polled > cubes; });
+  const std::size_t cubes = cubes_of_rough_search(model);
+  return distance(point, tolerance, [&] { return ++polled > cubes || interrupted(); });
 }
 
 // A search tells nothing by a lower end beyond all numbers.
-void refuse_empty(const Model& model, const SignedDistance& distance) {
+void refuse_empty(const Model& model, const SignedDistance& distance, const std::function<bool()>& interrupted) {
   if (is_union_of_convex(model)) return;
-  const Enclosure found = rough_distance(distance, model.primitives.front().pose.translation, bounding_radius(model));
+  const Point& centre = model.primitives.front().pose.translation;
+  const Enclosure found = rough_distance(model, distance, centre, bounding_radius(model), interrupted);
   if (found.lo == std::numeric_limits<double>::max())
     throw Error(ErrorKind::input, "the model has no point at all: its set operations leave nothing");
 }
 
-// What is known before a time limit begins must not take long: each cube of a search looks at many primitives.
 constexpr std::size_t most_known_centres = 16;
-constexpr std::size_t primitives_of_full_search = 64;
 
 // Without certificates. What is known are rough distances of the primitives' centres, of many spread over their order.
-verify::CoarseDistance coarse_distance(const Model& model, const SignedDistance& distance) {
+verify::CoarseDistance coarse_distance(const Model& model, const SignedDistance& distance,
+                                       const std::function<bool()>& interrupted) {
   const double rough = 0x1p-6 * bounding_radius(model);
   std::vector<verify::KnownDistance> known;
   const std::size_t size = model.primitives.size();
   const std::size_t count = std::min(size, most_known_centres);
-  const std::size_t cubes =
-      cubes_of_rough_search * primitives_of_full_search / std::max(size, primitives_of_full_search);
   for (std::size_t i = 0; i < count; ++i) {
     const Point& centre = model.primitives[i * size / count].pose.translation;
-    known.push_back({centre, rough_distance(distance, centre, rough, cubes)});
+    known.push_back({centre, rough_distance(model, distance, centre, rough, interrupted)});
   }
   return {model, known};
 }
@@ -76,12 +82,13 @@ class PointProver {
       throw Error(ErrorKind::input, "the published method runs on the host alone and has no certificates");
     if (published_) verify::require_union_of_convex(model, "the published method");
     if (certificates_) verify::require_union_of_convex(model, "certificates");
-    refuse_empty(model, distance_);
+    refuse_empty(model, distance_, options.interrupted);
     if (!options.out_of_time) return;
     if (certificates_) {
       coarse_proof_ = std::make_unique<verify::CoarseProof>(model);
     } else {
-      coarse_distance_ = std::make_unique<verify::CoarseDistance>(coarse_distance(model, distance_));
+      coarse_distance_ =
+          std::make_unique<verify::CoarseDistance>(coarse_distance(model, distance_, options.interrupted));
     }
   }
 

@@ -108,18 +108,11 @@ std::string solid_node(const SetNode& tree) {
                      root);
 }
 
-std::size_t leaves_of(const SetExpression& expression) {
-  if (expression.operands.empty()) return 1;
-  std::size_t count = 0;
-  for (const SetExpression& operand : expression.operands) count += leaves_of(operand);
-  return count;
-}
-
 }  // namespace
 
 std::string why_not_compiled(const Model& model) {
   // Kernels hold the colours of all primitives, whether the tree has them or not.
-  const std::size_t leaves = std::max(model.csg ? leaves_of(*model.csg) : 0, model.primitives.size());
+  const std::size_t leaves = verify::size_of_tree(model);
   if (leaves <= most_compiled_leaves) return {};
   return fmt::format("the model's tree has {} leaves, of which the device's kernels take {}: the host does all", leaves,
                      most_compiled_leaves);

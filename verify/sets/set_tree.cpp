@@ -96,7 +96,18 @@ Colour append_undecided(const SetNode& node, std::span<const Colour> primitives,
   return Colour::gray;
 }
 
+std::size_t leaves_of(const SetExpression& expression) {
+  if (expression.operands.empty()) return 1;
+  std::size_t count = 0;
+  for (const SetExpression& operand : expression.operands) count += leaves_of(operand);
+  return count;
+}
+
 }  // namespace
+
+std::size_t size_of_tree(const Model& model) {
+  return std::max(model.csg ? leaves_of(*model.csg) : 0, model.primitives.size());
+}
 
 SetNode normal_form(const Model& model, Side side) {
   if (model.csg) return normal_form(*model.csg, side);

@@ -2,6 +2,7 @@
 /// (docs/mathematics.md §11).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -23,6 +24,9 @@ struct SetNode {
 
 /// The model's solid, or with Side::outside the closure of its complement.
 [[nodiscard]] SetNode normal_form(const Model& model, Side side);
+
+/// Primitives, or leaves of the tree where these are more: what one cube may have to look at.
+[[nodiscard]] std::size_t size_of_tree(const Model& model);
 
 /// Colour of the set whose primitives K_i (not their complements) have these colours over a cube. A boundary that two
 /// operands share may stay gray.
