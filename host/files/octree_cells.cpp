@@ -73,7 +73,7 @@ SharedCorners::SharedCorners(std::span<const OctreeCube> cubes) {
   for (const OctreeCube& cube : cubes) level_ = std::max<int>(level_, cube.level);
   const auto forget_repeated = [this] {
     std::ranges::sort(keys_);
-    keys_.erase(std::ranges::unique(keys_).begin(), keys_.end());
+    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
   };
   std::size_t enough = std::size_t{1} << 20U;  // now and then, so that memory holds no more than twice what is left
   for (const OctreeCube& cube : cubes) {

@@ -26,6 +26,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostCubes = 20000;
+/// Points that primitives propose before the search: each is tried against the whole tree.
+constexpr std::size_t kMostProposals = 256;
 
 /// The solid, ready for searches.
 struct Scene {
@@ -257,7 +259,7 @@ class Search {
     std::vector<std::uint32_t> leaves;
     append_leaves(tree, Side::inside, leaves);
     std::ranges::sort(leaves);
-    leaves.erase(std::ranges::unique(leaves).begin(), leaves.end());
+    leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
     if (leaves.size() <= most) return leaves;
     const auto apart = [&](std::uint32_t i) {
       const Point& o = scene_.origins[i];
@@ -339,7 +341,8 @@ class Search {
       const BentDistance::Nearest found = nearest_of(i);
       leaf_bound_of(i, Side::inside) = std::max(bound, found.distance.lo);
       // First, for the witness: tighter bounds than its own have none.
-      accept_along(found.point, from(found.point, scene_.origins[i]));
+      if (proposals_left_ > 0) accept_along(found.point, from(found.point, scene_.origins[i]));
+      if (proposals_left_ > 0) --proposals_left_;
       if (subset[i]) found_upper(found.distance.hi);  // d(x, T) <= d(x, K)
     }
   }
@@ -352,7 +355,9 @@ class Search {
       const CertifiedDistance found = scene_.solids[i]->signed_distance(x_, tolerance_ / 4);
       leaf_bound_of(i, Side::outside) = std::max(0.0, -found.distance.hi);
       const Proposal out = scene_.solids[i]->model_direction(found.direction);
-      if (usable(out)) accept_along(moved(x_, out, -static_cast<long double>(found.distance.lo)), out);
+      if (!usable(out) || proposals_left_ == 0) continue;
+      accept_along(moved(x_, out, -static_cast<long double>(found.distance.lo)), out);
+      --proposals_left_;
     }
   }
 
@@ -371,6 +376,7 @@ class Search {
   std::array<std::vector<double>, 2> leaf_bounds_;
   LeafBound leaf_bound_ = [this](const SetNode& leaf) { return leaf_bound_of(leaf.primitive, leaf.side); };
   std::priority_queue<Node, std::vector<Node>, LessPromising> open_;
+  std::size_t proposals_left_ = kMostProposals;
   std::size_t examined_ = 0;
   std::size_t visited_ = 0;
   double finest_ = kInfinity;
