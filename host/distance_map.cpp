@@ -27,18 +27,19 @@ bool never() {
   return false;
 }
 
-/// Cubes of a rough search: what comes before a time limit begins must not take long, and each cube of a large model
-/// looks at many leaves.
-std::size_t cubes_of_rough_search(const Model& model) {
-  constexpr std::size_t cubes = 256;
-  constexpr std::size_t size = 64;  // up to which all of them are looked at
-  return cubes * size / std::max(verify::size_of_tree(model), size);
+/// What comes before a time limit begins must not take long, and each cube of a large model looks at many leaves: of
+/// `most` cubes or searches so many as take no longer than all of them in a model of 64 leaves; at least one.
+std::size_t affordable(std::size_t most, const Model& model) {
+  constexpr std::size_t size = 64;
+  return std::max<std::size_t>(1, most * size / std::max(verify::size_of_tree(model), size));
 }
+
+constexpr std::size_t most_cubes_of_rough_search = 256;
 
 Enclosure rough_distance(const Model& model, const SignedDistance& distance, const Point& point, double tolerance,
                          const std::function<bool()>& interrupted) {
   std::size_t polled = 0;
-  const std::size_t cubes = cubes_of_rough_search(model);
+  const std::size_t cubes = affordable(most_cubes_of_rough_search, model);
   return distance(point, tolerance, [&] { return ++polled > cubes || interrupted(); });
 }
 
@@ -59,7 +60,7 @@ verify::CoarseDistance coarse_distance(const Model& model, const SignedDistance&
   const double rough = 0x1p-6 * bounding_radius(model);
   std::vector<verify::KnownDistance> known;
   const std::size_t size = model.primitives.size();
-  const std::size_t count = std::min(size, most_known_centres);
+  const std::size_t count = std::min(size, affordable(most_known_centres, model));
   for (std::size_t i = 0; i < count; ++i) {
     const Point& centre = model.primitives[i * size / count].pose.translation;
     known.push_back({centre, rough_distance(model, distance, centre, rough, interrupted)});

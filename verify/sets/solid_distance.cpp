@@ -26,8 +26,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostCubes = 20000;
-/// Points that primitives propose before the search: each is tried against the whole tree.
-constexpr std::size_t kMostProposals = 256;
+/// Of leaves, for the points that primitives propose before the search: each is tried against the whole tree.
+constexpr std::size_t kMostLooks = std::size_t{1} << 16;
 
 /// The solid, ready for searches.
 struct Scene {
@@ -376,7 +376,7 @@ class Search {
   std::array<std::vector<double>, 2> leaf_bounds_;
   LeafBound leaf_bound_ = [this](const SetNode& leaf) { return leaf_bound_of(leaf.primitive, leaf.side); };
   std::priority_queue<Node, std::vector<Node>, LessPromising> open_;
-  std::size_t proposals_left_ = kMostProposals;
+  std::size_t proposals_left_ = 1 + kMostLooks / scene_.primitives.size();
   std::size_t examined_ = 0;
   std::size_t visited_ = 0;
   double finest_ = kInfinity;
