@@ -55,7 +55,7 @@ void fit_row(benchmark::State& state, const std::string& bone, const std::string
     const auto summary =
         summary_of_run(state, {"fit", "--implant", VERISQ_STEM, "--mesh", bone, "-o", fitted, "--map", map});
     if (!summary) return;
-    state.SetLabel(summary->at("device").get<std::string>());
+    state.SetLabel(summary->at("search").at("device").get<std::string>());
   }
 }
 
