@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/analysis/length.hpp"
 #include "verify/analysis/trigonometry.hpp"
 #include "verify/proof/pose.hpp"
 
@@ -176,7 +177,7 @@ PointBall RigidPath::local_point(const Placement& placement, const Point& c) {
 // As above: with reach r = |c|_1 + |t_begin|_1 + |t_end|_1, c - t(s) errs by at most 5 u r in all coordinates together,
 // a coordinate of its product with the spin by 8.1 u |w|_1 r, that of the sum with the velocity by 3 u |v|_1 more: the
 // vector errs by less than 16 u (|w|_1 r + |v|_1), and by spin_error r. What the code adds is twice that and more; the
-// factor 1 + 2^-49 covers the rounding of the length.
+// factor 1 + 2^-49 covers the rounding of the length (length.hpp).
 double RigidPath::speed_up(const Leg& leg, const Point& c, double time) {
   const auto& [start, v, w, spin_error, way_reach] = leg;
   Point d;
@@ -186,7 +187,7 @@ double RigidPath::speed_up(const Leg& leg, const Point& c, double time) {
   const double z = w[0] * d[1] - w[1] * d[0] + v[2];
   const double reach = one_norm(c) + way_reach;
   const double error = 0x1p-47 * (one_norm(w) * reach + one_norm(v)) + 4.0 * spin_error * reach + smallest_normal;
-  const double speed = std::hypot(x, y, z) * (1.0 + 0x1p-49) + error;
+  const double speed = length(x, y, z) * (1.0 + 0x1p-49) + error;
   return speed < infinity ? speed : infinity;  // also for NaN
 }
 

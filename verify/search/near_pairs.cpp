@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/analysis/length.hpp"
+
 namespace verisq::verify {
 
 namespace {
@@ -29,13 +31,13 @@ Sphere sphere_of(const PreciseVector& centre, const PreciseInterval& radius) {
 }
 
 double between_centres(const Sphere& a, const Sphere& b) {
-  return std::hypot(a.centre[0] - b.centre[0], a.centre[1] - b.centre[1], a.centre[2] - b.centre[2]);
+  return length(a.centre[0] - b.centre[0], a.centre[1] - b.centre[1], a.centre[2] - b.centre[2]);
 }
 
 /// Of lengths computed from two spheres. With u = 2^-53 and s the sum of both sizes: beyond the widths of the
-/// enclosures, centres and radii are rounded by 2 u s in all, differences by u s, the length of three of them by a few
-/// units of at most s, the sum with the radii by 2 u s, and this sum by less than what it adds: less than 2^5 u s.
-/// Subnormal numbers round by less than the last term.
+/// enclosures, centres and radii are rounded by 2 u s in all, differences by u s, the length of three of them by 8 u s
+/// (length.hpp), the sum with the radii by 2 u s, and this sum by less than what it adds: less than 2^5 u s. Subnormal
+/// numbers round by less than the last term.
 double rounding_error(const Sphere& a, const Sphere& b) {
   return 0x1p-46 * (a.size + b.size) + 2.0 * (a.width + b.width) + 0x1p-1000;
 }
