@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "host/batches/primitive_parameters.hpp"
 #include "host/device/device.hpp"
-#include "host/device/primitive_parameters.hpp"
-#include "host/device/program.hpp"
+#include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 
 namespace verisq::bench {
 namespace {
 
-constexpr std::size_t group_size = 32;  // as host/device/batch.cpp launches it
+constexpr std::size_t group_size = 32;  // as host/batches/convex_distance.cpp launches it
 
 device::Device selected(const DeviceReport& report) {
   auto selection = device::select_device(std::to_string(report.index));

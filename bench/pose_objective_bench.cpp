@@ -15,7 +15,7 @@
 #include "bench/rigid_motion.hpp"
 #include "bench/row_counters.hpp"
 #include "bench/tools.hpp"
-#include "host/device/pose_objective.hpp"
+#include "host/fit/pose_objective.hpp"
 
 namespace verisq::bench {
 namespace {

@@ -15,7 +15,7 @@ namespace verisq::kernels {
 [[nodiscard]] std::string_view embedded_pose_objective_sources();
 
 /// Of programs for models with bends or set operations: the layers, and kernels that call functions of the model's own
-/// tree, which come last (host/device/model_source.hpp).
+/// tree, which come last (host/batches/model_source.hpp).
 [[nodiscard]] std::string_view embedded_solid_layers();
 [[nodiscard]] std::string_view embedded_solid_distance();
 [[nodiscard]] std::string_view embedded_octree();

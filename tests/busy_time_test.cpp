@@ -1,5 +1,5 @@
 /// Busy time is that of a union: what overlaps counts once, however the kernels are cut into chunks.
-#include "host/device/busy_time.hpp"
+#include "host/batches/busy_time.hpp"
 
 #include <gtest/gtest.h>
 

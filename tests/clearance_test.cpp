@@ -11,7 +11,7 @@
 #include <vector>
 #include <verisq/error.hpp>
 
-#include "host/clearance_sum.hpp"
+#include "host/clearance/clearance_sum.hpp"
 
 namespace verisq {
 namespace {

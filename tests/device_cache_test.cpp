@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "host/device/cache.hpp"
 #include "host/device/device.hpp"
-#include "host/device/program.hpp"
+#include "host/opencl/cache.hpp"
+#include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/temporary_folder.hpp"
 #include "verisq/device.hpp"

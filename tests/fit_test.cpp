@@ -10,10 +10,10 @@
 #include <random>
 
 #include "host/device/device.hpp"
-#include "host/device/pose_objective.hpp"
 #include "host/fit/candidate_space.hpp"
 #include "host/fit/host_evaluator.hpp"
 #include "host/fit/nlopt_maximiser.hpp"
+#include "host/fit/pose_objective.hpp"
 #include "tests/error_matchers.hpp"
 #include "tests/offset_cavity.hpp"
 #include "tests/requested_count.hpp"

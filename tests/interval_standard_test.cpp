@@ -15,12 +15,12 @@
 #include <string_view>
 #include <vector>
 
+#include "host/arithmetic/exact_rounding.hpp"
+#include "host/arithmetic/interval_operations.hpp"
+#include "host/arithmetic/operation_kernels.hpp"
 #include "host/device/accuracy_report.hpp"
 #include "host/device/device.hpp"
-#include "host/device/exact_rounding.hpp"
-#include "host/device/interval_operations.hpp"
-#include "host/device/operation_kernels.hpp"
-#include "host/device/program.hpp"
+#include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "verify/numbers/interval.hpp"
 

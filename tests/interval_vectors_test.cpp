@@ -24,10 +24,10 @@
 #include <vector>
 #include <verisq/device.hpp>
 
+#include "host/arithmetic/interval_operations.hpp"
+#include "host/arithmetic/operation_kernels.hpp"
 #include "host/device/device.hpp"
-#include "host/device/interval_operations.hpp"
-#include "host/device/operation_kernels.hpp"
-#include "host/device/program.hpp"
+#include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/temporary_folder.hpp"
 #include "verify/analysis/trigonometry.hpp"

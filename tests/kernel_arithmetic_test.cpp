@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "host/arithmetic/operation_kernels.hpp"
 #include "host/device/device.hpp"
-#include "host/device/operation_kernels.hpp"
-#include "host/device/program.hpp"
+#include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/requested_count.hpp"
 

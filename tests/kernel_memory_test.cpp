@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "host/device/box_primitive_parameters.hpp"
-#include "host/device/model_source.hpp"
-#include "host/device/primitive_parameters.hpp"
-#include "host/device/rotation.hpp"
-#include "host/device/self_test.hpp"
+#include "host/arithmetic/self_test.hpp"
+#include "host/batches/box_primitive_parameters.hpp"
+#include "host/batches/model_source.hpp"
+#include "host/batches/primitive_parameters.hpp"
+#include "host/batches/rotation.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/random_triangles.hpp"
@@ -45,7 +45,7 @@ class KernelRun {
                              parameters.size() * sizeof(PrimitiveParameters), parameters.data());
   }
 
-  /// A map of points, as host/device/point_batch.cpp has it made.
+  /// A map of points, as host/batches/point_batch.cpp has it made.
   void map() {
     const auto coordinates = point_columns();
     const cl::Buffer nearest = numbers(queries_);
@@ -62,7 +62,7 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// A map of triangles, as host/device/triangle_batch.cpp has it made.
+  /// A map of triangles, as host/batches/triangle_batch.cpp has it made.
   void triangles() {
     const cl::Buffer corners = written(triangle_numbers());
     const cl::Buffer nearest = numbers(queries_);
@@ -75,7 +75,7 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// The distances of the model's first primitive to the others in many poses, as host/device/pose_batch.cpp has them
+  /// The distances of the model's first primitive to the others in many poses, as host/batches/pose_batch.cpp has them
   /// computed.
   void pairs() {
     const cl::Buffer poses = written(pose_numbers());
@@ -86,7 +86,7 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// A bent solid minus one that is not, as host/device/solid_batch.cpp has it mapped; the other is bent by nothing.
+  /// A bent solid minus one that is not, as host/batches/solid_batch.cpp has it mapped; the other is bent by nothing.
   void solids() {
     const auto coordinates = point_columns();
     const cl::Buffer parameters = box_primitives();
@@ -99,7 +99,7 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// The objective of a fit for some candidates and the distances of the first, as host/device/pose_objective.cpp has
+  /// The objective of a fit for some candidates and the distances of the first, as host/fit/pose_objective.cpp has
   /// them computed.
   void pose_objective() {
     const auto coordinates = point_columns();

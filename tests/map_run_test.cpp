@@ -1,5 +1,5 @@
 /// What a map does with a device that proves something false: it stops, and says so.
-#include "host/map_run.hpp"
+#include "host/maps/map_run.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 /// Models that do not fit into a device's constant memory are read from global memory, with the same results bit by
 /// bit.
-#include "host/device/model_memory.hpp"
+#include "host/batches/model_memory.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -18,16 +18,16 @@
 #include <verisq/distance_map.hpp>
 #include <verisq/octree.hpp>
 
-#include "host/device/box_primitive_parameters.hpp"
-#include "host/device/octree_front.hpp"
-#include "host/device/point_batch.hpp"
-#include "host/device/pose_batch.hpp"
-#include "host/device/pose_objective.hpp"
-#include "host/device/primitive_parameters.hpp"
-#include "host/device/solid_batch.hpp"
-#include "host/device/triangle_batch.hpp"
+#include "host/batches/box_primitive_parameters.hpp"
+#include "host/batches/point_batch.hpp"
+#include "host/batches/pose_batch.hpp"
+#include "host/batches/primitive_parameters.hpp"
+#include "host/batches/solid_batch.hpp"
+#include "host/batches/triangle_batch.hpp"
+#include "host/fit/pose_objective.hpp"
+#include "host/octree/device_octree_front.hpp"
 #include "tests/random.hpp"
-#include "verify/sets/octree.hpp"
+#include "verify/sets/octree_cube.hpp"
 #include "verisq/signed_distance.hpp"
 
 namespace verisq::device {

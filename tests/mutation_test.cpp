@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/device/self_test.hpp"
+#include "host/arithmetic/self_test.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/mutation/bound_judge.hpp"
 #include "tests/mutation/map_judge.hpp"

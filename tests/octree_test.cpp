@@ -1,6 +1,4 @@
 /// Octrees: volumes that contain the closed form, colours that random points confirm, files that read back.
-#include "verify/sets/octree.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,10 +19,11 @@
 #include <verisq/octree.hpp>
 #include <verisq/octree_file.hpp>
 
-#include "host/device/octree_front.hpp"
+#include "host/octree/device_octree_front.hpp"
 #include "tests/error_matchers.hpp"
 #include "tests/large_models.hpp"
 #include "tests/temporary_folder.hpp"
+#include "verify/sets/octree_cube.hpp"
 
 namespace verisq::testing {
 namespace {

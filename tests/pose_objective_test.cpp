@@ -1,6 +1,6 @@
 /// The evaluation of candidates on a device against proven distances, against differences of itself, and against sums
 /// of its own distances.
-#include "host/device/pose_objective.hpp"
+#include "host/fit/pose_objective.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-#include "host/device/rotation.hpp"
+#include "host/batches/rotation.hpp"
 #include "verisq/fitness.hpp"
 #include "verisq/signed_distance.hpp"
 

@@ -1,6 +1,6 @@
 /// What the host tells the kernels about a primitive: numbers that their proofs rely on as bounds are bounds, by MPFR
 /// at 200 bits, and nearly as tight as binary64 allows.
-#include "host/device/primitive_parameters.hpp"
+#include "host/batches/primitive_parameters.hpp"
 
 #include <gtest/gtest.h>
 

@@ -15,10 +15,10 @@
 #include <verisq/distance_map.hpp>
 #include <verisq/signed_distance.hpp>
 
-#include "host/device/primitive_parameters.hpp"
-#include "host/device/program.hpp"
-#include "host/device/solid_batch.hpp"
-#include "host/device/solid_model.hpp"
+#include "host/batches/primitive_parameters.hpp"
+#include "host/batches/solid_batch.hpp"
+#include "host/batches/solid_model.hpp"
+#include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/large_models.hpp"
 #include "tests/map_in_memory.hpp"

@@ -19,9 +19,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/stance_report.hpp"
-#include "host/stance_samples.hpp"
-#include "host/stance_scope.hpp"
+#include "host/stance/stance_report.hpp"
+#include "host/stance/stance_samples.hpp"
+#include "host/stance/stance_scope.hpp"
 #include "tests/process.hpp"
 #include "tests/stance_example.hpp"
 #include "tests/temporary_folder.hpp"

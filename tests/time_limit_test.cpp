@@ -12,7 +12,7 @@
 #include <verisq/pose_map.hpp>
 #include <verisq/signed_distance.hpp>
 
-#include "host/chunk_pace.hpp"
+#include "host/maps/chunk_pace.hpp"
 #include "tests/map_in_memory.hpp"
 #include "verify/sets/coarse_distance.hpp"
 

@@ -24,9 +24,9 @@
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/status_consistency.hpp"
 #include "host/command_line/triangle_stream.hpp"
-#include "host/extent.hpp"
-#include "host/parallel.hpp"
-#include "host/tightest_enclosure.hpp"
+#include "host/maps/tightest_enclosure.hpp"
+#include "host/mesh/extent.hpp"
+#include "host/threads/parallel.hpp"
 
 namespace verisq::command_line {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/pose_option.hpp"
-#include "host/extent.hpp"
+#include "host/mesh/extent.hpp"
 
 namespace verisq::command_line {
 namespace {

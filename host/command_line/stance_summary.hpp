@@ -7,9 +7,9 @@
 #include <vector>
 #include <verisq/stance_bounce.hpp>
 
-#include "host/stance_report.hpp"
-#include "host/stance_samples.hpp"
-#include "host/stance_scope.hpp"
+#include "host/stance/stance_report.hpp"
+#include "host/stance/stance_samples.hpp"
+#include "host/stance/stance_scope.hpp"
 
 namespace verisq::command_line {
 

@@ -11,9 +11,9 @@
 #include <string>
 #include <string_view>
 
+#include "host/arithmetic/exact_rounding.hpp"
+#include "host/arithmetic/interval_operations.hpp"
 #include "host/device/device.hpp"
-#include "host/device/exact_rounding.hpp"
-#include "host/device/interval_operations.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/real.hpp"
 #include "verify/numbers/rounding.hpp"

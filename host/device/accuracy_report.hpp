@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "host/device/operation_kernels.hpp"
+#include "host/arithmetic/operation_kernels.hpp"
 #include "verisq/device.hpp"
 
 namespace verisq::device {

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <charconv>
 
-#include "host/device/cache.hpp"
-#include "host/device/checksum.hpp"
-#include "host/device/opencl_library.hpp"
-#include "host/device/program.hpp"
-#include "host/device/self_test.hpp"
+#include "host/arithmetic/self_test.hpp"
+#include "host/opencl/cache.hpp"
+#include "host/opencl/checksum.hpp"
+#include "host/opencl/opencl_library.hpp"
+#include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "verisq/device.hpp"
 #include "verisq/error.hpp"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <vector>
-#include <verisq/octree.hpp>
+#include <verisq/octree_cube.hpp>
 
 namespace verisq {
 

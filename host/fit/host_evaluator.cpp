@@ -6,7 +6,7 @@
 
 #include "host/fit/evaluation_sum.hpp"
 #include "host/fit/superquadric_projection.hpp"
-#include "host/parallel.hpp"
+#include "host/threads/parallel.hpp"
 
 namespace verisq::fit_search {
 

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <numeric>
 
-#include "host/parallel.hpp"
+#include "host/threads/parallel.hpp"
 #include "verisq/signed_distance.hpp"
 
 namespace verisq::fit_search {

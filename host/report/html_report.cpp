@@ -8,8 +8,8 @@
 #include <vector>
 #include <verisq/report.hpp>
 
-#include "host/extent.hpp"
 #include "host/files/output_file.hpp"
+#include "host/mesh/extent.hpp"
 #include "host/report/base64.hpp"
 #include "host/report/model_surface.hpp"
 #include "report/page_template.hpp"

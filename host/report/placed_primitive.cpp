@@ -7,7 +7,7 @@
 #include <boost/math/special_functions/sinc.hpp>
 #include <cmath>
 
-#include "host/device/rotation.hpp"
+#include "host/batches/rotation.hpp"
 
 namespace verisq::report {
 namespace {

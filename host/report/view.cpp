@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "host/extent.hpp"
+#include "host/mesh/extent.hpp"
 
 namespace verisq::report {
 namespace {

@@ -7,7 +7,7 @@
 #include <verisq/error.hpp>
 #include <verisq/mesh_topology.hpp>
 
-#include "host/extent.hpp"
+#include "host/mesh/extent.hpp"
 #include "host/surface/alpha_wrap.hpp"
 
 namespace verisq::surface {

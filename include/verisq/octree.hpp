@@ -1,7 +1,6 @@
 /// Interval octrees: cubes proven inside or outside a solid, and with them its volume between two bounds.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -11,37 +10,9 @@
 #include <vector>
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
+#include <verisq/octree_cube.hpp>
 
 namespace verisq {
-
-/// What is proven of a cube. The numbers are those of the array `colour` in a `.vtu`.
-enum class CubeColour : std::uint8_t {
-  white = 0,  ///< no point of it lies in the solid
-  gray = 1,   ///< undecided
-  black = 2,  ///< all of it lies in the solid's interior
-};
-
-/// The cube from which an octree grows. It contains the solid. Half-width and grid are powers of two, so that the
-/// corners of all its cubes are binary64 numbers: nothing is rounded.
-struct OctreeRoot {
-  Point centre;
-  double half_width;
-};
-
-/// A cube that was not split. Cube (i, j, k) of level l is the one with lower corner
-/// centre - half_width + (i, j, k) edge, edge = 2 half_width / 2^l, of the root.
-struct OctreeCube {
-  std::array<std::uint32_t, 3> position;
-  std::uint8_t level;
-  CubeColour colour;
-};
-
-/// Edge of the cubes of a level, and lower corner of a cube: both exact.
-[[nodiscard]] double edge(const OctreeRoot& root, int level);
-[[nodiscard]] Point lower_corner(const OctreeRoot& root, const OctreeCube& cube);
-
-/// No cube is split beyond this level: positions have 20 bits.
-inline constexpr int deepest_octree_level = 20;
 
 /// Cubes are split level by level until one of the first three says stop.
 struct OctreeOptions {
@@ -54,13 +25,6 @@ struct OctreeOptions {
   /// Called with the level that is being split, and how many of its undecided cubes are done.
   std::function<void(int level, std::size_t done, std::size_t undecided)> progress = [](int, std::size_t, std::size_t) {
   };
-};
-
-/// Cubes of one level that were not split.
-struct OctreeLevel {
-  std::uint64_t black = 0;
-  std::uint64_t white = 0;
-  std::uint64_t gray = 0;
 };
 
 struct OctreeSummary {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
-#include <verisq/octree.hpp>
+#include <verisq/octree_cube.hpp>
 
 namespace verisq {
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/device/primitive_parameters.hpp"
+#include "host/batches/primitive_parameters.hpp"
 #include "tests/oracle/mixed_norm.hpp"
 #include "tests/oracle/random_cases.hpp"
 

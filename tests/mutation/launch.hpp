@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "host/batches/primitive_parameters.hpp"
 #include "host/device/device.hpp"
-#include "host/device/primitive_parameters.hpp"
 
 namespace verisq::mutation {
 

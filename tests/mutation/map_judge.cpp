@@ -6,8 +6,8 @@
 #include <cmath>
 #include <verisq/signed_distance.hpp>
 
-#include "host/device/point_batch.hpp"
-#include "host/parallel.hpp"
+#include "host/batches/point_batch.hpp"
+#include "host/threads/parallel.hpp"
 #include "tests/mutation/mutant.hpp"
 
 namespace verisq::mutation {

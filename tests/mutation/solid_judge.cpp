@@ -9,9 +9,9 @@
 #include <utility>
 #include <verisq/signed_distance.hpp>
 
-#include "host/device/box_primitive_parameters.hpp"
-#include "host/device/model_source.hpp"
-#include "host/device/solid_model.hpp"
+#include "host/batches/box_primitive_parameters.hpp"
+#include "host/batches/model_source.hpp"
+#include "host/batches/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/mutation/launch.hpp"
 #include "tests/oracle/in_parallel.hpp"

@@ -1,0 +1,54 @@
+/// This file implements the enclosed constants of a primitive over cubes: frame of the bend, lower bounds.
+#include "host/batches/box_primitive_parameters.hpp"
+
+#include <boost/math/constants/constants.hpp>
+#include <boost/multiprecision/mpfr.hpp>
+#include <cmath>
+
+#include "host/batches/directed_conversion.hpp"
+
+namespace verisq::device {
+namespace {
+
+// As `pose_error` of primitive_parameters: three products of factors that carry one rounding each, at most three more
+// on the way, columns of length 1.
+constexpr double frame_error = 5.1 * 0x1p-53;
+
+// The rotation about z by -angle after the pose's, in more digits than binary64 can tell from exact.
+void set_frame(BoxPrimitiveParameters& out, const Primitive& primitive) {
+  // What is not bent keeps its own axes, whatever the angle: its normals come in them.
+  const bool bent = is_bent(primitive);
+  const double degrees = bent ? std::fmod(primitive.bend->angle_degrees, 360.0) : 0.0;  // exact
+  const Extended angle = Extended(degrees) / 180 * boost::math::constants::pi<Extended>();
+  const int way = bent && primitive.bend->curvature < 0.0 ? -1 : 1;
+  const Extended cosine = way * cos(angle);
+  const Extended sine = way * sin(angle);
+  const std::array<Extended, 9> pose = rotation_to_local(primitive.pose.quaternion);
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.frame[i] = Extended(cosine * pose[i] + sine * pose[3 + i]).convert_to<double>();
+    out.frame[3 + i] = Extended(cosine * pose[3 + i] - sine * pose[i]).convert_to<double>();
+    out.frame[6 + i] = pose[6 + i].convert_to<double>();
+  }
+  out.frame_error = frame_error;
+  out.bend_cos = cosine.convert_to<double>();
+  out.bend_sin = sine.convert_to<double>();
+}
+
+}  // namespace
+
+BoxPrimitiveParameters box_primitive_parameters(const Primitive& primitive, int scale_exponent) {
+  BoxPrimitiveParameters out{};
+  out.solid = primitive_parameters(primitive, scale_exponent);
+  set_frame(out, primitive);
+  out.curvature = primitive.bend ? std::ldexp(std::abs(primitive.bend->curvature), -scale_exponent) : 0.0;
+  // |r| <= |(x, y)| <= a1 + a2
+  out.least_w = round_down(1 - Extended(out.curvature) * (Extended(out.solid.semi_axes[0]) + out.solid.semi_axes[1]));
+  for (std::size_t i = 0; i < 3; ++i) out.inverse_axes_down[i] = round_down(1 / Extended(out.solid.semi_axes[i]));
+  for (std::size_t i = 0; i < 2; ++i) {
+    out.p_up[i] = round_up(2 / Extended(primitive.superquadric.exponents[i]));
+    out.inverse_p_down[i] = round_down(Extended(primitive.superquadric.exponents[i]) / 2);
+  }
+  return out;
+}
+
+}  // namespace verisq::device

@@ -1,0 +1,80 @@
+/// This file implements uploads, launches and their clock.
+#include "host/batches/chunk_queue.hpp"
+
+#include <limits>
+
+namespace verisq::device {
+namespace {
+
+double rounded_down(double x, double factor) {
+  const double y = x / factor;
+  const double back = y * factor;
+  if (back == x || std::isnan(x)) return y;
+  if (std::isinf(y)) return y > 0.0 ? std::numeric_limits<double>::max() : y;
+  return back > x ? std::nextafter(y, -std::numeric_limits<double>::infinity()) : y;
+}
+
+}  // namespace
+
+Enclosure Scale::to_model(const Enclosure& e) const {
+  return {rounded_down(e.lo, factor_), -rounded_down(-e.hi, factor_)};
+}
+
+ChunkQueue::ChunkQueue(const Device& device)
+    : context_(device.context), queue_(device.context, device.device, CL_QUEUE_PROFILING_ENABLE) {}
+
+cl::Buffer ChunkQueue::numbers(std::size_t count) {
+  const cl::Buffer buffer(context_, CL_MEM_READ_WRITE, count * sizeof(double));
+  queue_.enqueueFillBuffer(buffer, 0.0, 0, count * sizeof(double));
+  return buffer;
+}
+
+void ChunkQueue::write(const cl::Buffer& buffer, std::span<const double> column) {
+  queue_.enqueueWriteBuffer(buffer, CL_FALSE, 0, column.size_bytes(), column.data());
+}
+
+void ChunkQueue::read(const cl::Buffer& buffer, std::span<double> column) {
+  queue_.enqueueReadBuffer(buffer, CL_FALSE, 0, column.size_bytes(), column.data());
+}
+
+void ChunkQueue::launch(const cl::Kernel& kernel, std::size_t work_items, std::size_t local) {
+  cl::Event event;
+  queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange((work_items + local - 1) / local * local),
+                              cl::NDRange(local), nullptr, &event);
+  kernels_.push_back(std::move(event));
+}
+
+std::vector<Running> ChunkQueue::finish() {
+  queue_.finish();
+  std::vector<Running> times;
+  for (const cl::Event& kernel : kernels_) {
+    times.push_back(
+        {kernel.getProfilingInfo<CL_PROFILING_COMMAND_START>(), kernel.getProfilingInfo<CL_PROFILING_COMMAND_END>()});
+  }
+  kernels_.clear();
+  return times;
+}
+
+void EnclosureColumns::read(ChunkQueue& queue, const std::array<cl::Buffer, 2>& ends, std::size_t size) {
+  size_ = size;
+  queue.read(ends[0], std::span(los_).first(size));
+  queue.read(ends[1], std::span(his_).first(size));
+}
+
+void EnclosureColumns::deliver(const Scale& scale, std::vector<Enclosure>& enclosures) const {
+  enclosures.resize(size_);
+  for (std::size_t n = 0; n < size_; ++n) enclosures[n] = scale.to_model(Enclosure{los_[n], his_[n]});
+}
+
+std::vector<cl::Buffer> windows(const cl::Buffer& buffer, std::size_t count, std::size_t length) {
+  if (count == 1) return {buffer};
+  cl::Buffer whole = buffer;
+  std::vector<cl::Buffer> views;
+  for (std::size_t index = 0; index < count; ++index) {
+    const cl_buffer_region region{index * length * sizeof(double), length * sizeof(double)};
+    views.push_back(whole.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region));
+  }
+  return views;
+}
+
+}  // namespace verisq::device

@@ -1,0 +1,39 @@
+/// A chunk of points against one convex primitive on a device: distances outside, depths inside.
+#pragma once
+
+#include <array>
+
+#include "host/batches/chunk_queue.hpp"
+#include "host/device/device.hpp"
+
+namespace verisq::device {
+
+/// What is found for each point of a chunk: lower ends, upper ends, and normals x, y, z in the primitive's own frame.
+using EvidenceBuffers = std::array<cl::Buffer, 5>;
+
+/// The kernels point_distance and interior_depth with the buffers that they need besides.
+class ConvexDistance {
+ public:
+  /// `program` is that of kernels/point_distance.cl, for the memory that the primitives lie in. `tolerance` in the
+  /// device's numbers: depths are searched to it, and not far beyond what branch and bound can do.
+  ConvexDistance(const Device& device, const cl::Program& program, ChunkQueue& queue,
+                 const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance);
+
+  /// Enqueues the primitive `index` of `primitives` for the first `groups` vectors of points. With index 0 nothing is
+  /// known yet about the points; a later one is passed over where a sphere about it is farther than what was found.
+  void enqueue(ChunkQueue& queue, const cl::Buffer& primitives, std::size_t index, std::size_t groups,
+               const EvidenceBuffers& evidence);
+
+ private:
+  std::size_t groups_per_block_;
+  bool vectors_;  // work-items work on vectors of points
+  // Kernels do not keep the buffers that they are given.
+  std::array<cl::Buffer, 3> coordinates_;
+  cl::Buffer primitives_;
+  cl::Buffer nearest_;
+  cl::Buffer scratch_;
+  cl::Kernel point_distance_;
+  cl::Kernel interior_depth_;
+};
+
+}  // namespace verisq::device

@@ -1,0 +1,73 @@
+/// This file implements the upload of a model.
+#include "host/batches/device_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "host/batches/model_memory.hpp"
+#include "host/batches/primitive_parameters.hpp"
+
+namespace verisq::device {
+namespace {
+
+// Long against a launch, short against a mesh, so that work overlaps; other devices want more work-items at a time.
+constexpr std::size_t queries_per_processor_chunk = 1U << 14U;
+constexpr std::size_t queries_per_chunk = 1U << 18U;
+constexpr std::size_t primitives_per_full_chunk = 8;  // larger models take smaller chunks: memory stays bounded
+constexpr std::size_t smallest_chunk = 1U << 10U;
+constexpr std::size_t chunk_alignment = 1U << 10U;  // keeps windows of device buffers aligned for any device
+
+constexpr int largest_scaled_exponent = 300;
+constexpr double far_from_unit_model = 0x1p20;
+
+std::size_t chunk_size(std::size_t primitives, int vector_width) {
+  const std::size_t full = vector_width > 1 ? queries_per_processor_chunk : queries_per_chunk;
+  const std::size_t wanted =
+      std::max(smallest_chunk, full * primitives_per_full_chunk / std::max(primitives, primitives_per_full_chunk));
+  return wanted - wanted % chunk_alignment;
+}
+
+cl::Buffer uploaded(const Device& device, const Model& model, int scale) {
+  std::vector<PrimitiveParameters> parameters;
+  for (const Primitive& primitive : model.primitives) parameters.push_back(primitive_parameters(primitive, scale));
+  return {device.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, parameters.size() * sizeof(PrimitiveParameters),
+          parameters.data()};
+}
+
+}  // namespace
+
+bool within_device_range(const Model& model) {
+  const int scale = scale_exponent(model);
+  if (std::abs(scale) > 1000) return false;
+  const auto in_range = [scale](double x, int lowest) {
+    return x == 0.0 || (std::ilogb(x) + scale <= largest_scaled_exponent && std::ilogb(x) + scale >= lowest);
+  };
+  return std::all_of(model.primitives.begin(), model.primitives.end(), [&](const Primitive& primitive) {
+    const auto& axes = primitive.superquadric.semi_axes;
+    const auto& shift = primitive.pose.translation;
+    const auto& exponents = primitive.superquadric.exponents;
+    return std::all_of(axes.begin(), axes.end(), [&](double a) { return in_range(a, -largest_scaled_exponent); }) &&
+           std::all_of(shift.begin(), shift.end(), [&](double t) { return in_range(t, -2000); }) &&
+           std::all_of(exponents.begin(), exponents.end(), [](double e) { return e >= 0x1p-30; });
+  });
+}
+
+Model joined(const Model& a, const Model& b) {
+  Model both = a;
+  both.primitives.insert(both.primitives.end(), b.primitives.begin(), b.primitives.end());
+  return both;
+}
+
+DeviceModel::DeviceModel(const Device& device, const Model& model)
+    : scale_exponent(device::scale_exponent(model)),
+      primitives(uploaded(device, model, scale_exponent)),
+      count(model.primitives.size()),
+      memory(model_memory_option(device, count * sizeof(PrimitiveParameters))),
+      chunk_size(device::chunk_size(count, device.vector_width)) {}
+
+double far_away(const DeviceModel& model) {
+  return std::ldexp(far_from_unit_model, -model.scale_exponent);
+}
+
+}  // namespace verisq::device

@@ -1,0 +1,270 @@
+/// The search of a fit: sampled starts, refined from a wide fitness to the given one, then within the limit.
+#include "verisq/fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "host/device/device.hpp"
+#include "host/fit/full_evaluation.hpp"
+#include "host/fit/global_start.hpp"
+#include "host/fit/host_evaluator.hpp"
+#include "host/fit/local_refinement.hpp"
+#include "host/fit/penetration_limit.hpp"
+#include "host/fit/pose_objective.hpp"
+#include "host/fit/surface_limit.hpp"
+#include "host/fit/surface_points.hpp"
+#include "host/fit/union_depth.hpp"
+#include "verisq/error.hpp"
+#include "verisq/posed_model.hpp"
+
+namespace verisq {
+
+namespace {
+
+using namespace fit_search;
+
+/// Points of a thinned cavity: enough to tell good poses from bad, and to climb by.
+constexpr std::size_t kSampledPoints = 128;
+constexpr std::size_t kClimbedPoints = 384;
+
+/// Graduated optimisation: the scale of the fitness in each round, the starts that take part, what they are climbed by.
+constexpr double kSampledWidening = 16.0;
+struct Round {
+  double widening;
+  std::size_t starts;
+  StoppingCriteria stop;
+};
+constexpr Round kRounds[] = {{16.0, 16, {1e-3, 40}}, {4.0, 16, {1e-3, 40}}, {1.0, 8, {1e-4, 60}}};
+/// Starts that are refined with all points within the limit.
+constexpr std::size_t kFinalists = 4;
+/// Added between the points for them: they tell most poses that cut the surface from those that do not.
+constexpr std::size_t kSurfacePoints = 4096;
+/// Shares of the work on an implant, when sampling and the rounds are done.
+constexpr double kSampled = 0.3;
+constexpr double kClimbed = 0.7;
+/// Times that the search's limit is lowered because bone lies deeper in an overlap than in any primitive.
+constexpr int kMostSettlings = 5;
+/// Of what the limit is lowered to.
+constexpr double kSettlingMargin = 0.98;
+
+void require(bool holds, std::string_view message) {
+  if (!holds) throw Error(ErrorKind::input, std::string(message));
+}
+
+bool all_finite(std::span<const double> numbers) {
+  return std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); });
+}
+
+void check(const Cavity& cavity, const FitOptions& options) {
+  require(!cavity.points.empty(), "fit: the cavity has no points");
+  for (std::size_t i = 0; i < cavity.points.size(); ++i)
+    require(all_finite(cavity.points[i]), fmt::format("fit: point {} of the cavity is not finite", i));
+  const auto& [target, scale, serves] = options.fitness;
+  require(std::isfinite(target) && target >= 0.0 && std::isfinite(scale) && scale > 0.0,
+          fmt::format("fitness: target must be at least 0 and scale positive, not {} and {}", target, scale));
+  require(std::isfinite(options.penetration_limit) && options.penetration_limit >= 0.0,
+          fmt::format("penetration limit: must be finite and at least 0, not {}", options.penetration_limit));
+  require(cavity.triangles.empty() || (options.surface_tolerance > 0.0 && std::isfinite(options.surface_tolerance)),
+          fmt::format("surface tolerance: must be finite and positive, not {}", options.surface_tolerance));
+  const auto& [start, translation, rotation] = options.range;
+  require(all_finite(start.translation) && all_finite(start.quaternion) &&
+              std::ranges::any_of(start.quaternion, [](double x) { return x != 0.0; }),
+          "start: its numbers must be finite and its quaternion not zero");
+  require(std::isfinite(translation) && translation >= 0.0,
+          fmt::format("translation: must be finite and at least 0, not {}", translation));
+  require(rotation >= 0.0 && rotation <= 180.0,
+          fmt::format("rotation: must be between 0 and 180 degrees, not {}", rotation));
+}
+
+std::vector<CandidateSpace> spaces_of(std::span<const UncertainModel> series, const PoseRange& range) {
+  std::vector<CandidateSpace> spaces;
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    try {
+      spaces.emplace_back(series[i], range);
+    } catch (const Error& error) {
+      throw Error(error.kind(), fmt::format("implants[{}]: {}", i, error.what()));
+    }
+  }
+  return spaces;
+}
+
+std::vector<double> weights_of(const Cavity& cavity) {
+  std::vector<double> weights;
+  weights.reserve(cavity.points.size());
+  for (const std::uint32_t area : cavity.area_of) weights.push_back(cavity.areas[area].weight);
+  return weights;
+}
+
+/// Nothing stands for the host.
+device::Selection selected(const std::string& device) {
+  return device == "host" ? device::Selection{} : device::select_device(device);
+}
+
+MakeEvaluator evaluator_on(const std::optional<device::Device>& device) {
+  return [&device](const Cavity& cavity) {
+    const std::vector<double> weights = weights_of(cavity);
+    return device ? device::device_candidate_evaluator(*device, cavity.points, weights)
+                  : host_candidate_evaluator(cavity.points, weights);
+  };
+}
+
+/// Where every implant of the series is searched: on the points to be served, and within the limit at these and others
+/// on the surface between them.
+struct SearchedCavity {
+  SearchedCavity(const Cavity& cavity, double spacing, const MakeEvaluator& make)
+      : points(cavity),
+        surface(with_surface_points(cavity, spacing, kSurfacePoints)),
+        point_evaluator(make(points)),
+        surface_evaluator(make(surface)) {}
+
+  const Cavity& points;
+  Cavity surface;  ///< the points are its first
+  std::unique_ptr<CandidateEvaluator> point_evaluator;
+  std::unique_ptr<CandidateEvaluator> surface_evaluator;
+};
+
+/// The smallest semi-axis: no part of an implant slips through from one side to the other.
+double spacing_of_surface_points(std::span<const UncertainModel> series) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const UncertainModel& implant : series)
+    for (const UncertainPrimitive& primitive : implant.primitives)
+      for (const Enclosure& semi_axis : primitive.semi_axes) smallest = std::min(smallest, semi_axis.hi);
+  return smallest;
+}
+
+/// The search for one implant.
+class ImplantSearch {
+ public:
+  ImplantSearch(const CandidateSpace& space, std::size_t implant, SearchedCavity& cavity, const FitOptions& options,
+                SearchWatch& watch)
+      : space_(space),
+        implant_(implant),
+        evaluator_(*cavity.point_evaluator),
+        cavity_(cavity.points),
+        options_(options),
+        watch_(watch),
+        weights_(weights_of(cavity_)),
+        full_(space, *cavity.surface_evaluator, cavity.surface, options.fitness, options.penetration_limit, watch) {}
+
+  /// Of the surface only what the search knows.
+  Found best() {
+    watch_.at(implant_, 0.0);
+    full_.at(space_.start());  // so that there is a best pose, whenever the search is interrupted
+    std::vector<Ranked> starts = global_start(space_, evaluator_, landscape(kSampledWidening, kSampledPoints),
+                                              {options_.samples, options_.seed, kRounds[0].starts}, watch_);
+    watch_.at(implant_, kSampled);
+    for (std::size_t round = 0; round < std::size(kRounds); ++round) {
+      climb(starts, kRounds[round]);
+      watch_.at(implant_, kSampled + (kClimbed - kSampled) * static_cast<double>(round + 1) / std::size(kRounds));
+    }
+    keep_best(starts, kFinalists);
+    for (std::size_t i = 0; i < starts.size() && !watch_.interrupted(); ++i) {
+      refine_within_limit(full_, starts[i].parameters);
+      watch_.at(implant_,
+                kClimbed + (1.0 - kClimbed) * static_cast<double>(i + 1) / static_cast<double>(starts.size()));
+    }
+    return cavity_.triangles.empty() ? settled(*full_.best()) : *full_.best();
+  }
+
+  Found found_in_union(const Found& found) {
+    const Model model = posed(space_.sized(found.parameters), space_.pose(found.parameters));
+    const std::span<const PointDistance> distances = full_.at(found.parameters).distances;
+    const UnionDepth depth = union_depth(model, cavity_, options_.fitness, distances.first(cavity_.points.size()),
+                                         [this] { return watch_.interrupted(); });
+    return {.parameters = found.parameters,
+            .objective = depth.objective,
+            .deepest_penetration = depth.deepest_penetration,
+            .within_limit = depth.deepest_penetration <= options_.penetration_limit};
+  }
+
+ private:
+  [[nodiscard]] Landscape landscape(double widening, std::size_t points) const {
+    const std::size_t stride = std::max<std::size_t>(weights_.size() / points, 1);
+    double weight = 0.0;
+    for (std::size_t i = 0; i < weights_.size(); i += stride) weight += weights_[i];
+    return {widened(options_.fitness, widening), stride, weight > 0.0 ? weight : 1.0};
+  }
+
+  static void keep_best(std::vector<Ranked>& starts, std::size_t count) {
+    std::ranges::stable_sort(starts, [](const Ranked& a, const Ranked& b) { return a.objective > b.objective; });
+    starts.resize(std::min(starts.size(), count));
+  }
+
+  void climb(std::vector<Ranked>& starts, const Round& round) {
+    keep_best(starts, round.starts);
+    const Landscape climbed = landscape(round.widening, kClimbedPoints);
+    for (Ranked& start : starts) {
+      if (watch_.interrupted()) return;
+      start = refined(space_, evaluator_, climbed, start.parameters, round.stop, watch_);
+    }
+  }
+
+  /// Replaces the search's depths by those in the union. Where these break the limit, the search is repeated nearby
+  /// under a limit that is lower in the same proportion.
+  Found settled(Found found) {
+    double limit = options_.penetration_limit;
+    for (int settling = 0;; ++settling) {
+      const Found in_union = found_in_union(found);
+      if (in_union.within_limit || !found.within_limit || settling == kMostSettlings || watch_.interrupted())
+        return in_union;
+      limit *= kSettlingMargin * options_.penetration_limit / in_union.deepest_penetration;
+      FullEvaluation lower(space_, evaluator_, cavity_, options_.fitness, limit, watch_);
+      refine_within_limit(lower, found.parameters);
+      found = *lower.best();
+    }
+  }
+
+  const CandidateSpace& space_;
+  std::size_t implant_;
+  CandidateEvaluator& evaluator_;
+  const Cavity& cavity_;
+  const FitOptions& options_;
+  SearchWatch& watch_;
+  std::vector<double> weights_;
+  FullEvaluation full_;
+};
+
+}  // namespace
+
+Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options) {
+  require(!series.empty(), "fit: no implant to fit");
+  check(cavity, options);
+  const std::vector<CandidateSpace> spaces = spaces_of(series, options.range);
+  const device::Selection selection = selected(options.device);
+  const std::string device = selection.device ? selection.device->name : "host";
+  const MakeEvaluator make_evaluator = evaluator_on(selection.device);
+  const double spacing = spacing_of_surface_points(series);
+  SearchedCavity searched(cavity, spacing, make_evaluator);
+  SearchWatch watch(options, series.size());
+  std::size_t implant = 0;
+  std::optional<Found> best;
+  for (std::size_t i = 0; i < spaces.size() && (i == 0 || !watch.interrupted()); ++i) {
+    ImplantSearch search(spaces[i], i, searched, options, watch);
+    Found found = search.best();
+    if (!cavity.triangles.empty()) {
+      found = within_surface(spaces[i], found, cavity, spacing, options, device, make_evaluator, watch);
+      found.objective = search.found_in_union(found).objective;
+    }
+    if (best && !better(found, *best)) continue;
+    best = found;
+    implant = i;
+  }
+  const Pose pose = spaces[implant].pose(best->parameters);
+  return {.implant = implant,
+          .pose = pose,
+          .model = posed(spaces[implant].sized(best->parameters), pose),
+          .objective = best->objective,
+          .deepest_penetration = best->deepest_penetration,
+          .within_limit = best->within_limit,
+          .interrupted = watch.interrupted(),
+          .poses = watch.poses(),
+          .device = device,
+          .notice = selection.notice};
+}
+
+}  // namespace verisq

@@ -1,0 +1,336 @@
+/// This file implements the evaluation of candidates on a device: ordered points, chunks of candidates, reductions.
+#include "host/fit/pose_objective.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "host/batches/chunk_pipeline.hpp"
+#include "host/batches/chunk_queue.hpp"
+#include "host/batches/model_memory.hpp"
+#include "host/batches/primitive_parameters.hpp"
+#include "host/batches/rotation.hpp"
+#include "host/opencl/program.hpp"
+#include "kernels/embedded_sources.hpp"
+
+namespace verisq::device {
+namespace {
+
+using fit_search::Candidate;
+using fit_search::Evaluation;
+using fit_search::PointDistance;
+using fit_search::PoseCell;
+
+// The counterpart of `scaled_superquadric` in kernels/signed_distance_gradient.clh. Of the primitive's parameters only
+// those that propose are set: nothing is proven here.
+struct ScaledPrimitive {
+  PrimitiveParameters parameters;
+  double unit;
+};
+
+// The sums of a candidate, as kernels/pose_objective.cl orders them; three a primitive follow.
+constexpr std::size_t objective_column = 0;
+constexpr std::size_t bound_column = 1;
+constexpr std::size_t pose_gradient_column = 2;
+constexpr std::size_t smallest_distance_column = 8;
+constexpr std::size_t columns_of_pose = 9;
+
+constexpr std::size_t distance_columns = 8;  // distance, normal, primitive, size gradient
+
+// A launch stays short enough for an interrupt to be noticed: some 10^7 distances a second on two processor cores, a
+// hundred times that on a graphics processor.
+constexpr std::size_t distances_of_processor_launch = 2'000'000;
+constexpr std::size_t distances_of_launch = 100'000'000;
+constexpr std::size_t partial_numbers_of_launch = std::size_t{1} << 23U;  // 64 MiB
+
+// Vectors of points a work-item: many for a processor, which has few cores; still enough work-items for one candidate.
+constexpr std::size_t vectors_of_processor_slice = 8;
+constexpr std::size_t points_of_slice = 2;
+
+// Beyond, Newton's method often fails. A smaller exponent gives a larger solid: penetrations are overestimated.
+constexpr double largest_exponent = 1.95;
+
+ScaledPrimitive scaled(const Primitive& primitive) {
+  ScaledPrimitive out{};
+  PrimitiveParameters& parameters = out.parameters;
+  const auto& [semi_axes, exponents] = primitive.superquadric;
+  const int scale = -std::ilogb(*std::max_element(semi_axes.begin(), semi_axes.end()));
+  const auto rotation = rotation_matrix(primitive.pose.quaternion);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) parameters.rotation[3 * i + k] = std::ldexp(rotation[3 * k + i], scale);
+    parameters.translation[i] = primitive.pose.translation[i];
+    parameters.semi_axes[i] = std::ldexp(semi_axes[i], scale);
+    parameters.log_axes[i] = std::log(parameters.semi_axes[i]);
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double exponent = std::min(exponents[i], largest_exponent);
+    parameters.p[i] = 2.0 / exponent;
+    parameters.inverse_p[i] = exponent / 2.0;
+  }
+  out.unit = std::ldexp(1.0, -scale);
+  return out;
+}
+
+// Reorders `indices` such that runs of `run` and more points lie close together: halves along the longest side of their
+// box, again and again. Lanes of a vector then mostly agree on the primitive that decides.
+void order_spatially(std::span<std::size_t> indices, std::span<const Point> points, std::size_t run) {
+  if (indices.size() <= run) return;
+  Point lower = points[indices.front()];
+  Point upper = lower;
+  for (const std::size_t i : indices) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lower[axis] = std::min(lower[axis], points[i][axis]);
+      upper[axis] = std::max(upper[axis], points[i][axis]);
+    }
+  }
+  std::size_t longest = 0;
+  for (std::size_t axis = 1; axis < 3; ++axis)
+    if (upper[axis] - lower[axis] > upper[longest] - lower[longest]) longest = axis;
+  const std::size_t half = (indices.size() / run + 1) / 2 * run;
+  std::nth_element(indices.begin(), indices.begin() + static_cast<std::ptrdiff_t>(half), indices.end(),
+                   [&](std::size_t a, std::size_t b) {
+                     return std::pair(points[a][longest], a) < std::pair(points[b][longest], b);
+                   });
+  order_spatially(indices.first(half), points, run);
+  order_spatially(indices.subspan(half), points, run);
+}
+
+// Every stride-th point on the device, in spatial order; lanes beyond the last point repeat it with weight 0.
+struct DevicePoints {
+  DevicePoints(const Device& device, std::span<const Point> points, std::span<const double> weights, std::size_t step)
+      : stride(step), order((points.size() + step - 1) / step) {
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i * step;
+    const auto width = static_cast<std::size_t>(device.vector_width);
+    order_spatially(order, points, width);
+    groups = (order.size() + width - 1) / width;
+    std::vector<double> column(groups * width);
+    const auto uploaded = [&](const auto& number) {
+      for (std::size_t n = 0; n < column.size(); ++n) column[n] = number(n);
+      return cl::Buffer(device.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, column.size() * sizeof(double),
+                        column.data());
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      coordinates[axis] = uploaded([&](std::size_t n) { return points[order[std::min(n, order.size() - 1)]][axis]; });
+    }
+    point_weights = uploaded([&](std::size_t n) { return n < order.size() ? weights[order[n]] : 0.0; });
+  }
+
+  std::size_t stride;
+  std::vector<std::size_t> order;  // indices of the points
+  std::size_t groups;              // vectors
+  std::array<cl::Buffer, 3> coordinates;
+  cl::Buffer point_weights;
+};
+
+// Room for the candidates of one launch, and their sums.
+struct Chunk {
+  Chunk(ChunkQueue& queue, std::size_t launch_capacity, std::size_t primitives_of_candidate, std::size_t slices)
+      : capacity(launch_capacity),
+        primitives_of_each(primitives_of_candidate),
+        columns(columns_of_pose + 3 * primitives_of_candidate),
+        primitives(queue.numbers(capacity * primitives_of_each * sizeof(ScaledPrimitive) / sizeof(double))),
+        pivots(queue.numbers(capacity * 3)),
+        partials(queue.numbers(capacity * slices * columns)),
+        sums(queue.numbers(capacity * columns)),
+        pivot_column(capacity * 3),
+        sum_column(capacity * columns) {}
+
+  std::size_t capacity;
+  std::size_t primitives_of_each;
+  std::size_t columns;
+  cl::Buffer primitives;
+  cl::Buffer pivots;
+  cl::Buffer partials;
+  cl::Buffer sums;
+  std::vector<ScaledPrimitive> primitive_column;
+  std::vector<double> pivot_column;
+  std::vector<double> sum_column;
+};
+
+Evaluation evaluation_of(std::span<const double> sums, std::size_t primitives) {
+  Evaluation evaluation{sums[objective_column], {}, {}, sums[smallest_distance_column], sums[bound_column]};
+  std::copy_n(sums.begin() + pose_gradient_column, 6, evaluation.pose_gradient.begin());
+  for (std::size_t i = 0; i < primitives; ++i) {
+    const auto by_axes = sums.subspan(columns_of_pose + 3 * i, 3);
+    evaluation.size_gradient.push_back({by_axes[0], by_axes[1], by_axes[2]});
+  }
+  return evaluation;
+}
+
+// The kernels for candidates in the memory that `model_memory_option` names.
+struct Kernels {
+  Kernels(const Device& device, const std::string& memory_option)
+      : memory(memory_option),
+        program(build_program(device.context, device.device, device.vector_width,
+                              kernels::embedded_pose_objective_sources(), memory)),
+        pose_objective(program, "pose_objective"),
+        sum_slices(program, "sum_slices"),
+        pose_distance(program, "pose_distance") {}
+
+  std::string memory;
+  cl::Program program;
+  cl::Kernel pose_objective;
+  cl::Kernel sum_slices;
+  cl::Kernel pose_distance;
+};
+
+class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
+ public:
+  DeviceCandidateEvaluator(const Device& device, std::span<const Point> points, std::span<const double> weights)
+      : device_(device),
+        points_(points.begin(), points.end()),
+        weights_(weights.begin(), weights.end()),
+        queue_(device),
+        kernels_(device, "") {}
+
+  void evaluate(std::span<const Candidate> candidates, const Fitness& fitness, const PoseCell& cell, std::size_t stride,
+                std::vector<Evaluation>& evaluations) override {
+    evaluations.clear();
+    evaluations.reserve(candidates.size());
+    if (candidates.empty()) return;
+    reporting_failures(device_.name, [&] {
+      prepare(stride, candidates.front().primitives.size());
+      set_arguments(fitness, cell);
+      for (std::size_t first = 0; first < candidates.size(); first += chunk_->capacity) {
+        const auto part = candidates.subspan(first, std::min(chunk_->capacity, candidates.size() - first));
+        upload(part);
+        launch(part.size());
+        const std::span<const double> sums = chunk_->sum_column;
+        for (std::size_t n = 0; n < part.size(); ++n) {
+          evaluations.push_back(
+              evaluation_of(sums.subspan(n * chunk_->columns, chunk_->columns), chunk_->primitives_of_each));
+        }
+      }
+    });
+  }
+
+  void distances(const Candidate& candidate, std::vector<PointDistance>& distances) override {
+    reporting_failures(device_.name, [&] {
+      prepare(1, candidate.primitives.size());
+      upload({&candidate, 1});
+      const std::vector<double> columns = launch_distances();
+      const std::size_t capacity = columns.size() / distance_columns;
+      distances.resize(points_.size());
+      for (std::size_t n = 0; n < distances.size(); ++n) {
+        const auto number = [&](std::size_t column) { return columns[column * capacity + n]; };
+        distances[selected_->order[n]] = {number(0),
+                                          {number(1), number(2), number(3)},
+                                          static_cast<std::uint32_t>(number(4)),
+                                          {number(5), number(6), number(7)}};
+      }
+    });
+  }
+
+ private:
+  [[nodiscard]] bool is_processor() const { return device_.vector_width > 1; }
+
+  // Vectors of points, and how many a launch may measure, decide how candidates are cut into work: the sums depend on
+  // the former alone.
+  void prepare(std::size_t stride, std::size_t primitives) {
+    if (selected_ && selected_->stride == stride && chunk_ && chunk_->primitives_of_each == primitives) return;
+    if (!selected_ || selected_->stride != stride) selected_.emplace(device_, points_, weights_, stride);
+    const std::size_t vectors_of_slice = is_processor() ? vectors_of_processor_slice : points_of_slice;
+    slices_ = (selected_->groups + vectors_of_slice - 1) / vectors_of_slice;
+    const std::string memory = model_memory_option(device_, primitives * sizeof(ScaledPrimitive));
+    if (memory != kernels_.memory) kernels_ = Kernels(device_, memory);
+    chunk_.emplace(queue_, chunk_capacity(primitives), primitives, slices_);
+    for (cl_uint axis = 0; axis < 3; ++axis) {
+      kernels_.pose_objective.setArg(3 + axis, selected_->coordinates[axis]);
+      kernels_.pose_distance.setArg(2 + axis, selected_->coordinates[axis]);
+    }
+    kernels_.pose_objective.setArg(1, static_cast<cl_uint>(slices_));
+    kernels_.pose_objective.setArg(2, static_cast<cl_uint>(selected_->groups));
+    kernels_.pose_objective.setArg(6, selected_->point_weights);
+    kernels_.pose_objective.setArg(7, chunk_->primitives);
+    kernels_.pose_objective.setArg(8, static_cast<cl_uint>(primitives));
+    kernels_.pose_objective.setArg(9, chunk_->pivots);
+    kernels_.pose_objective.setArg(14, chunk_->partials);
+    kernels_.sum_slices.setArg(1, static_cast<cl_uint>(slices_));
+    kernels_.sum_slices.setArg(2, static_cast<cl_uint>(chunk_->columns));
+    kernels_.sum_slices.setArg(3, chunk_->partials);
+    kernels_.sum_slices.setArg(4, chunk_->sums);
+  }
+
+  // At least one, however many points there are.
+  [[nodiscard]] std::size_t chunk_capacity(std::size_t primitives) const {
+    const std::size_t distances = is_processor() ? distances_of_processor_launch : distances_of_launch;
+    const std::size_t columns = columns_of_pose + 3 * primitives;
+    const std::size_t capacity =
+        std::min(distances / (selected_->order.size() * primitives), partial_numbers_of_launch / (slices_ * columns));
+    // All candidates of a launch share the constant memory, unless not even one has room there.
+    const std::size_t in_constant_memory = device_.constant_memory / (primitives * sizeof(ScaledPrimitive));
+    const bool constant = kernels_.memory.empty();
+    return std::max<std::size_t>(1, constant ? std::min(capacity, in_constant_memory) : capacity);
+  }
+
+  void set_arguments(const Fitness& fitness, const PoseCell& cell) {
+    kernels_.pose_objective.setArg(10, fitness.target);
+    kernels_.pose_objective.setArg(11, fitness.scale);
+    kernels_.pose_objective.setArg(12, cell.translation);
+    kernels_.pose_objective.setArg(13, cell.rotation);
+  }
+
+  void upload(std::span<const Candidate> candidates) {
+    Chunk& chunk = *chunk_;
+    chunk.primitive_column.clear();
+    for (std::size_t n = 0; n < candidates.size(); ++n) {
+      for (const Primitive& primitive : candidates[n].primitives) chunk.primitive_column.push_back(scaled(primitive));
+      std::copy(candidates[n].pivot.begin(), candidates[n].pivot.end(), &chunk.pivot_column[3 * n]);
+    }
+    static_assert(sizeof(ScaledPrimitive) % sizeof(double) == 0);
+    queue_.write(chunk.primitives, std::span(reinterpret_cast<const double*>(chunk.primitive_column.data()),
+                                             chunk.primitive_column.size() * sizeof(ScaledPrimitive) / sizeof(double)));
+    queue_.write(chunk.pivots, std::span(chunk.pivot_column).first(3 * candidates.size()));
+  }
+
+  void launch(std::size_t candidates) {
+    Chunk& chunk = *chunk_;
+    kernels_.pose_objective.setArg(0, static_cast<cl_uint>(candidates));
+    kernels_.sum_slices.setArg(0, static_cast<cl_uint>(candidates));
+    // A vector work-item is long: one a work-group lets the cores share them evenly.
+    queue_.launch(kernels_.pose_objective, candidates * slices_, is_processor() ? 1 : usual_group_size);
+    queue_.launch(kernels_.sum_slices, candidates * chunk.columns);
+    queue_.read(chunk.sums, std::span(chunk.sum_column).first(candidates * chunk.columns));
+    queue_.finish();
+  }
+
+  std::vector<double> launch_distances() {
+    const std::size_t capacity = selected_->groups * static_cast<std::size_t>(device_.vector_width);
+    const cl::Buffer buffer = queue_.numbers(distance_columns * capacity);
+    std::vector<double> columns(distance_columns * capacity);
+    kernels_.pose_distance.setArg(0, static_cast<cl_uint>(selected_->groups));
+    kernels_.pose_distance.setArg(1, static_cast<cl_ulong>(capacity));
+    kernels_.pose_distance.setArg(5, chunk_->primitives);
+    kernels_.pose_distance.setArg(6, static_cast<cl_uint>(chunk_->primitives_of_each));
+    kernels_.pose_distance.setArg(7, buffer);
+    queue_.launch(kernels_.pose_distance, selected_->groups);
+    queue_.read(buffer, columns);
+    queue_.finish();
+    return columns;
+  }
+
+  Device device_;
+  std::vector<Point> points_;
+  std::vector<double> weights_;
+  ChunkQueue queue_;
+  Kernels kernels_;
+  std::optional<DevicePoints> selected_;
+  std::size_t slices_ = 0;
+  std::optional<Chunk> chunk_;
+};
+
+}  // namespace
+
+std::unique_ptr<fit_search::CandidateEvaluator> device_candidate_evaluator(const Device& device,
+                                                                           std::span<const Point> points,
+                                                                           std::span<const double> weights) {
+  return reporting_failures(device.name, [&]() -> std::unique_ptr<fit_search::CandidateEvaluator> {
+    return std::make_unique<DeviceCandidateEvaluator>(device, points, weights);
+  });
+}
+
+}  // namespace verisq::device

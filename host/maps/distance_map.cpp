@@ -1,0 +1,171 @@
+/// This file implements the map of points.
+#include "verisq/distance_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "host/batches/model_source.hpp"
+#include "host/batches/point_batch.hpp"
+#include "host/batches/solid_batch.hpp"
+#include "host/maps/map_run.hpp"
+#include "host/maps/tightest_enclosure.hpp"
+#include "verify/proof/convex_union.hpp"
+#include "verify/search/witness_estimate.hpp"
+#include "verify/sets/coarse_distance.hpp"
+#include "verify/sets/set_tree.hpp"
+#include "verisq/error.hpp"
+#include "verisq/published_method.hpp"
+#include "verisq/signed_distance.hpp"
+
+namespace verisq {
+namespace {
+
+bool never() {
+  return false;
+}
+
+/// What comes before a time limit begins must not take long, and each cube of a large model looks at many leaves: of
+/// `most` cubes or searches so many as take no longer than all of them in a model of 64 leaves; at least one.
+std::size_t affordable(std::size_t most, const Model& model) {
+  constexpr std::size_t size = 64;
+  return std::max<std::size_t>(1, most * size / std::max(verify::size_of_tree(model), size));
+}
+
+constexpr std::size_t most_cubes_of_rough_search = 256;
+
+Enclosure rough_distance(const Model& model, const SignedDistance& distance, const Point& point, double tolerance,
+                         const std::function<bool()>& interrupted) {
+  std::size_t polled = 0;
+  const std::size_t cubes = affordable(most_cubes_of_rough_search, model);
+  return distance(point, tolerance, [&] { return ++polled > cubes || interrupted(); });
+}
+
+// A search tells nothing by a lower end beyond all numbers.
+void refuse_empty(const Model& model, const SignedDistance& distance, const std::function<bool()>& interrupted) {
+  if (is_union_of_convex(model)) return;
+  const Point& centre = model.primitives.front().pose.translation;
+  const Enclosure found = rough_distance(model, distance, centre, bounding_radius(model), interrupted);
+  if (found.lo == std::numeric_limits<double>::max())
+    throw Error(ErrorKind::input, "the model has no point at all: its set operations leave nothing");
+}
+
+constexpr std::size_t most_known_centres = 16;
+
+// Without certificates. What is known are rough distances of the primitives' centres, of many spread over their order.
+verify::CoarseDistance coarse_distance(const Model& model, const SignedDistance& distance,
+                                       const std::function<bool()>& interrupted) {
+  const double rough = 0x1p-6 * bounding_radius(model);
+  std::vector<verify::KnownDistance> known;
+  const std::size_t size = model.primitives.size();
+  const std::size_t count = std::min(size, affordable(most_known_centres, model));
+  for (std::size_t i = 0; i < count; ++i) {
+    const Point& centre = model.primitives[i * size / count].pose.translation;
+    known.push_back({centre, rough_distance(model, distance, centre, rough, interrupted)});
+  }
+  return {model, known};
+}
+
+class PointProver {
+ public:
+  PointProver(const Model& model, const MapOptions& options)
+      : model_(model),
+        tolerance_(options.tolerance),
+        certificates_(options.certificates),
+        published_(options.method == Method::published),
+        out_of_time_(options.out_of_time ? options.out_of_time : never),
+        radius_(bounding_radius(model)),
+        distance_(model),
+        witness_distance_(model) {
+    if (published_ && (certificates_ || options.device != "host"))
+      throw Error(ErrorKind::input, "the published method runs on the host alone and has no certificates");
+    if (published_) verify::require_union_of_convex(model, "the published method");
+    if (certificates_) verify::require_union_of_convex(model, "certificates");
+    refuse_empty(model, distance_, options.interrupted);
+    if (!options.out_of_time) return;
+    if (certificates_) {
+      coarse_proof_ = std::make_unique<verify::CoarseProof>(model);
+    } else {
+      coarse_distance_ =
+          std::make_unique<verify::CoarseDistance>(coarse_distance(model, distance_, options.interrupted));
+    }
+  }
+
+  void check(const Point& p) const {
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
+      throw Error(ErrorKind::input, fmt::format("point {} is not finite", describe(p)));
+  }
+
+  [[nodiscard]] std::string describe(const Point& p) const { return fmt::format("({}, {}, {})", p[0], p[1], p[2]); }
+
+  // False for NaN.
+  [[nodiscard]] bool at_limit(const Point& point, const Enclosure& found) const {
+    return verified(found, tightest_width(point, found, radius_));
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Point& point) const {
+    if (published_) return {published(point), {}};
+    return certificates_ ? distance_.certified(point, tolerance_, out_of_time_)
+                         : CertifiedEnclosure{distance_(point, tolerance_, out_of_time_), {}};
+  }
+
+  [[nodiscard]] CertifiedEnclosure coarse(const Point& point) const {
+    return certificates_ ? (*coarse_proof_)(point) : CertifiedEnclosure{(*coarse_distance_)(point), {}};
+  }
+
+  [[nodiscard]] bool witnessed(const Point& point, double hi, const Certificate& certificate) const {
+    return witness_distance_({point[0], point[1], point[2]}, certificate.normals.front()) <= hi;
+  }
+
+ private:
+  // The published method knows points outside: the least of the primitives' distances where all are positive.
+  [[nodiscard]] Enclosure published(const Point& point) const {
+    Enclosure least = published_distance(model_.primitives.front(), point);
+    for (const Primitive& primitive : model_.primitives) {
+      const Enclosure other = published_distance(primitive, point);
+      least = {std::min(least.lo, other.lo), std::min(least.hi, other.hi)};
+    }
+    return least.lo > 0.0 ? least : distance_(point, tolerance_);
+  }
+
+  Model model_;
+  double tolerance_;
+  bool certificates_;
+  bool published_;
+  std::function<bool()> out_of_time_;
+  double radius_;
+  SignedDistance distance_;
+  verify::WitnessEstimate witness_distance_;
+  std::unique_ptr<verify::CoarseDistance> coarse_distance_;  // without certificates, where there is a time limit
+  std::unique_ptr<verify::CoarseProof> coarse_proof_;        // with certificates
+};
+
+}  // namespace
+
+struct DistanceMapper::State {
+  Mapping<Point, PointProver> mapping;
+};
+
+DistanceMapper::DistanceMapper(const Model& model, const MapOptions& options)
+    : state_(new State{{PointProver(model, options), options, model,
+                        [&](const device::Device& device) {
+                          return is_union_of_convex(model)
+                                     ? device::point_batch(device, model, options.tolerance, options.certificates)
+                                     : device::solid_batch(device, model, options.tolerance);
+                        },
+                        is_union_of_convex(model) ? std::string() : device::why_not_compiled(model)}}) {}
+DistanceMapper::~DistanceMapper() = default;
+DistanceMapper::DistanceMapper(DistanceMapper&&) noexcept = default;
+DistanceMapper& DistanceMapper::operator=(DistanceMapper&&) noexcept = default;
+
+MapSummary DistanceMapper::map(const PointSource& source, const MapSink& sink) {
+  return state_->mapping.map(source, sink);
+}
+
+MapSummary map_points(const Model& model, const PointSource& source, const MapSink& sink, const MapOptions& options) {
+  return DistanceMapper(model, options).map(source, sink);
+}
+
+}  // namespace verisq

@@ -1,0 +1,223 @@
+/// A map of any kind of query: source -> device (or host) -> host for what stays open -> sink.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/batches/batch.hpp"
+#include "host/batches/device_model.hpp"
+#include "host/device/device.hpp"
+#include "host/maps/certified_intersection.hpp"
+#include "host/maps/chunk_pace.hpp"
+#include "host/maps/summary_count.hpp"
+#include "host/threads/parallel.hpp"
+#include "verify/proof/intersection.hpp"
+#include "verisq/distance_map.hpp"
+
+namespace verisq {
+
+/// What a map asks of the host about one kind of query:
+///   prove(query) -> CertifiedEnclosure, the host's own proof, with a certificate where they were asked for; when the
+///     options are out of time it ends early, valid and wide;
+///   coarse(query) -> CertifiedEnclosure without a search, likewise; only called when the options are out of time;
+///   at_limit(query, found): whether `found` is as tight as the methods get, so that nothing tighter is searched for,
+///     though it may be wider than the tolerance;
+///   witnessed(query, hi, certificate): whether the certificate is likely to prove that upper end;
+///   check(query): throws Error(input) for what is not finite;
+///   describe(query): the query in a message.
+template <class Query, class Prover>
+class MapRun {
+ public:
+  using Source = std::function<std::size_t(std::span<Query>)>;
+  using Sink = std::function<void(std::span<const Query>, std::span<const MapResult>, std::span<const Certificate>)>;
+
+  MapRun(const Prover& prover, const MapOptions& options, const Source& source, const Sink& sink)
+      : prover_(prover), options_(options), source_(source), sink_(sink) {}
+
+  MapSummary on_host() {
+    const Enclosure nothing{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    std::vector<Query> queries;
+    std::vector<Enclosure> found;
+    std::vector<Certificate> certificates;
+    while (!options_.interrupted()) {
+      read_chunk(pace_.size(), queries);
+      if (queries.empty()) return summary_;
+      found.assign(queries.size(), nothing);
+      certificates.assign(options_.certificates ? queries.size() : 0, {});
+      finish(queries, found, certificates);
+    }
+    summary_.interrupted = true;
+    return summary_;
+  }
+
+  /// While the device works on one chunk, the next is read and the last is finished and written.
+  MapSummary on_device(device::Batch<Query>& batch) {
+    std::vector<Query> current;
+    std::vector<Query> next;
+    std::vector<Enclosure> found;
+    std::vector<Certificate> certificates;
+    batch.discard();  // what an earlier run left when it failed
+    const double earlier_seconds = batch.device_seconds();
+    bool all_read = submit_chunk(batch, current);
+    while (!current.empty()) {
+      next.clear();
+      if (options_.interrupted())
+        summary_.interrupted = true;
+      else
+        all_read = submit_chunk(batch, next);
+      const auto start = std::chrono::steady_clock::now();
+      batch.collect(found, certificates);
+      device_pace_.took(seconds_since(start));
+      finish(current, found, certificates);
+      std::swap(current, next);
+    }
+    summary_.device_seconds = batch.device_seconds() - earlier_seconds;
+    return all_read || summary_.interrupted ? summary_ : on_host();
+  }
+
+ private:
+  void read_chunk(std::size_t capacity, std::vector<Query>& queries) const {
+    queries.resize(capacity);
+    queries.resize(source_(queries));
+    for (const Query& query : queries) prover_.check(query);
+  }
+
+  // Leaves `queries` empty when nothing is left to be read, and says so; also when the time is up.
+  bool submit_chunk(device::Batch<Query>& batch, std::vector<Query>& queries) const {
+    queries.clear();
+    if (out_of_time()) return false;
+    // Full chunks keep a device busiest; with a time limit, what it has begun must be done soon.
+    const std::size_t size = options_.out_of_time ? device_pace_.size() : batch.capacity();
+    read_chunk(std::min(size, batch.capacity()), queries);
+    if (!queries.empty()) batch.submit(queries);
+    return queries.empty();
+  }
+
+  [[nodiscard]] static double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+
+  // At most the tolerance wide; where 0 asks for the tightest, as tight as the methods get.
+  [[nodiscard]] bool good(const Query& query, const Enclosure& found) const {
+    return verified(found, options_.tolerance) || (options_.tolerance == 0.0 && prover_.at_limit(query, found));
+  }
+
+  [[nodiscard]] bool out_of_time() const { return options_.out_of_time && options_.out_of_time(); }
+
+  // Proves on the host what `found` leaves wide, and hands the rows on. `certificates` are those of `found`; empty
+  // unless they were asked for.
+  void finish(std::span<const Query> queries, std::span<Enclosure> found, std::span<Certificate> certificates) {
+    for (std::size_t first = 0; first < queries.size();) {
+      const std::size_t count = std::min(pace_.size(), queries.size() - first);
+      finish_chunk(queries.subspan(first, count), found.subspan(first, count),
+                   certificates.empty() ? certificates : certificates.subspan(first, count));
+      first += count;
+    }
+  }
+
+  void finish_chunk(std::span<const Query> queries, std::span<Enclosure> found, std::span<Certificate> certificates) {
+    const auto start = std::chrono::steady_clock::now();
+    if (options_.certificates) drop_unwitnessed(queries, found, certificates);
+    std::vector<std::size_t> open;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      if (!verified(found[i], options_.tolerance) && !prover_.at_limit(queries[i], found[i])) open.push_back(i);
+    }
+    in_parallel(open.size(), [&](std::size_t n) {
+      const std::size_t i = open[n];
+      const auto add = [&](const CertifiedEnclosure& proven) {
+        if (options_.certificates) certificates[i] = merged({found[i], std::move(certificates[i])}, proven);
+        found[i] = verify::intersection(found[i], proven.distance,
+                                        [&] { return "the distance at " + prover_.describe(queries[i]); });
+      };
+      if (!out_of_time()) add(prover_.prove(queries[i]));
+      if (!good(queries[i], found[i]) && out_of_time()) add(prover_.coarse(queries[i]));
+    });
+    const double seconds = seconds_since(start);
+    summary_.host_seconds += seconds;
+    pace_.took(seconds);
+
+    rows_.resize(queries.size());
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      rows_[i] = {found[i], good(queries[i], found[i]) ? Status::device_verified : Status::wide};
+    for (const std::size_t i : open)
+      if (rows_[i].status == Status::device_verified) rows_[i].status = Status::host_verified;
+    const auto is_wide = [&](std::size_t i) { return rows_[i].status == Status::wide; };
+    if (std::ranges::any_of(open, is_wide) && out_of_time()) summary_.out_of_time = true;
+    for (const MapResult& row : rows_) count(summary_, row);
+    sink_(queries, rows_, certificates);
+  }
+
+  // Upper ends that hold, but not by their certificates.
+  void drop_unwitnessed(std::span<const Query> queries, std::span<Enclosure> found,
+                        std::span<const Certificate> certificates) const {
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      if (!(found[i].hi > 0.0) || certificates[i].normals.empty()) continue;
+      if (prover_.witnessed(queries[i], found[i].hi, certificates[i])) continue;
+      found[i].hi = std::numeric_limits<double>::infinity();
+    }
+  }
+
+  const Prover& prover_;
+  const MapOptions& options_;
+  const Source& source_;
+  const Sink& sink_;
+  ChunkPace pace_;               // of what the host finishes
+  ChunkPace device_pace_;        // of what the device is given, where there is a time limit
+  std::vector<MapResult> rows_;  // of the current chunk; kept to spare allocations
+  MapSummary summary_ = empty_summary();
+};
+
+/// A prover and, unless the host does all, a device made ready: what a mapper of one kind of query holds.
+template <class Query, class Prover>
+class Mapping {
+ public:
+  using Run = MapRun<Query, Prover>;
+
+  /// `primitives` are all that the device must be able to hold; `make_batch(device)` makes the device ready, unless
+  /// `unsuited` says why no device is to be used.
+  template <class MakeBatch>
+  Mapping(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch,
+          const std::string& unsuited = {})
+      : options_(options), prover_(std::move(prover)) {
+    if (options.device == "host") return;
+    const device::Selection selection = device::select_device(options.device);
+    notice_ = selection.notice;
+    if (!selection.device) return;
+    if (!device::within_device_range(primitives)) {
+      notice_ = "the model's sizes span more than the device's kernels are made for";
+      return;
+    }
+    if (!unsuited.empty()) {
+      notice_ = unsuited;
+      return;
+    }
+    name_ = selection.device->name;
+    batch_ = make_batch(*selection.device);
+  }
+
+  MapSummary map(const typename Run::Source& source, const typename Run::Sink& sink) {
+    Run run(prover_, options_, source, sink);
+    MapSummary summary = batch_ ? run.on_device(*batch_) : run.on_host();
+    summary.device = name_;
+    summary.notice = notice_;
+    return summary;
+  }
+
+ private:
+  MapOptions options_;
+  Prover prover_;
+  std::string name_ = "host";
+  std::string notice_;
+  std::unique_ptr<device::Batch<Query>> batch_;  // nothing: the host does all
+};
+
+}  // namespace verisq

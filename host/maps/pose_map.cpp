@@ -1,0 +1,96 @@
+/// This file implements the map of poses.
+#include "verisq/pose_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "host/batches/pose_batch.hpp"
+#include "host/maps/map_run.hpp"
+#include "host/maps/tightest_enclosure.hpp"
+#include "verify/proof/convex_union.hpp"
+#include "verify/sets/solid_pair_motion.hpp"
+#include "verisq/error.hpp"
+#include "verisq/model_distance.hpp"
+#include "verisq/signed_distance.hpp"
+
+namespace verisq {
+namespace {
+
+const Model& supported(const Model& model) {
+  verify::require_union_of_convex(model, "maps of poses");
+  return model;
+}
+
+class PoseProver {
+ public:
+  PoseProver(const Model& a, const Model& b, const MapOptions& options)
+      : out_of_time_(options.out_of_time),
+        radius_(std::max(bounding_radius(a), bounding_radius(b))),
+        centre_a_(a.primitives.front().pose.translation),
+        centre_b_(b.primitives.front().pose.translation),
+        distance_(supported(a), supported(b)) {}
+
+  void check(const Pose& pose) const {
+    const auto finite = [](double c) { return std::isfinite(c); };
+    if (!std::ranges::all_of(pose.translation, finite) || !std::ranges::all_of(pose.quaternion, finite))
+      throw Error(ErrorKind::input, fmt::format("pose {} is not finite", describe(pose)));
+    if (std::ranges::all_of(pose.quaternion, [](double q) { return q == 0.0; }))
+      throw Error(ErrorKind::input, fmt::format("pose {} has a zero quaternion", describe(pose)));
+  }
+
+  [[nodiscard]] std::string describe(const Pose& pose) const {
+    const auto& [t, q] = pose;
+    return fmt::format("({}, {}, {}), quaternion ({}, {}, {}, {})", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
+  }
+
+  // False for NaN.
+  [[nodiscard]] bool at_limit(const Pose& pose, const Enclosure& found) const {
+    const auto& t = pose.translation;
+    return verified(found, tightest_width(t, found, radius_));
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Pose& pose) const {
+    return {distance_(pose, out_of_time_).distance, {}};
+  }
+
+  // The centre of a primitive lies in it.
+  [[nodiscard]] CertifiedEnclosure coarse(const Pose& pose) const {
+    return {{0.0, verify::SearchMotion(pose).distance_up(centre_a_, centre_b_)}, {}};
+  }
+
+  // There are no certificates.
+  [[nodiscard]] bool witnessed(const Pose& /*pose*/, double /*hi*/, const Certificate& /*none*/) const { return true; }
+
+ private:
+  std::function<bool()> out_of_time_;  // empty: no limit
+  double radius_;
+  Point centre_a_;
+  Point centre_b_;
+  PairDistance distance_;
+};
+
+MapOptions without_certificates(const MapOptions& options) {
+  if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
+  return options;
+}
+
+}  // namespace
+
+struct PoseMapper::State {
+  Mapping<Pose, PoseProver> mapping;
+};
+
+PoseMapper::PoseMapper(const Model& a, const Model& b, const MapOptions& options)
+    : state_(new State{{PoseProver(a, b, options), without_certificates(options), device::joined(a, b),
+                        [&](const device::Device& device) { return device::pose_batch(device, a, b); }}}) {}
+PoseMapper::~PoseMapper() = default;
+PoseMapper::PoseMapper(PoseMapper&&) noexcept = default;
+PoseMapper& PoseMapper::operator=(PoseMapper&&) noexcept = default;
+
+MapSummary PoseMapper::map(const PoseSource& source, const PoseSink& sink) {
+  return state_->mapping.map(source, [&](std::span<const Pose> poses, std::span<const MapResult> results,
+                                         std::span<const Certificate> /*none*/) { sink(poses, results); });
+}
+
+}  // namespace verisq

@@ -1,0 +1,88 @@
+/// This file implements the map of triangles.
+#include <algorithm>
+#include <cmath>
+
+#include "host/batches/triangle_batch.hpp"
+#include "host/maps/map_run.hpp"
+#include "host/maps/tightest_enclosure.hpp"
+#include "verify/search/witness_estimate.hpp"
+#include "verify/sets/coarse_distance.hpp"
+#include "verisq/distance_map.hpp"
+#include "verisq/error.hpp"
+#include "verisq/signed_distance.hpp"
+#include "verisq/triangle_distance.hpp"
+
+namespace verisq {
+namespace {
+
+class TriangleProver {
+ public:
+  TriangleProver(const Model& model, const MapOptions& options)
+      : certificates_(options.certificates),
+        radius_(bounding_radius(model)),
+        distance_(model),
+        coarse_(model),
+        witness_distance_(model) {
+    if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
+  }
+
+  void check(const Triangle& triangle) const {
+    if (!std::isfinite(largest_coordinate(triangle)))
+      throw Error(ErrorKind::input, fmt::format("triangle {} is not finite", describe(triangle)));
+  }
+
+  [[nodiscard]] std::string describe(const Triangle& triangle) const {
+    std::string text;
+    for (const Point& p : triangle) text += fmt::format("{}({}, {}, {})", text.empty() ? "" : " ", p[0], p[1], p[2]);
+    return text;
+  }
+
+  // False for NaN.
+  [[nodiscard]] bool at_limit(const Triangle& triangle, const Enclosure& found) const {
+    return verified(found, tightest_width(triangle, found, radius_));
+  }
+
+  [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
+    return certificates_ ? distance_.certified(triangle) : CertifiedEnclosure{distance_(triangle), {}};
+  }
+
+  [[nodiscard]] CertifiedEnclosure coarse(const Triangle& triangle) const { return coarse_(triangle); }
+
+  [[nodiscard]] bool witnessed(const Triangle& triangle, double hi, const Certificate& certificate) const {
+    if (!certificate.weights) return false;
+    const auto [w1, w2] = *certificate.weights;
+    std::array<long double, 3> q{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const long double corner = triangle[0][i];
+      q[i] = corner + w1 * (triangle[1][i] - corner) + w2 * (triangle[2][i] - corner);
+    }
+    return witness_distance_(q, certificate.normals.front()) <= hi;
+  }
+
+ private:
+  bool certificates_;
+  double radius_;
+  TriangleDistance distance_;
+  verify::CoarseProof coarse_;
+  verify::WitnessEstimate witness_distance_;
+};
+
+}  // namespace
+
+struct TriangleMapper::State {
+  Mapping<Triangle, TriangleProver> mapping;
+};
+
+TriangleMapper::TriangleMapper(const Model& model, const MapOptions& options)
+    : state_(new State{{TriangleProver(model, options), options, model, [&](const device::Device& device) {
+                          return device::triangle_batch(device, model, options.certificates);
+                        }}}) {}
+TriangleMapper::~TriangleMapper() = default;
+TriangleMapper::TriangleMapper(TriangleMapper&&) noexcept = default;
+TriangleMapper& TriangleMapper::operator=(TriangleMapper&&) noexcept = default;
+
+MapSummary TriangleMapper::map(const TriangleSource& source, const TriangleSink& sink) {
+  return state_->mapping.map(source, sink);
+}
+
+}  // namespace verisq

@@ -1,0 +1,83 @@
+/// The three analyses, each with the numbers of the model that its equations have.
+#include "host/stance/stance_scope.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace verisq::stance {
+namespace {
+
+using Indices = std::set<std::uint32_t>;
+
+void insert(Indices& indices, const Quantity& quantity) {
+  if (quantity.parameter) indices.insert(*quantity.parameter);
+}
+
+void insert(Indices& indices, const QuantityVector& vector) {
+  for (const Quantity& quantity : vector) insert(indices, quantity);
+}
+
+/// Names of the parameters of which `has_effect(index)` is false.
+template <class Predicate>
+std::vector<std::string> without_effect(const Model& model, const Predicate& has_effect) {
+  std::vector<std::string> names;
+  for (std::uint32_t i = 0; i < model.parameters.size(); ++i) {
+    if (!has_effect(i)) names.push_back(model.parameters[i].name);
+  }
+  return names;
+}
+
+std::string ground_contact(const Model& model) {
+  return fmt::format("ground contact (cylinders: {})", model.cylinders.size());
+}
+
+std::string controller(const Model& model) {
+  return fmt::format("controller (joints: {})", model.controllers.size());
+}
+
+}  // namespace
+
+Scope wrench_scope(const Model& model, UncertainSet uncertain, Mode mode) {
+  const auto has_effect = [&](std::uint32_t i) {
+    return std::ranges::any_of(sensitivity(model, uncertain, i, mode), [](const Enclosure& derivative) {
+      return derivative != Enclosure{0.0, 0.0};
+    });
+  };
+  return {"the weight of all bodies and the applied force, as one wrench, at rest; the feet stand on nothing",
+          {"gravity", "applied force at t = 0"},
+          {ground_contact(model), "friction", controller(model), "joint velocities", "inertia"},
+          without_effect(model, has_effect)};
+}
+
+Scope acceleration_scope(const Model& model) {
+  Indices active;
+  insert(active, model.applied.force);
+  for (const Body& body : model.bodies) {
+    insert(active, body.offset);
+    insert(active, body.mass);
+    insert(active, body.centre_of_mass);
+    insert(active, body.inertia);
+  }
+  return {"the body falls freely with its joints loose and its legs hanging; the feet stand on nothing",
+          {"gravity", "applied force at t = 0", "inertia", "joint velocities"},
+          {ground_contact(model), "friction", controller(model)},
+          without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
+}
+
+Scope bounce_scope(const Model& model, const ContactCylinder& cylinder) {
+  const std::string& body = model.bodies[cylinder.body].name;
+  Indices active;
+  insert(active, model.bodies[cylinder.body].mass);
+  insert(active, cylinder.normal_restitution);
+  insert(active, cylinder.impact_velocity);
+  return {
+      fmt::format("one cylinder falls alone, lying flat, with the mass of the body '{}'; nobody stands on it", body),
+      {"gravity", "normal contact force of this cylinder"},
+      {"all other bodies and cylinders", "stance (positions, velocities, axis and place of the cylinder)", "radius",
+       "friction and tangential restitution", controller(model), "applied force"},
+      without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
+}
+
+}  // namespace verisq::stance
