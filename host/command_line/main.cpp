@@ -1,6 +1,7 @@
 /// The program `verisq`: all commands, one of which it runs.
 #include <CLI/CLI.hpp>
 #include <verisq/error.hpp>
+#include <verisq/version.hpp>
 
 #include "host/command_line/check_command.hpp"
 #include "host/command_line/devices_command.hpp"

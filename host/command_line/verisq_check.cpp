@@ -1,6 +1,7 @@
 /// The program `verisq-check`: `verisq check` and nothing else, so that whoever trusts a checked map has to trust no
 /// more than is linked here.
 #include <CLI/CLI.hpp>
+#include <verisq/version.hpp>
 
 #include "host/command_line/check_command.hpp"
 #include "host/command_line/run_program.hpp"

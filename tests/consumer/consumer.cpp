@@ -1,8 +1,14 @@
 /// A program of somebody else: maps one point by the installed package and checks the enclosure.
 #include <cstdio>
 #include <span>
+#include <string_view>
 #include <verisq/distance_map.hpp>
 #include <verisq/signed_distance.hpp>
+#include <verisq/version.hpp>
+
+#if VERISQ_VERSION_MAJOR == 0 && VERISQ_VERSION_MINOR < 1
+#error "older than the first release"
+#endif
 
 int main() {
   const verisq::Model model{
@@ -25,6 +31,8 @@ int main() {
   const auto summary = verisq::map_points(model, source, sink, {.tolerance = 1e-12, .device = "host"});
 
   std::printf("direct [%.17g, %.17g], mapped [%.17g, %.17g]\n", direct.lo, direct.hi, mapped.lo, mapped.hi);
-  const bool right = direct.contains(2.0) && mapped.contains(2.0) && verisq::verified(mapped, 1e-12);
+  std::printf("header %s, package %s\n", VERISQ_VERSION, PACKAGE_VERSION);
+  const bool same_version = std::string_view(VERISQ_VERSION) == PACKAGE_VERSION;
+  const bool right = same_version && direct.contains(2.0) && mapped.contains(2.0) && verisq::verified(mapped, 1e-12);
   return right && summary.points == 1 ? 0 : 1;
 }
