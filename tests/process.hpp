@@ -37,6 +37,7 @@ class Process {
   Process(std::vector<std::string> arguments, const std::filesystem::path& folder)
       : out_(folder / "process.out"), err_(folder / "process.err") {
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (auto& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     // A test in the background of a shell has SIGINT ignored, and would hand that on.

@@ -71,7 +71,10 @@ inline std::vector<Row> rows_of(const std::filesystem::path& csv) {
   std::vector<Row> rows;
   while (std::getline(file, line)) {
     std::istringstream fields(line);
-    std::string index, lo, hi, status;
+    std::string index;
+    std::string lo;
+    std::string hi;
+    std::string status;
     std::getline(std::getline(std::getline(fields, index, ','), lo, ','), hi, ',') >> status;
     rows.push_back({std::stoul(index), {std::stod(lo), std::stod(hi)}, status});
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "host/batches/certificate_assembly.hpp"
 #include "host/batches/chunk_pipeline.hpp"
@@ -30,12 +31,12 @@ class Slot {
  public:
   // `assembly`: nothing unless certificates are asked for.
   Slot(const Device& device, const cl::Program& program, const DeviceModel& model, double tolerance,
-       const std::optional<CertificateAssembly>& assembly)
+       std::optional<CertificateAssembly> assembly)
       : width_(device.vector_width),
         capacity_(model.chunk_size),
         count_(model.count),
         scale_(model.scale_exponent),
-        assembly_(assembly),
+        assembly_(std::move(assembly)),
         queue_(device),
         primitives_(model.primitives),
         coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
@@ -157,6 +158,7 @@ std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& mod
     std::optional<CertificateAssembly> assembly;
     if (certificates) assembly.emplace(model);
     std::vector<Slot> slots;
+    slots.reserve(2);
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, tolerance, assembly);
     auto pipeline = std::make_unique<ChunkPipeline<Point, Slot>>(device.name, uploaded.chunk_size, std::move(slots));
     pipeline->warm_up({far_away(uploaded), 0.0, 0.0});
