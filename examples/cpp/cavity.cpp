@@ -43,8 +43,9 @@ Point drawn_out(const Point& before, const verisq::Primitive& end) {
   return along(end.pose.translation, direction, std::max(a3 - std::max(a1, a2), 0.0) / length(direction));
 }
 
-/// Through the centres of all primitives, at least two, in the order of the file.
+/// Through the centres of all primitives, in the order of the file.
 std::vector<Point> axis_of(const verisq::Model& implant) {
+  if (implant.primitives.size() < 2) throw verisq::Error(verisq::ErrorKind::input, "an axis needs two primitives");
   std::vector<Point> axis;
   for (const verisq::Primitive& primitive : implant.primitives) axis.push_back(primitive.pose.translation);
   const Point first = drawn_out(axis[1], implant.primitives.front());
@@ -81,7 +82,7 @@ Point vertex(const verisq::SignedDistance& distance, const Point& centre, const 
   throw verisq::Error(verisq::ErrorKind::failure, "no point at the wanted distance");
 }
 
-/// A pole, rings of vertices, the other pole; no triangles yet.
+/// A pole, rings of vertices, the other pole; no triangles yet. The implant does not lie along the y axis.
 verisq::Mesh vertices_around(const verisq::Model& implant, double gap) {
   const verisq::SignedDistance distance(implant);
   const std::vector<Point> axis = axis_of(implant);
