@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -39,7 +40,7 @@ struct Round {
   std::size_t starts;
   StoppingCriteria stop;
 };
-constexpr Round kRounds[] = {{16.0, 16, {1e-3, 40}}, {4.0, 16, {1e-3, 40}}, {1.0, 8, {1e-4, 60}}};
+constexpr std::array kRounds{Round{16.0, 16, {1e-3, 40}}, Round{4.0, 16, {1e-3, 40}}, Round{1.0, 8, {1e-4, 60}}};
 /// Starts that are refined with all points within the limit.
 constexpr std::size_t kFinalists = 4;
 /// Added between the points for them: they tell most poses that cut the surface from those that do not.
@@ -131,9 +132,11 @@ struct SearchedCavity {
 /// The smallest semi-axis: no part of an implant slips through from one side to the other.
 double spacing_of_surface_points(std::span<const UncertainModel> series) {
   double smallest = std::numeric_limits<double>::infinity();
-  for (const UncertainModel& implant : series)
-    for (const UncertainPrimitive& primitive : implant.primitives)
+  for (const UncertainModel& implant : series) {
+    for (const UncertainPrimitive& primitive : implant.primitives) {
       for (const Enclosure& semi_axis : primitive.semi_axes) smallest = std::min(smallest, semi_axis.hi);
+    }
+  }
   return smallest;
 }
 
