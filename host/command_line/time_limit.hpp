@@ -4,15 +4,17 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace verisq::command_line {
 
-/// Seconds; nothing without `text`: no limit. Throws Error(input) unless it is a finite number above 0.
-[[nodiscard]] std::optional<double> parse_time_limit(const std::optional<std::string>& text);
+/// Seconds. Throws Error(input) that begins with `option` unless it is a finite number above 0.
+[[nodiscard]] double parse_time_limit(std::string_view option, const std::string& text);
 
 /// Counts wall time from `start` on.
 class TimeLimit {
  public:
+  /// Nothing: no limit.
   explicit TimeLimit(std::optional<double> seconds) : seconds_(seconds) {}
 
   [[nodiscard]] bool given() const { return seconds_.has_value(); }
