@@ -1131,6 +1131,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"OnSomethingElse", {"--mesh", "MESH", "--on", "edges", "-o", "OUT"}, {"--on", "edges"}},
         BadUsage{
             "CertificatesInPly", {"--mesh", "MESH", "--certificates", "-o", "map.ply"}, {"map.ply", ".csv", ".vtp"}},
+        BadUsage{"EmptyTolerance", {"--mesh", "MESH", "--tol", "", "-o", "OUT"}, {"--tol: its value is empty"}},
+        BadUsage{"EmptyDevice", {"--mesh", "MESH", "--device", "", "-o", "OUT"}, {"--device: its value is empty"}},
+        BadUsage{"EmptyAssignment", {"--mesh", "MESH", "--device=", "-o", "OUT"}, {"--device: its value is empty"}},
+        BadUsage{"EmptyName", {"--points", "", "--mesh", "MESH", "-o", "OUT"}, {"--points: its value is empty"}},
         BadUsage{"UnknownOption", {"--mesh", "MESH", "--tolerance", "1", "-o", "OUT"}, {"--tolerance"}},
         BadUsage{"DeviceIndexOutOfRange", {"--mesh", "MESH", "--device", "99", "-o", "OUT"}, {"99"}}),
     name_of);

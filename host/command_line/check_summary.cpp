@@ -76,8 +76,7 @@ JsonObject object_of(const MapDifference& falsified) {
 JsonObject object_of(const CheckedRow& row, MapElements elements) {
   return {{"verdict", name_of(row.finding.verdict)},
           {"index", row.index},
-          {std::string(singular(elements)),
-           std::visit([](const auto& element) { return JsonValue(element); }, row.element)},
+          {singular(elements), std::visit([](const auto& element) { return JsonValue(element); }, row.element)},
           {"claimed", row.claimed},
           {"proven", row.finding.proven},
           {"reason", reason(row)}};
@@ -103,7 +102,7 @@ std::string readable(const CheckReport& report) {
 
 std::string json(const CheckReport& report) {
   const JsonObject object{
-      {std::string(plural(report.elements)), report.rows()},
+      {plural(report.elements), report.rows()},
       {"proved", report.proved},
       {"refuted", report.refuted},
       {"unproved", report.unproved},

@@ -61,7 +61,7 @@ std::vector<ReportLine> report_lines(const MapReport& report) {
 std::string json(const MapReport& report) {
   const auto& summary = report.summary;
   JsonObject object{
-      {std::string(plural(report.elements)), summary.points},
+      {plural(report.elements), summary.points},
       {"device_verified", summary.device_verified},
       {"host_verified", summary.host_verified},
       {"wide", summary.wide},

@@ -36,7 +36,7 @@ struct Options::Parser {
     std::string name;
     Reader read;
   };
-  struct Everything {
+  struct Forwarding {
     const CLI::App* command;
     std::vector<std::string>* arguments;
   };
@@ -50,12 +50,12 @@ struct Options::Parser {
         read(text);
       }
     }
-    for (const auto& [command, arguments] : forwarded) *arguments = command->remaining();
+    for (const auto& [command, arguments] : forwardings) *arguments = command->remaining();
   }
 
   CLI::App program;
   std::vector<Waiting> waiting{};
-  std::vector<Everything> forwarded{};
+  std::vector<Forwarding> forwardings{};
 };
 
 Options::Options(const std::string& name, const std::string& description, const std::string& version)
@@ -104,7 +104,7 @@ void Options::add_flag(const std::string& names, bool& given, const std::string&
 void Options::take_all(std::vector<std::string>& arguments) {
   app_->prefix_command();
   app_->set_help_flag();
-  parser_->forwarded.push_back({app_, &arguments});
+  parser_->forwardings.push_back({app_, &arguments});
 }
 
 bool Options::parse(int argc, char** argv) const {

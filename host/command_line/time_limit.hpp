@@ -1,10 +1,11 @@
 /// --time-limit: how long a search may work.
 #pragma once
 
-#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "host/command_line/stopwatch.hpp"
 
 namespace verisq::command_line {
 
@@ -20,18 +21,14 @@ class TimeLimit {
   [[nodiscard]] bool given() const { return seconds_.has_value(); }
 
   /// What is prepared before does not count.
-  void start() { start_ = Clock::now(); }
+  void start() { watch_.emplace(); }
 
   /// Never before `start`. May be asked by many threads.
-  [[nodiscard]] bool passed() const {
-    return seconds_ && start_ && std::chrono::duration<double>(Clock::now() - *start_).count() >= *seconds_;
-  }
+  [[nodiscard]] bool passed() const { return seconds_ && watch_ && watch_->seconds() >= *seconds_; }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   std::optional<double> seconds_;
-  std::optional<Clock::time_point> start_;
+  std::optional<Stopwatch> watch_;
 };
 
 }  // namespace verisq::command_line
