@@ -261,8 +261,8 @@ TEST_F(CommandLine, WholeNumbersSayWhatTheyMayBe) {
     EXPECT_EQ(outcome.err, "verisq: " + message + "\n");
   };
   expect({"fit", "--seed", huge}, "--seed: " + huge + " is not in 0 to 18446744073709551615");
-  expect({"fit", "--samples", huge}, "--samples: " + huge + " is not in 0 to 1000000000");
-  expect({"fit", "--samples", "1e5"}, "--samples: 1e5 is not a whole number in 0 to 1000000000");
+  expect({"fit", "--samples", huge}, "--samples: " + huge + " is not in 1 to 1000000000");
+  expect({"fit", "--samples", "1e5"}, "--samples: 1e5 is not a whole number in 1 to 1000000000");
   expect({"stance", "--cells", huge}, "--cells: " + huge + " is not in 1 to 4096");
   expect({"stance", "--monte-carlo", huge}, "--monte-carlo: " + huge + " is not in 1 to 18446744073709551615");
   expect({"stance", "--monte-carlo", "0"}, "--monte-carlo: 0 is not at least 1");

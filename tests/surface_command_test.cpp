@@ -22,11 +22,6 @@ using ::testing::HasSubstr;
 const std::string not_there =
     "surface: this program was built without CGAL; install it (Debian: libcgal-dev) and build again";
 
-/// The path of another program of the same build.
-std::string program_beside(const std::string& name) {
-  return (std::filesystem::path(VERISQ_PROGRAM).parent_path() / name).string();
-}
-
 class SurfaceCommand : public ProgramTest {
  protected:
   [[nodiscard]] Outcome surface(Arguments arguments) const {
@@ -58,6 +53,11 @@ Mesh open_sphere() {
 }
 
 #if VERISQ_HAS_SURFACE
+
+/// The path of another program of the same build.
+std::string program_beside(const std::string& name) {
+  return (std::filesystem::path(VERISQ_PROGRAM).parent_path() / name).string();
+}
 
 constexpr double ball_volume = 4.0 / 3.0 * std::numbers::pi;
 

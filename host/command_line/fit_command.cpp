@@ -173,7 +173,7 @@ void write_report(const FitProblem& problem, const FitSummary& summary, std::spa
 void explain(const FitSummary& summary) {
   const auto& [fit, clearance] = std::tie(summary.fit, summary.clearance);
   tell_notice(fit.notice);
-  if (clearance.map.notice != fit.notice) tell(clearance.map.notice);
+  if (clearance.map.notice != fit.notice) tell_notice(clearance.map.notice);
   if (fit.interrupted) tell(fmt::format("interrupted; the best pose so far is proven, and kept in {}", summary.output));
   if (clearance.proven_too_deep > 0) {
     tell(fmt::format("{} points are proven deeper inside the implant than the limit", clearance.proven_too_deep));

@@ -110,15 +110,21 @@ void Options::take_all(std::vector<std::string>& arguments) {
 bool Options::parse(int argc, char** argv) const {
   refuse_empty_assignments(argc, argv);
   CLI::App& program = parser_->program;
+  const auto refuse_usage = [&program](const CLI::ParseError& error) {
+    refuse(fmt::format("{} (see {} --help)", error.what(), program.get_name()));
+  };
   try {
     program.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    parser_->read_all();  // what is wrong is told before what is missing
+    refuse_usage(error);
   } catch (const CLI::ParseError& error) {
     // `--help` and `--version` arrive as errors of status 0, whose text CLI11 prints.
     if (error.get_exit_code() == 0) {
       program.exit(error);
       return false;
     }
-    refuse(fmt::format("{} (see {} --help)", error.what(), program.get_name()));
+    refuse_usage(error);
   }
   parser_->read_all();
   return true;

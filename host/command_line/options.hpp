@@ -69,7 +69,7 @@ class Options {
   void take_all(std::vector<std::string>& arguments);
 
   /// Of the program: fills the values, in the order of their declaration. False when --help or --version was there, and
-  /// is answered on the standard output. Throws Error(input).
+  /// is answered on the standard output. Throws Error(input), for what is wrong rather than for what is missing.
   [[nodiscard]] bool parse(int argc, char** argv) const;
 
   /// Whether this command was there. After `parse`.
