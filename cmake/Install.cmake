@@ -1,4 +1,4 @@
-# Install and export rules: the package `verisq` with the target verisq::verisq, and the program.
+# Install and export rules: the package `verisq` with the target verisq::verisq, and the programs.
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/verisq")
 
@@ -6,6 +6,7 @@ install(TARGETS verisq_proof verisq_bend_range verisq_verify verisq_readers veri
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS verisq_program verisq_check RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 if(TARGET verisq_surface)
+  install(TARGETS verisq_surface_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   install(TARGETS verisq_surface EXPORT verisqTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 else()
   set(headers_left_out PATTERN surface.hpp EXCLUDE)

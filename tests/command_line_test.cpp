@@ -261,8 +261,8 @@ TEST_F(CommandLine, WholeNumbersSayWhatTheyMayBe) {
     EXPECT_EQ(outcome.err, "verisq: " + message + "\n");
   };
   expect({"fit", "--seed", huge}, "--seed: " + huge + " is not in 0 to 18446744073709551615");
-  expect({"fit", "--samples", huge}, "--samples: " + huge + " is not in 0 to 1000000000");
-  expect({"fit", "--samples", "1e5"}, "--samples: 1e5 is not a whole number in 0 to 1000000000");
+  expect({"fit", "--samples", huge}, "--samples: " + huge + " is not in 1 to 1000000000");
+  expect({"fit", "--samples", "1e5"}, "--samples: 1e5 is not a whole number in 1 to 1000000000");
   expect({"stance", "--cells", huge}, "--cells: " + huge + " is not in 1 to 4096");
   expect({"stance", "--monte-carlo", huge}, "--monte-carlo: " + huge + " is not in 1 to 18446744073709551615");
   expect({"stance", "--monte-carlo", "0"}, "--monte-carlo: 0 is not at least 1");
@@ -1131,6 +1131,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadUsage{"OnSomethingElse", {"--mesh", "MESH", "--on", "edges", "-o", "OUT"}, {"--on", "edges"}},
         BadUsage{
             "CertificatesInPly", {"--mesh", "MESH", "--certificates", "-o", "map.ply"}, {"map.ply", ".csv", ".vtp"}},
+        BadUsage{"EmptyTolerance", {"--mesh", "MESH", "--tol", "", "-o", "OUT"}, {"--tol: its value is empty"}},
+        BadUsage{"EmptyDevice", {"--mesh", "MESH", "--device", "", "-o", "OUT"}, {"--device: its value is empty"}},
+        BadUsage{"EmptyAssignment", {"--mesh", "MESH", "--device=", "-o", "OUT"}, {"--device: its value is empty"}},
+        BadUsage{"EmptyName", {"--points", "", "--mesh", "MESH", "-o", "OUT"}, {"--points: its value is empty"}},
         BadUsage{"UnknownOption", {"--mesh", "MESH", "--tolerance", "1", "-o", "OUT"}, {"--tolerance"}},
         BadUsage{"DeviceIndexOutOfRange", {"--mesh", "MESH", "--device", "99", "-o", "OUT"}, {"99"}}),
     name_of);

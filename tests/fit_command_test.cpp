@@ -303,7 +303,7 @@ TEST_F(FitCommand, RefusesBadUsage) {
   refused({"--pose-start", "1,2,3,0,0,0,0"}, "--pose-start: 1,2,3,0,0,0,0 has a zero quaternion");
   refused({"--translation-range", "inf"}, "--translation-range: inf");
   refused({"--rotation-range", "181"}, "--rotation-range: 181 is above 180");
-  refused({"--samples", "0"}, "--samples: 0 is not at least 1");
+  refused({"--samples", "0"}, "--samples: 0 is not in 1 to 1000000000");
   refused({"--tol", "x"}, "--tol: x");
   refused({"--labels", "side"}, "bone.off: labels of vertices are read from .ply only");
   refused({"--weight", "top"}, "--weight: top is not NAME=W");

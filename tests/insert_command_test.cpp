@@ -119,8 +119,8 @@ TEST_F(InsertCommand, RefusesUsageThatIsNone) {
   expect_refused(insert({"--along", "0,0", "--length", "3", "-o", out}), {"--along: 2 numbers where 3 are needed"});
   expect_refused(insert({"--along", "0,0,x", "--length", "3", "-o", out}), {"--along: 'x' is not a finite number"});
   expect_refused(insert({"--along", "0,0,0", "--length", "3", "-o", out}), {"--along: 0,0,0 is no direction"});
-  expect_refused(insert({"--along", "0,0,1", "--length", "0", "-o", out}), {"--length: 0 is not more than 0"});
-  expect_refused(insert_along({"--tol", "0", "-o", out}), {"--tol: 0 is not more than 0"});
+  expect_refused(insert({"--along", "0,0,1", "--length", "0", "-o", out}), {"--length: 0 is not above 0"});
+  expect_refused(insert_along({"--tol", "0", "-o", out}), {"--tol: 0 is not above 0"});
   expect_refused(insert_along({"--tol", "-1", "-o", out}), {"--tol: -1 is not a finite number of at least 0"});
   expect_refused(insert_along({"-o", path("bone.off")}), {"would overwrite an input"});
   expect_refused(insert_along({"-o", path("removal.txt")}), {"removal.txt"});

@@ -132,7 +132,7 @@ TEST_F(OctreeCommand, RefusesBadUsage) {
   expect_refused({"--model", model, "-o", cubes(), "--depth", "3", "--tol", "1"}, "give either --depth or --tol");
   expect_refused({"--model", model, "-o", cubes(), "--tol", "nan"}, "--tol: nan is not a finite number of at least 0");
   expect_refused({"--model", model, "-o", cubes(), "--budget", "0"}, "--budget: 0 is not at least 1");
-  expect_refused({"--model", model, "-o", model}, "-o " + model + ": would overwrite an input of the map");
+  expect_refused({"--model", model, "-o", model}, "-o " + model + ": would overwrite an input");
   expect_refused({"--model", model, "-o", cubes() + "x"}, cubes() + "x: octrees are written as .vtu");
   expect_refused({"--model", model + "x", "-o", cubes()}, model + "x: no such file");
   EXPECT_EQ(octree({"--model", model, "-o", (folder_ / "none/cubes.vtu").string()}).status, 1);
@@ -167,7 +167,7 @@ TEST_F(OctreeCommand, RefusesSizesThatAreNone) {
     expect_refused({"--model", model, "-o", cubes(), "--max-output=" + size},
                    "--max-output: " + size + " is not a size like 500MB or 4GiB");
   }
-  for (const std::string size : {"2000000", "2000000B", "2MB", "1.5 MiB", "1TiB"})
+  for (const std::string size : {"2000000", "2000000B", "2MB", "1.5 MiB", "1TiB", "2mb", "2MIB", "1 gib", "2000KB"})
     EXPECT_EQ(octree_of_ball({"--depth", "2", "--max-output", size}).status, 0) << size;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
@@ -17,6 +18,9 @@ namespace verisq::testing {
 namespace {
 
 using ::testing::HasSubstr;
+
+const std::string not_there =
+    "surface: this program was built without CGAL; install it (Debian: libcgal-dev) and build again";
 
 class SurfaceCommand : public ProgramTest {
  protected:
@@ -49,6 +53,11 @@ Mesh open_sphere() {
 }
 
 #if VERISQ_HAS_SURFACE
+
+/// The path of another program of the same build.
+std::string program_beside(const std::string& name) {
+  return (std::filesystem::path(VERISQ_PROGRAM).parent_path() / name).string();
+}
 
 constexpr double ball_volume = 4.0 / 3.0 * std::numbers::pi;
 
@@ -122,8 +131,8 @@ TEST_F(SurfaceCommand, RefusesBadUsage) {
   expect_refusal({"-o", out}, "give either --points or --mesh");
   expect_refusal({"--points", points, "--mesh", input, "-o", out}, "give either --points or --mesh");
   expect_refusal({"--points", points, "-o", out, "--inward", "--outward"}, "give either --inward or --outward");
-  expect_refusal({"--points", points, "-o", out, "--method", "ball"}, "--method: 'ball' is neither wrap nor alpha");
-  expect_refusal({"--points", points, "-o", out, "--alpha", "0"}, "--alpha: 0 is not positive");
+  expect_refusal({"--points", points, "-o", out, "--method", "ball"}, "--method: ball is not one of wrap, alpha");
+  expect_refusal({"--points", points, "-o", out, "--alpha", "0"}, "--alpha: 0 is not above 0");
   expect_refusal({"--points", points, "-o", out, "--alpha", "x"}, "--alpha: x is not a finite number of at least 0");
   expect_refusal({"--points", points, "-o", out, "--smooth", "-1"}, "--smooth: -1 is not at least 0");
   expect_refusal({"--points", points, "-o", out, "--method", "alpha", "--offset", "1"},
@@ -146,18 +155,43 @@ TEST_F(SurfaceCommand, ExplainsItself) {
     EXPECT_THAT(outcome.out, HasSubstr(word));
 }
 
+TEST_F(SurfaceCommand, IsAProgramOfItsOwn) {
+  const Outcome outcome = Process({program_beside("verisq-surface")}, folder_.path()).wait();
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "verisq-surface: --output is required (see verisq-surface --help)\n");
+  const std::string of_cgal = "N4CGAL";  // a name in its namespace, as compilers write it
+  EXPECT_NE(contents(program_beside("verisq-surface")).find(of_cgal), std::string::npos);
+  EXPECT_EQ(contents(VERISQ_PROGRAM).find(of_cgal), std::string::npos);
+}
+
+TEST_F(SurfaceCommand, HandsEverythingOn) {
+  EXPECT_THAT(surface({"-h"}).out, HasSubstr("Usage: verisq surface [OPTIONS]"));
+  expect_refusal({"--nonsense", "two words"}, "--output is required (see verisq --help)");
+  const std::string out = path("two words.ply");
+  EXPECT_EQ(surface({"--mesh", mesh("in.ply", sphere_mesh(1)), "-o", out}).status, 0);
+  EXPECT_EQ(read_mesh(out).triangles.size(), sphere_mesh(1).triangles.size());
+}
+
 #else
 
 TEST_F(SurfaceCommand, SaysThatItIsNotInThisBuild) {
-  const std::string message =
-      "surface: this program was built without CGAL; install it (Debian: libcgal-dev) and build again";
-  expect_refusal({}, message);
-  expect_refusal({"--help"}, message);
-  expect_refusal({"--points", cloud(), "-o", path("out.ply"), "--json"}, message);
-  expect_refusal({"--mesh", mesh("in.ply", open_sphere()), "--fill-holes", "-o", path("out.ply")}, message);
+  expect_refusal({}, not_there);
+  expect_refusal({"--help"}, not_there);
+  expect_refusal({"--points", cloud(), "-o", path("out.ply"), "--json"}, not_there);
+  expect_refusal({"--mesh", mesh("in.ply", open_sphere()), "--fill-holes", "-o", path("out.ply")}, not_there);
 }
 
 #endif
+
+TEST_F(SurfaceCommand, SaysThatItsProgramIsMissing) {
+  const std::string alone = path("verisq");
+  std::filesystem::copy_file(VERISQ_PROGRAM, alone);
+  for (const char* const argument : {"--help", "--json"}) {
+    const Outcome outcome = Process({alone, "surface", argument}, folder_.path()).wait();
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.err, "verisq: " + not_there + "\n");
+  }
+}
 
 }  // namespace
 }  // namespace verisq::testing

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <verisq/error.hpp>
 
 #include "host/command_line/finite_number.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/files/words.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -19,9 +20,9 @@ struct Unit {
   double bytes;
 };
 
-constexpr std::array units{Unit{"", 1.0},       Unit{"B", 1.0},     Unit{"kB", 1e3},     Unit{"MB", 1e6},
-                           Unit{"GB", 1e9},     Unit{"TB", 1e12},   Unit{"KiB", 0x1p10}, Unit{"MiB", 0x1p20},
-                           Unit{"GiB", 0x1p30}, Unit{"TiB", 0x1p40}};
+constexpr std::array units{Unit{"", 1.0},       Unit{"b", 1.0},     Unit{"kb", 1e3},     Unit{"mb", 1e6},
+                           Unit{"gb", 1e9},     Unit{"tb", 1e12},   Unit{"kib", 0x1p10}, Unit{"mib", 0x1p20},
+                           Unit{"gib", 0x1p30}, Unit{"tib", 0x1p40}};
 
 }  // namespace
 
@@ -29,12 +30,10 @@ std::uint64_t parse_byte_size(std::string_view option, std::string_view text) {
   const std::size_t end = text.find_last_of("0123456789.") + 1;  // 0 where there is none
   std::string_view name = text.substr(end);
   name.remove_prefix(std::min(name.find_first_not_of(' '), name.size()));
-  const auto unit = std::ranges::find(units, name, &Unit::name);
+  const auto unit = std::ranges::find(units, lower_case(std::string(name)), &Unit::name);
   const std::optional<double> number = finite_number(text.substr(0, end));
   const double bytes = number && unit != units.end() ? *number * unit->bytes : -1.0;
-  if (!(bytes >= 0.0 && bytes < 0x1p63)) {
-    throw Error(ErrorKind::input, fmt::format("{}: {} is not a size like 500MB or 4GiB", option, text));
-  }
+  if (!(bytes >= 0.0 && bytes < 0x1p63)) refuse(fmt::format("{}: {} is not a size like 500MB or 4GiB", option, text));
   return static_cast<std::uint64_t>(bytes);
 }
 

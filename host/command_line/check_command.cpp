@@ -3,15 +3,12 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
-#include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/uncertain_checker.hpp>
@@ -22,7 +19,10 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
 #include "host/command_line/status_consistency.hpp"
+#include "host/command_line/stopwatch.hpp"
 #include "host/command_line/triangle_stream.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "host/mesh/extent.hpp"
@@ -106,8 +106,8 @@ std::uint64_t count_rest(Stream& stream, std::vector<Item>& chunk) {
 
 [[noreturn]] void refuse_lengths(std::uint64_t elements, std::uint64_t rows, const MapReader& map,
                                  const CheckArguments& arguments) {
-  throw Error(ErrorKind::input, fmt::format("{}: {} rows for the {} {} of {}", arguments.map, rows, elements,
-                                            plural(map.elements()), arguments.inputs.mesh + arguments.inputs.points));
+  refuse(fmt::format("{}: {} rows for the {} {} of {}", arguments.map, rows, elements, plural(map.elements()),
+                     arguments.inputs.mesh + arguments.inputs.points));
 }
 
 /// What the map should draw: the mesh, or the points of a stream, which are kept only where the map draws anything.
@@ -159,10 +159,10 @@ CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader
   Drawing drawing(stream.mesh(), map.draws());
   std::vector<typename Stream::Element> elements(chunk_size);
   std::vector<CertifiedRow> rows(chunk_size);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch time;
   const auto finished = [&] {
     auto report = tally.report();
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.seconds = time.seconds();
     return report;
   };
   std::uint64_t missing = 0;
@@ -200,7 +200,7 @@ CheckReport check_map(const UncertainChecker& checker, MapReader& map, const Che
     return check_rows(checker, PointStream(arguments.inputs), map, arguments, radius);
   }
   if (arguments.inputs.mesh.empty()) {
-    throw Error(ErrorKind::input, fmt::format("{}: a map of triangles: give their --mesh", arguments.map));
+    refuse(fmt::format("{}: a map of triangles: give their --mesh", arguments.map));
   }
   return check_rows(checker, TriangleStream(arguments.inputs), map, arguments, radius);
 }
@@ -212,43 +212,29 @@ ExitStatus status_of(const CheckReport& report) {
 
 }  // namespace
 
-void declare_check_options(CLI::App& command, CheckArguments& arguments) {
-  const CLI::App* const program = command.get_parent();
-  const std::string name = (program == nullptr ? "" : program->get_name() + " ") + command.get_name();
-  command.footer(fmt::format("{}  {} {}", closing_words, name, example));
-  declare_inputs(command, arguments.inputs);
-  command.add_option("--map", arguments.map, "The map, written with --certificates: .csv .vtp .csv.partial")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  command.add_option("--point-radius", arguments.point_radius, "As the map was made with (default 0)")
-      ->option_text("NUMBER");
-  command.add_flag("--json", arguments.json, "Print the summary as one JSON object");
-  command.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
-}
-
-const CLI::App& declare_check(CLI::App& program, CheckArguments& arguments) {
-  CLI::App& check =
-      *program.add_subcommand("check", "Prove a finished map again from its certificates, without OpenCL");
-  declare_check_options(check, arguments);
-  return check;
+void declare_check(Options& options, CheckArguments& arguments) {
+  options.explain(fmt::format("{}  {} {}", closing_words, options.full_name(), example));
+  declare_inputs(options, arguments.inputs);
+  options.require("--map", arguments.map, "FILE", "The map, written with --certificates: .csv .vtp .csv.partial");
+  options.add("--point-radius", arguments.point_radius, parse_length, "NUMBER", "As the map was made with (default 0)");
+  add_json(options, arguments.json);
+  add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_check(const CheckArguments& arguments) {
   check_usage(arguments.inputs);
   watch_for_interruption();
-  const double point_radius = parse_length("--point-radius", arguments.point_radius);
   const UncertainModel model = read_uncertain_model(arguments.inputs.model);
   if (!is_union_of_convex(bracket(model).largest)) {
-    throw Error(ErrorKind::input,
-                fmt::format("{}: has no certificates to check, because of bends or csg other than the "
-                            "union of all primitives",
-                            arguments.inputs.model));
+    refuse(
+        fmt::format("{}: has no certificates to check, because of bends or csg other than the union of all primitives",
+                    arguments.inputs.model));
   }
   MapReader map(arguments.map);
-  const UncertainChecker checker(model, point_radius);
+  const UncertainChecker checker(model, arguments.point_radius);
 
   std::optional<double> radius;
-  if (is_exact(model) && point_radius == 0.0) radius = radius_at_most(model);
+  if (is_exact(model) && arguments.point_radius == 0.0) radius = radius_at_most(model);
   auto report = check_map(checker, map, arguments, radius);
   report.elements = map.elements();
   report.map = arguments.map;

@@ -3,9 +3,8 @@
 
 #include <fmt/core.h>
 
-#include <nlohmann/json.hpp>
-
 #include "host/command_line/element_words.hpp"
+#include "host/command_line/json_value.hpp"
 #include "host/command_line/progress_bar.hpp"
 
 namespace verisq::command_line {
@@ -67,24 +66,19 @@ std::string readable(const MapDifference& falsified) {
                      falsified.shown, falsified.expected);
 }
 
-nlohmann::ordered_json object_of(const MapDifference& falsified) {
+JsonObject object_of(const MapDifference& falsified) {
   return {{"array", falsified.array},
-          {"index", falsified.index ? nlohmann::ordered_json(*falsified.index) : nlohmann::ordered_json()},
+          {"index", falsified.index},
           {"shown", falsified.shown},
           {"expected", falsified.expected}};
 }
 
-nlohmann::ordered_json object_of(const Enclosure& enclosure) {
-  return {{"lo", enclosure.lo}, {"hi", enclosure.hi}};
-}
-
-nlohmann::ordered_json object_of(const CheckedRow& row, MapElements elements) {
+JsonObject object_of(const CheckedRow& row, MapElements elements) {
   return {{"verdict", name_of(row.finding.verdict)},
           {"index", row.index},
-          {singular(elements),
-           std::visit([](const auto& element) { return nlohmann::ordered_json(element); }, row.element)},
-          {"claimed", object_of(row.claimed)},
-          {"proven", object_of(row.finding.proven)},
+          {singular(elements), std::visit([](const auto& element) { return JsonValue(element); }, row.element)},
+          {"claimed", row.claimed},
+          {"proven", row.finding.proven},
           {"reason", reason(row)}};
 }
 
@@ -107,7 +101,7 @@ std::string readable(const CheckReport& report) {
 }
 
 std::string json(const CheckReport& report) {
-  auto object = nlohmann::ordered_json{
+  const JsonObject object{
       {plural(report.elements), report.rows()},
       {"proved", report.proved},
       {"refuted", report.refuted},
@@ -119,11 +113,10 @@ std::string json(const CheckReport& report) {
       {fmt::format("{}_per_second", plural(report.elements)), rows_per_second(report)},
       {"interrupted", report.interrupted},
       {"map", report.map},
-      {"first", report.first ? object_of(*report.first, report.elements) : nlohmann::ordered_json()},
-      {"falsified", report.falsified ? object_of(*report.falsified) : nlohmann::ordered_json()},
+      {"first", report.first ? object_of(*report.first, report.elements) : JsonValue()},
+      {"falsified", report.falsified ? object_of(*report.falsified) : JsonValue()},
   };
-  // Names of files are bytes of the system, not always UTF-8: replaced rather than refused.
-  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return object.text() + "\n";
 }
 
 }  // namespace verisq::command_line

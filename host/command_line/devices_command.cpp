@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -142,11 +141,9 @@ ExitStatus print_report(const std::vector<DeviceReport>& devices) {
 
 }  // namespace
 
-void declare_devices(CLI::App& program, DevicesArguments& arguments) {
-  CLI::App* const devices =
-      program.add_subcommand("devices", "List every OpenCL device and the outcome of its self-test");
-  devices->footer(closing_words);
-  devices->add_flag("--report", arguments.report, "Measure instead how tight every directed operation is, in ulp");
+void declare_devices(Options& options, DevicesArguments& arguments) {
+  options.explain(closing_words);
+  options.add_flag("--report", arguments.report, "Measure instead how tight every directed operation is, in ulp");
 }
 
 ExitStatus run_devices(const DevicesArguments& arguments) {

@@ -2,10 +2,7 @@
 #pragma once
 
 #include "host/command_line/exit_status.hpp"
-
-namespace CLI {
-class App;
-}
+#include "host/command_line/options.hpp"
 
 namespace verisq::command_line {
 
@@ -13,8 +10,7 @@ struct DevicesArguments {
   bool report = false;
 };
 
-/// Declares the command; parsing fills `arguments`, which must live as long.
-void declare_devices(CLI::App& program, DevicesArguments& arguments);
+void declare_devices(Options& options, DevicesArguments& arguments);
 [[nodiscard]] ExitStatus run_devices(const DevicesArguments& arguments);
 
 }  // namespace verisq::command_line

@@ -23,9 +23,13 @@ std::string formatted(const char* format, double x) {
 }  // namespace
 
 std::string outward_digits(const Enclosure& enclosure) {
-  const std::string lower = formatted("%.10RDg", enclosure.lo);
+  const std::string lower = lower_digits(enclosure.lo);
   const std::string upper = upper_digits(enclosure.hi);
   return lower == upper ? lower : fmt::format("[{}, {}]", lower, upper);
+}
+
+std::string lower_digits(double x) {
+  return formatted("%.10RDg", x);
 }
 
 std::string upper_digits(double x) {

@@ -9,6 +9,9 @@ namespace verisq::command_line {
 /// "[lo, hi]", ten significant digits each, lo rounded down and hi up; a single number where ten digits hold it.
 [[nodiscard]] std::string outward_digits(const Enclosure& enclosure);
 
+/// Ten significant digits of a number that is no larger.
+[[nodiscard]] std::string lower_digits(double x);
+
 /// Ten significant digits of a number that is no smaller.
 [[nodiscard]] std::string upper_digits(double x);
 

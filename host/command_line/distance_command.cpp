@@ -3,31 +3,33 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string_view>
-#include <verisq/error.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/pose_map.hpp>
 #include <verisq/signed_distance.hpp>
 #include <verisq/uncertain_model_distance.hpp>
 
+#include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/distance_search.hpp"
 #include "host/command_line/distance_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/map_to_file.hpp"
+#include "host/command_line/messages.hpp"
+#include "host/command_line/overwriting.hpp"
 #include "host/command_line/pose_option.hpp"
 #include "host/command_line/pose_stream.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
 #include "host/command_line/time_limit.hpp"
 
 namespace verisq::command_line {
 namespace {
 
-constexpr double default_relative_tolerance = 1e-6;  // of the larger bounding radius
-constexpr double limit_of_certificates = 1e-12;      // of max(largest |translation|, radii), as for --poses
+constexpr double limit_of_certificates = 1e-12;  // of max(largest |translation|, radii), as for --poses
 
 constexpr const char* closing_words =
     "The distance is [lo, hi], which contains the exact distance of A and of B moved by the pose: 0 where they meet.\n"
@@ -51,10 +53,6 @@ constexpr const char* closing_words =
     "  verisq distance bent_stem.json cup.json --tol 1e-3 --time-limit 10\n"
     "  verisq distance stem.json cup.json --poses candidates.csv -o distances.csv";
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
-}
-
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const DistanceArguments& arguments) {
   if (!arguments.poses) {
@@ -66,7 +64,7 @@ void check_usage(const DistanceArguments& arguments) {
   if (!arguments.output) refuse("--poses: give the file for their distances: -o");
   if (arguments.pose) refuse("give either --pose or --poses");
   if (arguments.certificate) refuse("--certificate: distances for --poses have none");
-  refuse_to_overwrite(*arguments.output, {arguments.model_a, arguments.model_b, *arguments.poses});
+  refuse_to_overwrite("-o", *arguments.output, {arguments.model_a, arguments.model_b, *arguments.poses});
 }
 
 void refuse_what_uncertain_models_lack(const DistanceArguments& arguments) {
@@ -102,11 +100,9 @@ std::string common_units(const UncertainModel& a, const UncertainModel& b, const
   return a.units.empty() ? b.units : a.units;
 }
 
-double default_tolerance(const LargestModels& models) {
-  const double tolerance = default_relative_tolerance * std::max(bounding_radius(models.a), bounding_radius(models.b));
-  // An infinite tolerance would call every enclosure verified.
-  if (!std::isfinite(tolerance)) refuse("--tol: give one, because the size of the models overflows");
-  return tolerance;
+double tolerance_of(const DistanceArguments& arguments, const LargestModels& models) {
+  const double radius = std::max(bounding_radius(models.a), bounding_radius(models.b));
+  return arguments.tolerance ? *arguments.tolerance : default_tolerance(tolerance_of_distances, radius, "the models");
 }
 
 /// Ctrl-C or the time limit.
@@ -153,8 +149,8 @@ DistanceReport certified_distance(const UncertainModel& a, const UncertainModel&
   report.tightest = tolerance == 0.0 && report.complete && at_limit;
   const bool lacks_points = exact && report.proximity == Proximity::separated && !report.closest;
   if ((!report.complete || lacks_points) && stop()) {
-    fmt::print(stderr, "verisq: {}; {}\n", interrupted() ? "interrupted" : "the time limit is reached",
-               report.complete ? "the closest points are not enclosed" : "the enclosure is valid, and wide");
+    tell(fmt::format("{}; {}", interrupted() ? "interrupted" : "the time limit is reached",
+                     report.complete ? "the closest points are not enclosed" : "the enclosure is valid, and wide"));
     report.interrupted = interrupted();
   }
   return report;
@@ -177,45 +173,30 @@ ExitStatus map_poses(const LargestModels& models, const std::string& units, doub
 
 }  // namespace
 
-const CLI::App& declare_distance(CLI::App& program, DistanceArguments& arguments) {
-  CLI::App& distance = *program.add_subcommand("distance", "Enclose the distance of two models, and closest points");
-  distance.footer(closing_words);
-  distance.add_option("A", arguments.model_a, "Model file (verisq-model/1)")
-      ->required()
-      ->option_text("A.json REQUIRED");
-  distance.add_option("B", arguments.model_b, "Model file")->required()->option_text("B.json REQUIRED");
-  distance.add_option("--pose", arguments.pose, "Moves B: translation and quaternion of any length")
-      ->option_text("tx,ty,tz,qw,qx,qy,qz");
-  distance.add_option("--poses", arguments.poses, "Many poses instead: .csv with tx,ty,tz,qw,qx,qy,qz a line")
-      ->option_text("FILE");
-  distance.add_option("-o,--output", arguments.output, "The distances for --poses, by extension: .csv .json")
-      ->option_text("FILE");
-  distance
-      .add_option("--device", arguments.device,
-                  "For --poses: auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
-      ->option_text("DEVICE");
-  distance
-      .add_option(
-          "--tol", arguments.tolerance,
-          "Width up to which the enclosure is called verified, in model units; 0 asks for the tightest (default: "
-          "1e-6 of the larger bounding radius)")
-      ->option_text("T");
-  distance
-      .add_option("--time-limit", arguments.time_limit, "Ends the work with the best enclosure so far (default: none)")
-      ->option_text("SECONDS");
-  distance.add_flag("--json", arguments.json,
-                    "Print one JSON object: the answer; for --poses, the summary. What is not bounded is null");
-  distance.add_flag("--certificate", arguments.certificate, "Print what proves the enclosure again");
-  distance.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
-  return distance;
+void declare_distance(Options& options, DistanceArguments& arguments) {
+  options.explain(closing_words);
+  options.require("A", arguments.model_a, "A.json", "Model file (verisq-model/1)");
+  options.require("B", arguments.model_b, "B.json", "Model file");
+  options.add("--pose", arguments.pose, parse_pose, "tx,ty,tz,qw,qx,qy,qz",
+              "Moves B: translation and quaternion of any length");
+  options.add("--poses", arguments.poses, "FILE", "Many poses instead: .csv with tx,ty,tz,qw,qx,qy,qz a line");
+  options.add("-o,--output", arguments.output, "FILE", "The distances for --poses, by extension: .csv .json");
+  options.add("--device", arguments.device, "DEVICE", fmt::format("For --poses: {}", device_explanation));
+  options.add("--tol", arguments.tolerance, parse_length, "T",
+              fmt::format("Width up to which the enclosure is called verified, in model units; 0 asks for the tightest "
+                          "(default: {} of the larger bounding radius)",
+                          tolerance_of_distances.text));
+  options.add("--time-limit", arguments.time_limit, parse_time_limit, "SECONDS",
+              "Ends the work with the best enclosure so far (default: none)");
+  options.add_flag("--json", arguments.json,
+                   "Print one JSON object: the answer; for --poses, the summary. What is not bounded is null");
+  options.add_flag("--certificate", arguments.certificate, "Print what proves the enclosure again");
+  add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_distance(const DistanceArguments& arguments) {
   check_usage(arguments);
-  const Pose pose = arguments.pose ? parse_pose("--pose", *arguments.pose) : Pose{};
-  std::optional<double> wanted;
-  if (arguments.tolerance) wanted = parse_length("--tol", *arguments.tolerance);
-  const std::optional<double> seconds = parse_time_limit(arguments.time_limit);
+  const Pose pose = arguments.pose.value_or(Pose{});
   const UncertainModel a = read_uncertain_model(arguments.model_a);
   const UncertainModel b = read_uncertain_model(arguments.model_b);
   const std::string units = common_units(a, b, arguments);
@@ -224,14 +205,14 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
   const LargestModels models{bracket(a).largest, bracket(b).largest};
   const bool searched = !is_union_of_convex(models.a) || !is_union_of_convex(models.b);
   if (searched) refuse_what_searches_lack(models, arguments);
-  const double tolerance = wanted ? *wanted : default_tolerance(models);
+  const double tolerance = tolerance_of(arguments, models);
   if (arguments.poses) return map_poses(models, units, tolerance, arguments);
 
   DistanceReport report =
-      searched
-          ? searched_distance(models.a, models.b, pose,
-                              {.tolerance = tolerance, .seconds = seconds, .show_progress = !arguments.no_progress})
-          : certified_distance(a, b, models, pose, tolerance, seconds);
+      searched ? searched_distance(
+                     models.a, models.b, pose,
+                     {.tolerance = tolerance, .seconds = arguments.time_limit, .show_progress = !arguments.no_progress})
+               : certified_distance(a, b, models, pose, tolerance, arguments.time_limit);
   report.units = units;
   report.tolerance = tolerance;
   if (!arguments.certificate) report.certificate.reset();

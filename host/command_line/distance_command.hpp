@@ -3,12 +3,10 @@
 
 #include <optional>
 #include <string>
+#include <verisq/model.hpp>
 
 #include "host/command_line/exit_status.hpp"
-
-namespace CLI {
-class App;
-}
+#include "host/command_line/options.hpp"
 
 namespace verisq::command_line {
 
@@ -16,19 +14,18 @@ namespace verisq::command_line {
 struct DistanceArguments {
   std::string model_a;
   std::string model_b;
-  std::optional<std::string> pose;
-  std::optional<std::string> poses;       ///< a file, instead of one pose
-  std::optional<std::string> output;      ///< of the distances for `poses`
-  std::optional<std::string> device;      ///< for `poses`; "auto" when not given
-  std::optional<std::string> tolerance;   ///< text, so that it is read to the nearest binary64
-  std::optional<std::string> time_limit;  ///< text, in seconds
+  std::optional<Pose> pose;
+  std::optional<std::string> poses;   ///< a file, instead of one pose
+  std::optional<std::string> output;  ///< of the distances for `poses`
+  std::optional<std::string> device;  ///< for `poses`; "auto" when not given
+  std::optional<double> tolerance;
+  std::optional<double> time_limit;  ///< in seconds
   bool json = false;
   bool certificate = false;
   bool no_progress = false;
 };
 
-/// Adds the command to `program`; parsing fills `arguments`, which must outlive `program`.
-const CLI::App& declare_distance(CLI::App& program, DistanceArguments& arguments);
+void declare_distance(Options& options, DistanceArguments& arguments);
 
 /// `verified` when every enclosure is at most the tolerance wide. Throws Error(input) for what the user can correct,
 /// before the first distance is computed (a file of poses is a stream: its later lines are checked as they come).

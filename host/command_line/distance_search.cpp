@@ -4,10 +4,10 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <cstdio>
 #include <verisq/model_search.hpp>
 
 #include "host/command_line/interruption.hpp"
+#include "host/command_line/messages.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/time_limit.hpp"
 
@@ -50,7 +50,7 @@ DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pos
     const char* const reason = interrupted()    ? "interrupted"
                                : limit.passed() ? "the time limit is reached"
                                                 : "the search has reached rounding errors or its budget of cubes";
-    fmt::print(stderr, "verisq: {}; the enclosure is valid, and wide\n", reason);
+    tell(fmt::format("{}; the enclosure is valid, and wide", reason));
   }
   DistanceReport report{found.distance, found.proximity};
   report.searched = true;

@@ -3,8 +3,9 @@
 
 #include <fmt/core.h>
 
-#include <nlohmann/json.hpp>
 #include <string_view>
+
+#include "host/command_line/json_value.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -58,16 +59,18 @@ std::string readable(const PairCertificate& certificate) {
   return text;
 }
 
-nlohmann::ordered_json json_of(const std::array<Enclosure, 3>& box) {
-  auto sides = nlohmann::ordered_json::array();
-  for (const Enclosure& side : box) sides.push_back({side.lo, side.hi});
+/// Each side as an array of its ends.
+JsonValue json_of(const std::array<Enclosure, 3>& box) {
+  JsonValue::Array sides;
+  for (const Enclosure& side : box) sides.push_back(std::array{side.lo, side.hi});
   return sides;
 }
 
-nlohmann::ordered_json json_of(const PairCertificate& certificate) {
-  auto separations = nlohmann::ordered_json::array();
+JsonValue json_of(const PairCertificate& certificate) {
+  JsonValue::Array separations;
   for (const auto& [a, b, vector, on_a, on_b] : certificate.separations) {
-    separations.push_back({{"primitive_a", a}, {"primitive_b", b}, {"vector", vector}, {"on_a", on_a}, {"on_b", on_b}});
+    separations.push_back(
+        JsonObject{{"primitive_a", a}, {"primitive_b", b}, {"vector", vector}, {"on_a", on_a}, {"on_b", on_b}});
   }
   return separations;
 }
@@ -109,26 +112,28 @@ std::string readable(const DistanceReport& report) {
 }
 
 std::string json(const DistanceReport& report) {
-  nlohmann::ordered_json object{{"lo", report.distance.lo},
-                                {"hi", report.distance.hi},
-                                {"status", status_word(report)},
-                                {"proximity", word(report.proximity)},
-                                {"uncertain", report.uncertain},
-                                {"searched", report.searched},
-                                {"interrupted", report.interrupted},
-                                {"closest_points", nullptr},
-                                {"unique", report.closest && report.closest->unique},
-                                {"near_points", nullptr},
-                                {"witness", nullptr},
-                                {"units", report.units},
-                                {"tolerance", report.tolerance}};
+  JsonObject object{{"lo", report.distance.lo},
+                    {"hi", report.distance.hi},
+                    {"status", status_word(report)},
+                    {"proximity", word(report.proximity)},
+                    {"uncertain", report.uncertain},
+                    {"searched", report.searched},
+                    {"interrupted", report.interrupted},
+                    {"closest_points", JsonValue()},
+                    {"unique", report.closest && report.closest->unique},
+                    {"near_points", JsonValue()},
+                    {"witness", report.common},
+                    {"units", report.units},
+                    {"tolerance", report.tolerance}};
   if (report.closest) {
-    object["closest_points"] = {{"on_a", json_of(report.closest->on_a)}, {"on_b", json_of(report.closest->on_b)}};
+    object.set("closest_points",
+               JsonObject{{"on_a", json_of(report.closest->on_a)}, {"on_b", json_of(report.closest->on_b)}});
   }
-  if (const auto near = shown_near_points(report)) object["near_points"] = {{"on_a", (*near)[0]}, {"on_b", (*near)[1]}};
-  if (report.common) object["witness"] = *report.common;
-  if (report.certificate) object["certificate"] = json_of(*report.certificate);
-  return object.dump(2) + "\n";
+  if (const auto near = shown_near_points(report)) {
+    object.set("near_points", JsonObject{{"on_a", (*near)[0]}, {"on_b", (*near)[1]}});
+  }
+  if (report.certificate) object.set("certificate", json_of(*report.certificate));
+  return object.indented_text() + "\n";
 }
 
 }  // namespace verisq::command_line

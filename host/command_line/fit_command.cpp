@@ -3,34 +3,39 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <system_error>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <verisq/clearance.hpp>
-#include <verisq/error.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/command_line/choice.hpp"
+#include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/fit_problem.hpp"
 #include "host/command_line/fit_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
+#include "host/command_line/messages.hpp"
+#include "host/command_line/overwriting.hpp"
+#include "host/command_line/pose_option.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
+#include "host/command_line/stopwatch.hpp"
 #include "host/command_line/whole_number.hpp"
 #include "host/files/output_file.hpp"
 
 namespace verisq::command_line {
 namespace {
 
-constexpr double default_relative_tolerance = 1e-6;  // of the radius of the fitted model's bounding sphere
+constexpr std::size_t most_samples = 1'000'000'000;
 // Colours end at so many times the farthest distance that serves: what matters is near the implant.
 constexpr double gaps_shown = 5.0;
 // The depth of a cut needs many samples to be known closely, and none where nothing is cut.
@@ -66,32 +71,17 @@ constexpr const char* closing_words =
     "  verisq fit --implant size1.json --implant size2.json --mesh femur.ply --labels region --weight 2=5 -o "
     "fitted.json";
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
-}
-
 /// What is written must not be what is read, or written too.
-void check_output(const std::string& option, const std::string& file, const FitArguments& arguments) {
+void check_outputs(const FitArguments& arguments) {
   std::vector<std::string> inputs = arguments.implants;
   inputs.push_back(arguments.mesh);
-  for (const std::string& input : inputs) {
-    std::error_code missing;  // a file that does not exist is not overwritten
-    if (std::filesystem::equivalent(input, file, missing))
-      refuse(fmt::format("{} {}: would overwrite an input", option, file));
-  }
-  const OutputFile trial(file);  // known before all the work, not after it; leaves nothing behind
-}
-
-void check_outputs(const FitArguments& arguments) {
-  check_output("-o", arguments.output, arguments);
-  if (!arguments.map.empty()) check_output("--map", arguments.map, arguments);
-  for (const std::string& input : arguments.implants) check_usage(arguments.report, {input, arguments.mesh});
+  const auto check_output = [&inputs](const char* option, const std::string& file) {
+    refuse_to_overwrite(option, file, inputs);
+    const OutputFile trial(file);  // known before all the work, not after it; leaves nothing behind
+  };
+  check_output("-o", arguments.output);
+  if (!arguments.map.empty()) check_output("--map", arguments.map);
+  check_usage(arguments.report, inputs);
   std::vector<std::string> outputs;
   for (const std::string& file : {arguments.output, arguments.map, arguments.report.html, arguments.report.png}) {
     if (file.empty()) continue;
@@ -110,7 +100,7 @@ void tell_of_empty_areas(const Cavity& cavity) {
   std::vector<bool> used(cavity.areas.size());
   for (const std::uint32_t area : cavity.area_of) used[area] = true;
   for (std::size_t k = 0; k < used.size(); ++k) {
-    if (!used[k]) fmt::print(stderr, "verisq: area {}: has no vertex of the mesh\n", cavity.areas[k].name);
+    if (!used[k]) tell(fmt::format("area {}: has no vertex of the mesh", cavity.areas[k].name));
   }
 }
 
@@ -127,11 +117,9 @@ Fit search(FitProblem& problem, const FitArguments& arguments) {
   return fit(problem.series, problem.cavity, options);
 }
 
-double default_tolerance(const Model& model) {
-  const double tolerance = default_relative_tolerance * bounding_radius(model);
-  // An infinite tolerance would call every enclosure verified.
-  if (!std::isfinite(tolerance)) refuse("--tol: give one, because the size of the model overflows");
-  return tolerance;
+double tolerance_of(const FitArguments& arguments, const Model& fitted) {
+  return arguments.tolerance ? *arguments.tolerance
+                             : default_tolerance(tolerance_of_distances, bounding_radius(fitted), "the model");
 }
 
 struct Proof {
@@ -184,17 +172,15 @@ void write_report(const FitProblem& problem, const FitSummary& summary, std::spa
 
 void explain(const FitSummary& summary) {
   const auto& [fit, clearance] = std::tie(summary.fit, summary.clearance);
-  if (!fit.notice.empty()) fmt::print(stderr, "verisq: {}\n", fit.notice);
-  if (clearance.map.notice != fit.notice) fmt::print(stderr, "verisq: {}\n", clearance.map.notice);
-  if (fit.interrupted)
-    fmt::print(stderr, "verisq: interrupted; the best pose so far is proven, and kept in {}\n", summary.output);
+  tell_notice(fit.notice);
+  if (clearance.map.notice != fit.notice) tell_notice(clearance.map.notice);
+  if (fit.interrupted) tell(fmt::format("interrupted; the best pose so far is proven, and kept in {}", summary.output));
   if (clearance.proven_too_deep > 0) {
-    fmt::print(stderr, "verisq: {} points are proven deeper inside the implant than the limit\n",
-               clearance.proven_too_deep);
+    tell(fmt::format("{} points are proven deeper inside the implant than the limit", clearance.proven_too_deep));
   }
   if (summary.surface && summary.surface->proven_too_deep > 0) {
-    fmt::print(stderr, "verisq: {} triangles are proven to enter the implant deeper than the limit\n",
-               summary.surface->proven_too_deep);
+    tell(fmt::format("{} triangles are proven to enter the implant deeper than the limit",
+                     summary.surface->proven_too_deep));
   }
 }
 
@@ -205,74 +191,72 @@ ExitStatus status_of(const FitSummary& summary) {
   return as_asked ? ExitStatus::verified : ExitStatus::unverified;
 }
 
+Area parse_weight(std::string_view option, const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0) refuse(fmt::format("{}: {} is not NAME=W", option, text));
+  return {text.substr(0, equals), parse_length(fmt::format("{} {}", option, text), text.substr(equals + 1))};
+}
+
+double parse_rotation(std::string_view option, const std::string& text) {
+  const double degrees = parse_length(option, text);
+  if (degrees > 180.0) refuse(fmt::format("{}: {} is above 180", option, text));
+  return degrees;
+}
+
+/// Which pose is best, and which are allowed at all.
+void declare_aims(Options& options, FitArguments& arguments) {
+  options.add("--completion", arguments.completion,
+              choice<Completion>({{"cementless", Completion::cementless}, {"cemented", Completion::cemented}}), "WHAT",
+              "cementless (default): as close as can be, at most the gap apart; or cemented: a layer of the gap");
+  options.add("--gap", arguments.gap, parse_length, "NUMBER", "In model units (default 2 where the units are mm)");
+  options.add("--gap-tolerance", arguments.gap_tolerance, parse_positive_length, "NUMBER",
+              "For cemented completion (default: half the gap)");
+  options.add("--penetration-limit", arguments.penetration_limit, parse_length, "NUMBER",
+              "No bone deeper inside the implant than this, in model units (default 0)");
+  options.add("--on", arguments.on,
+              choice<MapElements>({{"vertices", MapElements::vertices}, {"triangles", MapElements::triangles}}), "WHAT",
+              "What keeps that limit: triangles (default where the mesh has any), the whole surface; or vertices");
+}
+
+/// Where poses are searched.
+void declare_search(Options& options, FitArguments& arguments) {
+  options.add("--pose-start", arguments.pose_start, parse_pose, "tx,ty,tz,qw,qx,qy,qz",
+              "Where the search begins: moves the implant as its file places it (default: leaves it there)");
+  options.add("--translation-range", arguments.translation_range, parse_length, "NUMBER",
+              "From the start, in model units (default: half the diagonal of the mesh's bounding box)");
+  options.add("--rotation-range", arguments.rotation_range, parse_rotation, "DEGREES",
+              "From the start, in degrees (default 30, at most 180)");
+  options.add("--seed", arguments.seed, whole_number<std::uint64_t>(0), "NUMBER", "Of the sampled poses (default 1)");
+  options.add("--samples", arguments.samples, whole_number<std::size_t>(1, most_samples), "NUMBER",
+              fmt::format("How many poses the search samples first: 1 to {} (default 4096)", most_samples));
+}
+
 }  // namespace
 
-const CLI::App& declare_fit(CLI::App& program, FitArguments& arguments) {
-  CLI::App& fit = *program.add_subcommand("fit", "Find the best pose of an implant in a bone, and prove its clearance");
-  fit.footer(closing_words);
-  fit.add_option("--implant", arguments.implants,
-                 "Model of posed superquadrics (verisq-model/1, JSON); repeat it for a series to choose from")
-      ->required()
-      ->allow_extra_args(false)
-      ->option_text("FILE REQUIRED");
-  fit.add_option("--mesh", arguments.mesh, "The bone: .stl .obj .ply .off; its vertices are fitted")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  fit.add_option("--completion", arguments.completion,
-                 "cementless (default): as close as can be, at most the gap apart; or cemented: a layer of the gap")
-      ->option_text("WHAT");
-  fit.add_option("--gap", arguments.gap, "In model units (default 2 where the units are mm)")->option_text("NUMBER");
-  fit.add_option("--gap-tolerance", arguments.gap_tolerance, "For cemented completion (default: half the gap)")
-      ->option_text("NUMBER");
-  fit.add_option("--penetration-limit", arguments.penetration_limit,
-                 "No bone deeper inside the implant than this, in model units (default 0)")
-      ->option_text("NUMBER");
-  fit.add_option("--on", arguments.on,
-                 "What keeps that limit: triangles (default where the mesh has any), the whole surface; or vertices")
-      ->option_text("WHAT");
-  fit.add_option("--pose-start", arguments.pose_start,
-                 "Where the search begins: moves the implant as its file places it (default: leaves it there)")
-      ->option_text("tx,ty,tz,qw,qx,qy,qz");
-  fit.add_option("--translation-range", arguments.translation_range,
-                 "From the start, in model units (default: half the diagonal of the mesh's bounding box)")
-      ->option_text("NUMBER");
-  fit.add_option("--rotation-range", arguments.rotation_range, "From the start, in degrees (default 30, at most 180)")
-      ->option_text("DEGREES");
-  fit.add_option("--seed", arguments.seed, "Of the sampled poses (default 1)")
-      ->transform(whole_number("--seed", 0))
-      ->option_text("NUMBER");
-  fit.add_option("--samples", arguments.samples,
-                 "How many poses the search samples first: 0 to 1000000000 (default 4096)")
-      ->transform(whole_number("--samples", 0, 1'000'000'000))
-      ->option_text("NUMBER");
-  fit.add_option("--labels", arguments.labels,
-                 "Areas are the values of this integer property of a .ply mesh's vertices, not the boxes of the model "
-                 "file")
-      ->option_text("PROPERTY");
-  fit.add_option("--weight", arguments.weights,
-                 "Weight of an area, by its name or label (elsewhere: of what no box holds); may be repeated")
-      ->allow_extra_args(false)
-      ->option_text("NAME=W");
-  fit.add_option("--tol", arguments.tolerance,
-                 "Largest width of a verified enclosure, in model units; 0 asks for the tightest.\n"
-                 "Default: 1e-6 times the radius of the fitted model's bounding sphere")
-      ->option_text("NUMBER");
-  fit.add_option("--device", arguments.device,
-                 "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
-      ->option_text("DEVICE");
-  fit.add_option("-o,--output", arguments.output, "The fitted model: .json")->required()->option_text("FILE REQUIRED");
-  fit.add_option("--map", arguments.map, "The proven distance of every vertex, by extension: .csv .vtp .ply .json")
-      ->option_text("FILE");
-  declare_report_files(fit, arguments.report);
-  fit.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");
-  fit.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
-  return fit;
+void declare_fit(Options& options, FitArguments& arguments) {
+  options.explain(closing_words);
+  options.require_each("--implant", arguments.implants, "FILE",
+                       "Model of posed superquadrics (verisq-model/1, JSON); repeat it for a series to choose from");
+  options.require("--mesh", arguments.mesh, "FILE", "The bone: .stl .obj .ply .off; its vertices are fitted");
+  declare_aims(options, arguments);
+  declare_search(options, arguments);
+  options.add("--labels", arguments.labels, "PROPERTY",
+              "Areas are the values of this integer property of a .ply mesh's vertices, not the boxes of the model "
+              "file");
+  options.add_each("--weight", arguments.weights, parse_weight, "NAME=W",
+                   "Weight of an area, by its name or label (elsewhere: of what no box holds); may be repeated");
+  add_tolerance(options, arguments.tolerance, "the fitted model");
+  add_device(options, arguments.device);
+  options.require("-o,--output", arguments.output, "FILE", "The fitted model: .json");
+  options.add("--map", arguments.map, "FILE",
+              "The proven distance of every vertex, by extension: .csv .vtp .ply .json");
+  declare_report_files(options, arguments.report);
+  add_json_of_enclosures(options, arguments.json);
+  add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_fit(const FitArguments& arguments) {
   check_outputs(arguments);
-  std::optional<double> tolerance;
-  if (arguments.tolerance) tolerance = parse_length("--tol", *arguments.tolerance);
   FitProblem problem = read_fit_problem(arguments);
   refuse_what_cannot_be_drawn(arguments, problem.mesh);
   tell_of_empty_areas(problem.cavity);
@@ -281,15 +265,15 @@ ExitStatus run_fit(const FitArguments& arguments) {
   if (!arguments.map.empty()) map.emplace(arguments.map, &problem.mesh);
 
   watch_for_interruption();
-  const auto start = Clock::now();
+  const Stopwatch search_time;
   Fit found = search(problem, arguments);
-  const double search_seconds = seconds_since(start);
+  const double search_seconds = search_time.seconds();
   write_model(arguments.output, found.model);
 
-  if (!tolerance) tolerance = default_tolerance(found.model);
-  const auto proof_start = Clock::now();
+  const double tolerance = tolerance_of(arguments, found.model);
+  const Stopwatch proof_time;
   Proof proof =
-      prove(problem, found.model, {.tolerance = *tolerance, .device = arguments.device}, !arguments.no_progress, map);
+      prove(problem, found.model, {.tolerance = tolerance, .device = arguments.device}, !arguments.no_progress, map);
   const std::size_t implant = found.implant;
   const FitSummary summary{.fit = std::move(found),
                            .clearance = std::move(proof.clearance),
@@ -298,10 +282,10 @@ ExitStatus run_fit(const FitArguments& arguments) {
                            .implants = arguments.implants.size(),
                            .sized = !is_exact(problem.series[implant]),
                            .penetration_limit = problem.options.penetration_limit,
-                           .tolerance = *tolerance,
+                           .tolerance = tolerance,
                            .units = problem.units,
                            .search_seconds = search_seconds,
-                           .proof_seconds = seconds_since(proof_start),
+                           .proof_seconds = proof_time.seconds(),
                            .output = arguments.output,
                            .map = arguments.map};
   explain(summary);

@@ -6,33 +6,34 @@
 #include <optional>
 #include <string>
 #include <vector>
+#include <verisq/fit.hpp>
+#include <verisq/map_file.hpp>
 
 #include "host/command_line/exit_status.hpp"
+#include "host/command_line/options.hpp"
 #include "host/command_line/report_files.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace verisq::command_line {
 
-/// As typed; numbers are text, so that they are read to the nearest binary64.
+enum class Completion { cementless, cemented };
+
+/// As typed; `read_fit_problem` checks what depends on the files or on several options.
 struct FitArguments {
   std::vector<std::string> implants;  ///< files of the series
   std::string mesh;
-  std::string completion = "cementless";
-  std::optional<std::string> gap;
-  std::optional<std::string> gap_tolerance;
-  std::string penetration_limit = "0";
-  std::optional<std::string> on;  ///< what keeps the limit: vertices or triangles
-  std::optional<std::string> pose_start;
-  std::optional<std::string> translation_range;
-  std::string rotation_range = "30";  ///< degrees
+  Completion completion = Completion::cementless;
+  std::optional<double> gap;
+  std::optional<double> gap_tolerance;
+  double penetration_limit = 0.0;
+  std::optional<MapElements> on;  ///< what keeps the limit: vertices or triangles
+  std::optional<Pose> pose_start;
+  std::optional<double> translation_range;
+  double rotation_range = 30.0;  ///< degrees
   std::uint64_t seed = 1;
   std::size_t samples = 4096;
   std::optional<std::string> labels;  ///< a property of the mesh's vertices
-  std::vector<std::string> weights;   ///< NAME=W
-  std::optional<std::string> tolerance;
+  std::vector<Area> weights;
+  std::optional<double> tolerance;
   std::string device = "auto";
   std::string output;
   std::string map;  ///< empty when not asked for
@@ -41,8 +42,7 @@ struct FitArguments {
   bool no_progress = false;
 };
 
-/// Adds the command to `program`; parsing fills `arguments`, which must outlive `program`.
-const CLI::App& declare_fit(CLI::App& program, FitArguments& arguments);
+void declare_fit(Options& options, FitArguments& arguments);
 
 /// `verified` when every enclosure is at most the tolerance wide and nothing is proven too deep. Throws Error(input)
 /// for whatever the user can correct, before the search.

@@ -5,25 +5,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string_view>
-#include <verisq/error.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/model_file.hpp>
 
-#include "host/command_line/length_option.hpp"
-#include "host/command_line/pose_option.hpp"
+#include "host/command_line/refusal.hpp"
 #include "host/mesh/extent.hpp"
 
 namespace verisq::command_line {
 namespace {
 
 constexpr std::string_view elsewhere = "elsewhere";  // the area of points that no box holds
+constexpr double default_gap_in_mm = 2.0;
 constexpr double relative_surface_tolerance = 2e-4;  // of the scale on which the fitness changes: nothing is lost
-
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
-}
 
 bool is_single(const Enclosure& number) {
   return number.lo == number.hi;
@@ -64,60 +58,38 @@ std::string common_units(const std::vector<UncertainModel>& series, const std::v
   return first->units;
 }
 
-double parse_positive(std::string_view option, const std::string& text) {
-  const double number = parse_length(option, text);
-  if (number == 0.0) refuse(fmt::format("{}: {} is not above 0", option, text));
-  return number;
-}
-
-Fitness parse_fitness(const FitArguments& arguments, const std::string& units, double penetration_limit) {
+Fitness fitness_of(const FitArguments& arguments, const std::string& units) {
   if (!arguments.gap && units != "mm") {
     refuse(
         fmt::format("--gap: give one, because the implants' units are {}, not mm", units.empty() ? "unknown" : units));
   }
-  const std::string gap = arguments.gap.value_or("2");
-  if (arguments.completion == "cementless") {
+  const double gap = arguments.gap.value_or(default_gap_in_mm);
+  if (arguments.completion == Completion::cementless) {
     if (arguments.gap_tolerance) refuse("--gap-tolerance: only for --completion cemented");
-    return cementless(parse_positive("--gap", gap), penetration_limit);
+    if (gap == 0.0) refuse("--gap: 0 is not above 0");
+    return cementless(gap, arguments.penetration_limit);
   }
-  const double thickness = parse_length("--gap", gap);
-  if (arguments.gap_tolerance) return cemented(thickness, parse_positive("--gap-tolerance", *arguments.gap_tolerance));
-  if (thickness == 0.0) refuse("--gap-tolerance: give one, because --gap is 0");
-  return cemented(thickness, thickness / 2.0);
+  if (arguments.gap_tolerance) return cemented(gap, *arguments.gap_tolerance);
+  if (gap == 0.0) refuse("--gap-tolerance: give one, because --gap is 0");
+  return cemented(gap, gap / 2.0);
 }
 
-double parse_degrees(const std::string& text) {
-  const double degrees = parse_length("--rotation-range", text);
-  if (degrees > 180.0) refuse(fmt::format("--rotation-range: {} is above 180", text));
-  return degrees;
-}
-
-PoseRange parse_range(const FitArguments& arguments, const Mesh& mesh) {
-  const PoseRange range{.start = arguments.pose_start ? parse_pose("--pose-start", *arguments.pose_start) : Pose{},
-                        .translation = arguments.translation_range
-                                           ? parse_length("--translation-range", *arguments.translation_range)
-                                           : extent_of(mesh.vertices).half_diagonal(),
-                        .rotation_degrees = parse_degrees(arguments.rotation_range)};
+PoseRange range_of(const FitArguments& arguments, const Mesh& mesh) {
+  const PoseRange range{.start = arguments.pose_start.value_or(Pose{}),
+                        .translation = arguments.translation_range ? *arguments.translation_range
+                                                                   : extent_of(mesh.vertices).half_diagonal(),
+                        .rotation_degrees = arguments.rotation_range};
   if (!std::isfinite(range.translation))
     refuse("--translation-range: give one, because the size of the mesh overflows");
   return range;
 }
 
-Area parse_weight(const std::string& text) {
-  const std::size_t equals = text.rfind('=');
-  if (equals == std::string::npos || equals == 0) refuse(fmt::format("--weight: {} is not NAME=W", text));
-  return {text.substr(0, equals), parse_length(fmt::format("--weight {}", text), text.substr(equals + 1))};
-}
-
-std::vector<Area> parse_weights(const std::vector<std::string>& texts) {
-  std::vector<Area> weights;
-  for (const std::string& text : texts) {
-    Area weight = parse_weight(text);
-    const bool fresh = std::ranges::none_of(weights, [&](const Area& other) { return other.name == weight.name; });
-    if (!fresh) refuse(fmt::format("--weight: {} has two", weight.name));
-    weights.push_back(std::move(weight));
+void refuse_second_weights(const std::vector<Area>& weights) {
+  for (auto weight = weights.begin(); weight != weights.end(); ++weight) {
+    const bool fresh =
+        std::none_of(weights.begin(), weight, [&](const Area& other) { return other.name == weight->name; });
+    if (!fresh) refuse(fmt::format("--weight: {} has two", weight->name));
   }
-  return weights;
 }
 
 /// Areas are those of the bone: implants of a series may repeat them, but not contradict each other.
@@ -138,7 +110,7 @@ std::vector<AreaBox> read_common_areas(const std::vector<std::string>& files) {
 Cavity cavity_of_boxes(const FitArguments& arguments, const Mesh& mesh) {
   std::vector<AreaBox> boxes = read_common_areas(arguments.implants);
   double weight_elsewhere = 1.0;
-  for (const Area& weight : parse_weights(arguments.weights)) {
+  for (const Area& weight : arguments.weights) {
     const auto box =
         std::ranges::find(boxes, weight.name, [](const AreaBox& b) -> const std::string& { return b.area.name; });
     if (box != boxes.end()) {
@@ -153,17 +125,14 @@ Cavity cavity_of_boxes(const FitArguments& arguments, const Mesh& mesh) {
 }
 
 bool limits_triangles(const FitArguments& arguments, const Mesh& mesh) {
-  if (arguments.on && *arguments.on != "triangles" && *arguments.on != "vertices")
-    refuse(fmt::format("--on: {} is not one of vertices, triangles", *arguments.on));
-  if (arguments.on && *arguments.on == "triangles" && mesh.triangles.empty())
+  if (arguments.on == MapElements::triangles && mesh.triangles.empty())
     refuse(fmt::format("--on triangles: {}: has none", arguments.mesh));
-  return arguments.on != "vertices" && !mesh.triangles.empty();
+  return arguments.on != MapElements::vertices && !mesh.triangles.empty();
 }
 
 Cavity read_cavity(const FitArguments& arguments, const Mesh& mesh) {
-  Cavity cavity = arguments.labels
-                      ? read_labelled_cavity(arguments.mesh, *arguments.labels, parse_weights(arguments.weights))
-                      : cavity_of_boxes(arguments, mesh);
+  Cavity cavity = arguments.labels ? read_labelled_cavity(arguments.mesh, *arguments.labels, arguments.weights)
+                                   : cavity_of_boxes(arguments, mesh);
   const auto counts = [&](std::uint32_t area) { return cavity.areas[area].weight > 0.0; };
   if (std::ranges::none_of(cavity.area_of, counts)) refuse("--weight: every vertex has weight 0: nothing to fit");
   if (limits_triangles(arguments, mesh)) cavity.triangles = mesh.triangles;
@@ -173,23 +142,18 @@ Cavity read_cavity(const FitArguments& arguments, const Mesh& mesh) {
 }  // namespace
 
 FitProblem read_fit_problem(const FitArguments& arguments) {
-  if (arguments.completion != "cementless" && arguments.completion != "cemented") {
-    refuse(fmt::format("--completion: {} is not one of cementless, cemented", arguments.completion));
-  }
-  if (arguments.samples == 0) refuse("--samples: 0 is not at least 1");
-  const double limit = parse_length("--penetration-limit", arguments.penetration_limit);
-
+  refuse_second_weights(arguments.weights);
   FitProblem problem{.series = read_series(arguments.implants),
                      .units = {},
                      .mesh = {},
                      .cavity = {},
-                     .options = {.fitness = {}, .penetration_limit = limit, .range = {}}};
+                     .options = {.fitness = {}, .penetration_limit = arguments.penetration_limit, .range = {}}};
   problem.units = common_units(problem.series, arguments.implants);
-  problem.options.fitness = parse_fitness(arguments, problem.units, limit);
+  problem.options.fitness = fitness_of(arguments, problem.units);
   problem.options.surface_tolerance = relative_surface_tolerance * problem.options.fitness.scale;
   problem.mesh = read_mesh(arguments.mesh);
   problem.cavity = read_cavity(arguments, problem.mesh);
-  problem.options.range = parse_range(arguments, problem.mesh);
+  problem.options.range = range_of(arguments, problem.mesh);
   problem.options.seed = arguments.seed;
   problem.options.samples = arguments.samples;
   problem.options.device = arguments.device;

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <tuple>
 
 #include "host/command_line/directed_digits.hpp"
+#include "host/command_line/json_value.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "verify/numbers/rounding.hpp"
 
@@ -17,7 +17,6 @@ namespace verisq::command_line {
 namespace {
 
 using Lines = std::vector<ReportLine>;
-using Json = nlohmann::ordered_json;
 
 std::string units_of(const FitSummary& summary) {
   return summary.units.empty() ? std::string() : " " + summary.units;
@@ -154,36 +153,31 @@ std::string area_table(const FitSummary& summary) {
   return text + "\n";
 }
 
-Json json_of(const Enclosure& enclosure) {
-  return {{"lo", enclosure.lo}, {"hi", enclosure.hi}};
-}
-
-Json sizes(const FitSummary& summary) {
-  Json sizes = Json::array();
+JsonValue sizes(const FitSummary& summary) {
+  JsonValue::Array sizes;
   for (const Primitive& primitive : summary.fit.model.primitives) {
-    sizes.push_back({{"name", primitive.name}, {"semi_axes", primitive.superquadric.semi_axes}});
+    sizes.push_back(JsonObject{{"name", primitive.name}, {"semi_axes", primitive.superquadric.semi_axes}});
   }
   return sizes;
 }
 
-Json surface_json(const MeshClearance& surface) {
-  return {{"smallest_distance", json_of(surface.smallest_distance)},
+JsonObject surface_json(const MeshClearance& surface) {
+  return {{"smallest_distance", surface.smallest_distance},
           {"proven_within_limit", surface.proven_within},
           {"proven_too_deep", surface.proven_too_deep},
           {"undecided", surface.undecided}};
 }
 
-Json areas(const FitSummary& summary) {
-  Json areas = Json::array();
+JsonValue areas(const FitSummary& summary) {
+  JsonValue::Array areas;
   for (const AreaClearance& area : summary.clearance.areas) {
-    areas.push_back({{"name", area.area.name},
-                     {"weight", area.area.weight},
-                     {"points", area.points},
-                     {"proven_within", area.proven_within},
-                     {"proven_outside", area.proven_outside},
-                     {"undecided", area.undecided},
-                     {"smallest_distance", nullptr}});
-    if (area.points > 0) areas.back()["smallest_distance"] = json_of(area.smallest_distance);
+    areas.push_back(JsonObject{{"name", area.area.name},
+                               {"weight", area.area.weight},
+                               {"points", area.points},
+                               {"proven_within", area.proven_within},
+                               {"proven_outside", area.proven_outside},
+                               {"undecided", area.undecided},
+                               {"smallest_distance", area.points > 0 ? area.smallest_distance : JsonValue()}});
   }
   return areas;
 }
@@ -210,21 +204,21 @@ std::string readable(const FitSummary& summary) {
 
 std::string json(const FitSummary& summary) {
   const auto& [fit, clearance, map] = std::tie(summary.fit, summary.clearance, summary.clearance.map);
-  const Json object{
+  const JsonObject object{
       {"implant", summary.implant},
       {"implant_index", fit.implant},
       {"implants", summary.implants},
-      {"pose", {{"translation", fit.pose.translation}, {"quaternion", fit.pose.quaternion}}},
+      {"pose", JsonObject{{"translation", fit.pose.translation}, {"quaternion", fit.pose.quaternion}}},
       {"sizes", sizes(summary)},
-      {"objective", json_of(clearance.objective)},
+      {"objective", clearance.objective},
       {"largest_objective", largest_objective(clearance)},
-      {"smallest_distance", json_of(clearance.smallest_distance)},
-      {"deepest_penetration", json_of(clearance.deepest_penetration)},
+      {"smallest_distance", clearance.smallest_distance},
+      {"deepest_penetration", clearance.deepest_penetration},
       {"penetration_limit", summary.penetration_limit},
       {"proven_within_limit", clearance.proven_shallow},
       {"proven_too_deep", clearance.proven_too_deep},
       {"undecided", undecided_depths(clearance)},
-      {"surface", summary.surface ? surface_json(*summary.surface) : Json()},
+      {"surface", summary.surface ? surface_json(*summary.surface) : JsonValue()},
       {"areas", areas(summary)},
       {"points", map.points},
       {"device_verified", map.device_verified},
@@ -233,27 +227,24 @@ std::string json(const FitSummary& summary) {
       {"largest_width", map.largest_width},
       {"tolerance", summary.tolerance},
       {"units", summary.units},
-      {"search",
-       {{"objective", fit.objective},
-        {"deepest_penetration", fit.deepest_penetration},
-        {"within_limit", fit.within_limit},
-        {"poses", fit.poses},
-        {"device", fit.device},
-        {"notice", fit.notice},
-        {"seconds", summary.search_seconds},
-        {"interrupted", fit.interrupted}}},
-      {"proof",
-       {{"device", map.device},
-        {"notice", map.notice},
-        {"seconds", summary.proof_seconds},
-        {"device_seconds", map.device_seconds},
-        {"host_seconds", map.host_seconds}}},
+      {"search", JsonObject{{"objective", fit.objective},
+                            {"deepest_penetration", fit.deepest_penetration},
+                            {"within_limit", fit.within_limit},
+                            {"poses", fit.poses},
+                            {"device", fit.device},
+                            {"notice", fit.notice},
+                            {"seconds", summary.search_seconds},
+                            {"interrupted", fit.interrupted}}},
+      {"proof", JsonObject{{"device", map.device},
+                           {"notice", map.notice},
+                           {"seconds", summary.proof_seconds},
+                           {"device_seconds", map.device_seconds},
+                           {"host_seconds", map.host_seconds}}},
       {"interrupted", fit.interrupted},
       {"output", summary.output},
       {"map", summary.map},
   };
-  // Names of devices and files are bytes of the system, not always UTF-8: replaced rather than refused.
-  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return object.text() + "\n";
 }
 
 }  // namespace verisq::command_line

@@ -3,13 +3,9 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <string_view>
 #include <vector>
-#include <verisq/error.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_file.hpp>
@@ -17,17 +13,20 @@
 #include <verisq/pose_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/insert_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
-#include "host/command_line/map_to_file.hpp"
+#include "host/command_line/messages.hpp"
 #include "host/command_line/number_list.hpp"
+#include "host/command_line/overwriting.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
+#include "host/command_line/stopwatch.hpp"
 
 namespace verisq::command_line {
 namespace {
-
-constexpr double default_relative_tolerance = 1e-3;  // of the radius of the implant's bounding sphere
 
 constexpr const char* closing_words =
     "Each row of the map is [lo, hi], which contains the smallest signed distance from the point to the implant along\n"
@@ -48,23 +47,13 @@ constexpr const char* closing_words =
     "  verisq insert --implant fitted.json --mesh femur.stl --along 0,0,-1 --length 120 -o removal.vtp\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --poses path.csv --tol 0.05 -o removal.csv --json";
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
-}
-
-Point parse_direction(const std::string& text) {
-  const std::vector<double> numbers = parse_numbers("--along", text, "x,y,z");
+Point parse_direction(std::string_view option, const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(option, text, "x,y,z");
   const Point direction{numbers[0], numbers[1], numbers[2]};
   if (std::ranges::all_of(direction, [](double x) { return x == 0.0; })) {
-    refuse(fmt::format("--along: {} is no direction", text));
+    refuse(fmt::format("{}: {} is no direction", option, text));
   }
   return direction;
-}
-
-double parse_positive(std::string_view option, const std::string& text) {
-  const double length = parse_length(option, text);
-  if (length == 0.0) refuse(fmt::format("{}: {} is not more than 0", option, text));
-  return length;
 }
 
 /// Everything that the options alone tell, before any file is opened.
@@ -72,7 +61,7 @@ void check_usage(const InsertArguments& arguments) {
   if (arguments.poses.has_value() == arguments.along.has_value()) refuse("give either --poses or --along");
   if (arguments.along && !arguments.length) refuse("--along: give the --length of the way");
   if (arguments.poses && arguments.length) refuse("--length: only for --along, not for --poses");
-  refuse_to_overwrite(arguments.output, {arguments.implant, arguments.mesh, arguments.poses.value_or("")});
+  refuse_to_overwrite("-o", arguments.output, {arguments.implant, arguments.mesh, arguments.poses.value_or("")});
 }
 
 std::vector<Pose> read_poses(const std::string& path) {
@@ -85,11 +74,9 @@ std::vector<Pose> read_poses(const std::string& path) {
   return poses;
 }
 
-double default_tolerance(const Model& implant) {
-  const double tolerance = default_relative_tolerance * bounding_radius(implant);
-  // An infinite tolerance would call every enclosure verified.
-  if (!std::isfinite(tolerance)) refuse("--tol: give one, because the size of the implant overflows");
-  return tolerance;
+double tolerance_of(const InsertArguments& arguments, const Model& implant) {
+  return arguments.tolerance ? *arguments.tolerance
+                             : default_tolerance(tolerance_along_ways, bounding_radius(implant), "the implant");
 }
 
 /// Returns the name of the file that holds the map; empty when an interrupted search left none.
@@ -101,9 +88,9 @@ std::string write_map(const Mesh& bone, const Insertion& insertion, MapWriter wr
   }
   const auto partial = writer.keep_partial().string();
   if (partial.empty()) {
-    fmt::print(stderr, "verisq: interrupted; {} is not written\n", output);
+    tell(fmt::format("interrupted; {} is not written", output));
   } else {
-    fmt::print(stderr, "verisq: interrupted; rows as tight as they were by then are kept in {}\n", partial);
+    tell(fmt::format("interrupted; rows as tight as they were by then are kept in {}", partial));
   }
   return partial;
 }
@@ -115,54 +102,38 @@ ExitStatus status_of(const MapSummary& summary) {
 
 }  // namespace
 
-const CLI::App& declare_insert(CLI::App& program, InsertArguments& arguments) {
-  CLI::App& insert = *program.add_subcommand("insert", "Enclose how deep an implant cuts into the bone on its way in");
-  insert.footer(closing_words);
-  insert.add_option("--implant", arguments.implant, "Model of posed superquadrics (verisq-model/1, JSON)")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  insert.add_option("--mesh", arguments.mesh, "The bone, whose vertices are meant: .stl .obj .ply .off")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  insert.add_option("--poses", arguments.poses, "The path: .csv with tx,ty,tz,qw,qx,qy,qz a line")->option_text("FILE");
-  insert.add_option("--along", arguments.along, "Instead of --poses: the direction of a straight way in")
-      ->option_text("x,y,z");
-  insert.add_option("--length", arguments.length, "Of the straight way, in model units")->option_text("NUMBER");
-  insert
-      .add_option("--tol", arguments.tolerance,
-                  "Largest width of a verified enclosure, in model units, more than 0.\n"
-                  "Default: 1e-3 times the radius of the implant's bounding sphere")
-      ->option_text("NUMBER");
-  insert
-      .add_option("--device", arguments.device,
-                  "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
-      ->option_text("DEVICE");
-  insert.add_option("-o,--output", arguments.output, "The map, by extension: .csv .vtp .ply .json")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  insert.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");
-  insert.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
-  return insert;
+void declare_insert(Options& options, InsertArguments& arguments) {
+  options.explain(closing_words);
+  require_model(options, "--implant", arguments.implant);
+  options.require("--mesh", arguments.mesh, "FILE", "The bone, whose vertices are meant: .stl .obj .ply .off");
+  options.add("--poses", arguments.poses, "FILE", "The path: .csv with tx,ty,tz,qw,qx,qy,qz a line");
+  options.add("--along", arguments.along, parse_direction, "x,y,z",
+              "Instead of --poses: the direction of a straight way in");
+  options.add("--length", arguments.length, parse_positive_length, "NUMBER", "Of the straight way, in model units");
+  options.add("--tol", arguments.tolerance, parse_positive_length, "NUMBER",
+              fmt::format("Largest width of a verified enclosure, in model units, more than 0.\n"
+                          "Default: {} times the radius of the implant's bounding sphere",
+                          tolerance_along_ways.text));
+  add_device(options, arguments.device);
+  options.require("-o,--output", arguments.output, "FILE", map_explanation);
+  add_json_of_enclosures(options, arguments.json);
+  add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_insert(const InsertArguments& arguments) {
   check_usage(arguments);
-  std::optional<double> tolerance;
-  if (arguments.tolerance) tolerance = parse_positive("--tol", *arguments.tolerance);
   std::vector<Pose> path;
-  if (arguments.along) {
-    path = straight_path({}, parse_direction(*arguments.along), parse_positive("--length", *arguments.length), 1);
-  }
+  if (arguments.along) path = straight_path({}, *arguments.along, *arguments.length, 1);
   const Model implant = read_model(arguments.implant);
   const Mesh bone = read_mesh(arguments.mesh);
   if (arguments.poses) path = read_poses(*arguments.poses);
   watch_for_interruption();
   MapWriter writer(arguments.output, &bone);
 
-  const auto start = Clock::now();
+  const Stopwatch time;
   std::optional<ProgressBar> bar;  // begins at the first distances: compiling kernels is no part of the rate
   const double points = static_cast<double>(bone.vertices.size());
-  const InsertionOptions options{.tolerance = tolerance ? *tolerance : default_tolerance(implant),
+  const InsertionOptions options{.tolerance = tolerance_of(arguments, implant),
                                  .device = arguments.device,
                                  .interrupted = interrupted,
                                  .progress = [&](double done) {
@@ -177,8 +148,8 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   report.poses = path.size();
   report.units = implant.units;
   report.tolerance = options.tolerance;
-  report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  if (!insertion.summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", insertion.summary.notice);
+  report.seconds = time.seconds();
+  tell_notice(insertion.summary.notice);
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   return status_of(insertion.summary);
 }

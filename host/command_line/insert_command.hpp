@@ -3,31 +3,28 @@
 
 #include <optional>
 #include <string>
+#include <verisq/mesh.hpp>
 
 #include "host/command_line/exit_status.hpp"
-
-namespace CLI {
-class App;
-}
+#include "host/command_line/options.hpp"
 
 namespace verisq::command_line {
 
-/// As typed; numbers are text, so that they are read to the nearest binary64.
+/// As typed; `run_insert` checks what depends on several options.
 struct InsertArguments {
   std::string implant;
   std::string mesh;
   std::optional<std::string> poses;  ///< a file, or instead of it:
-  std::optional<std::string> along;  ///< a direction, with
-  std::optional<std::string> length;
-  std::optional<std::string> tolerance;
+  std::optional<Point> along;        ///< a direction, with
+  std::optional<double> length;
+  std::optional<double> tolerance;
   std::string device = "auto";
   std::string output;
   bool json = false;
   bool no_progress = false;
 };
 
-/// Adds the command to `program`; parsing fills `arguments`, which must outlive `program`.
-const CLI::App& declare_insert(CLI::App& program, InsertArguments& arguments);
+void declare_insert(Options& options, InsertArguments& arguments);
 
 /// Throws Error(input) for what the user can correct, before the first distance is computed.
 ExitStatus run_insert(const InsertArguments& arguments);

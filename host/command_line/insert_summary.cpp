@@ -4,9 +4,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "host/command_line/directed_digits.hpp"
+#include "host/command_line/json_value.hpp"
 
 namespace verisq::command_line {
 
@@ -49,13 +49,13 @@ std::string readable(const InsertReport& report) {
 
 std::string json(const InsertReport& report) {
   const auto& summary = report.summary;
-  const nlohmann::ordered_json object{
+  const JsonObject object{
       {"points", summary.points},
       {"proven_cut", report.proven_cut},
       {"proven_untouched", report.proven_untouched},
       {"undecided", report.undecided},
-      {"deepest_penetration", {{"lo", report.deepest_penetration.lo}, {"hi", report.deepest_penetration.hi}}},
-      {"smallest_distance", {{"lo", summary.minimum_lo}, {"hi", summary.minimum_hi}}},
+      {"deepest_penetration", report.deepest_penetration},
+      {"smallest_distance", Enclosure{summary.minimum_lo, summary.minimum_hi}},
       {"poses", report.poses},
       {"device_verified", summary.device_verified},
       {"host_verified", summary.host_verified},
@@ -71,8 +71,7 @@ std::string json(const InsertReport& report) {
       {"interrupted", summary.interrupted},
       {"output", report.output},
   };
-  // Names of devices and files are bytes of the system, not always UTF-8: replaced rather than refused.
-  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return object.text() + "\n";
 }
 
 }  // namespace verisq::command_line

@@ -10,4 +10,7 @@ namespace verisq::command_line {
 /// least 0.
 [[nodiscard]] double parse_length(std::string_view option, const std::string& text);
 
+/// As `parse_length`, and not 0.
+[[nodiscard]] double parse_positive_length(std::string_view option, const std::string& text);
+
 }  // namespace verisq::command_line

@@ -3,27 +3,26 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
-#include <cmath>
 #include <filesystem>
-#include <initializer_list>
-#include <optional>
-#include <verisq/error.hpp>
+#include <vector>
 #include <verisq/map_file.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
 #include <verisq/uncertain_map.hpp>
 
+#include "host/command_line/choice.hpp"
+#include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/map_to_file.hpp"
+#include "host/command_line/overwriting.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
 #include "host/command_line/time_limit.hpp"
 #include "host/command_line/triangle_stream.hpp"
 
 namespace verisq::command_line {
 namespace {
-
-constexpr double default_relative_tolerance = 1e-6;  // of the radius of the model's bounding sphere
 
 constexpr const char* closing_words =
     "Each row of the map is [lo, hi], which contains the exact signed distance from the point to the model: positive\n"
@@ -53,15 +52,9 @@ constexpr const char* depth_of_overlaps =
     "certificates prove a depth by one primitive alone, and where primitives overlap their union is deeper; the map "
     "without --certificates is tighter there";
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
-}
-
-double default_tolerance(const Model& largest) {
-  const double tolerance = default_relative_tolerance * bounding_radius(largest);
-  // An infinite tolerance would call every enclosure verified.
-  if (!std::isfinite(tolerance)) refuse("--tol: give one, because the size of the model overflows");
-  return tolerance;
+double tolerance_of(const MapArguments& arguments, const Model& largest) {
+  return arguments.tolerance ? *arguments.tolerance
+                             : default_tolerance(tolerance_of_distances, bounding_radius(largest), "the model");
 }
 
 /// The library refuses the same without naming file and option.
@@ -71,26 +64,15 @@ void refuse_what_needs_convexity(const Model& model, const MapArguments& argumen
     refuse(fmt::format("{}: {}: not supported for bends, nor for csg other than the union of all primitives", option,
                        arguments.inputs.model));
   };
-  if (arguments.on == "triangles") refuse_option("--on triangles");
+  if (arguments.on == MapElements::triangles) refuse_option("--on triangles");
   if (arguments.certificates) refuse_option("--certificates");
-  if (arguments.method == "published") refuse_option("--method published");
+  if (arguments.method == Method::published) refuse_option("--method published");
 }
 
-MapElements parse_elements(const MapArguments& arguments) {
-  if (arguments.on == "vertices") return MapElements::vertices;
-  if (arguments.on != "triangles") refuse(fmt::format("--on: {} is not one of vertices, triangles", arguments.on));
-  if (arguments.inputs.mesh.empty()) refuse("--on triangles: give their --mesh");
-  return MapElements::triangles;
-}
-
-Method parse_method(const MapArguments& arguments) {
-  if (arguments.method == "duality") return Method::duality;
-  if (arguments.method != "published") {
-    refuse(fmt::format("--method: {} is not one of duality, published", arguments.method));
-  }
+void check_method(const MapArguments& arguments) {
+  if (arguments.method != Method::published) return;
   if (arguments.device != "host") refuse("--method published: runs on the host alone, give --device host");
   if (arguments.certificates) refuse("--method published: has no certificates");
-  return Method::published;
 }
 
 const char* report_option(const MapArguments& arguments) {
@@ -98,17 +80,16 @@ const char* report_option(const MapArguments& arguments) {
 }
 
 void check_outputs(const MapArguments& arguments) {
-  const std::initializer_list<std::string> inputs{arguments.inputs.model, arguments.inputs.mesh,
-                                                  arguments.inputs.points};
+  const std::vector<std::string> inputs{arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points};
   if (arguments.output.empty()) {
     if (!arguments.report.any()) refuse("give at least one of --output, --report, --png");
     if (arguments.certificates) refuse("--certificates: give the --output that keeps them");
   } else {
-    refuse_to_overwrite(arguments.output, inputs);
+    refuse_to_overwrite("-o", arguments.output, inputs);
   }
   if (!arguments.report.any()) return;
   if (arguments.inputs.mesh.empty()) refuse(fmt::format("{}: give a --mesh to draw", report_option(arguments)));
-  if (arguments.on == "triangles") {
+  if (arguments.on == MapElements::triangles) {
     refuse(fmt::format("{}: shows rows of vertices, not --on triangles", report_option(arguments)));
   }
   check_usage(arguments.report, inputs);
@@ -118,6 +99,10 @@ void check_outputs(const MapArguments& arguments) {
 void check_usage(const MapArguments& arguments) {
   check_usage(arguments.inputs);
   check_outputs(arguments);
+  check_method(arguments);
+  if (arguments.on == MapElements::triangles && arguments.inputs.mesh.empty()) {
+    refuse("--on triangles: give their --mesh");
+  }
 }
 
 /// The bone is drawn by its triangles, and coloured by rows of its vertices.
@@ -183,59 +168,46 @@ ExitStatus map_and_report(const UncertainModel& model, double point_radius, MapE
 
 }  // namespace
 
-const CLI::App& declare_map(CLI::App& program, MapArguments& arguments) {
-  CLI::App& map = *program.add_subcommand("map", "Enclose the distance of each vertex, triangle or point to a model");
-  map.footer(closing_words);
-  declare_inputs(map, arguments.inputs);
-  map.add_option("--on", arguments.on, "What of the mesh is mapped: vertices (default) or triangles")
-      ->option_text("WHAT");
-  map.add_option("--tol", arguments.tolerance,
-                 "Largest width of a verified enclosure, in model units; 0 asks for the tightest.\n"
-                 "Default: 1e-6 times the radius of the model's bounding sphere")
-      ->option_text("NUMBER");
-  map.add_option("--point-radius", arguments.point_radius,
-                 "Each vertex or point is any within this distance of the given one, in model units (default 0)")
-      ->option_text("NUMBER");
-  map.add_option("--time-limit", arguments.time_limit,
-                 "Ends the map this long after its preparation: rows left open are valid, and wide (default: none)")
-      ->option_text("SECONDS");
-  map.add_option("--device", arguments.device,
-                 "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
-      ->option_text("DEVICE");
-  map.add_option("--method", arguments.method,
-                 "How the host proves points outside: duality (default), or published: the paper's bisected segment,\n"
-                 "to compare with (--device host)")
-      ->option_text("METHOD");
-  map.add_option("-o,--output", arguments.output, "The map, by extension: .csv .vtp .ply .json")->option_text("FILE");
-  declare_report_files(map, arguments.report);
-  map.add_flag(
+void declare_map(Options& options, MapArguments& arguments) {
+  options.explain(closing_words);
+  declare_inputs(options, arguments.inputs);
+  options.add("--on", arguments.on,
+              choice<MapElements>({{"vertices", MapElements::vertices}, {"triangles", MapElements::triangles}}), "WHAT",
+              "What of the mesh is mapped: vertices (default) or triangles");
+  add_tolerance(options, arguments.tolerance, "the model");
+  options.add("--point-radius", arguments.point_radius, parse_length, "NUMBER",
+              "Each vertex or point is any within this distance of the given one, in model units (default 0)");
+  options.add("--time-limit", arguments.time_limit, parse_time_limit, "SECONDS",
+              "Ends the map this long after its preparation: rows left open are valid, and wide (default: none)");
+  add_device(options, arguments.device);
+  options.add("--method", arguments.method,
+              choice<Method>({{"duality", Method::duality}, {"published", Method::published}}), "METHOD",
+              "How the host proves points outside: duality (default), or published: the paper's bisected segment,\n"
+              "to compare with (--device host)");
+  options.add("-o,--output", arguments.output, "FILE", map_explanation);
+  declare_report_files(options, arguments.report);
+  options.add_flag(
       "--certificates", arguments.certificates,
       "Write what proves each enclosure again, for `verisq check`: .csv .vtp. Points inside are proven by one\n"
       "primitive alone: where primitives overlap, rows are wider than without, and may be wide");
-  map.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");
-  map.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
-  return map;
+  add_json_of_enclosures(options, arguments.json);
+  add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_map(const MapArguments& arguments) {
   check_usage(arguments);
-  const Method method = parse_method(arguments);
-  const MapElements elements = parse_elements(arguments);
-  std::optional<double> tolerance;
-  if (arguments.tolerance) tolerance = parse_length("--tol", *arguments.tolerance);
-
-  const double radius = parse_length("--point-radius", arguments.point_radius);
-  TimeLimit limit(parse_time_limit(arguments.time_limit));
-
+  TimeLimit limit(arguments.time_limit);
   const UncertainModel model = read_uncertain_model(arguments.inputs.model);
   const Model largest = bracket(model).largest;
   refuse_what_needs_convexity(largest, arguments);
-  MapOptions options{.tolerance = tolerance ? *tolerance : default_tolerance(largest),
+  MapOptions options{.tolerance = tolerance_of(arguments, largest),
                      .device = arguments.device,
                      .certificates = arguments.certificates,
-                     .method = method,
+                     .method = arguments.method,
                      .interrupted = interrupted};
   if (limit.given()) options.out_of_time = [&limit] { return limit.passed(); };
+  const double radius = arguments.point_radius;
+  const MapElements elements = arguments.on;
   return elements == MapElements::vertices
              ? map_and_report<UncertainDistanceMapper, PointStream>(model, radius, elements, arguments, options, limit)
              : map_and_report<UncertainTriangleMapper, TriangleStream>(model, radius, elements, arguments, options,

@@ -3,8 +3,11 @@
 
 #include <optional>
 #include <string>
+#include <verisq/distance_map.hpp>
+#include <verisq/map_file.hpp>
 
 #include "host/command_line/exit_status.hpp"
+#include "host/command_line/options.hpp"
 #include "host/command_line/point_stream.hpp"
 #include "host/command_line/report_files.hpp"
 
@@ -13,12 +16,12 @@ namespace verisq::command_line {
 /// As typed; `run_map` checks what depends on the files or on several options.
 struct MapArguments {
   InputArguments inputs;
-  std::string on = "vertices";
-  std::optional<std::string> tolerance;   ///< text, so that it is read to the nearest binary64
-  std::string point_radius = "0";         ///< text, likewise
-  std::optional<std::string> time_limit;  ///< text, in seconds
+  MapElements on = MapElements::vertices;
+  std::optional<double> tolerance;
+  double point_radius = 0.0;
+  std::optional<double> time_limit;  ///< in seconds
   std::string device = "auto";
-  std::string method = "duality";
+  Method method = Method::duality;
   std::string output;  ///< empty when only a report is asked for
   ReportFiles report;
   bool certificates = false;
@@ -26,8 +29,7 @@ struct MapArguments {
   bool no_progress = false;
 };
 
-/// Adds the command to `program`; parsing fills `arguments`, which must outlive `program`.
-const CLI::App& declare_map(CLI::App& program, MapArguments& arguments);
+void declare_map(Options& options, MapArguments& arguments);
 
 /// Throws Error(input) for whatever the user can correct, before the first distance is computed (a file of points is
 /// a stream: its later lines are checked as they come).

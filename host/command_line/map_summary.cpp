@@ -3,10 +3,9 @@
 
 #include <fmt/core.h>
 
-#include <nlohmann/json.hpp>
-
 #include "host/command_line/directed_digits.hpp"
 #include "host/command_line/element_words.hpp"
+#include "host/command_line/json_value.hpp"
 #include "host/command_line/progress_bar.hpp"
 
 namespace verisq::command_line {
@@ -61,7 +60,7 @@ std::vector<ReportLine> report_lines(const MapReport& report) {
 
 std::string json(const MapReport& report) {
   const auto& summary = report.summary;
-  auto object = nlohmann::ordered_json{
+  JsonObject object{
       {plural(report.elements), summary.points},
       {"device_verified", summary.device_verified},
       {"host_verified", summary.host_verified},
@@ -81,11 +80,10 @@ std::string json(const MapReport& report) {
       {"out_of_time", summary.out_of_time},
       {"output", report.output},
   };
-  if (summary.points > 0) object["smallest_distance"] = {{"lo", summary.minimum_lo}, {"hi", summary.minimum_hi}};
-  if (!report.files.html.empty()) object["report"] = report.files.html;
-  if (!report.files.png.empty()) object["png"] = report.files.png;
-  // Names of devices and files are bytes of the system, not always UTF-8: replaced rather than refused.
-  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  if (summary.points > 0) object.set("smallest_distance", Enclosure{summary.minimum_lo, summary.minimum_hi});
+  if (!report.files.html.empty()) object.set("report", report.files.html);
+  if (!report.files.png.empty()) object.set("png", report.files.png);
+  return object.text() + "\n";
 }
 
 }  // namespace verisq::command_line

@@ -4,9 +4,8 @@
 #include <fmt/core.h>
 
 #include <cstdio>
-#include <filesystem>
-#include <system_error>
-#include <verisq/error.hpp>
+
+#include "host/command_line/messages.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -18,7 +17,7 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
 /// What an interrupted map leaves unwritten.
 void say_what_is_missing(const MapRequest& request) {
   for (const std::string& file : {request.report.html, request.report.png}) {
-    if (!file.empty()) fmt::print(stderr, "verisq: interrupted; {} is not written\n", file);
+    if (!file.empty()) tell(fmt::format("interrupted; {} is not written", file));
   }
 }
 
@@ -31,9 +30,9 @@ std::string end_file(std::optional<MapWriter>& writer, const MapSummary& summary
   }
   const auto partial = writer->keep_partial().string();
   if (partial.empty()) {
-    fmt::print(stderr, "verisq: interrupted; {} is not written, because only .csv can hold a part of a map\n", output);
+    tell(fmt::format("interrupted; {} is not written, because only .csv can hold a part of a map", output));
   } else {
-    fmt::print(stderr, "verisq: interrupted; the first {} rows are kept in {}\n", summary.points, partial);
+    tell(fmt::format("interrupted; the first {} rows are kept in {}", summary.points, partial));
   }
   return partial;
 }
@@ -45,29 +44,19 @@ ExitStatus status_of(const MapSummary& summary) {
 
 }  // namespace
 
-void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs) {
-  for (const std::string& input : inputs) {
-    std::error_code missing;  // a file that does not exist is not overwritten
-    if (!input.empty() && std::filesystem::equivalent(input, output, missing)) {
-      throw Error(ErrorKind::input, fmt::format("-o {}: would overwrite an input of the map", output));
-    }
-  }
-}
-
 ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> rows, const MapSummary& summary,
                    const MapRequest& request, Clock::time_point start, Clock::time_point first_element) {
   const std::string written = end_file(writer, summary, request.output);
   if (summary.interrupted) say_what_is_missing(request);
   const auto end = Clock::now();
-  if (!summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", summary.notice);
+  tell_notice(summary.notice);
   if (summary.out_of_time && !summary.interrupted) {
-    fmt::print(stderr, "verisq: the time limit is reached; {} of {} rows are valid, and wide\n", summary.wide,
-               summary.points);
+    tell(fmt::format("the time limit is reached; {} of {} rows are valid, and wide", summary.wide, summary.points));
   }
   if (summary.wide_inside > 0 && !summary.interrupted && !request.why_wide_inside.empty()) {
-    fmt::print(stderr, "verisq: {} inside the model {} wide: {}\n",
-               summary.wide_inside == 1 ? "1 row" : fmt::format("{} rows", summary.wide_inside),
-               summary.wide_inside == 1 ? "is" : "are", request.why_wide_inside);
+    tell(fmt::format("{} inside the model {} wide: {}",
+                     summary.wide_inside == 1 ? "1 row" : fmt::format("{} rows", summary.wide_inside),
+                     summary.wide_inside == 1 ? "is" : "are", request.why_wide_inside));
   }
   const MapReport report{.summary = summary,
                          .elements = request.elements,

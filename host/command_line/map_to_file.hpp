@@ -5,7 +5,6 @@
 #include <concepts>
 #include <cstdint>
 #include <functional>
-#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,9 +34,6 @@ struct MapRequest {
   /// Called at the end of a map that was not interrupted, with all its rows. Empty: none are kept in memory.
   std::function<void(std::span<const MapResult>, const MapReport&)> show = {};
 };
-
-/// Throws Error(input) if the map would overwrite one of the files it is made from; empty names are none.
-void refuse_to_overwrite(const std::string& output, std::initializer_list<std::string> inputs);
 
 using Clock = std::chrono::steady_clock;
 

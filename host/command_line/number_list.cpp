@@ -4,29 +4,26 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <verisq/error.hpp>
 
 #include "host/command_line/finite_number.hpp"
+#include "host/command_line/refusal.hpp"
 
 namespace verisq::command_line {
 
 std::vector<double> parse_numbers(std::string_view option, std::string_view text, std::string_view names) {
-  const auto refuse = [option](const std::string& why) {
-    throw Error(ErrorKind::input, fmt::format("{}: {}", option, why));
-  };
   std::vector<double> numbers;
   std::string_view rest = text;
   for (bool more = true; more;) {
     const std::size_t comma = rest.find(',');
     const auto number = finite_number(rest.substr(0, comma));
-    if (!number) refuse(fmt::format("'{}' is not a finite number", rest.substr(0, comma)));
+    if (!number) refuse(fmt::format("{}: '{}' is not a finite number", option, rest.substr(0, comma)));
     numbers.push_back(*number);
     more = comma != std::string_view::npos;
     if (more) rest.remove_prefix(comma + 1);
   }
   const auto needed = static_cast<std::size_t>(std::ranges::count(names, ',') + 1);
   if (numbers.size() != needed) {
-    refuse(fmt::format("{} numbers where {} are needed: {}", numbers.size(), needed, names));
+    refuse(fmt::format("{}: {} numbers where {} are needed: {}", option, numbers.size(), needed, names));
   }
   return numbers;
 }

@@ -3,18 +3,19 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
-#include <chrono>
-#include <verisq/error.hpp>
+#include <cstdio>
 #include <verisq/model_file.hpp>
 #include <verisq/octree_file.hpp>
 
 #include "host/command_line/byte_size.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
-#include "host/command_line/map_to_file.hpp"
+#include "host/command_line/messages.hpp"
 #include "host/command_line/octree_summary.hpp"
+#include "host/command_line/overwriting.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
 #include "host/command_line/whole_number.hpp"
 
 namespace verisq::command_line {
@@ -39,16 +40,12 @@ constexpr const char* closing_words =
     "  verisq octree --model stem.json -o stem.vtu\n"
     "  verisq octree --model stem.json --tol 50 -o stem.vtu --json";
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
-}
-
 OctreeOptions options_of(const OctreeArguments& arguments) {
   OctreeOptions options;
   if (arguments.depth && arguments.tolerance) refuse("give either --depth or --tol");
   if (arguments.depth) options.depth = *arguments.depth;
   if (arguments.tolerance) {
-    options.tolerance = parse_length("--tol", *arguments.tolerance);
+    options.tolerance = *arguments.tolerance;
     options.depth = deepest_octree_level;
   }
   if (arguments.budget) options.budget = *arguments.budget;
@@ -63,60 +60,40 @@ bool complete(const OctreeSummary& summary, const std::optional<double>& toleran
 }
 
 void explain(const OctreeSummary& summary, bool is_complete, const std::string& output) {
-  if (!summary.notice.empty()) fmt::print(stderr, "verisq: {}\n", summary.notice);
-  if (summary.interrupted) fmt::print(stderr, "verisq: interrupted; {} is not written\n", output);
+  tell_notice(summary.notice);
+  if (summary.interrupted) tell(fmt::format("interrupted; {} is not written", output));
   if (summary.budget_hit) {
-    fmt::print(stderr,
-               "verisq: the budget is hit at level {}: the octree is valid, but coarser; give a larger --budget\n",
-               summary.levels.size() - 1);
+    tell(fmt::format("the budget is hit at level {}: the octree is valid, but coarser; give a larger --budget",
+                     summary.levels.size() - 1));
   } else if (!is_complete && !summary.interrupted) {
-    fmt::print(stderr, "verisq: the tolerance is not reached at level {}, the deepest\n", deepest_octree_level);
+    tell(fmt::format("the tolerance is not reached at level {}, the deepest", deepest_octree_level));
   }
 }
 
 }  // namespace
 
-const CLI::App& declare_octree(CLI::App& program, OctreeArguments& arguments) {
-  CLI::App& octree =
-      *program.add_subcommand("octree", "Prove cubes inside and outside a model, and enclose its volume");
-  octree.footer(closing_words);
-  octree.add_option("--model", arguments.model, "Model of posed superquadrics (verisq-model/1, JSON)")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  octree.add_option("--depth", arguments.depth, "Split cubes up to this level: 0 to 20 (default 7)")
-      ->transform(whole_number("--depth", 0, deepest_octree_level))
-      ->option_text("LEVEL");
-  octree
-      .add_option(
-          "--tol", arguments.tolerance,
-          "Instead of --depth: stop when the enclosure of the volume is at most this wide, in cubic model units")
-      ->option_text("NUMBER");
-  octree
-      .add_option("--budget", arguments.budget,
-                  "Largest number of undecided cubes of a level: bounds the memory (default 4194304)")
-      ->transform(whole_number("--budget", 1))
-      ->option_text("CUBES");
-  octree
-      .add_option("--device", arguments.device,
-                  "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`")
-      ->option_text("DEVICE");
-  octree.add_option("-o,--output", arguments.output, "The cubes: .vtu, with cell data colour and level")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  octree
-      .add_option("--max-output", arguments.max_output,
-                  "Largest OUT.vtu that is written, like 500MB or 4GiB (default 1GiB); its size is known before")
-      ->option_text("SIZE");
-  octree.add_flag("--white", arguments.white, "Write the white cubes too");
-  octree.add_flag("--json", arguments.json, "Print the summary as one JSON object");
-  octree.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
-  return octree;
+void declare_octree(Options& options, OctreeArguments& arguments) {
+  options.explain(closing_words);
+  require_model(options, "--model", arguments.model);
+  options.add("--depth", arguments.depth, whole_number(0, deepest_octree_level), "LEVEL",
+              "Split cubes up to this level: 0 to 20 (default 7)");
+  options.add("--tol", arguments.tolerance, parse_length, "NUMBER",
+              "Instead of --depth: stop when the enclosure of the volume is at most this wide, in cubic model units");
+  options.add("--budget", arguments.budget, whole_number<std::size_t>(1), "CUBES",
+              "Largest number of undecided cubes of a level: bounds the memory (default 4194304)");
+  add_device(options, arguments.device);
+  options.require("-o,--output", arguments.output, "FILE", "The cubes: .vtu, with cell data colour and level");
+  options.add("--max-output", arguments.max_output, "SIZE",
+              "Largest OUT.vtu that is written, like 500MB or 4GiB (default 1GiB); its size is known before");
+  options.add_flag("--white", arguments.white, "Write the white cubes too");
+  add_json(options, arguments.json);
+  add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_octree(const OctreeArguments& arguments) {
   OctreeOptions options = options_of(arguments);
   const std::uint64_t most_bytes = parse_byte_size("--max-output", arguments.max_output);
-  refuse_to_overwrite(arguments.output, {arguments.model});
+  refuse_to_overwrite("-o", arguments.output, {arguments.model});
   const Model model = read_model(arguments.model);
   watch_for_interruption();
   OctreeWriter writer(arguments.output, arguments.white ? WhiteCubes::written : WhiteCubes::left_out);
@@ -138,15 +115,13 @@ ExitStatus run_octree(const OctreeArguments& arguments) {
   const bool too_large = bytes > most_bytes;
   const bool written = !summary.interrupted && !too_large;
   if (written) writer.finish(summary.root);
-  std::optional<double> tolerance;
-  if (arguments.tolerance) tolerance = options.tolerance;
-  const bool is_complete = complete(summary, tolerance);
+  const bool is_complete = complete(summary, arguments.tolerance);
   explain(summary, is_complete, arguments.output);
   const OctreeReport report{.summary = summary,
                             .output = written ? arguments.output : "",
                             .output_bytes = bytes,
                             .units = model.units,
-                            .tolerance = tolerance};
+                            .tolerance = arguments.tolerance};
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (summary.interrupted) return ExitStatus::interrupted;
   if (too_large) {

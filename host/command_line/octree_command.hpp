@@ -5,10 +5,7 @@
 #include <string>
 
 #include "host/command_line/exit_status.hpp"
-
-namespace CLI {
-class App;
-}
+#include "host/command_line/options.hpp"
 
 namespace verisq::command_line {
 
@@ -16,18 +13,17 @@ namespace verisq::command_line {
 struct OctreeArguments {
   std::string model;
   std::optional<int> depth;
-  std::optional<std::string> tolerance;  ///< text, so that it is read to the nearest binary64
+  std::optional<double> tolerance;  ///< of the volume
   std::optional<std::size_t> budget;
   std::string device = "auto";
   std::string output;
-  std::string max_output = "1GiB";
+  std::string max_output = "1GiB";  ///< text, which messages repeat
   bool white = false;
   bool json = false;
   bool no_progress = false;
 };
 
-/// Adds the command to `program`; parsing fills `arguments`, which must outlive `program`.
-const CLI::App& declare_octree(CLI::App& program, OctreeArguments& arguments);
+void declare_octree(Options& options, OctreeArguments& arguments);
 
 /// Throws Error(input) for whatever the user can correct.
 ExitStatus run_octree(const OctreeArguments& arguments);

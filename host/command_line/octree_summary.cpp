@@ -1,29 +1,15 @@
 /// The two forms of the summary.
 #include "host/command_line/octree_summary.hpp"
 
-#include <fmt/format.h>
-// After <cstdio>, which makes MPFR declare its formatted output.
-#include <mpfr.h>
-
-#include <array>
-#include <nlohmann/json.hpp>
+#include <fmt/core.h>
 
 #include "host/command_line/byte_size.hpp"
+#include "host/command_line/directed_digits.hpp"
+#include "host/command_line/json_value.hpp"
 #include "host/command_line/progress_bar.hpp"
 
 namespace verisq::command_line {
 namespace {
-
-/// Ten significant digits of which the number is no smaller ("D") or no larger ("U") than `x`.
-std::string digits(double x, char rounding) {
-  mpfr_t number;
-  mpfr_init2(number, 53);
-  mpfr_set_d(number, x, MPFR_RNDN);
-  std::array<char, 64> text{};
-  mpfr_snprintf(text.data(), text.size(), rounding == 'D' ? "%.10RDg" : "%.10RUg", number);
-  mpfr_clear(number);
-  return text.data();
-}
 
 std::string table(const OctreeReport& report) {
   const OctreeSummary& summary = report.summary;
@@ -46,8 +32,8 @@ std::string readable(const OctreeReport& report) {
   const OctreeSummary& summary = report.summary;
   const std::string cubic_units = report.units.empty() ? "" : " " + report.units + "^3";
   std::string text = table(report);
-  text += fmt::format("volume             [{}, {}]{}\n", digits(summary.volume.lo, 'D'), digits(summary.volume.hi, 'U'),
-                      cubic_units);
+  text += fmt::format("volume             [{}, {}]{}\n", lower_digits(summary.volume.lo),
+                      upper_digits(summary.volume.hi), cubic_units);
   text += fmt::format("undecided volume   {:.3g}{}\n", summary.volume.width(), cubic_units);
   if (report.tolerance) text += fmt::format("tolerance          {:.3g}{}\n", *report.tolerance, cubic_units);
   text += fmt::format("device             {}\n", summary.device);
@@ -60,22 +46,22 @@ std::string readable(const OctreeReport& report) {
 
 std::string json(const OctreeReport& report) {
   const OctreeSummary& summary = report.summary;
-  auto levels = nlohmann::ordered_json::array();
+  JsonValue::Array levels;
   for (std::size_t level = 0; level < summary.levels.size(); ++level) {
     const auto& [black, white, gray] = summary.levels[level];
-    levels.push_back({{"level", level},
-                      {"edge", edge(summary.root, static_cast<int>(level))},
-                      {"inside", black},
-                      {"undecided", gray},
-                      {"outside", white}});
+    levels.push_back(JsonObject{{"level", level},
+                                {"edge", edge(summary.root, static_cast<int>(level))},
+                                {"inside", black},
+                                {"undecided", gray},
+                                {"outside", white}});
   }
-  nlohmann::ordered_json object{
-      {"volume", {{"lo", summary.volume.lo}, {"hi", summary.volume.hi}}},
+  const JsonObject object{
+      {"volume", summary.volume},
       {"units", report.units},
-      {"tolerance", nullptr},
+      {"tolerance", report.tolerance},
       {"depth", summary.levels.size() - 1},
       {"levels", levels},
-      {"root", {{"centre", summary.root.centre}, {"half_width", summary.root.half_width}}},
+      {"root", JsonObject{{"centre", summary.root.centre}, {"half_width", summary.root.half_width}}},
       {"coloured", summary.coloured},
       {"budget_hit", summary.budget_hit},
       {"interrupted", summary.interrupted},
@@ -87,9 +73,7 @@ std::string json(const OctreeReport& report) {
       {"output", report.output},
       {"output_bytes", report.output_bytes},
   };
-  if (report.tolerance) object["tolerance"] = *report.tolerance;
-  // Names of devices and files are bytes of the system, not always UTF-8: replaced rather than refused.
-  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return object.text() + "\n";
 }
 
 }  // namespace verisq::command_line

@@ -1,29 +1,23 @@
 /// The options and the two sources of points.
 #include "host/command_line/point_stream.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <verisq/error.hpp>
 #include <verisq/mesh_file.hpp>
 
 #include "host/command_line/file_fraction.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
 
 namespace verisq::command_line {
 
-void declare_inputs(CLI::App& command, InputArguments& inputs) {
-  command.add_option("--model", inputs.model, "Model of posed superquadrics (verisq-model/1, JSON)")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  command.add_option("--mesh", inputs.mesh, "Mesh whose vertices or triangles are meant: .stl .obj .ply .off")
-      ->option_text("FILE");
-  command.add_option("--points", inputs.points, "Points instead of a mesh: .csv with x,y,z a line")
-      ->option_text("FILE");
+void declare_inputs(Options& options, InputArguments& inputs) {
+  require_model(options, "--model", inputs.model);
+  options.add("--mesh", inputs.mesh, "FILE", "Mesh whose vertices or triangles are meant: .stl .obj .ply .off");
+  options.add("--points", inputs.points, "FILE", "Points instead of a mesh: .csv with x,y,z a line");
 }
 
 void check_usage(const InputArguments& inputs) {
-  if (inputs.mesh.empty() == inputs.points.empty()) {
-    throw Error(ErrorKind::input, "give either --mesh or --points");
-  }
+  if (inputs.mesh.empty() == inputs.points.empty()) refuse("give either --mesh or --points");
 }
 
 PointStream::PointStream(const InputArguments& inputs) {

@@ -8,9 +8,7 @@
 #include <verisq/mesh.hpp>
 #include <verisq/point_file.hpp>
 
-namespace CLI {
-class App;
-}
+#include "host/command_line/options.hpp"
 
 namespace verisq::command_line {
 
@@ -21,8 +19,8 @@ struct InputArguments {
   std::string points;  ///< empty when `mesh` is given
 };
 
-/// Adds --model, --mesh and --points to `command`; parsing fills `inputs`.
-void declare_inputs(CLI::App& command, InputArguments& inputs);
+/// Adds --model, --mesh and --points.
+void declare_inputs(Options& options, InputArguments& inputs);
 
 /// Throws Error(input) unless `inputs` has either a mesh or points.
 void check_usage(const InputArguments& inputs);

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <vector>
-#include <verisq/error.hpp>
 
 #include "host/command_line/number_list.hpp"
+#include "host/command_line/refusal.hpp"
 
 namespace verisq::command_line {
 
@@ -15,7 +15,7 @@ Pose parse_pose(std::string_view option, const std::string& text) {
   const std::vector<double> numbers = parse_numbers(option, text, "tx,ty,tz,qw,qx,qy,qz");
   const Pose pose{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]}};
   if (std::ranges::all_of(pose.quaternion, [](double q) { return q == 0.0; })) {
-    throw Error(ErrorKind::input, fmt::format("{}: {} has a zero quaternion", option, text));
+    refuse(fmt::format("{}: {} has a zero quaternion", option, text));
   }
   return pose;
 }

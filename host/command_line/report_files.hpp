@@ -1,13 +1,11 @@
 /// The options --report and --png: a finished map for people to look at.
 #pragma once
 
-#include <initializer_list>
 #include <string>
+#include <vector>
 #include <verisq/report.hpp>
 
-namespace CLI {
-class App;
-}
+#include "host/command_line/options.hpp"
 
 namespace verisq::command_line {
 
@@ -19,12 +17,12 @@ struct ReportFiles {
   [[nodiscard]] bool any() const { return !html.empty() || !png.empty(); }
 };
 
-/// Adds --report and --png to `command`; parsing fills `files`.
-void declare_report_files(CLI::App& command, ReportFiles& files);
+/// Adds --report and --png.
+void declare_report_files(Options& options, ReportFiles& files);
 
 /// Throws Error(input) for other extensions and where a file would overwrite one of `inputs`, whose empty names are
 /// none; Error(failure) where a file cannot be written: known before all the work, not after it.
-void check_usage(const ReportFiles& files, std::initializer_list<std::string> inputs);
+void check_usage(const ReportFiles& files, const std::vector<std::string>& inputs);
 
 /// Throws Error(failure).
 void write(const ReportFiles& files, const Report& report);

@@ -3,31 +3,34 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <string_view>
-#include <verisq/error.hpp>
+#include <vector>
+#include <verisq/version.hpp>
 
 #include "host/command_line/interruption.hpp"
+#include "host/command_line/refusal.hpp"
 
 namespace verisq::command_line {
+namespace {
 
-int run_program(CLI::App& program, int argc, char** argv, const std::function<ExitStatus()>& command) {
+int status_of(ExitStatus status) {
+  return status == ExitStatus::interrupted ? status_of_interruption() : static_cast<int>(status);
+}
+
+/// `parse_and_run` returns nothing where --help or --version was all that was asked.
+int answer(const std::string& name, const std::function<std::optional<ExitStatus>()>& parse_and_run) {
   const auto report = [&](std::string_view message, ExitStatus status) {
-    fmt::print(stderr, "{}: {}\n", program.get_name(), message);
+    fmt::print(stderr, "{}: {}\n", name, message);
     return static_cast<int>(status);
   };
   try {
-    program.parse(argc, argv);
-    const ExitStatus status = command();
+    const std::optional<ExitStatus> status = parse_and_run();
+    if (!status) return 0;
     if (std::fflush(stdout) != 0) return report("cannot write to the standard output", ExitStatus::failed);
-    return status == ExitStatus::interrupted ? status_of_interruption() : static_cast<int>(status);
-  } catch (const CLI::ParseError& error) {
-    // `--help` and `--version` arrive as errors of status 0, whose text CLI11 prints.
-    if (error.get_exit_code() == 0) return program.exit(error);
-    return report(fmt::format("{} (see {} --help)", error.what(), program.get_name()), ExitStatus::bad_input);
+    return status_of(*status);
   } catch (const Error& error) {
     return report(error.what(), error.kind() == ErrorKind::input ? ExitStatus::bad_input : ExitStatus::failed);
   } catch (const std::bad_alloc&) {
@@ -35,6 +38,35 @@ int run_program(CLI::App& program, int argc, char** argv, const std::function<Ex
   } catch (const std::exception& error) {
     return report(error.what(), ExitStatus::failed);
   }
+}
+
+}  // namespace
+
+int run_program(const Program& program, std::span<const Command> commands, int argc, char** argv) {
+  return answer(program.name, [&]() -> std::optional<ExitStatus> {
+    Options options(program.name, program.description, VERISQ_VERSION);
+    options.explain(program.closing_words);
+    std::vector<std::pair<Options, Action>> declared;
+    for (const auto& [name, description, declare] : commands) {
+      Options of_command = options.command(name, description);
+      Action run = declare(of_command);
+      declared.emplace_back(std::move(of_command), std::move(run));
+    }
+    if (!options.parse(argc, argv)) return std::nullopt;
+    for (const auto& [of_command, run] : declared) {
+      if (of_command.given()) return run();
+    }
+    refuse(fmt::format("give a command (see {} --help)", program.name));
+  });
+}
+
+int run_program(const Program& program, const Command& command, int argc, char** argv) {
+  return answer(program.name, [&]() -> std::optional<ExitStatus> {
+    Options options(program.name, program.description, VERISQ_VERSION);
+    const Action run = command.declare(options);
+    if (!options.parse(argc, argv)) return std::nullopt;
+    return run();
+  });
 }
 
 }  // namespace verisq::command_line

@@ -4,20 +4,22 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <numeric>
 #include <verisq/error.hpp>
 #include <verisq/stance_file.hpp>
 
+#include "host/command_line/choice.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
 #include "host/command_line/stance_summary.hpp"
+#include "host/command_line/stopwatch.hpp"
 #include "host/command_line/whole_number.hpp"
 
 namespace verisq::command_line {
@@ -50,10 +52,6 @@ constexpr const char* closing_words =
 constexpr double default_drop_height = 0.01;  // m
 constexpr std::uint32_t most_cells = 4096;
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
-}
-
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const StanceArguments& arguments) {
   if (arguments.cells && !arguments.accelerations) refuse("--cells: give --accelerations, too");
@@ -61,19 +59,6 @@ void check_usage(const StanceArguments& arguments) {
   const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
                      arguments.monte_carlo || arguments.bounce;
   if (arguments.report && other) refuse("--report: chooses parameters and mode itself; give --json at most");
-}
-
-Mode parse_mode(const std::string& mode) {
-  if (mode == "tight") return Mode::tight;
-  if (mode != "paper") refuse(fmt::format("--mode: {} is not one of paper, tight", mode));
-  return Mode::paper;
-}
-
-double parse_drop_height(const StanceArguments& arguments) {
-  if (!arguments.drop_height) return default_drop_height;
-  const double height = parse_length("--drop-height", *arguments.drop_height);
-  if (height == 0.0) refuse("--drop-height: 0 is not above 0");
-  return height;
 }
 
 /// The words between commas.
@@ -166,8 +151,7 @@ class Analysis {
  public:
   explicit Analysis(const StanceArguments& arguments) : arguments_(arguments) {
     summary_.file = arguments.model;
-    summary_.mode = parse_mode(arguments.mode.value_or("tight"));
-    const double height = parse_drop_height(arguments);
+    summary_.mode = arguments.mode.value_or(Mode::tight);
     summary_.model = read_model(arguments.model);
     summary_.uncertain = parse_uncertain(arguments.uncertain.value_or("all"), summary_.model);
     if (arguments.accelerations) check_cells(acceleration_options().cells, summary_.uncertain.size());
@@ -175,11 +159,12 @@ class Analysis {
     const ContactCylinder& cylinder = parse_cylinder(*arguments.bounce, summary_.model);
     summary_.dropped = cylinder.name;
     summary_.bounce_scope = bounce_scope(summary_.model, cylinder);
-    summary_.drop = drop_of(cylinder, summary_.model, summary_.uncertain, height);
+    summary_.drop =
+        drop_of(cylinder, summary_.model, summary_.uncertain, arguments.drop_height.value_or(default_drop_height));
   }
 
   [[nodiscard]] const StanceSummary& run() {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch time;
     if (arguments_.report) {
       compare();
     } else {
@@ -188,7 +173,7 @@ class Analysis {
       if (arguments_.accelerations) enclose_accelerations();
       if (summary_.drop) summary_.bounce = bounce(*summary_.drop, {.interrupted = interrupted});
     }
-    summary_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    summary_.seconds = time.seconds();
     summary_.interrupted = interrupted();
     return summary_;
   }
@@ -281,47 +266,31 @@ bool all_proven(const StanceSummary& summary) {
 
 }  // namespace
 
-const CLI::App& declare_stance(CLI::App& program, StanceArguments& arguments) {
-  CLI::App& stance = *program.add_subcommand(
-      "stance", "Enclose wrench, sensitivities and accelerations of a stance model with uncertain parameters");
-  stance.footer(closing_words);
-  stance.add_option("model", arguments.model, "Stance model (XML)")->required()->option_text("MODEL.xml REQUIRED");
-  stance
-      .add_option("--uncertain", arguments.uncertain,
-                  "Parameters that take their whole range: names between commas, all (default) or none")
-      ->option_text("NAMES");
-  stance
-      .add_option("--mode", arguments.mode,
-                  "tight (default), or paper: with the paper's expression of w6, in which px occurs three times")
-      ->option_text("MODE");
-  stance.add_flag("--sensitivities", arguments.sensitivities,
-                  "Also the wrench's derivatives by every parameter, and the reference uncertainty");
-  stance.add_flag("--accelerations", arguments.accelerations, "Also the accelerations of all joints, in free fall");
-  stance
-      .add_option("--cells", arguments.cells,
-                  "Of --accelerations: subdivisions of each uncertain parameter's range (default 64)")
-      ->transform(whole_number("--cells", 1, most_cells))
-      ->option_text("NUMBER");
-  stance
-      .add_option("--monte-carlo", arguments.monte_carlo,
-                  "Sample the uncertain parameters, check that the enclosures contain all samples, and say how much\n"
-                  "of them the samples fill")
-      ->transform(whole_number("--monte-carlo", 1))
-      ->option_text("COUNT");
-  stance.add_flag("--report", arguments.report,
-                  "Instead: Tables 2, 3 and 4 of the paper, cell by cell,\n"
-                  "with the constants that were reconstructed from these same tables");
-  stance
-      .add_option(
-          "--bounce", arguments.bounce,
-          "Also drop this contact cylinder alone, with the mass of its body, and enclose its rebound; the mass,\n"
-          "the normal restitution and the impact velocity take their ranges where they are uncertain")
-      ->option_text("CYLINDER");
-  stance.add_option("--drop-height", arguments.drop_height, "Of its lowest point, in m (default 0.01)")
-      ->option_text("NUMBER");
-  stance.add_flag("--json", arguments.json, "Print one JSON object");
-  stance.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
-  return stance;
+void declare_stance(Options& options, StanceArguments& arguments) {
+  options.explain(closing_words);
+  options.require("model", arguments.model, "MODEL.xml", "Stance model (XML)");
+  options.add("--uncertain", arguments.uncertain, "NAMES",
+              "Parameters that take their whole range: names between commas, all (default) or none");
+  options.add("--mode", arguments.mode, choice<Mode>({{"paper", Mode::paper}, {"tight", Mode::tight}}), "MODE",
+              "tight (default), or paper: with the paper's expression of w6, in which px occurs three times");
+  options.add_flag("--sensitivities", arguments.sensitivities,
+                   "Also the wrench's derivatives by every parameter, and the reference uncertainty");
+  options.add_flag("--accelerations", arguments.accelerations, "Also the accelerations of all joints, in free fall");
+  options.add("--cells", arguments.cells, whole_number(1U, most_cells), "NUMBER",
+              "Of --accelerations: subdivisions of each uncertain parameter's range (default 64)");
+  options.add("--monte-carlo", arguments.monte_carlo, whole_number<std::uint64_t>(1), "COUNT",
+              "Sample the uncertain parameters, check that the enclosures contain all samples, and say how much\n"
+              "of them the samples fill");
+  options.add_flag("--report", arguments.report,
+                   "Instead: Tables 2, 3 and 4 of the paper, cell by cell,\n"
+                   "with the constants that were reconstructed from these same tables");
+  options.add("--bounce", arguments.bounce, "CYLINDER",
+              "Also drop this contact cylinder alone, with the mass of its body, and enclose its rebound; the mass,\n"
+              "the normal restitution and the impact velocity take their ranges where they are uncertain");
+  options.add("--drop-height", arguments.drop_height, parse_positive_length, "NUMBER",
+              "Of its lowest point, in m (default 0.01)");
+  options.add_flag("--json", arguments.json, "Print one JSON object");
+  add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_stance(const StanceArguments& arguments) {

@@ -4,12 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <verisq/stance_analysis.hpp>
 
 #include "host/command_line/exit_status.hpp"
-
-namespace CLI {
-class App;
-}
+#include "host/command_line/options.hpp"
 
 namespace verisq::command_line {
 
@@ -17,20 +15,19 @@ namespace verisq::command_line {
 struct StanceArguments {
   std::string model;
   std::optional<std::string> uncertain;
-  std::optional<std::string> mode;
+  std::optional<stance::Mode> mode;
   bool sensitivities = false;
   bool accelerations = false;
   std::optional<std::uint32_t> cells;
   std::optional<std::uint64_t> monte_carlo;
   bool report = false;
   std::optional<std::string> bounce;
-  std::optional<std::string> drop_height;  ///< text, so that it is read to the nearest binary64
+  std::optional<double> drop_height;  ///< in m
   bool json = false;
   bool no_progress = false;
 };
 
-/// Adds the command to `program`; parsing fills `arguments`, which must outlive `program`.
-const CLI::App& declare_stance(CLI::App& program, StanceArguments& arguments);
+void declare_stance(Options& options, StanceArguments& arguments);
 
 /// Throws Error(input) for whatever the user can correct, Error(failure) where a sample escapes from an enclosure.
 ExitStatus run_stance(const StanceArguments& arguments);

@@ -6,15 +6,14 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 
 #include "host/command_line/directed_digits.hpp"
+#include "host/command_line/json_value.hpp"
 
 namespace verisq::command_line {
 namespace {
 
 using namespace stance;
-using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, wrench_size> component_words{
     "force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z"};
@@ -183,104 +182,100 @@ std::string bounce_text(const StanceSummary& summary) {
   return text;
 }
 
-Json ends(const Enclosure& enclosure) {
-  return {{"lo", enclosure.lo}, {"hi", enclosure.hi}};
-}
-
-Json json_of(const Scope& scope) {
+JsonObject json_of(const Scope& scope) {
   return {{"meaning", scope.meaning},
           {"acts", scope.acts},
           {"does_not_act", scope.does_not_act},
           {"parameters_without_effect", scope.parameters_without_effect}};
 }
 
-Json json_with_samples(const Enclosure& enclosure, const std::optional<Samples>& samples, std::size_t k) {
-  Json object = ends(enclosure);
-  if (!samples || samples->count == 0) return object;
-  object["sampled"] = ends(samples->hull[k]);
-  object["filled"] = filled_part(samples->hull[k], enclosure);
+JsonValue json_with_samples(const Enclosure& enclosure, const std::optional<Samples>& samples, std::size_t k) {
+  if (!samples || samples->count == 0) return enclosure;
+  return JsonObject{{"lo", enclosure.lo},
+                    {"hi", enclosure.hi},
+                    {"sampled", samples->hull[k]},
+                    {"filled", filled_part(samples->hull[k], enclosure)}};
+}
+
+JsonObject json_of(const WrenchEnclosure& wrench, const std::optional<Samples>& samples = std::nullopt) {
+  JsonObject object;
+  for (std::size_t k = 0; k < wrench_size; ++k) object.set(component_name(k), json_with_samples(wrench[k], samples, k));
   return object;
 }
 
-Json json_of(const WrenchEnclosure& wrench, const std::optional<Samples>& samples = std::nullopt) {
-  Json object = Json::object();
-  for (std::size_t k = 0; k < wrench_size; ++k) object[component_name(k)] = json_with_samples(wrench[k], samples, k);
-  return object;
-}
-
-Json json_of_parameters(const Model& model) {
-  Json array = Json::array();
+JsonValue json_of_parameters(const Model& model) {
+  JsonValue::Array array;
   for (const Parameter& parameter : model.parameters) {
-    array.push_back({{"name", parameter.name},
-                     {"unit", parameter.unit},
-                     {"description", parameter.description},
-                     {"nominal", parameter.nominal},
-                     {"lo", parameter.range.lo},
-                     {"hi", parameter.range.hi}});
+    array.push_back(JsonObject{{"name", parameter.name},
+                               {"unit", parameter.unit},
+                               {"description", parameter.description},
+                               {"nominal", parameter.nominal},
+                               {"lo", parameter.range.lo},
+                               {"hi", parameter.range.hi}});
   }
   return array;
 }
 
-Json json_of_sensitivities(const StanceSummary& summary) {
-  Json object = Json::object();
+JsonObject json_of_sensitivities(const StanceSummary& summary) {
+  JsonObject object;
   for (std::size_t i = 0; i < summary.sensitivities.size(); ++i) {
-    object[summary.model.parameters[i].name] = json_of(summary.sensitivities[i]);
+    object.set(summary.model.parameters[i].name, json_of(summary.sensitivities[i]));
   }
   return object;
 }
 
-Json json_of(const ReferenceUncertainty& reference) {
-  Json radius = Json::object();
-  for (std::size_t k = 0; k < wrench_size; ++k) radius[component_name(k)] = reference.by_radius[k];
+JsonObject json_of(const ReferenceUncertainty& reference) {
+  JsonObject radius;
+  for (std::size_t k = 0; k < wrench_size; ++k) radius.set(component_name(k), reference.by_radius[k]);
   return {{"by_value", json_of(reference.by_value)}, {"by_radius", radius}};
 }
 
-Json json_of_accelerations(const StanceSummary& summary) {
-  Json object = Json::object();
+JsonObject json_of_accelerations(const StanceSummary& summary) {
+  JsonObject object;
   const std::vector<std::string> names = joint_names(summary.model);
   for (std::size_t k = 0; k < summary.accelerations.size(); ++k) {
-    object[names[k]] = json_with_samples(summary.accelerations[k], summary.acceleration_samples, k);
+    object.set(names[k], json_with_samples(summary.accelerations[k], summary.acceleration_samples, k));
   }
   return object;
 }
 
-Json json_of(const PaperReport& report) {
-  Json tables = Json::array();
+JsonObject json_of(const PaperReport& report) {
+  JsonValue::Array tables;
   for (const PaperTable& table : report.tables) {
-    Json cells = Json::array();
+    JsonValue::Array cells;
     for (const Cell& cell : table.cells) {
-      cells.push_back({{"row", cell.row},
-                       {"column", cell.column},
-                       {"verisq", stance::text(cell.ours)},
-                       {"paper", cell.printed},
-                       {"verdict", stance::word(cell.verdict)},
-                       {"reason", cell.reason},
-                       {"reconstructed", cell.reconstructed}});
+      cells.push_back(JsonObject{{"row", cell.row},
+                                 {"column", cell.column},
+                                 {"verisq", stance::text(cell.ours)},
+                                 {"paper", cell.printed},
+                                 {"verdict", stance::word(cell.verdict)},
+                                 {"reason", cell.reason},
+                                 {"reconstructed", cell.reconstructed}});
     }
-    tables.push_back({{"title", table.title}, {"cells", cells}});
+    tables.push_back(JsonObject{{"title", table.title}, {"cells", cells}});
   }
   return {{"tables", tables},
           {"unrounded", json_of(report.unrounded)},
           {"all_explained", report.all_explained()},
           {"reconstructed_constants", reconstructed_constants()},
           {"reconstructed_from", "Tables 2 to 4: a match of a cell that these constants enter is no evidence for them"},
-          {"does_not_act", {"ground contact", "friction", "controller"}}};
+          {"does_not_act", std::array{"ground contact", "friction", "controller"}}};
 }
 
-Json json_of(const Bounce& bounce, const std::string& dropped, const Drop& drop, const Scope& scope) {
+JsonObject json_of(const Bounce& bounce, const std::string& dropped, const Drop& drop, const Scope& scope) {
   return {{"cylinder", dropped},
           {"scope", json_of(scope)},
           {"height", drop.height},
-          {"mass", ends(drop.mass)},
-          {"radius", ends(drop.radius)},
-          {"restitution", ends(drop.restitution)},
-          {"impact_velocity", ends(drop.impact_velocity)},
-          {"touch_down_time", ends(bounce.touch_down_time)},
-          {"touch_down_speed", ends(bounce.touch_down_speed)},
-          {"deepest_penetration", ends(bounce.deepest_penetration)},
-          {"lift_off_time", ends(bounce.lift_off_time)},
-          {"rebound_speed", ends(bounce.rebound_speed)},
-          {"effective_restitution", ends(bounce.effective_restitution)},
+          {"mass", drop.mass},
+          {"radius", drop.radius},
+          {"restitution", drop.restitution},
+          {"impact_velocity", drop.impact_velocity},
+          {"touch_down_time", bounce.touch_down_time},
+          {"touch_down_speed", bounce.touch_down_speed},
+          {"deepest_penetration", bounce.deepest_penetration},
+          {"lift_off_time", bounce.lift_off_time},
+          {"rebound_speed", bounce.rebound_speed},
+          {"effective_restitution", bounce.effective_restitution},
           {"steps", bounce.steps},
           {"proven", bounce.proven}};
 }
@@ -324,30 +319,30 @@ std::string readable(const StanceSummary& summary) {
 }
 
 std::string json(const StanceSummary& summary) {
-  Json uncertain = Json::array();
+  JsonValue::Array uncertain;
   for (const std::uint32_t i : summary.uncertain) uncertain.push_back(summary.model.parameters[i].name);
-  Json object{{"model", summary.file}, {"parameters", json_of_parameters(summary.model)}};
-  if (summary.paper) object["paper"] = json_of(*summary.paper);
+  JsonObject object{{"model", summary.file}, {"parameters", json_of_parameters(summary.model)}};
+  if (summary.paper) object.set("paper", json_of(*summary.paper));
   if (summary.wrench) {
-    object["uncertain"] = uncertain;
-    object["mode"] = word(summary.mode);
-    object["wrench"] = json_of(*summary.wrench, summary.wrench_samples);
-    object["wrench_scope"] = json_of(summary.wrench_scope);
+    object.set("uncertain", uncertain);
+    object.set("mode", word(summary.mode));
+    object.set("wrench", json_of(*summary.wrench, summary.wrench_samples));
+    object.set("wrench_scope", json_of(summary.wrench_scope));
   }
-  if (summary.wrench_samples) object["samples"] = summary.wrench_samples->count;
-  if (!summary.sensitivities.empty()) object["sensitivities"] = json_of_sensitivities(summary);
-  if (summary.reference) object["reference_uncertainty"] = json_of(*summary.reference);
+  if (summary.wrench_samples) object.set("samples", summary.wrench_samples->count);
+  if (!summary.sensitivities.empty()) object.set("sensitivities", json_of_sensitivities(summary));
+  if (summary.reference) object.set("reference_uncertainty", json_of(*summary.reference));
   if (!summary.accelerations.empty()) {
-    object["accelerations"] = json_of_accelerations(summary);
-    object["accelerations_scope"] = json_of(summary.acceleration_scope);
+    object.set("accelerations", json_of_accelerations(summary));
+    object.set("accelerations_scope", json_of(summary.acceleration_scope));
   }
-  if (summary.acceleration_samples) object["acceleration_samples"] = summary.acceleration_samples->count;
-  if (summary.bounce) object["bounce"] = json_of(*summary.bounce, summary.dropped, *summary.drop, summary.bounce_scope);
-  object["notes"] = notes(summary.model);
-  object["interrupted"] = summary.interrupted;
-  object["seconds"] = summary.seconds;
-  // Names of files are bytes of the system, not always UTF-8: replaced rather than refused.
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (summary.acceleration_samples) object.set("acceleration_samples", summary.acceleration_samples->count);
+  if (summary.bounce)
+    object.set("bounce", json_of(*summary.bounce, summary.dropped, *summary.drop, summary.bounce_scope));
+  object.set("notes", notes(summary.model));
+  object.set("interrupted", summary.interrupted);
+  object.set("seconds", summary.seconds);
+  return object.text() + "\n";
 }
 
 }  // namespace verisq::command_line

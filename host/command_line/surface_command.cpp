@@ -3,19 +3,20 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
-#include <chrono>
 #include <filesystem>
-#include <limits>
-#include <verisq/error.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/point_file.hpp>
 #include <verisq/surface.hpp>
 
+#include "host/command_line/choice.hpp"
 #include "host/command_line/length_option.hpp"
-#include "host/command_line/map_to_file.hpp"
+#include "host/command_line/messages.hpp"
+#include "host/command_line/overwriting.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
+#include "host/command_line/stopwatch.hpp"
 #include "host/command_line/surface_summary.hpp"
 #include "host/command_line/whole_number.hpp"
 #include "host/files/words.hpp"
@@ -44,32 +45,14 @@ constexpr const char* closing_words =
     "  verisq surface --points cavity.csv --smooth 5 --inward -o cavity.ply\n"
     "  verisq surface --mesh open_femur.stl --fill-holes -o femur.ply";
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
-}
-
-/// A given mesh keeps its triangles unless a method is named.
-SurfaceMethod method_of(const SurfaceArguments& arguments) {
-  if (!arguments.method) return arguments.mesh.empty() ? SurfaceMethod::wrap : SurfaceMethod::given;
-  if (*arguments.method == "wrap") return SurfaceMethod::wrap;
-  if (*arguments.method == "alpha") return SurfaceMethod::alpha_shape;
-  refuse(fmt::format("--method: '{}' is neither wrap nor alpha", *arguments.method));
-}
-
-std::optional<double> positive_length(const char* option, const std::optional<std::string>& text) {
-  if (!text) return std::nullopt;
-  const double length = parse_length(option, *text);
-  if (length == 0.0) refuse(fmt::format("{}: {} is not positive", option, *text));
-  return length;
-}
-
 SurfaceOptions options_of(const SurfaceArguments& arguments) {
   if (arguments.points.empty() == arguments.mesh.empty()) refuse("give either --points or --mesh");
   if (arguments.inward && arguments.outward) refuse("give either --inward or --outward");
   SurfaceOptions options;
-  options.method = method_of(arguments);
-  options.alpha = positive_length("--alpha", arguments.alpha);
-  options.offset = positive_length("--offset", arguments.offset);
+  // A given mesh keeps its triangles unless a method is named.
+  options.method = arguments.method.value_or(arguments.mesh.empty() ? SurfaceMethod::wrap : SurfaceMethod::given);
+  options.alpha = arguments.alpha;
+  options.offset = arguments.offset;
   options.fill_holes = arguments.fill_holes;
   options.smoothing_rounds = arguments.smooth;
   options.facing = arguments.inward ? Facing::inward : Facing::outward;
@@ -120,45 +103,40 @@ void explain(const SurfaceCheck& check, const std::string& output) {
   add(topology.non_manifold_edges, "non-manifold edges");
   add(topology.non_manifold_vertices, "non-manifold vertices");
   add(topology.inconsistent_edges, "edges between triangles turned against each other");
-  if (!faults.empty()) fmt::print(stderr, "verisq: {} bounds no solid: {}\n", output, faults);
-  if (check.self_intersecting) fmt::print(stderr, "verisq: {} intersects itself\n", output);
+  if (!faults.empty()) tell(fmt::format("{} bounds no solid: {}", output, faults));
+  if (check.self_intersecting) tell(fmt::format("{} intersects itself", output));
 }
 
 }  // namespace
 
-const CLI::App& declare_surface(CLI::App& program, SurfaceArguments& arguments) {
-  CLI::App& surface = *program.add_subcommand("surface", "Closed oriented surface from points or a damaged mesh");
-  surface.footer(closing_words);
-  surface
-      .add_option("--points", arguments.points,
-                  "Point cloud: a CSV file x,y,z, or a mesh (.stl, .ply, .off, .obj), whose vertices count")
-      ->option_text("FILE");
-  surface.add_option("--mesh", arguments.mesh, "Instead of --points: a mesh, whose triangles count")
-      ->option_text("FILE");
-  surface.add_option("-o,--output", arguments.output, "The surface: .ply, .stl (rounded to binary32), .off or .obj")
-      ->required()
-      ->option_text("FILE REQUIRED");
-  surface.add_option("--method", arguments.method, "wrap (default of --points) or alpha")->option_text("METHOD");
-  surface.add_option("--alpha", arguments.alpha, "Radius of the carving balls (default: chosen, see below)")
-      ->option_text("LENGTH");
-  surface.add_option("--offset", arguments.offset, "How far a wrap keeps from its input (default alpha/100)")
-      ->option_text("LENGTH");
-  surface.add_flag("--fill-holes", arguments.fill_holes, "Fill the holes of --mesh");
-  surface.add_option("--smooth", arguments.smooth, "Rounds of Taubin's smoothing, which keeps the volume (default 0)")
-      ->transform(whole_number("--smooth", 0, std::numeric_limits<int>::max()))
-      ->option_text("ROUNDS");
-  surface.add_flag("--outward", arguments.outward, "Normals point out of the solid (default)");
-  surface.add_flag("--inward", arguments.inward, "Normals point into it, as for cavities");
-  surface.add_flag("--json", arguments.json, "Print the summary as one JSON object");
-  surface.add_flag("--no-progress", arguments.no_progress, "No progress bar, even on a terminal");
-  return surface;
+void declare_surface(Options& options, SurfaceArguments& arguments) {
+  options.explain(closing_words);
+  options.add("--points", arguments.points, "FILE",
+              "Point cloud: a CSV file x,y,z, or a mesh (.stl, .ply, .off, .obj), whose vertices count");
+  options.add("--mesh", arguments.mesh, "FILE", "Instead of --points: a mesh, whose triangles count");
+  options.require("-o,--output", arguments.output, "FILE",
+                  "The surface: .ply, .stl (rounded to binary32), .off or .obj");
+  options.add("--method", arguments.method,
+              choice<SurfaceMethod>({{"wrap", SurfaceMethod::wrap}, {"alpha", SurfaceMethod::alpha_shape}}), "METHOD",
+              "wrap (default of --points) or alpha");
+  options.add("--alpha", arguments.alpha, parse_positive_length, "LENGTH",
+              "Radius of the carving balls (default: chosen, see below)");
+  options.add("--offset", arguments.offset, parse_positive_length, "LENGTH",
+              "How far a wrap keeps from its input (default alpha/100)");
+  options.add_flag("--fill-holes", arguments.fill_holes, "Fill the holes of --mesh");
+  options.add("--smooth", arguments.smooth, whole_number(0), "ROUNDS",
+              "Rounds of Taubin's smoothing, which keeps the volume (default 0)");
+  options.add_flag("--outward", arguments.outward, "Normals point out of the solid (default)");
+  options.add_flag("--inward", arguments.inward, "Normals point into it, as for cavities");
+  add_json(options, arguments.json);
+  add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_surface(const SurfaceArguments& arguments) {
   SurfaceOptions options = options_of(arguments);
   check_mesh_name(arguments.output);
-  refuse_to_overwrite(arguments.output, {arguments.points, arguments.mesh});
-  const auto start = std::chrono::steady_clock::now();
+  refuse_to_overwrite("-o", arguments.output, {arguments.points, arguments.mesh});
+  const Stopwatch time;
   const Mesh input = read_input(arguments);
 
   std::optional<ProgressBar> bar(std::in_place, !arguments.no_progress, "steps");
@@ -171,13 +149,12 @@ ExitStatus run_surface(const SurfaceArguments& arguments) {
   bar.reset();  // the line is cleared before anything else is said
 
   explain(check, arguments.output);
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   const SurfaceReport report{.surface = surface,
                              .check = check,
                              .options = options,
                              .points = input.vertices.size(),
                              .output = arguments.output,
-                             .seconds = seconds.count()};
+                             .seconds = time.seconds()};
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   return check.topology.bounds_solid() ? ExitStatus::verified : ExitStatus::unverified;
 }

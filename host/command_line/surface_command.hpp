@@ -1,14 +1,13 @@
-/// `verisq surface`: a closed oriented surface from a point cloud or a damaged mesh.
+/// `verisq surface`, which is the program `verisq-surface`: a closed oriented surface from a point cloud or a damaged
+/// mesh.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <verisq/surface.hpp>
 
 #include "host/command_line/exit_status.hpp"
-
-namespace CLI {
-class App;
-}
+#include "host/command_line/options.hpp"
 
 namespace verisq::command_line {
 
@@ -17,9 +16,9 @@ struct SurfaceArguments {
   std::string points;  ///< empty when `mesh` is given
   std::string mesh;    ///< empty when `points` is given
   std::string output;
-  std::optional<std::string> method;
-  std::optional<std::string> alpha;   ///< text, so that it is read to the nearest binary64
-  std::optional<std::string> offset;  ///< likewise
+  std::optional<SurfaceMethod> method;
+  std::optional<double> alpha;
+  std::optional<double> offset;
   bool fill_holes = false;
   int smooth = 0;
   bool inward = false;
@@ -28,10 +27,9 @@ struct SurfaceArguments {
   bool no_progress = false;
 };
 
-/// Adds the command to `program`; parsing fills `arguments`, which must outlive `program`.
-const CLI::App& declare_surface(CLI::App& program, SurfaceArguments& arguments);
+void declare_surface(Options& options, SurfaceArguments& arguments);
 
-/// Throws Error(input) for whatever the user can correct; in a build without CGAL, always.
+/// Throws Error(input) for whatever the user can correct.
 ExitStatus run_surface(const SurfaceArguments& arguments);
 
 }  // namespace verisq::command_line

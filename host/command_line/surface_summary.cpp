@@ -3,8 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-#include <optional>
+#include "host/command_line/json_value.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -39,10 +38,6 @@ std::string how_made(const SurfaceReport& report) {
   return text;
 }
 
-nlohmann::ordered_json or_null(const auto& value) {
-  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-}
-
 const char* word(Facing facing) {
   return facing == Facing::inward ? "inward" : "outward";
 }
@@ -69,11 +64,11 @@ std::string readable(const SurfaceReport& report) {
 
 std::string json(const SurfaceReport& report) {
   const MeshTopology& topology = report.check.topology;
-  const nlohmann::ordered_json object{
+  const JsonObject object{
       {"points", report.points},
       {"method", name(report.options.method)},
-      {"alpha", or_null(report.surface.alpha)},
-      {"offset", or_null(report.surface.offset)},
+      {"alpha", report.surface.alpha},
+      {"offset", report.surface.offset},
       {"holes", report.surface.holes},
       {"holes_filled", report.surface.holes_filled},
       {"smoothing_rounds", report.options.smoothing_rounds},
@@ -92,14 +87,13 @@ std::string json(const SurfaceReport& report) {
       {"self_intersecting", report.check.self_intersecting},
       {"components", topology.components},
       {"euler_characteristic", topology.euler_characteristic()},
-      {"genus", or_null(topology.genus())},
+      {"genus", topology.genus()},
       {"volume", report.check.volume},
       {"farthest_point", report.check.farthest_point},
       {"seconds", report.seconds},
       {"output", report.output},
   };
-  // Names of files are bytes of the system, not always UTF-8: replaced rather than refused.
-  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return object.text() + "\n";
 }
 
 }  // namespace verisq::command_line

@@ -3,19 +3,17 @@
 
 #include <fmt/core.h>
 
-#include <verisq/error.hpp>
-
 #include "host/command_line/finite_number.hpp"
+#include "host/command_line/refusal.hpp"
 
 namespace verisq::command_line {
 
-std::optional<double> parse_time_limit(const std::optional<std::string>& text) {
-  if (!text) return std::nullopt;
-  const std::optional<double> seconds = finite_number(*text);
+double parse_time_limit(std::string_view option, const std::string& text) {
+  const std::optional<double> seconds = finite_number(text);
   if (!seconds || !(*seconds > 0.0)) {
-    throw Error(ErrorKind::input, fmt::format("--time-limit: {} is not a finite number of seconds above 0", *text));
+    refuse(fmt::format("{}: {} is not a finite number of seconds above 0", option, text));
   }
-  return seconds;
+  return *seconds;
 }
 
 }  // namespace verisq::command_line

@@ -4,14 +4,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <verisq/error.hpp>
 #include <verisq/mesh_file.hpp>
+
+#include "host/command_line/refusal.hpp"
 
 namespace verisq::command_line {
 
 TriangleStream::TriangleStream(const InputArguments& inputs) : mesh_(read_mesh(inputs.mesh)) {
   if (mesh_.triangles.empty()) {
-    throw Error(ErrorKind::input, fmt::format("{}: a point cloud: it has no triangles", inputs.mesh));
+    refuse(fmt::format("{}: a point cloud: it has no triangles", inputs.mesh));
   }
 }
 

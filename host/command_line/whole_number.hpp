@@ -1,17 +1,26 @@
 /// Options whose values are whole numbers: a message with the limits for all that is none.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 
 namespace verisq::command_line {
 
-/// For CLI::Option::transform, before the text is converted to a type that may be too small for it: decimal, without
-/// leading zeros, which CLI11 would read as octal. Throws Error(input) that begins with `option` unless the text is a
-/// whole number of at least `least` and at most `most`.
-[[nodiscard]] CLI::Validator whole_number(std::string option, std::int64_t least,
-                                          std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+/// Decimal digits, leading zeros allowed. Throws Error(input) that begins with `option` unless `text` is a whole number
+/// of at least `least` and at most `most`.
+[[nodiscard]] std::uint64_t parse_whole_number(std::string_view option, std::string_view text, std::uint64_t least,
+                                               std::uint64_t most);
+
+/// The kind of option whose value lies between these limits, which are not negative.
+template <std::integral Number>
+[[nodiscard]] auto whole_number(Number least, Number most = std::numeric_limits<Number>::max()) {
+  return [least, most](std::string_view option, std::string_view text) {
+    return static_cast<Number>(
+        parse_whole_number(option, text, static_cast<std::uint64_t>(least), static_cast<std::uint64_t>(most)));
+  };
+}
 
 }  // namespace verisq::command_line

@@ -1,0 +1,61 @@
+/// nlohmann's library keeps and prints.
+#include "host/command_line/json_value.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace verisq::command_line {
+
+using Json = nlohmann::ordered_json;
+
+struct JsonValue::Content {
+  Json json;
+
+  // Names of files and devices are bytes of the system, not always UTF-8: replaced rather than refused.
+  [[nodiscard]] std::string text(int indentation) const {
+    return json.dump(indentation, ' ', false, Json::error_handler_t::replace);
+  }
+};
+
+JsonValue::JsonValue() : content_(new Content{nullptr}) {}
+JsonValue::JsonValue(bool value) : content_(new Content{value}) {}
+JsonValue::JsonValue(double value) : content_(new Content{value}) {}
+JsonValue::JsonValue(Whole number) : content_(new Content{number.value}) {}
+JsonValue::JsonValue(Natural number) : content_(new Content{number.value}) {}
+JsonValue::JsonValue(const char* value) : content_(new Content{value}) {}
+JsonValue::JsonValue(std::string_view value) : content_(new Content{value}) {}
+JsonValue::JsonValue(const std::string& value) : content_(new Content{value}) {}
+JsonValue::JsonValue(const Enclosure& enclosure)
+    : content_(new Content{{{"lo", enclosure.lo}, {"hi", enclosure.hi}}}) {}
+
+JsonValue::JsonValue(const Array& values) : content_(new Content{Json::array()}) {
+  for (const JsonValue& value : values) content_->json.push_back(value.content_->json);
+}
+
+JsonValue::JsonValue(const JsonValue& other) : content_(new Content(*other.content_)) {}
+JsonValue::JsonValue(JsonValue&& other) noexcept = default;
+JsonValue& JsonValue::operator=(JsonValue&& other) noexcept = default;
+JsonValue::~JsonValue() = default;
+
+JsonValue& JsonValue::operator=(const JsonValue& other) {
+  content_ = std::make_unique<Content>(*other.content_);
+  return *this;
+}
+
+std::string JsonValue::text() const {
+  return content_->text(-1);
+}
+
+std::string JsonValue::indented_text() const {
+  return content_->text(2);
+}
+
+JsonObject::JsonObject(std::initializer_list<JsonMember> members) {
+  content_->json = Json::object();
+  for (const auto& [name, value] : members) set(name, value);
+}
+
+void JsonObject::set(std::string_view name, const JsonValue& value) {
+  content_->json[std::string(name)] = value.content_->json;
+}
+
+}  // namespace verisq::command_line

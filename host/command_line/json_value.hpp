@@ -1,0 +1,85 @@
+/// The JSON of summaries: values as the commands state them, and their text. What prints it is in json_value.cpp alone.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+#include <verisq/enclosure.hpp>
+
+namespace verisq::command_line {
+
+/// Null, a truth value, a number, a text, an array or an object (below).
+class JsonValue {
+ public:
+  using Array = std::vector<JsonValue>;
+
+  JsonValue();
+  JsonValue(bool value);
+  JsonValue(double value);
+  template <std::signed_integral Number>
+  JsonValue(Number value) : JsonValue(Whole{value}) {}
+  template <std::unsigned_integral Number>
+  JsonValue(Number value) : JsonValue(Natural{value}) {}
+  JsonValue(const char* value);
+  JsonValue(std::string_view value);
+  JsonValue(const std::string& value);
+  /// {"lo": ..., "hi": ...}.
+  JsonValue(const Enclosure& enclosure);
+  JsonValue(const Array& values);
+  /// An array of what the container holds.
+  template <class Container>
+  requires requires(const Container& container) { JsonValue(*container.begin()); }
+  JsonValue(const Container& values) : JsonValue(Array(values.begin(), values.end())) {}
+  /// Null where there is none.
+  template <class Value>
+  JsonValue(const std::optional<Value>& value) : JsonValue(value ? JsonValue(*value) : JsonValue()) {}
+
+  JsonValue(const JsonValue& other);
+  JsonValue(JsonValue&& other) noexcept;
+  JsonValue& operator=(const JsonValue& other);
+  JsonValue& operator=(JsonValue&& other) noexcept;
+  ~JsonValue();
+
+  /// One line; numbers that JSON has not are null, bytes that are no UTF-8 are replaced.
+  [[nodiscard]] std::string text() const;
+  /// The same in indented lines.
+  [[nodiscard]] std::string indented_text() const;
+
+ private:
+  friend class JsonObject;
+
+  struct Content;
+  struct Whole {
+    std::int64_t value;
+  };
+  struct Natural {
+    std::uint64_t value;
+  };
+
+  explicit JsonValue(Whole number);
+  explicit JsonValue(Natural number);
+
+  std::unique_ptr<Content> content_;
+};
+
+struct JsonMember {
+  std::string_view name;
+  JsonValue value;
+};
+
+/// Its members keep their order: JsonObject{{"points", 3}, {"distance", Enclosure{1.0, 2.0}}}.
+class JsonObject : public JsonValue {
+ public:
+  JsonObject() : JsonObject(std::initializer_list<JsonMember>{}) {}
+  JsonObject(std::initializer_list<JsonMember> members);
+
+  /// Behind the others, or in place of the member of this name.
+  void set(std::string_view name, const JsonValue& value);
+};
+
+}  // namespace verisq::command_line

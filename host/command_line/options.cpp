@@ -1,0 +1,145 @@
+/// CLI11 collects the texts; they become values once it has nothing to complain about.
+#include "host/command_line/options.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+
+#include "host/command_line/refusal.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+void refuse_if_empty(std::string_view option, std::string_view text) {
+  if (text.empty()) refuse(fmt::format("{}: its value is empty", option));
+}
+
+/// CLI11 would take the next argument for the value of "--option=".
+void refuse_empty_assignments(int argc, char** argv) {
+  for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
+    const std::string_view argument = argv[i];
+    if (argument.starts_with("--") && argument.find('=') == argument.size() - 1) {
+      refuse_if_empty(argument.substr(0, argument.size() - 1), "");
+    }
+  }
+}
+
+std::string text_value(std::string_view /*option*/, const std::string& text) {
+  return text;
+}
+
+}  // namespace
+
+struct Options::Parser {
+  struct Waiting {
+    const CLI::Option* option;
+    std::string name;
+    Reader read;
+  };
+  struct Forwarding {
+    const CLI::App* command;
+    std::vector<std::string>* arguments;
+  };
+
+  explicit Parser(const std::string& name, const std::string& description) : program(description, name) {}
+
+  void read_all() const {
+    for (const auto& [option, name, read] : waiting) {
+      for (const std::string& text : option->results()) {
+        refuse_if_empty(name, text);
+        read(text);
+      }
+    }
+    for (const auto& [command, arguments] : forwardings) *arguments = command->remaining();
+  }
+
+  CLI::App program;
+  std::vector<Waiting> waiting{};
+  std::vector<Forwarding> forwardings{};
+};
+
+Options::Options(const std::string& name, const std::string& description, const std::string& version)
+    : parser_(std::make_shared<Parser>(name, description)), app_(&parser_->program) {
+  app_->set_version_flag("--version", name + " " + version, "Print the version and exit");
+}
+
+Options Options::command(const std::string& name, const std::string& description) const {
+  return {parser_, app_->add_subcommand(name, description)};
+}
+
+std::string Options::full_name() const {
+  const CLI::App* const program = app_->get_parent();
+  return program == nullptr ? app_->get_name() : program->get_name() + " " + app_->get_name();
+}
+
+void Options::explain(const std::string& closing_words) {
+  app_->footer(closing_words);
+}
+
+void Options::add(const std::string& names, std::string& value, const std::string& value_name,
+                  const std::string& explanation) {
+  add(names, value, text_value, value_name, explanation);
+}
+
+void Options::add(const std::string& names, std::optional<std::string>& value, const std::string& value_name,
+                  const std::string& explanation) {
+  add(names, value, text_value, value_name, explanation);
+}
+
+void Options::require(const std::string& names, std::string& value, const std::string& value_name,
+                      const std::string& explanation) {
+  declare({.names = names, .value_name = value_name, .explanation = explanation, .required = true},
+          reader(names, value, text_value));
+}
+
+void Options::require_each(const std::string& names, std::vector<std::string>& values, const std::string& value_name,
+                           const std::string& explanation) {
+  declare({names, value_name, explanation, true, true}, [&values](const std::string& text) { values.push_back(text); });
+}
+
+void Options::add_flag(const std::string& names, bool& given, const std::string& explanation) {
+  app_->add_flag(names, given, explanation);
+}
+
+void Options::take_all(std::vector<std::string>& arguments) {
+  app_->prefix_command();
+  app_->set_help_flag();
+  parser_->forwardings.push_back({app_, &arguments});
+}
+
+bool Options::parse(int argc, char** argv) const {
+  refuse_empty_assignments(argc, argv);
+  CLI::App& program = parser_->program;
+  const auto refuse_usage = [&program](const CLI::ParseError& error) {
+    refuse(fmt::format("{} (see {} --help)", error.what(), program.get_name()));
+  };
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    parser_->read_all();  // what is wrong is told before what is missing
+    refuse_usage(error);
+  } catch (const CLI::ParseError& error) {
+    // `--help` and `--version` arrive as errors of status 0, whose text CLI11 prints.
+    if (error.get_exit_code() == 0) {
+      program.exit(error);
+      return false;
+    }
+    refuse_usage(error);
+  }
+  parser_->read_all();
+  return true;
+}
+
+bool Options::given() const {
+  return app_->parsed();
+}
+
+void Options::declare(const Declaration& declaration, Reader read) {
+  CLI::Option* const option = app_->add_option(declaration.names, CLI::callback_t(), declaration.explanation);
+  option->type_name(declaration.value_name)->required(declaration.required);
+  option->option_text(declaration.value_name + (declaration.required ? " REQUIRED" : ""));
+  if (declaration.repeatable) option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(false);
+  parser_->waiting.push_back({option, first_name(declaration.names), std::move(read)});
+}
+
+}  // namespace verisq::command_line

@@ -1,0 +1,111 @@
+/// The options of a program and of its commands: declared by kind, parsed by CLI11, which options.cpp alone includes.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace verisq::command_line {
+
+/// A handle: copies declare for the same command. What an option fills must live until `parse` returns. An option's
+/// value may be a T or a std::optional<T>; it keeps what it has where the option is not given.
+///
+/// `names` are those of one option, "--tol" or "-o,--output", or without dashes that of a positional argument. A kind
+/// of value is a function T(std::string_view option, const std::string& text) that throws Error(input), beginning with
+/// `option`, for what is no such value: length, pose, choice, whole_number, ... Without one the value is text. An empty
+/// text is refused whatever the kind is.
+class Options {
+ public:
+  /// Those of a program, which --help explains and whose --version prints `name` and `version`.
+  Options(const std::string& name, const std::string& description, const std::string& version);
+
+  /// Those of a command of this program.
+  [[nodiscard]] Options command(const std::string& name, const std::string& description) const;
+
+  /// As it is typed: "verisq check".
+  [[nodiscard]] std::string full_name() const;
+
+  /// Says at the end of the help what no single option says.
+  void explain(const std::string& closing_words);
+
+  /// `value_name` stands for the value in the help, which `explanation` explains.
+  template <class Value, class Kind>
+  void add(const std::string& names, Value& value, Kind kind, const std::string& value_name,
+           const std::string& explanation) {
+    declare({names, value_name, explanation}, reader(names, value, std::move(kind)));
+  }
+  void add(const std::string& names, std::string& value, const std::string& value_name, const std::string& explanation);
+  void add(const std::string& names, std::optional<std::string>& value, const std::string& value_name,
+           const std::string& explanation);
+
+  /// As `add`, of what cannot be left out.
+  void require(const std::string& names, std::string& value, const std::string& value_name,
+               const std::string& explanation);
+
+  /// As `add`, of what may be given again and again.
+  template <class Value, class Kind>
+  void add_each(const std::string& names, std::vector<Value>& values, Kind kind, const std::string& value_name,
+                const std::string& explanation) {
+    const auto append = [&values, kind = std::move(kind), option = first_name(names)](const std::string& text) {
+      values.push_back(kind(option, text));
+    };
+    declare({.names = names, .value_name = value_name, .explanation = explanation, .repeatable = true}, append);
+  }
+  /// As `add_each`, at least once.
+  void require_each(const std::string& names, std::vector<std::string>& values, const std::string& value_name,
+                    const std::string& explanation);
+
+  void add_flag(const std::string& names, bool& given, const std::string& explanation);
+
+  /// Whatever follows the command goes into `arguments`, --help included; there are no other options.
+  void take_all(std::vector<std::string>& arguments);
+
+  /// Of the program: fills the values, in the order of their declaration. False when --help or --version was there, and
+  /// is answered on the standard output. Throws Error(input), for what is wrong rather than for what is missing.
+  [[nodiscard]] bool parse(int argc, char** argv) const;
+
+  /// Whether this command was there. After `parse`.
+  [[nodiscard]] bool given() const;
+
+ private:
+  struct Parser;
+
+  struct Declaration {
+    std::string names;
+    std::string value_name;
+    std::string explanation;
+    bool required = false;
+    bool repeatable = false;
+  };
+
+  using Reader = std::function<void(const std::string& text)>;
+
+  Options(std::shared_ptr<Parser> parser, CLI::App* app) : parser_(std::move(parser)), app_(app) {}
+
+  /// What messages call the option.
+  [[nodiscard]] static std::string first_name(std::string_view names) {
+    return std::string(names.substr(0, names.find(',')));
+  }
+
+  template <class Value, class Kind>
+  [[nodiscard]] static Reader reader(const std::string& names, Value& value, Kind kind) {
+    return [&value, kind = std::move(kind), option = first_name(names)](const std::string& text) {
+      value = kind(option, text);
+    };
+  }
+
+  void declare(const Declaration& declaration, Reader read);
+
+  std::shared_ptr<Parser> parser_;
+  CLI::App* app_;  ///< the program or one of its commands; owned by the parser
+};
+
+}  // namespace verisq::command_line
