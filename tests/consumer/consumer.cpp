@@ -1,7 +1,7 @@
 /// A program of somebody else: maps one point by the installed package and checks the enclosure.
 #include <cstdio>
 #include <span>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/signed_distance.hpp>
 
 int main() {
@@ -22,7 +22,7 @@ int main() {
   verisq::Enclosure mapped{};
   const auto sink = [&](std::span<const verisq::Point>, std::span<const verisq::MapResult> results,
                         std::span<const verisq::Certificate>) { mapped = results[0].distance; };
-  const auto summary = verisq::map_points(model, source, sink, {.tolerance = 1e-12, .device = "host"});
+  const auto summary = verisq::PointMapper(model, {.tolerance = 1e-12, .device = "host"}).map(source, sink);
 
   std::printf("direct [%.17g, %.17g], mapped [%.17g, %.17g]\n", direct.lo, direct.hi, mapped.lo, mapped.hi);
   const bool right = direct.contains(2.0) && mapped.contains(2.0) && verisq::verified(mapped, 1e-12);
