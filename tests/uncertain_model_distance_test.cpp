@@ -120,7 +120,8 @@ TEST_P(UncertainPairTest, MembersNeverLeaveTheEnclosure) {
                                   std::span<const Certificate>) {
     rows.insert(rows.end(), results.begin(), results.end());
   };
-  EXPECT_EQ(PoseMapper(a, b, options).map(source, sink).points, rows.size());
+  const MapSummary summary = PoseMapper(a, b, options).map(source, sink);
+  EXPECT_EQ(summary.points, rows.size());
   return rows;
 }
 

@@ -19,7 +19,7 @@ class ExactMap {
   virtual MapSummary map(const Source<Query>& source, const Sink<Query>& sink) = 0;
 };
 
-/// Throw as the constructors of Mapper; what the options say of the radius of points does not count.
+/// Throw as the constructors of Mapper. Points and triangles are exact, whatever radius the options give.
 [[nodiscard]] std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options);
 [[nodiscard]] std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options);
 [[nodiscard]] std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const MapOptions& options);

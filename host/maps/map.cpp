@@ -70,14 +70,17 @@ struct Mapper<Query>::State {
   BracketMap<Query> map;
 };
 
+// clang 14 instantiates constructors whose constraints do not hold, too.
 template <class Query>
-Mapper<Query>::Mapper(const UncertainModel& model, const MapOptions& options) requires(!std::same_as<Query, Pose>)
-    : state_(new State{map_of<Query>(bracket(model), options)}) {}
+Mapper<Query>::Mapper(const UncertainModel& model, const MapOptions& options) requires(!std::same_as<Query, Pose>) {
+  if constexpr (!std::same_as<Query, Pose>) state_.reset(new State{map_of<Query>(bracket(model), options)});
+}
 
 template <class Query>
 Mapper<Query>::Mapper(const UncertainModel& a, const UncertainModel& b,
-                      const MapOptions& options) requires std::same_as<Query, Pose>
-    : state_(new State{map_of(bracket(a), bracket(b), options)}) {}
+                      const MapOptions& options) requires std::same_as<Query, Pose> {
+  if constexpr (std::same_as<Query, Pose>) state_.reset(new State{map_of(bracket(a), bracket(b), options)});
+}
 
 template <class Query>
 Mapper<Query>::~Mapper() = default;

@@ -1,12 +1,9 @@
 /// What certificates prove of the distances to an ordinary model.
 #pragma once
 
-#include <optional>
-#include <span>
 #include <vector>
 
 #include "verify/proof/posed_superquadric.hpp"
-#include "verify/proof/triangle_certificate.hpp"
 #include "verisq/certificate.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
@@ -19,8 +16,8 @@ class ExactChecker {
   /// Throws Error(input) unless the model is_union_of_convex.
   explicit ExactChecker(const Model& model);
 
-  /// An enclosure of the exact signed distance, whatever the certificate holds; no farther in than `claimed`, where
-  /// work can be spared so. Preconditions as for Checker.
+  /// What the certificate proves, whatever it holds: an enclosure of the exact signed distance; an inner end is proven
+  /// no farther than claimed. Preconditions as for Checker.
   [[nodiscard]] Enclosure operator()(const Point& point, const Enclosure& claimed,
                                      const Certificate& certificate) const;
 
@@ -29,15 +26,6 @@ class ExactChecker {
                                      const Certificate& certificate) const;
 
  private:
-  [[nodiscard]] double lower_by_normals(const Point& x, std::span<const Normal> normals) const;
-  [[nodiscard]] double lower_by_escape(const Point& x, const Point& escape) const;
-  [[nodiscard]] double lower(const Point& x, const Certificate& certificate) const;
-  [[nodiscard]] double upper(const Point& x, double claimed, std::span<const Normal> normals) const;
-  [[nodiscard]] double lower(const Triangle& triangle, std::span<const Normal> normals) const;
-  [[nodiscard]] double upper(const Triangle& triangle, double claimed, const std::optional<Weights>& weights,
-                             std::span<const Normal> normals) const;
-  [[nodiscard]] std::vector<Normal> known(std::vector<Normal> normals) const;
-
   std::vector<PosedSuperquadric> primitives_;
 };
 
