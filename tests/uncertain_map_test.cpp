@@ -39,9 +39,9 @@ struct Case {
   }
 };
 
-class UncertainCheckerTest : public testing::TestWithParam<Case> {};
+class CheckerOfUncertainModelsTest : public testing::TestWithParam<Case> {};
 
-TEST_P(UncertainCheckerTest, ProvesEveryRowAndNoneThatLeavesOutAMember) {
+TEST_P(CheckerOfUncertainModelsTest, ProvesEveryRowAndNoneThatLeavesOutAMember) {
   const Case& scene = GetParam();
   const std::vector<Point> points = scene.points();
   const FinishedMap map = scene.map();
@@ -79,10 +79,10 @@ TEST_P(UncertainCheckerTest, ProvesEveryRowAndNoneThatLeavesOutAMember) {
   return result;
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, UncertainCheckerTest, testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Cases, CheckerOfUncertainModelsTest, testing::ValuesIn(cases()),
                          [](const auto& test) { return test.param.name; });
 
-TEST(UncertainCheckerTest, RefutesWhatLeavesOutTheLargestOrTheSmallestMember) {
+TEST(CheckerOfUncertainModelsTest, RefutesWhatLeavesOutTheLargestOrTheSmallestMember) {
   const Case scene{"", {table_objects()[0]}, {.semi_axes = 0.02}, 0.0, "host"};
   const std::vector<Point> points{{2.0, 1.0, 0.5}};
   const Enclosure e = map_in_memory(scene.model(), points, {.tolerance = 0.0, .device = "host"}).rows[0].distance;
@@ -96,16 +96,16 @@ TEST(UncertainCheckerTest, RefutesWhatLeavesOutTheLargestOrTheSmallestMember) {
   EXPECT_EQ(check(points[0], {-infinity, infinity}, map.certificates[0]).verdict, Verdict::proved);
 }
 
-TEST(UncertainCheckerTest, OfAnExactModelIsTheChecker) {
+TEST(CheckerOfUncertainModelsTest, OfSingleNumbersIsThatOfTheExactModel) {
   const std::vector<Primitive> nominal = three_in_a_row();
   const Model model{"", nominal};
   const std::vector<Point> points = points_about(nominal, 5);
   const FinishedMap map = map_in_memory(model, points, {.tolerance = 1e-6, .device = "host", .certificates = true});
   const Checker checker(model);
-  const Checker uncertain_checker(uncertain_model(nominal, {}), 0.0);
+  const Checker checker_of_intervals(uncertain_model(nominal, {}), 0.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Finding expected = checker(points[i], map.rows[i].distance, map.certificates[i]);
-    const Finding found = uncertain_checker(points[i], map.rows[i].distance, map.certificates[i]);
+    const Finding found = checker_of_intervals(points[i], map.rows[i].distance, map.certificates[i]);
     EXPECT_EQ(found.verdict, expected.verdict);
     EXPECT_EQ(found.proven, expected.proven);
   }
