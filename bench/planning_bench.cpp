@@ -105,7 +105,7 @@ bool is_found(const Eigen::Vector3d& centre, const Pose& pose) {
 /// One start an iteration: `found_again` is the share of the iterations.
 void recovery_row(benchmark::State& state, const Model& implant, const Cavity& cavity, const DeviceReport& device) {
   const Eigen::Vector3d centre = centre_of(implant);
-  const UncertainModel exact = uncertain(implant);
+  const UncertainModel exact = implant;
   UniformNumbers uniform(20'110'505);
   std::size_t found = 0;
   std::uint64_t seed = 0;

@@ -51,7 +51,7 @@ void set_peak_fraction(benchmark::State& state, double operations, const DeviceR
 
 /// The public interface: everything that a user of the library waits for once the device is ready.
 void map_row(benchmark::State& state, const Task& task, std::span<const Point> points, const MapOptions& options) {
-  DistanceMapper mapper(task.model, options);
+  PointMapper mapper(task.model, options);
   std::vector<Enclosure> enclosures;
   map_all(mapper, points, enclosures);  // OpenCL puts off work to the first launch
   for (auto _ : state) map_all(mapper, points, enclosures);
@@ -74,7 +74,7 @@ void peer_row(benchmark::State& state, const Task& task, const MapOptions& optio
   for (auto _ : state) std::ranges::transform(task.outside, answers.begin(), std::cref(distance));
   set_rate(state, "points_per_second", answers.size());
   const std::size_t compared = options.device == "host" ? host_count : task.outside.size();
-  DistanceMapper mapper(task.model, options);
+  PointMapper mapper(task.model, options);
   std::vector<Enclosure> enclosures;
   map_all(mapper, std::span(task.outside).first(compared), enclosures);
   set_errors(state, answers, enclosures);

@@ -62,7 +62,7 @@ std::vector<Point> points_about(const Model& model, std::size_t wanted) {
 std::vector<Point> points_beside(const Model& model) {
   const double radius = bounding_radius(model);
   std::vector<Point> candidates = points_about(model, 10 * count);
-  DistanceMapper mapper(model, {nearness * radius});
+  PointMapper mapper(model, {nearness * radius});
   std::vector<Enclosure> enclosures;
   map_all(mapper, candidates, enclosures);
   std::vector<Point> points;
@@ -73,7 +73,7 @@ std::vector<Point> points_beside(const Model& model) {
 
 void add_device_row(const Task& task, const DeviceReport& device) {
   add_row(tool_name(device), "point_verified", task.name, [&task, device](benchmark::State& state) {
-    DistanceMapper mapper(task.model, {task.tolerance_of_model, std::to_string(device.index)});
+    PointMapper mapper(task.model, {task.tolerance_of_model, std::to_string(device.index)});
     std::vector<Enclosure> enclosures;
     map_all(mapper, task.points, enclosures);  // OpenCL puts off work to the first launch
     MapSummary summary;

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <verisq/map.hpp>
 #include <verisq/model_distance.hpp>
-#include <verisq/pose_map.hpp>
 #include <verisq/published_method.hpp>
 
 #include "bench/certified_proposal.hpp"

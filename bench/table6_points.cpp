@@ -32,7 +32,7 @@ Table6Points::Table6Points(const BenchmarkObject& object)
                points_outside(object.solid, count),
                count,
                [this](std::span<const Point> points) {
-                 DistanceMapper mapper(model_, {queries_.tolerance});
+                 PointMapper mapper(model_, {queries_.tolerance});
                  std::vector<Enclosure> enclosures;
                  map_all(mapper, points, enclosures);
                  return enclosures;
@@ -47,7 +47,7 @@ void Table6Points::add_device_rows(const DeviceReport& device) const {
   });
   add_verified_row(tool, queries_, count, [this, device] {
     const MapOptions options{queries_.tolerance, std::to_string(device.index)};
-    auto mapper = std::make_unique<DistanceMapper>(model_, options);
+    auto mapper = std::make_unique<PointMapper>(model_, options);
     std::vector<Enclosure> enclosures;
     map_all(*mapper, queries_.all, enclosures);  // OpenCL puts off work to the first launch
     return [mapper = std::move(mapper), enclosures](std::span<const Point> points) mutable {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 #include <verisq/device.hpp>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 
 namespace verisq::bench {
 
@@ -33,9 +33,9 @@ namespace verisq::bench {
 }
 
 /// The enclosures of all points, triangles or poses, by the public interface: transfers, the host's fallback and
-/// delivery included. `Mapper` is DistanceMapper, TriangleMapper or PoseMapper.
-template <class Mapper, class Query>
-MapSummary map_all(Mapper& mapper, std::span<const Query> queries, std::vector<Enclosure>& enclosures) {
+/// delivery included.
+template <class Query>
+MapSummary map_all(Mapper<Query>& mapper, std::span<const Query> queries, std::vector<Enclosure>& enclosures) {
   enclosures.clear();
   enclosures.reserve(queries.size());
   const auto next = [&queries](std::span<Query> chunk) {
@@ -45,14 +45,14 @@ MapSummary map_all(Mapper& mapper, std::span<const Query> queries, std::vector<E
     return count;
   };
   const auto keep = [&enclosures](std::span<const Query>, std::span<const MapResult> results,
-                                  const auto&... /*certificates; of poses there are none*/) {
+                                  std::span<const Certificate> /*none*/) {
     for (const MapResult& result : results) enclosures.push_back(result.distance);
   };
   return mapper.map(next, keep);
 }
 
-template <class Mapper, class Query>
-MapSummary map_all(Mapper& mapper, const std::vector<Query>& queries, std::vector<Enclosure>& enclosures) {
+template <class Query>
+MapSummary map_all(Mapper<Query>& mapper, const std::vector<Query>& queries, std::vector<Enclosure>& enclosures) {
   return map_all(mapper, std::span<const Query>(queries), enclosures);
 }
 

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <vector>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 
 #include "tests/random.hpp"
 
@@ -66,15 +66,15 @@ TEST(BusyTimeTest, OfAMapIsNoMoreThanTheTimeByTheClock) {
   testing::Random random(1);
   std::vector<Point> points(50'000);
   for (Point& x : points) x = random.point(0.4);
-  DistanceMapper mapper(bent, {.tolerance = 1e-3});
+  PointMapper mapper(bent, {.tolerance = 1e-3});
   std::size_t read = 0;
-  const PointSource source = [&](std::span<Point> chunk) {
+  const Source<Point> source = [&](std::span<Point> chunk) {
     const std::size_t count = std::min(chunk.size(), points.size() - read);
     std::copy_n(points.begin() + static_cast<std::ptrdiff_t>(read), count, chunk.begin());
     read += count;
     return count;
   };
-  const MapSink sink = [](std::span<const Point>, std::span<const MapResult>, std::span<const Certificate>) {};
+  const Sink<Point> sink = [](std::span<const Point>, std::span<const MapResult>, std::span<const Certificate>) {};
   const auto start = std::chrono::steady_clock::now();
   const MapSummary summary = mapper.map(source, sink);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;

@@ -20,7 +20,7 @@ using Number = boost::multiprecision::mpfr_float_100;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-const MapSink nowhere = [](std::span<const Point>, std::span<const MapResult>, std::span<const Certificate>) {};
+const Sink<Point> nowhere = [](std::span<const Point>, std::span<const MapResult>, std::span<const Certificate>) {};
 
 Model ball(double radius) {
   return {"mm", {{"ball", {{radius, radius, radius}, {1.0, 1.0}}, {}, {}}}};
@@ -119,7 +119,7 @@ TEST(Clearance, HandsOnTheRows) {
   std::vector<Point> points;
   std::vector<MapResult> rows;
   std::size_t certificates = 0;
-  const MapSink sink = [&](std::span<const Point> p, std::span<const MapResult> r, std::span<const Certificate> c) {
+  const Sink<Point> sink = [&](std::span<const Point> p, std::span<const MapResult> r, std::span<const Certificate> c) {
     points.insert(points.end(), p.begin(), p.end());
     rows.insert(rows.end(), r.begin(), r.end());
     certificates += c.size();
@@ -136,7 +136,7 @@ TEST(Clearance, HandsOnTheRows) {
 TEST(Clearance, IsOfTheRowsDeliveredWhereItIsInterrupted) {
   const Cavity cavity = random_cavity(100'000, 6.0, {{"all", 1.0}});
   std::size_t delivered = 0;
-  const MapSink sink = [&](std::span<const Point>, std::span<const MapResult> rows, std::span<const Certificate>) {
+  const Sink<Point> sink = [&](std::span<const Point>, std::span<const MapResult> rows, std::span<const Certificate>) {
     delivered += rows.size();
   };
   const Clearance report =

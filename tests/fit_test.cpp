@@ -82,7 +82,7 @@ FitOptions options(const Pose& start, double translation = 20.0, double rotation
 }
 
 Fit fit_one(const Model& implant, const Cavity& cavity, const FitOptions& how) {
-  const UncertainModel exact = uncertain(implant);
+  const UncertainModel exact = implant;
   return fit({&exact, 1}, cavity, how);
 }
 
@@ -255,7 +255,7 @@ TEST(Fit, ProgressGrows) {
 TEST(Fit, FindsSizesAgain) {
   const Model implant = hook();
   const Cavity cavity = testing::offset_cavity(implant, kGap, 120);
-  UncertainModel sizes = uncertain(implant);
+  UncertainModel sizes = implant;
   sizes.primitives[0].semi_axes[2] = {17.0, 21.0};
   sizes.primitives[1].semi_axes[0] = {11.5, 14.0};
   sizes.primitives[1].semi_axes[1] = {3.0, 4.5};
@@ -270,7 +270,7 @@ TEST(Fit, FindsSizesAgain) {
 TEST(Fit, SizesStayInTheirIntervals) {
   const Model implant = hook();
   const Cavity cavity = testing::offset_cavity(implant, kGap, 60);
-  UncertainModel sizes = uncertain(implant);
+  UncertainModel sizes = implant;
   sizes.primitives[0].semi_axes[2] = {15.0, 18.0};
   const Fit best = fit({&sizes, 1}, cavity, options({}, 3.0, 5.0));
   EXPECT_GE(best.model.primitives[0].superquadric.semi_axes[2], 15.0);
@@ -286,7 +286,7 @@ TEST(Fit, ChoosesFromTheSeries) {
     for (double& axis : primitive.superquadric.semi_axes) axis *= 0.85;
   for (Primitive& primitive : large.primitives)
     for (double& axis : primitive.superquadric.semi_axes) axis *= 1.2;
-  const std::vector<UncertainModel> series{uncertain(small), uncertain(right), uncertain(right), uncertain(large)};
+  const std::vector<UncertainModel> series{small, right, right, large};
   FitOptions how = options(moved_off(right, {2.0, -1.0, 3.0}, {0.1, 0.1, -0.1}), 8.0, 20.0);
   how.samples = 128;
   std::size_t last = 0;
@@ -357,7 +357,7 @@ TEST(Fit, RefusesWhatItCannotFit) {
                           const std::string& message) {
     testing::expect_error([&] { (void)fit(series, points, how); }, ErrorKind::input, "", message);
   };
-  const UncertainModel exact = uncertain(implant);
+  const UncertainModel exact = implant;
   refused({}, cavity, usual, "fit: no implant to fit");
   refused({exact}, {{}, {{"all", 1.0}}, {}}, usual, "fit: the cavity has no points");
 
@@ -469,7 +469,7 @@ TEST(CandidateSpace, GradientIsThatOfTheObjective) {
   const Cavity cavity = testing::offset_cavity(implant, kGap, 60);
   const std::vector<double> weights(cavity.points.size(), 0.7);
   const auto evaluator = fit_search::host_candidate_evaluator(cavity.points, weights);
-  UncertainModel sizes = uncertain(implant);
+  UncertainModel sizes = implant;
   sizes.primitives[0].semi_axes[2] = {17.0, 21.0};
   sizes.primitives[1].semi_axes[1] = {3.0, 4.5};
   const CandidateSpace space(sizes, {moved_off(implant, {1.0, 2.0, 0.5}, {0.1, -0.2, 0.3}), 20.0, 60.0});
@@ -493,7 +493,7 @@ TEST(CandidateSpace, GradientIsThatOfTheObjective) {
 
 TEST(CandidateSpace, CandidateIsTheImplantPosed) {
   const Model implant = hook();
-  const CandidateSpace space(uncertain(implant), {{{900.0, -300.0, 70.0}, {0.8, 0.1, -0.3, 0.5}}, 20.0, 60.0});
+  const CandidateSpace space(implant, {{{900.0, -300.0, 70.0}, {0.8, 0.1, -0.3, 0.5}}, 20.0, 60.0});
   const Parameters at{0.3, -0.7, 0.2, 0.4, -0.6, 0.3};
   const Model model = posed(space.sized(at), space.pose(at));
   const Candidate candidate = space.candidate(at);
@@ -511,7 +511,7 @@ TEST(HostEvaluator, BoundHoldsWithinTheCell) {
   const Cavity cavity = testing::offset_cavity(implant, kGap, 30);
   const std::vector<double> weights(cavity.points.size(), 1.0);
   const auto evaluator = fit_search::host_candidate_evaluator(cavity.points, weights);
-  const CandidateSpace space(uncertain(implant), {{}, 20.0, 60.0});
+  const CandidateSpace space(implant, {{}, 20.0, 60.0});
   const Fitness fitness = cemented(kGap, 1.0);
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);

@@ -76,7 +76,7 @@ struct Tally {
     MapOptions options{.tolerance = 1e-6 * size};
     options.device = device;
     options.certificates = certificates;
-    const FinishedMap map = map_in_memory({"", {solid}}, points_outside(random, solid), options);
+    const FinishedMap map = map_in_memory(Model{"", {solid}}, points_outside(random, solid), options);
     name = map.summary.device;
     tally.points += map.summary.points;
     tally.left_open += map.summary.host_verified + map.summary.wide;

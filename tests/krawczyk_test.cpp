@@ -152,7 +152,7 @@ TEST(KrawczykTest, NearlyAllPairsOfThePapersSolidsHaveSmallUniqueBoxes) {
       const auto& [name_a, solid_a] = table5[i];
       const auto& [name_b, solid_b] = table5[j];
       const double size = std::max(std::ranges::max(solid_a.semi_axes), std::ranges::max(solid_b.semi_axes));
-      const PairDistance pair({"", {{"a", solid_a, {}}}}, {"", {{"b", solid_b, {}}}});
+      const PairDistance pair(Model{"", {{"a", solid_a, {}}}}, Model{"", {{"b", solid_b, {}}}});
       RandomPoses random(1000 * i + j);
       std::size_t apart = 0, unique = 0, small = 0;
       double largest = 0.0;

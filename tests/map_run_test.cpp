@@ -46,15 +46,15 @@ class StubbornBatch final : public device::Batch<double> {
 std::vector<MapResult> mapped(const Enclosure& claim) {
   using Run = MapRun<double, TrueProver>;
   bool read = false;
-  const Run::Source source = [&read](std::span<double> queries) -> std::size_t {
+  const Source<double> source = [&read](std::span<double> queries) -> std::size_t {
     if (read) return 0;
     read = true;
     queries[0] = 3.0;
     return 1;
   };
   std::vector<MapResult> results;
-  const Run::Sink sink = [&results](std::span<const double>, std::span<const MapResult> rows,
-                                    std::span<const Certificate>) {
+  const Sink<double> sink = [&results](std::span<const double>, std::span<const MapResult> rows,
+                                       std::span<const Certificate>) {
     results.insert(results.end(), rows.begin(), rows.end());
   };
   StubbornBatch batch(claim);

@@ -221,7 +221,7 @@ TEST(ModelDistanceTest, TouchingFacesHaveASmallUpperEnd) {
   const Primitive soap{"soap",
                        {{3.4, 4.3, 1.7}, {0.1, 0.1}},
                        {{10.907450984529312, -11.721427064048612, 2.4982095973985725}, {0, 0, 0, 1}}};
-  const ModelDistance found = PairDistance({"", {capsule}}, {"", {soap}})();
+  const ModelDistance found = PairDistance(Model{"", {capsule}}, Model{"", {soap}})();
   EXPECT_EQ(found.distance.lo, 0.0);
   EXPECT_LT(found.distance.hi, 1e-14);
 }

@@ -15,7 +15,7 @@
 #include <string>
 #include <tuple>
 #include <vector>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/octree.hpp>
 
 #include "host/batches/box_primitive_parameters.hpp"

@@ -3,13 +3,10 @@
 
 #include <functional>
 #include <verisq/checker.hpp>
-#include <verisq/distance_map.hpp>
 #include <verisq/error.hpp>
-#include <verisq/pose_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/published_method.hpp>
 #include <verisq/triangle_distance.hpp>
-#include <verisq/uncertain_checker.hpp>
-#include <verisq/uncertain_map.hpp>
 
 namespace verisq {
 namespace {
@@ -70,18 +67,15 @@ void expect_refusal(const std::function<void(const Model&)>& use, const std::str
 TEST(ModelTest, ConvexCertificatesRefuseOtherSolids) {
   MapOptions options{.tolerance = 1.0, .device = "host"};
   expect_refusal([](const Model& model) { (void)Checker(model); }, "certificates");
-  expect_refusal([](const Model& model) { (void)UncertainChecker(uncertain(model), 0.0); }, "certificates");
   expect_refusal([](const Model& model) { (void)TriangleDistance(model); }, "distances of triangles");
   expect_refusal([&](const Model& model) { (void)TriangleMapper(model, options); }, "distances of triangles");
-  expect_refusal([&](const Model& model) { (void)UncertainTriangleMapper(uncertain(model), 0.0, options); },
-                 "distances of triangles");
   expect_refusal([&](const Model& model) { (void)PoseMapper(model, two_balls(), options); }, "maps of poses");
   expect_refusal([&](const Model& model) { (void)PoseMapper(two_balls(), model, options); }, "maps of poses");
   options.certificates = true;
-  expect_refusal([&](const Model& model) { (void)DistanceMapper(model, options); }, "certificates");
+  expect_refusal([&](const Model& model) { (void)PointMapper(model, options); }, "certificates");
   options.certificates = false;
   options.method = Method::published;
-  expect_refusal([&](const Model& model) { (void)DistanceMapper(model, options); }, "the published method");
+  expect_refusal([&](const Model& model) { (void)PointMapper(model, options); }, "the published method");
 }
 
 TEST(ModelTest, ThePublishedMethodRefusesBentSolids) {
@@ -95,7 +89,7 @@ TEST(ModelTest, ThePublishedMethodRefusesBentSolids) {
 TEST(ModelTest, IntervalsAreForUnionsOfConvexSolids) {
   expect_refusal(
       [](const Model& model) {
-        UncertainModel widened = uncertain(model);
+        UncertainModel widened = model;
         widened.primitives[0].semi_axes[0] = {1.0, 1.5};
         (void)bracket(widened);
       },
@@ -104,7 +98,7 @@ TEST(ModelTest, IntervalsAreForUnionsOfConvexSolids) {
 
 TEST(ModelTest, ExactModelsAreTheirOwnBrackets) {
   for (const Model& model : {bent, difference}) {
-    const Bracket models = bracket(uncertain(model));
+    const Bracket models = bracket(model);
     EXPECT_EQ(models.shift, 0.0);
     EXPECT_FALSE(models.inflated);
     for (const Model& same : {models.smallest, models.largest}) {

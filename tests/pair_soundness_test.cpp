@@ -53,7 +53,7 @@ struct Case {
     Primitive b = pair.b;
     Pose motion;
     if (index % 2 == 1) std::swap(b.pose, motion);
-    const PairDistance distance({"", {pair.a}}, {"", {b}});
+    const PairDistance distance(Model{"", {pair.a}}, Model{"", {b}});
     found = distance(motion);
     closest = distance.closest_points(found, motion);
     reference =

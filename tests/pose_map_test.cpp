@@ -1,7 +1,5 @@
 /// Distances for many poses: on the device, on the host, and one by one.
 /// VERISQ_PAIR_CASES sets how many random pairs are tried.
-#include "verisq/pose_map.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +12,7 @@
 #include <utility>
 #include <vector>
 #include <verisq/error.hpp>
+#include <verisq/map.hpp>
 #include <verisq/model_distance.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
@@ -58,14 +57,16 @@ void PrintTo(const Scene& scene, std::ostream* stream) {
 
 [[nodiscard]] FinishedPoses map(const Scene& scene, std::span<const Pose> poses, const MapOptions& options) {
   FinishedPoses result;
-  const PoseSource source = [&poses](std::span<Pose> chunk) {
+  const Source<Pose> source = [&poses](std::span<Pose> chunk) {
     const std::size_t count = std::min(chunk.size(), poses.size());
     std::ranges::copy(poses.first(count), chunk.begin());
     poses = poses.subspan(count);
     return count;
   };
-  const PoseSink sink = [&result](std::span<const Pose> mapped, std::span<const MapResult> rows) {
+  const Sink<Pose> sink = [&result](std::span<const Pose> mapped, std::span<const MapResult> rows,
+                                    std::span<const Certificate> certificates) {
     EXPECT_EQ(mapped.size(), rows.size());
+    EXPECT_TRUE(certificates.empty());
     result.rows.insert(result.rows.end(), rows.begin(), rows.end());
   };
   result.summary = PoseMapper(scene.a, scene.b, options).map(source, sink);
@@ -300,7 +301,7 @@ TEST(PoseMapInputTest, RefusesPosesThatAreNone) {
         return std::exchange(read, true) ? 0 : 1;
       };
       try {
-        mapper.map(once, [](std::span<const Pose>, std::span<const MapResult>) {});
+        mapper.map(once, [](std::span<const Pose>, std::span<const MapResult>, std::span<const Certificate>) {});
       } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::input);
         return error.what();
@@ -316,9 +317,10 @@ TEST(PoseMapInputTest, RefusesPosesThatAreNone) {
   }
 }
 
-TEST(PoseMapOptionsTest, RefusesCertificatesAndUnknownDevices) {
+TEST(PoseMapOptionsTest, RefusesCertificatesPointRadiiAndUnknownDevices) {
   const Model model{"", {table_objects()[0]}};
   EXPECT_THROW(PoseMapper(model, model, {.tolerance = 1e-6, .device = "host", .certificates = true}), Error);
+  EXPECT_THROW(PoseMapper(model, model, {.tolerance = 1e-6, .device = "host", .point_radius = 0.1}), Error);
   EXPECT_THROW(PoseMapper(model, model, {.tolerance = 1e-6, .device = "no such device"}), Error);
 }
 

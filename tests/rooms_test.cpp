@@ -31,7 +31,6 @@ const std::set<std::string> trusted_headers{
     "include/verisq/mesh.hpp",
     "include/verisq/model.hpp",
     "include/verisq/pair_certificate.hpp",
-    "include/verisq/uncertain_checker.hpp",
     "include/verisq/uncertain_model.hpp",
 };
 

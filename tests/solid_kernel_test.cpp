@@ -12,7 +12,7 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "host/batches/primitive_parameters.hpp"
@@ -348,7 +348,7 @@ TEST(SolidMapTest, NestedUnionsOfManyAreMappedAsPlainOnes) {
   const MapOptions options{.tolerance = 1e-2, .device = "host", .certificates = true};
   const oracle::FinishedMap expected = oracle::map_in_memory(plain, points, options);
   for (const SetExpression& tree : {deep_tree(count, always_union), balanced_tree(0, count, always_union)}) {
-    const oracle::FinishedMap map = oracle::map_in_memory({"", plain.primitives, tree}, points, options);
+    const oracle::FinishedMap map = oracle::map_in_memory(Model{"", plain.primitives, tree}, points, options);
     for (std::size_t i = 0; i < points.size(); ++i) {
       EXPECT_EQ(map.rows[i].distance.lo, expected.rows[i].distance.lo);
       EXPECT_EQ(map.rows[i].distance.hi, expected.rows[i].distance.hi);

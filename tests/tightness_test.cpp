@@ -1,4 +1,4 @@
-/// Tightness, the second promise: how narrow the enclosures of the paper's Table 5 objects are, through map_points.
+/// Tightness, the second promise: how narrow the enclosures of the paper's Table 5 objects are, through PointMapper.
 ///
 /// 100,000 points a test: outside uniform in the box of three times the semi-axes, inside in the box of the semi-axes;
 /// those on the wrong side are drawn again.

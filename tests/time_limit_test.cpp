@@ -7,9 +7,8 @@
 #include <random>
 #include <vector>
 #include <verisq/checker.hpp>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/model_file.hpp>
-#include <verisq/pose_map.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "host/maps/chunk_pace.hpp"
@@ -197,8 +196,10 @@ TEST(TimeLimitTest, PosesAreBoundedByCentres) {
     std::ranges::copy(std::array{Pose{{9, 0, 0}, {1, 0, 0, 1}}, Pose{{1, -2, 0}, {1, 0, 0, 0}}}, poses.begin());
     return 2;
   };
-  const MapSummary summary = mapper.map(
-      source, [&](std::span<const Pose>, std::span<const MapResult> some) { rows.assign(some.begin(), some.end()); });
+  const auto sink = [&](std::span<const Pose>, std::span<const MapResult> some, std::span<const Certificate>) {
+    rows.assign(some.begin(), some.end());
+  };
+  const MapSummary summary = mapper.map(source, sink);
   EXPECT_TRUE(summary.out_of_time);
   ASSERT_EQ(rows.size(), 2U);
   expect_contains(rows[0].distance, 4.5, {});

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 #include <verisq/device.hpp>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/triangle_distance.hpp>
 
 #include "tests/oracle/containment.hpp"
@@ -149,14 +149,14 @@ struct MappedTriangles {
   TriangleMapper mapper(group.model(), options);
   MappedTriangles result;
   std::size_t delivered = 0;
-  const TriangleSource source = [&](std::span<Triangle> chunk) {
+  const Source<Triangle> source = [&](std::span<Triangle> chunk) {
     const std::size_t count = std::min(chunk.size(), group.triangles.size() - delivered);
     std::copy_n(group.triangles.begin() + static_cast<std::ptrdiff_t>(delivered), count, chunk.begin());
     delivered += count;
     return count;
   };
-  const TriangleSink sink = [&](std::span<const Triangle>, std::span<const MapResult> rows,
-                                std::span<const Certificate>) {
+  const Sink<Triangle> sink = [&](std::span<const Triangle>, std::span<const MapResult> rows,
+                                  std::span<const Certificate>) {
     for (const MapResult& row : rows) result.enclosures.push_back(row.distance);
   };
   result.summary = mapper.map(source, sink);

@@ -1,6 +1,4 @@
-/// Maps of uncertain models: rows, summary, and certificates that the uncertain checker proves again.
-#include "verisq/uncertain_map.hpp"
-
+/// Maps of uncertain models: rows, summary, and certificates that the checker proves again.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
@@ -11,9 +9,10 @@
 #include <limits>
 #include <string>
 #include <vector>
+#include <verisq/checker.hpp>
+#include <verisq/map.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
-#include <verisq/uncertain_checker.hpp>
 
 #include "tests/oracle/in_parallel.hpp"
 #include "tests/uncertain_scenes.hpp"
@@ -34,19 +33,20 @@ struct Case {
   [[nodiscard]] double tolerance() const { return 1e-6 * bounding_radius(bracket(model()).largest); }
   [[nodiscard]] std::vector<Point> points() const { return points_about(nominal, 40 / nominal.size()); }
   [[nodiscard]] FinishedMap map() const {
-    return uncertain_map_in_memory(model(), point_radius, points(),
-                                   {.tolerance = tolerance(), .device = device, .certificates = true});
+    return map_in_memory(
+        model(), points(),
+        {.tolerance = tolerance(), .device = device, .certificates = true, .point_radius = point_radius});
   }
 };
 
-class UncertainCheckerTest : public testing::TestWithParam<Case> {};
+class CheckerOfUncertainModelsTest : public testing::TestWithParam<Case> {};
 
-TEST_P(UncertainCheckerTest, ProvesEveryRowAndNoneThatLeavesOutAMember) {
+TEST_P(CheckerOfUncertainModelsTest, ProvesEveryRowAndNoneThatLeavesOutAMember) {
   const Case& scene = GetParam();
   const std::vector<Point> points = scene.points();
   const FinishedMap map = scene.map();
   ASSERT_EQ(map.certificates.size(), points.size());
-  const UncertainChecker check(scene.model(), scene.point_radius);
+  const Checker check(scene.model(), scene.point_radius);
   std::vector<std::string> failures(points.size());
   in_parallel(points.size(), [&](std::size_t i) {
     const Enclosure e = map.rows[i].distance;
@@ -79,17 +79,16 @@ TEST_P(UncertainCheckerTest, ProvesEveryRowAndNoneThatLeavesOutAMember) {
   return result;
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, UncertainCheckerTest, testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Cases, CheckerOfUncertainModelsTest, testing::ValuesIn(cases()),
                          [](const auto& test) { return test.param.name; });
 
-TEST(UncertainCheckerTest, RefutesWhatLeavesOutTheLargestOrTheSmallestMember) {
+TEST(CheckerOfUncertainModelsTest, RefutesWhatLeavesOutTheLargestOrTheSmallestMember) {
   const Case scene{"", {table_objects()[0]}, {.semi_axes = 0.02}, 0.0, "host"};
   const std::vector<Point> points{{2.0, 1.0, 0.5}};
-  const Enclosure e =
-      uncertain_map_in_memory(scene.model(), 0.0, points, {.tolerance = 0.0, .device = "host"}).rows[0].distance;
+  const Enclosure e = map_in_memory(scene.model(), points, {.tolerance = 0.0, .device = "host"}).rows[0].distance;
   const FinishedMap map =
-      uncertain_map_in_memory(scene.model(), 0.0, points, {.tolerance = 0.0, .device = "host", .certificates = true});
-  const UncertainChecker check(scene.model(), 0.0);
+      map_in_memory(scene.model(), points, {.tolerance = 0.0, .device = "host", .certificates = true});
+  const Checker check(scene.model(), 0.0);
   const double middle = 0.5 * (e.lo + e.hi);
   EXPECT_EQ(check(points[0], {middle, e.hi}, map.certificates[0]).verdict, Verdict::refuted);
   EXPECT_EQ(check(points[0], {e.lo, middle}, map.certificates[0]).verdict, Verdict::refuted);
@@ -97,16 +96,16 @@ TEST(UncertainCheckerTest, RefutesWhatLeavesOutTheLargestOrTheSmallestMember) {
   EXPECT_EQ(check(points[0], {-infinity, infinity}, map.certificates[0]).verdict, Verdict::proved);
 }
 
-TEST(UncertainCheckerTest, OfAnExactModelIsTheChecker) {
+TEST(CheckerOfUncertainModelsTest, OfSingleNumbersIsThatOfTheExactModel) {
   const std::vector<Primitive> nominal = three_in_a_row();
   const Model model{"", nominal};
   const std::vector<Point> points = points_about(nominal, 5);
   const FinishedMap map = map_in_memory(model, points, {.tolerance = 1e-6, .device = "host", .certificates = true});
   const Checker checker(model);
-  const UncertainChecker uncertain_checker(uncertain(model), 0.0);
+  const Checker checker_of_intervals(uncertain_model(nominal, {}), 0.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Finding expected = checker(points[i], map.rows[i].distance, map.certificates[i]);
-    const Finding found = uncertain_checker(points[i], map.rows[i].distance, map.certificates[i]);
+    const Finding found = checker_of_intervals(points[i], map.rows[i].distance, map.certificates[i]);
     EXPECT_EQ(found.verdict, expected.verdict);
     EXPECT_EQ(found.proven, expected.proven);
   }
@@ -116,8 +115,8 @@ TEST(UncertainMapTest, OfAnExactModelIsTheMap) {
   const std::vector<Primitive> nominal = three_in_a_row();
   const std::vector<Point> points = points_about(nominal, 20);
   const MapOptions options{.tolerance = 1e-6, .certificates = true};
-  const FinishedMap expected = map_in_memory({"", nominal}, points, options);
-  const FinishedMap found = uncertain_map_in_memory(uncertain_model(nominal, {}), 0.0, points, options);
+  const FinishedMap expected = map_in_memory(Model{"", nominal}, points, options);
+  const FinishedMap found = map_in_memory(uncertain_model(nominal, {}), points, options);
   EXPECT_EQ(found.certificates, expected.certificates);
   ASSERT_EQ(found.rows.size(), expected.rows.size());
   for (std::size_t i = 0; i < found.rows.size(); ++i) {
@@ -139,7 +138,7 @@ TEST(UncertainMapTest, SummaryAgreesWithTheRows) {
     q = {r * u[0], r * u[1], r * u[2]};
   }
   const double tolerance = 0.018;  // the width of the enclosures is 0.015 to 0.02: the sizes' own uncertainty
-  const FinishedMap map = uncertain_map_in_memory(model, 0.0, points, {.tolerance = tolerance});
+  const FinishedMap map = map_in_memory(model, points, {.tolerance = tolerance});
   ASSERT_EQ(map.rows.size(), points.size());
   MapSummary expected;
   expected.minimum_lo = expected.minimum_hi = infinity;
@@ -170,7 +169,7 @@ TEST(UncertainMapTest, AnInterruptedMapDeliversWholeRowsInOrder) {
   const std::vector<Point> points(20'000, Point{9.0, 9.0, 9.0});
   int polls = 0;
   const MapOptions options{.tolerance = 1e-3, .device = "host", .interrupted = [&polls] { return ++polls > 2; }};
-  const FinishedMap map = uncertain_map_in_memory(model, 0.0, points, options);
+  const FinishedMap map = map_in_memory(model, points, options);
   EXPECT_TRUE(map.summary.interrupted);
   EXPECT_LT(map.rows.size(), points.size());
   EXPECT_EQ(map.summary.points, map.rows.size());
@@ -178,7 +177,7 @@ TEST(UncertainMapTest, AnInterruptedMapDeliversWholeRowsInOrder) {
 
 TEST(UncertainMapTest, OfNoPointsIsEmpty) {
   const UncertainModel model = uncertain_model(three_in_a_row(), {0.01, 0.02, 0.01});
-  const FinishedMap map = uncertain_map_in_memory(model, 0.0, {}, {.tolerance = 1e-3, .device = "host"});
+  const FinishedMap map = map_in_memory(model, {}, {.tolerance = 1e-3, .device = "host"});
   EXPECT_EQ(map.summary.points, 0U);
   EXPECT_EQ(map.summary.device, "host");
   EXPECT_FALSE(map.summary.interrupted);
@@ -189,7 +188,7 @@ TEST(UncertainMapTest, ExampleOfAStemWithTolerances) {
   EXPECT_FALSE(is_exact(model));
   const Model nominal = read_model(VERISQ_EXAMPLES "/stem.json");
   const std::vector<Point> points = points_about(nominal.primitives, 5);
-  const FinishedMap outer = uncertain_map_in_memory(model, 0.0005, points, {.tolerance = 1e-6});
+  const FinishedMap outer = map_in_memory(model, points, {.tolerance = 1e-6, .point_radius = 0.0005});
   const FinishedMap inner = map_in_memory(nominal, points, {.tolerance = 1e-6});
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_LE(outer.rows[i].distance.lo, inner.rows[i].distance.hi);

@@ -1,7 +1,5 @@
-/// Distances of uncertain models: no members leave the enclosure, and the extreme ones come to its ends.
-/// VERISQ_MEMBERS sets how many pairs of members are tried a scene.
-#include "verisq/uncertain_model_distance.hpp"
-
+/// Distances of uncertain models, one by one and mapped: no members leave the enclosure, and the extreme ones come to
+/// its ends. VERISQ_MEMBERS sets how many pairs of members are tried a scene.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +9,8 @@
 #include <string>
 #include <vector>
 #include <verisq/error.hpp>
+#include <verisq/map.hpp>
+#include <verisq/model_distance.hpp>
 
 #include "tests/oracle/in_parallel.hpp"
 #include "tests/uncertain_scenes.hpp"
@@ -85,7 +85,7 @@ TEST_P(UncertainPairTest, MembersNeverLeaveTheEnclosure) {
   const UncertainModel a = uncertain_model(nominal_a, by_a);
   const UncertainModel b = uncertain_model(nominal_b, by_b);
   const std::vector<Pose> poses = poses_around(12);
-  const UncertainPairDistance distance(a, b);
+  const PairDistance distance(a, b);
   std::vector<Enclosure> enclosures;
   for (const Pose& pose : poses) enclosures.push_back(distance(pose).distance);
   const std::size_t count = member_count(100);
@@ -105,6 +105,48 @@ TEST_P(UncertainPairTest, MembersNeverLeaveTheEnclosure) {
   fmt::print("{}: members come within {:.2g} of the width of the ends at {} poses\n", name, nearness, judged);
   EXPECT_LE(nearness, 0.01);
   EXPECT_GE(judged, 3U);
+}
+
+[[nodiscard]] std::vector<MapResult> mapped(const UncertainModel& a, const UncertainModel& b,
+                                            std::span<const Pose> poses, const MapOptions& options) {
+  std::vector<MapResult> rows;
+  const Source<Pose> source = [&poses](std::span<Pose> chunk) {
+    const std::size_t count = std::min(chunk.size(), poses.size());
+    std::ranges::copy(poses.first(count), chunk.begin());
+    poses = poses.subspan(count);
+    return count;
+  };
+  const Sink<Pose> sink = [&rows](std::span<const Pose>, std::span<const MapResult> results,
+                                  std::span<const Certificate>) {
+    rows.insert(rows.end(), results.begin(), results.end());
+  };
+  const MapSummary summary = PoseMapper(a, b, options).map(source, sink);
+  EXPECT_EQ(summary.points, rows.size());
+  return rows;
+}
+
+TEST_P(UncertainPairTest, MembersNeverLeaveTheRowsOfAMap) {
+  const auto& [name, nominal_a, nominal_b, by_a, by_b] = GetParam();
+  const UncertainModel a = uncertain_model(nominal_a, by_a);
+  const UncertainModel b = uncertain_model(nominal_b, by_b);
+  const std::vector<Pose> poses = poses_around(40);
+  constexpr double tolerance = 1e-4;
+  const std::vector<MapResult> by_host = mapped(a, b, poses, {.tolerance = tolerance, .device = "host"});
+  const std::vector<MapResult> by_device = mapped(a, b, poses, {.tolerance = tolerance});
+  ASSERT_EQ(by_host.size(), poses.size());
+  ASSERT_EQ(by_device.size(), poses.size());
+  const PairDistance distance(a, b);
+  std::vector<Enclosure> enclosures;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Enclosure of_pair = distance(poses[i]).distance;
+    EXPECT_EQ(by_host[i].distance, of_pair);
+    enclosures.push_back(by_device[i].distance);
+    EXPECT_LE(enclosures[i].width(), of_pair.width() + tolerance);
+    EXPECT_EQ(by_device[i].status != Status::wide, verified(enclosures[i], tolerance));
+  }
+  const std::size_t count = member_count(10);
+  const std::vector<Reach> reached = reach(members(a, count), other_members(b, count), poses, enclosures);
+  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(reached[i].escapes, 0U) << "pose " << i;
 }
 
 [[nodiscard]] std::vector<Scene> scenes() {
@@ -143,7 +185,7 @@ TEST(UncertainBallsTest, AddUpRadiiAndShiftsOfBoth) {
   UncertainModel b = uncertain_model(ball(5.0), {.semi_axes = 0.2});
   a.primitives[0].translation[0] = {-0.25, 0.25};
   b.primitives[0].translation[0] = {4.75, 5.25};
-  const auto [e, proximity, complete] = UncertainPairDistance(a, b)();
+  const auto [e, proximity, certificate, complete] = PairDistance(a, b)();
   EXPECT_LE(e.lo, 2.2);
   EXPECT_GE(e.hi, 3.8);
   EXPECT_LE(e.width(), 1.6 + 1e-14);
@@ -155,7 +197,7 @@ TEST(UncertainBallsTest, OnlyTheSecondMovesWithThePose) {
   const UncertainModel a = uncertain_model(ball(1.0), {.semi_axes = 0.1});
   const UncertainModel b = uncertain_model(ball(5.0), {.semi_axes = 0.1});
   // Half a turn about z: x = 5 goes to x = -5, six from A's centre.
-  const Enclosure e = UncertainPairDistance(a, b)({{0, 0, 0}, {0, 0, 0, 3}}).distance;
+  const Enclosure e = PairDistance(a, b)({{0, 0, 0}, {0, 0, 0, 3}}).distance;
   EXPECT_LE(e.lo, 3.8);
   EXPECT_GE(e.hi, 4.2);
   EXPECT_LE(e.width(), 0.4 + 1e-14);
@@ -163,7 +205,7 @@ TEST(UncertainBallsTest, OnlyTheSecondMovesWithThePose) {
 
 TEST(UncertainBallsTest, ProximityIsThatOfAllMembers) {
   const auto proximity = [](double x, const Uncertainty& by) {
-    return UncertainPairDistance(uncertain_model(ball(0.0), by), uncertain_model(ball(x), by))();
+    return PairDistance(uncertain_model(ball(0.0), by), uncertain_model(ball(x), by))();
   };
   EXPECT_EQ(proximity(2.3, {.semi_axes = 0.1}).proximity, Proximity::separated);
   EXPECT_EQ(proximity(2.1, {.semi_axes = 0.1}).proximity, Proximity::undecided);
@@ -175,15 +217,26 @@ TEST(UncertainBallsTest, ProximityIsThatOfAllMembers) {
   EXPECT_EQ(proximity(1.9, {.translation = 0.1}).distance.lo, 0.0);
 }
 
+TEST(UncertainBallsTest, HaveNeitherCertificateNorClosestPoints) {
+  const PairDistance distance(uncertain_model(ball(0.0), {.semi_axes = 0.1}), Model{"", ball(5.0)});
+  const ModelDistance found = distance();
+  EXPECT_EQ(found.proximity, Proximity::separated);
+  EXPECT_TRUE(found.certificate.separations.empty());
+  EXPECT_FALSE(found.certificate.common);
+  EXPECT_FALSE(distance.closest_points(found));
+}
+
 TEST(UncertainPairOfExactModelsTest, IsThePairDistance) {
   const std::vector<Primitive> a = three_in_a_row();
   const std::vector<Primitive> b = table_objects();
-  const PairDistance expected({"", a}, {"", b});
-  const UncertainPairDistance found(uncertain_model(a, {}), uncertain_model(b, {}));
+  const PairDistance expected(Model{"", a}, Model{"", b});
+  const PairDistance found(uncertain_model(a, {}), uncertain_model(b, {}));
   for (const Pose& pose : poses_around(10)) {
     const ModelDistance of_pair = expected(pose);
     EXPECT_EQ(found(pose).distance, of_pair.distance);
     EXPECT_EQ(found(pose).proximity, of_pair.proximity);
+    EXPECT_EQ(found(pose).certificate.common, of_pair.certificate.common);
+    EXPECT_EQ(found(pose).certificate.separations.size(), of_pair.certificate.separations.size());
   }
 }
 
@@ -191,8 +244,8 @@ TEST(UncertainPairOfExactModelsTest, RefusesShiftsThatOverflow) {
   const UncertainModel a = uncertain_model(ball(0.0), {});
   UncertainModel b = a;
   b.primitives[0].translation = {{{-1.7e308, 1.7e308}, {-1.7e308, 1.7e308}, {0, 0}}};
-  EXPECT_THROW(UncertainPairDistance(a, b), Error);
-  EXPECT_THROW(UncertainPairDistance(b, a), Error);
+  EXPECT_THROW(PairDistance(a, b), Error);
+  EXPECT_THROW(PairDistance(b, a), Error);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 TEST(BracketTest, OfAnExactModelIsTheModel) {
   const Model model = read_model(VERISQ_EXAMPLES "/stem.json");
-  const UncertainModel same = uncertain(model);
+  const UncertainModel same = model;
   EXPECT_TRUE(is_exact(same));
   const Bracket models = bracket(same);
   EXPECT_EQ(models.shift, 0.0);
@@ -45,8 +45,10 @@ TEST(BracketTest, OfAnExactModelIsTheModel) {
 }
 
 TEST(BracketTest, TakesTheEndsThatMakeSolidsSmallAndLarge) {
-  const UncertainModel model{
-      "mm", {{"a", {{{1, 2}, {3, 4}, {5, 6}}}, {{{0.5, 0.6}, {1.7, 1.8}}}, {{{-1, 3}, {2, 4}, {5, 9}}}, {1, 0, 0, 0}}}};
+  UncertainModel model;
+  model.units = "mm";
+  model.primitives = {
+      {"a", {{{1, 2}, {3, 4}, {5, 6}}}, {{{0.5, 0.6}, {1.7, 1.8}}}, {{{-1, 3}, {2, 4}, {5, 9}}}, {1, 0, 0, 0}}};
   EXPECT_FALSE(is_exact(model));
   const Bracket models = bracket(model);
   EXPECT_EQ(models.smallest.units, "mm");
@@ -63,7 +65,8 @@ TEST(BracketTest, TakesTheEndsThatMakeSolidsSmallAndLarge) {
 
 TEST(BracketTest, ShiftCoversTheRoundingOfTheMidpoint) {
   const double next = std::nextafter(1.0, 2.0);  // the midpoint of 1 and its successor is not a binary64 number
-  const UncertainModel model{"", {{"a", {{{1, 1}, {1, 1}, {1, 1}}}, {{{1, 1}, {1, 1}}}, {{{1, next}}}, {1, 0, 0, 0}}}};
+  UncertainModel model;
+  model.primitives = {{"a", {{{1, 1}, {1, 1}, {1, 1}}}, {{{1, 1}, {1, 1}}}, {{{1, next}}}, {1, 0, 0, 0}}};
   EXPECT_EQ(bracket(model).shift, next - 1.0);
 }
 
@@ -145,7 +148,8 @@ constexpr double member_precision = 1e-3;
                                                    std::span<const Point> points) {
   const double tolerance = tolerance_of(model);
   std::vector<Enclosure> enclosures;
-  for (const MapResult& row : uncertain_map_in_memory(model, point_radius, points, {.tolerance = tolerance}).rows) {
+  for (const MapResult& row :
+       map_in_memory(model, points, {.tolerance = tolerance, .point_radius = point_radius}).rows) {
     enclosures.push_back(row.distance);
   }
   return enclosures;

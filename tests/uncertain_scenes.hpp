@@ -5,7 +5,6 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <verisq/uncertain_map.hpp>
 #include <verisq/uncertain_model.hpp>
 
 #include "tests/map_in_memory.hpp"
@@ -91,25 +90,6 @@ struct Uncertainty {
 /// How many members a test tries: the variable VERISQ_MEMBERS of the environment.
 [[nodiscard]] inline std::size_t member_count(std::size_t otherwise) {
   return requested_count("VERISQ_MEMBERS", otherwise);
-}
-
-/// As map_in_memory.
-[[nodiscard]] inline FinishedMap uncertain_map_in_memory(const UncertainModel& model, double point_radius,
-                                                         std::span<const Point> points, const MapOptions& options) {
-  FinishedMap map;
-  const PointSource source = [&points](std::span<Point> chunk) {
-    const std::size_t count = std::min(chunk.size(), points.size());
-    std::ranges::copy(points.first(count), chunk.begin());
-    points = points.subspan(count);
-    return count;
-  };
-  const MapSink sink = [&map](std::span<const Point>, std::span<const MapResult> rows,
-                              std::span<const Certificate> certificates) {
-    map.rows.insert(map.rows.end(), rows.begin(), rows.end());
-    map.certificates.insert(map.certificates.end(), certificates.begin(), certificates.end());
-  };
-  map.summary = UncertainDistanceMapper(model, point_radius, options).map(source, sink);
-  return map;
 }
 
 /// The objects of the paper's Table 5.

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <span>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/model_file.hpp>
 
@@ -21,7 +21,7 @@ int main() {
     farther += std::ranges::count_if(rows, [](const verisq::MapResult& row) { return row.distance.lo > 1.99; });
   };
   const verisq::Model implant = verisq::read_model("examples/stem_mm.json");
-  const verisq::MapSummary summary = verisq::map_points(implant, source, sink, {.tolerance = 1e-6});
+  const verisq::MapSummary summary = verisq::PointMapper(implant, {.tolerance = 1e-6}).map(source, sink);
   std::printf("%td of %zu vertices are farther than 1.99 mm; the nearest is [%.17g, %.17g] mm away\n", farther,
               mesh.vertices.size(), summary.minimum_lo, summary.minimum_hi);
 }

@@ -9,21 +9,21 @@
 namespace verisq {
 
 Clearance certified_clearance(const Model& posed, const Cavity& cavity, const Fitness& fitness,
-                              double penetration_limit, const MapOptions& options, const MapSink& sink) {
+                              double penetration_limit, const MapOptions& options, const Sink<Point>& sink) {
   ClearanceSum sum(cavity, fitness, penetration_limit);
   std::span<const Point> rest = cavity.points;
-  const PointSource source = [&rest](std::span<Point> chunk) {
+  const Source<Point> source = [&rest](std::span<Point> chunk) {
     const std::size_t count = std::min(chunk.size(), rest.size());
     std::ranges::copy(rest.first(count), chunk.begin());
     rest = rest.subspan(count);
     return count;
   };
-  const MapSink sum_up = [&](std::span<const Point> points, std::span<const MapResult> rows,
-                             std::span<const Certificate> certificates) {
+  const Sink<Point> sum_up = [&](std::span<const Point> points, std::span<const MapResult> rows,
+                                 std::span<const Certificate> certificates) {
     sum.add(rows);
     sink(points, rows, certificates);
   };
-  const MapSummary summary = map_points(posed, source, sum_up, options);
+  const MapSummary summary = PointMapper(posed, options).map(source, sum_up);
   Clearance clearance = sum.report();
   clearance.map = summary;
   return clearance;

@@ -190,7 +190,7 @@ class PathSearch {
     std::vector<double> radii(queries.size());
     std::vector<Sample> samples;
     std::size_t asked = 0;
-    const PointSource source = [&](std::span<Point> points) {
+    const Source<Point> source = [&](std::span<Point> points) {
       const std::size_t count = std::min(points.size(), queries.size() - asked);
       for (std::size_t i = 0; i < count; ++i, ++asked) {
         const auto [centre, radius] =
@@ -200,7 +200,8 @@ class PathSearch {
       }
       return count;
     };
-    const MapSink sink = [&](std::span<const Point>, std::span<const MapResult> rows, std::span<const Certificate>) {
+    const Sink<Point> sink = [&](std::span<const Point>, std::span<const MapResult> rows,
+                                 std::span<const Certificate>) {
       for (const MapResult& row : rows) {
         const Query& query = queries[samples.size()];
         const double radius = radii[samples.size()];
@@ -238,7 +239,7 @@ class PathSearch {
 
   const RigidPath& path_;
   const InsertionOptions& options_;
-  DistanceMapper mapper_;
+  PointMapper mapper_;
   std::vector<PointSearch> searches_;
   std::map<double, RigidPath::Placement> placements_;
   MapSummary summary_ = empty_summary();

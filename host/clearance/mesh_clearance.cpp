@@ -12,8 +12,8 @@
 
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/intersection.hpp"
-#include "verisq/distance_map.hpp"
 #include "verisq/error.hpp"
+#include "verisq/map.hpp"
 
 namespace verisq {
 namespace {
@@ -171,13 +171,13 @@ class MeshSearch {
                                   .interrupted = options_.interrupted});
     std::size_t asked = 0;
     std::size_t answered = 0;
-    const TriangleSource source = [&](std::span<Triangle> triangles) {
+    const Source<Triangle> source = [&](std::span<Triangle> triangles) {
       const std::size_t count = std::min(triangles.size(), open_.size() - asked);
       for (std::size_t i = 0; i < count; ++i) triangles[i] = open_[asked++].corners;
       return count;
     };
-    const TriangleSink sink = [&](std::span<const Triangle>, std::span<const MapResult> rows,
-                                  std::span<const Certificate>) {
+    const Sink<Triangle> sink = [&](std::span<const Triangle>, std::span<const MapResult> rows,
+                                    std::span<const Certificate>) {
       for (const auto& [distance, status] : rows) {
         if (distance.lo > 0.0) open_[answered].bound = distance.lo;
         smallest_hi_ = std::min(smallest_hi_, distance.hi);
@@ -195,13 +195,13 @@ class MeshSearch {
   void sample() {
     std::size_t asked = 0;
     std::size_t answered = 0;
-    const PointSource source = [&](std::span<Point> points) {
+    const Source<Point> source = [&](std::span<Point> points) {
       const std::size_t count = std::min(points.size(), open_.size() - asked);
       for (std::size_t i = 0; i < count; ++i) points[i] = centre(open_[asked++].corners);
       return count;
     };
-    const MapSink sink = [&](std::span<const Point> points, std::span<const MapResult> rows,
-                             std::span<const Certificate>) {
+    const Sink<Point> sink = [&](std::span<const Point> points, std::span<const MapResult> rows,
+                                 std::span<const Certificate>) {
       for (std::size_t i = 0; i < rows.size(); ++i) bound(open_[answered++], points[i], rows[i].distance);
     };
     found_.interrupted = mapper_.map(source, sink).interrupted;
@@ -284,7 +284,7 @@ class MeshSearch {
   }
 
   MeshClearanceOptions options_;
-  DistanceMapper mapper_;
+  PointMapper mapper_;
   std::vector<TriangleState> triangles_;
   std::vector<Piece> open_;
   double settled_lo_ = infinity;   ///< of all pieces that are not open any more

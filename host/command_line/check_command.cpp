@@ -9,9 +9,9 @@
 #include <optional>
 #include <span>
 #include <vector>
+#include <verisq/checker.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/model_file.hpp>
-#include <verisq/uncertain_checker.hpp>
 #include <verisq/uncertain_model.hpp>
 
 #include "host/command_line/check_summary.hpp"
@@ -153,7 +153,7 @@ TightestWidths tightest_widths(const Element& element, const Enclosure& claimed,
 
 /// `radius`: at least that of an exact model.
 template <typename Stream>
-CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader& map, const CheckArguments& arguments,
+CheckReport check_rows(const Checker& checker, Stream stream, MapReader& map, const CheckArguments& arguments,
                        const std::optional<double>& radius) {
   Tally tally(stream, map.elements(), !arguments.no_progress);
   Drawing drawing(stream.mesh(), map.draws());
@@ -194,7 +194,7 @@ CheckReport check_rows(const UncertainChecker& checker, Stream stream, MapReader
   return report;
 }
 
-CheckReport check_map(const UncertainChecker& checker, MapReader& map, const CheckArguments& arguments,
+CheckReport check_map(const Checker& checker, MapReader& map, const CheckArguments& arguments,
                       const std::optional<double>& radius) {
   if (map.elements() == MapElements::vertices) {
     return check_rows(checker, PointStream(arguments.inputs), map, arguments, radius);
@@ -231,7 +231,7 @@ ExitStatus run_check(const CheckArguments& arguments) {
                     arguments.inputs.model));
   }
   MapReader map(arguments.map);
-  const UncertainChecker checker(model, arguments.point_radius);
+  const Checker checker(model, arguments.point_radius);
 
   std::optional<double> radius;
   if (is_exact(model) && arguments.point_radius == 0.0) radius = radius_at_most(model);

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <functional>
 #include <string_view>
+#include <verisq/map.hpp>
+#include <verisq/model_distance.hpp>
 #include <verisq/model_file.hpp>
-#include <verisq/pose_map.hpp>
 #include <verisq/signed_distance.hpp>
-#include <verisq/uncertain_model_distance.hpp>
 
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/distance_search.hpp"
@@ -108,23 +108,16 @@ double tolerance_of(const DistanceArguments& arguments, const LargestModels& mod
 /// Ctrl-C or the time limit.
 using Stop = std::function<bool()>;
 
-DistanceReport exact_distance(const LargestModels& models, const Pose& pose, const Stop& stop) {
-  const PairDistance pair(models.a, models.b);
+/// Uncertain models have neither closest points nor a certificate.
+DistanceReport distance_of(const UncertainModel& a, const UncertainModel& b, const Pose& pose, const Stop& stop) {
+  const PairDistance pair(a, b);
   const ModelDistance found = pair(pose, stop);
   DistanceReport report{found.distance, found.proximity};
   report.complete = found.complete;
+  report.uncertain = !is_exact(a) || !is_exact(b);
   report.common = found.certificate.common;
   report.closest = pair.closest_points(found, pose, stop);
   report.certificate = found.certificate;
-  return report;
-}
-
-DistanceReport uncertain_distance(const UncertainModel& a, const UncertainModel& b, const Pose& pose,
-                                  const Stop& stop) {
-  const auto [distance, proximity, complete] = UncertainPairDistance(a, b)(pose, stop);
-  DistanceReport report{distance, proximity};
-  report.complete = complete;
-  report.uncertain = true;
   return report;
 }
 
@@ -142,12 +135,11 @@ DistanceReport certified_distance(const UncertainModel& a, const UncertainModel&
   TimeLimit limit(seconds);
   limit.start();
   const Stop stop = [&] { return interrupted() || limit.passed(); };
-  const bool exact = is_exact(a) && is_exact(b);
-  DistanceReport report = exact ? exact_distance(models, pose, stop) : uncertain_distance(a, b, pose, stop);
+  DistanceReport report = distance_of(a, b, pose, stop);
   // Of uncertain models the width is that of their numbers, whatever the method does.
-  const bool at_limit = !exact || verified(report.distance, limit_of_certificates * size_of(models, pose));
+  const bool at_limit = report.uncertain || verified(report.distance, limit_of_certificates * size_of(models, pose));
   report.tightest = tolerance == 0.0 && report.complete && at_limit;
-  const bool lacks_points = exact && report.proximity == Proximity::separated && !report.closest;
+  const bool lacks_points = !report.uncertain && report.proximity == Proximity::separated && !report.closest;
   if ((!report.complete || lacks_points) && stop()) {
     tell(fmt::format("{}; {}", interrupted() ? "interrupted" : "the time limit is reached",
                      report.complete ? "the closest points are not enclosed" : "the enclosure is valid, and wide"));

@@ -5,10 +5,10 @@
 
 #include <filesystem>
 #include <vector>
+#include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
-#include <verisq/uncertain_map.hpp>
 
 #include "host/command_line/choice.hpp"
 #include "host/command_line/default_tolerance.hpp"
@@ -126,15 +126,15 @@ std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
-/// Maps `elements`, which `Stream` delivers and `Mapper` encloses, and prints the summary. Starts the limit, which the
-/// options ask for, when the mapper is ready.
-template <typename Mapper, typename Stream>
-ExitStatus map_and_report(const UncertainModel& model, double point_radius, MapElements elements,
-                          const MapArguments& arguments, const MapOptions& options, TimeLimit& limit) {
+/// Maps `elements`, which `Stream` delivers, and prints the summary. Starts the limit, which the options ask for, when
+/// the mapper is ready.
+template <typename Stream>
+ExitStatus map_and_report(const UncertainModel& model, MapElements elements, const MapArguments& arguments,
+                          const MapOptions& options, TimeLimit& limit) {
   Stream stream(arguments.inputs);
   refuse_what_cannot_be_drawn(arguments, stream.mesh());
   const auto make_mapper = [&] {
-    Mapper mapper(model, point_radius, options);
+    Mapper<typename Stream::Element> mapper(model, options);
     limit.start();
     return mapper;
   };
@@ -158,7 +158,7 @@ ExitStatus map_and_report(const UncertainModel& model, double point_radius, MapE
                                .rows = rows,
                                .implant = bracket(model).largest,
                                .units = model.units,
-                               .summary = report_lines(report, model, point_radius),
+                               .summary = report_lines(report, model, options.point_radius),
                                .area_names = {},
                                .area_of = {}});
     };
@@ -204,14 +204,12 @@ ExitStatus run_map(const MapArguments& arguments) {
                      .device = arguments.device,
                      .certificates = arguments.certificates,
                      .method = arguments.method,
+                     .point_radius = arguments.point_radius,
                      .interrupted = interrupted};
   if (limit.given()) options.out_of_time = [&limit] { return limit.passed(); };
-  const double radius = arguments.point_radius;
   const MapElements elements = arguments.on;
-  return elements == MapElements::vertices
-             ? map_and_report<UncertainDistanceMapper, PointStream>(model, radius, elements, arguments, options, limit)
-             : map_and_report<UncertainTriangleMapper, TriangleStream>(model, radius, elements, arguments, options,
-                                                                       limit);
+  return elements == MapElements::vertices ? map_and_report<PointStream>(model, elements, arguments, options, limit)
+                                           : map_and_report<TriangleStream>(model, elements, arguments, options, limit);
 }
 
 }  // namespace verisq::command_line

@@ -3,7 +3,7 @@
 
 #include <optional>
 #include <string>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
 
 #include "host/command_line/exit_status.hpp"

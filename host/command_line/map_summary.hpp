@@ -3,7 +3,7 @@
 
 #include <string>
 #include <vector>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/report.hpp>
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
 
 #include "host/command_line/element_words.hpp"
@@ -63,11 +63,11 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
   };
   std::uint64_t done = 0;
   const auto sink = [&](std::span<const Element> elements, std::span<const MapResult> results,
-                        const auto&... certificates) {  // maps of poses have none
+                        std::span<const Certificate> certificates) {
     if constexpr (std::same_as<Element, Point>) {
-      if (writer) writer->append(elements, results, certificates...);
+      if (writer) writer->append(elements, results, certificates);
     } else {
-      if (writer) writer->append(results, certificates...);
+      if (writer) writer->append(results, certificates);
     }
     if (request.show) rows.insert(rows.end(), results.begin(), results.end());
     done += elements.size();

@@ -14,14 +14,12 @@
 #include <vector>
 
 #include "host/batches/batch.hpp"
-#include "host/batches/device_model.hpp"
-#include "host/device/device.hpp"
 #include "host/maps/certified_intersection.hpp"
 #include "host/maps/chunk_pace.hpp"
 #include "host/maps/summary_count.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/proof/intersection.hpp"
-#include "verisq/distance_map.hpp"
+#include "verisq/map.hpp"
 
 namespace verisq {
 
@@ -37,10 +35,7 @@ namespace verisq {
 template <class Query, class Prover>
 class MapRun {
  public:
-  using Source = std::function<std::size_t(std::span<Query>)>;
-  using Sink = std::function<void(std::span<const Query>, std::span<const MapResult>, std::span<const Certificate>)>;
-
-  MapRun(const Prover& prover, const MapOptions& options, const Source& source, const Sink& sink)
+  MapRun(const Prover& prover, const MapOptions& options, const Source<Query>& source, const Sink<Query>& sink)
       : prover_(prover), options_(options), source_(source), sink_(sink) {}
 
   MapSummary on_host() {
@@ -168,56 +163,12 @@ class MapRun {
 
   const Prover& prover_;
   const MapOptions& options_;
-  const Source& source_;
-  const Sink& sink_;
+  const Source<Query>& source_;
+  const Sink<Query>& sink_;
   ChunkPace pace_;               // of what the host finishes
   ChunkPace device_pace_;        // of what the device is given, where there is a time limit
   std::vector<MapResult> rows_;  // of the current chunk; kept to spare allocations
   MapSummary summary_ = empty_summary();
-};
-
-/// A prover and, unless the host does all, a device made ready: what a mapper of one kind of query holds.
-template <class Query, class Prover>
-class Mapping {
- public:
-  using Run = MapRun<Query, Prover>;
-
-  /// `primitives` are all that the device must be able to hold; `make_batch(device)` makes the device ready, unless
-  /// `unsuited` says why no device is to be used.
-  template <class MakeBatch>
-  Mapping(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch,
-          const std::string& unsuited = {})
-      : options_(options), prover_(std::move(prover)) {
-    if (options.device == "host") return;
-    const device::Selection selection = device::select_device(options.device);
-    notice_ = selection.notice;
-    if (!selection.device) return;
-    if (!device::within_device_range(primitives)) {
-      notice_ = "the model's sizes span more than the device's kernels are made for";
-      return;
-    }
-    if (!unsuited.empty()) {
-      notice_ = unsuited;
-      return;
-    }
-    name_ = selection.device->name;
-    batch_ = make_batch(*selection.device);
-  }
-
-  MapSummary map(const typename Run::Source& source, const typename Run::Sink& sink) {
-    Run run(prover_, options_, source, sink);
-    MapSummary summary = batch_ ? run.on_device(*batch_) : run.on_host();
-    summary.device = name_;
-    summary.notice = notice_;
-    return summary;
-  }
-
- private:
-  MapOptions options_;
-  Prover prover_;
-  std::string name_ = "host";
-  std::string notice_;
-  std::unique_ptr<device::Batch<Query>> batch_;  // nothing: the host does all
 };
 
 }  // namespace verisq

@@ -1,12 +1,12 @@
-/// This file implements the map of poses.
-#include "verisq/pose_map.hpp"
-
+/// What the host proves of poses, and the map that it makes with a device.
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 
 #include "host/batches/pose_batch.hpp"
-#include "host/maps/map_run.hpp"
+#include "host/maps/exact_map.hpp"
+#include "host/maps/prepared_map.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/sets/solid_pair_motion.hpp"
@@ -70,27 +70,14 @@ class PoseProver {
   PairDistance distance_;
 };
 
-MapOptions without_certificates(const MapOptions& options) {
-  if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
-  return options;
-}
-
 }  // namespace
 
-struct PoseMapper::State {
-  Mapping<Pose, PoseProver> mapping;
-};
-
-PoseMapper::PoseMapper(const Model& a, const Model& b, const MapOptions& options)
-    : state_(new State{{PoseProver(a, b, options), without_certificates(options), device::joined(a, b),
-                        [&](const device::Device& device) { return device::pose_batch(device, a, b); }}}) {}
-PoseMapper::~PoseMapper() = default;
-PoseMapper::PoseMapper(PoseMapper&&) noexcept = default;
-PoseMapper& PoseMapper::operator=(PoseMapper&&) noexcept = default;
-
-MapSummary PoseMapper::map(const PoseSource& source, const PoseSink& sink) {
-  return state_->mapping.map(source, [&](std::span<const Pose> poses, std::span<const MapResult> results,
-                                         std::span<const Certificate> /*none*/) { sink(poses, results); });
+std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const MapOptions& options) {
+  if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
+  if (options.point_radius != 0.0) throw Error(ErrorKind::input, "maps of poses have no points with a radius");
+  const auto make_batch = [&](const device::Device& device) { return device::pose_batch(device, a, b); };
+  return std::make_unique<PreparedMap<Pose, PoseProver>>(PoseProver(a, b, options), options, device::joined(a, b),
+                                                         make_batch);
 }
 
 }  // namespace verisq

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "verisq/distance_map.hpp"
+#include "verisq/map.hpp"
 
 namespace verisq {
 

@@ -1,13 +1,14 @@
-/// This file implements the map of triangles.
+/// What the host proves of triangles, and the map that it makes with a device.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "host/batches/triangle_batch.hpp"
-#include "host/maps/map_run.hpp"
+#include "host/maps/exact_map.hpp"
+#include "host/maps/prepared_map.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "verify/search/witness_estimate.hpp"
 #include "verify/sets/coarse_distance.hpp"
-#include "verisq/distance_map.hpp"
 #include "verisq/error.hpp"
 #include "verisq/signed_distance.hpp"
 #include "verisq/triangle_distance.hpp"
@@ -69,20 +70,12 @@ class TriangleProver {
 
 }  // namespace
 
-struct TriangleMapper::State {
-  Mapping<Triangle, TriangleProver> mapping;
-};
-
-TriangleMapper::TriangleMapper(const Model& model, const MapOptions& options)
-    : state_(new State{{TriangleProver(model, options), options, model, [&](const device::Device& device) {
-                          return device::triangle_batch(device, model, options.certificates);
-                        }}}) {}
-TriangleMapper::~TriangleMapper() = default;
-TriangleMapper::TriangleMapper(TriangleMapper&&) noexcept = default;
-TriangleMapper& TriangleMapper::operator=(TriangleMapper&&) noexcept = default;
-
-MapSummary TriangleMapper::map(const TriangleSource& source, const TriangleSink& sink) {
-  return state_->mapping.map(source, sink);
+std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options) {
+  const auto make_batch = [&](const device::Device& device) {
+    return device::triangle_batch(device, model, options.certificates);
+  };
+  return std::make_unique<PreparedMap<Triangle, TriangleProver>>(TriangleProver(model, options), options, model,
+                                                                 make_batch);
 }
 
 }  // namespace verisq

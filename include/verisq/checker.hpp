@@ -6,12 +6,13 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
+#include <verisq/uncertain_model.hpp>
 
 namespace verisq {
 
 enum class Verdict {
   proved,    ///< the certificate proves both ends
-  refuted,   ///< the exact signed distance is proven to lie outside the enclosure, or lo > hi
+  refuted,   ///< the exact signed distance (of a member) is proven to lie outside the enclosure, or lo > hi
   unproved,  ///< neither: the certificate proves less than the enclosure claims
 };
 
@@ -20,18 +21,22 @@ struct Finding {
   Enclosure proven;  ///< what the certificate proves, rounded outward; an inner end is proven no farther than claimed
 };
 
-/// Immutable after construction: safe to call from many threads.
+/// Of an uncertain model or point, the certificate of an enclosure proves two statements: its normals bound the
+/// distance to the largest (or inflated) model from below, with the escape if there is one, and that to the smallest
+/// from above, the first normal first; each normal proves what it can for either. Immutable after construction: safe to
+/// call from many threads.
 class Checker {
  public:
-  /// Throws Error(input) unless the model is_union_of_convex.
-  explicit Checker(const Model& model);
+  /// Each point is any within `point_radius` of the one given, each triangle any whose corners are. Precondition:
+  /// finite, at least 0. Throws Error(input) unless the model is_union_of_convex, and as `bracket`.
+  explicit Checker(const UncertainModel& model, double point_radius = 0.0);
   ~Checker();
   Checker(Checker&&) noexcept;
   Checker& operator=(Checker&&) noexcept;
 
-  /// Never says `proved` of an enclosure that does not contain the exact signed distance of `point`, whatever the
-  /// certificate holds. Normals of primitives that the model does not have, and vectors that are zero or not finite,
-  /// prove nothing. Precondition: `point` is finite, `claimed` holds no NaN.
+  /// Never says `proved` of an enclosure that does not contain the exact signed distances of all members, whatever the
+  /// certificate holds; `refuted` says that of one member. Normals of primitives that the model does not have, and
+  /// vectors that are zero or not finite, prove nothing. Precondition: `point` is finite, `claimed` holds no NaN.
   [[nodiscard]] Finding operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate) const;
 
   /// The same of the distance of a triangle, which is 0 where it meets the model. Precondition: finite corners.

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 #include <verisq/cavity.hpp>
-#include <verisq/distance_map.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/fitness.hpp>
+#include <verisq/map.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
@@ -35,8 +35,9 @@ struct Clearance {
 
 /// Maps all points of the cavity against the posed implant (any model) and sums up. The rows go to `sink` as they come.
 /// Of an interrupted map the report is of the rows delivered: the first `map.points` of the cavity. Errors as
-/// DistanceMapper.
+/// Mapper.
 [[nodiscard]] Clearance certified_clearance(const Model& posed, const Cavity& cavity, const Fitness& fitness,
-                                            double penetration_limit, const MapOptions& options, const MapSink& sink);
+                                            double penetration_limit, const MapOptions& options,
+                                            const Sink<Point>& sink);
 
 }  // namespace verisq

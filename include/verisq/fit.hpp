@@ -59,7 +59,7 @@ struct Fit {
 /// the largest objective; of equals the earlier. Semi-axes that are intervals are sizes to choose from (I_l <= I <=
 /// I_r); all other numbers must be exact. The functions of the options are called by one thread at a time. Throws
 /// Error(input) for an empty series or cavity, for options and points out of their ranges, for implants that are not
-/// unions of convex primitives, for other uncertain numbers, and for devices as DistanceMapper.
+/// unions of convex primitives, for other uncertain numbers, and for devices as Mapper.
 [[nodiscard]] Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options);
 
 }  // namespace verisq

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/model.hpp>
 
@@ -35,7 +35,7 @@ struct Insertion {
 
 /// The implant (any model) moves by the poses after its primitives' own. Proven between the poses by how far a point of
 /// the bone moves in the implant's frame. Throws Error(input) for a path without poses, for poses that are not finite
-/// or have a zero quaternion, and as DistanceMapper.
+/// or have a zero quaternion, and as Mapper.
 [[nodiscard]] Insertion smallest_distance_along(std::span<const Pose> path, const Model& implant,
                                                 std::span<const Point> bone, const InsertionOptions& options);
 

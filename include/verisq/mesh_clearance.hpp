@@ -38,7 +38,7 @@ struct MeshClearance {
 };
 
 /// Branch and bound over the triangles, for any model. Throws Error(input) for a mesh without triangles, and as
-/// DistanceMapper.
+/// Mapper.
 [[nodiscard]] MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options);
 
 }  // namespace verisq

@@ -1,5 +1,5 @@
-/// The distance of two unions of convex primitives: enclosure, certificate, closest points. For other models there is
-/// model_search.hpp.
+/// The distance of two unions of convex primitives, whose numbers may be uncertain: enclosure, certificate, closest
+/// points. For other models there is model_search.hpp.
 #pragma once
 
 #include <array>
@@ -9,13 +9,14 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 #include <verisq/pair_certificate.hpp>
+#include <verisq/uncertain_model.hpp>
 
 namespace verisq {
 
 enum class Proximity {
   separated,    ///< proven disjoint: lo > 0
   overlapping,  ///< proven to have a common point: the distance is [0, 0]
-  undecided,    ///< touching, or nearly: lo = 0, hi is small
+  undecided,    ///< touching, or nearly: lo = 0, hi is small; of uncertain models also where members differ
 };
 
 /// Boxes, in the frame of model A, that contain every pair of closest points.
@@ -25,10 +26,11 @@ struct ClosestPoints {
   bool unique;  ///< proven: there is exactly one pair of closest points
 };
 
+/// What holds for every member of A and every member of B, where these are uncertain.
 struct ModelDistance {
   Enclosure distance;
   Proximity proximity;
-  PairCertificate certificate;
+  PairCertificate certificate;  ///< of exact models; of uncertain ones there is none: it is empty
   bool complete = true;  ///< false: interrupted before all pairs of primitives that may be the nearest were looked at
 };
 
@@ -36,8 +38,8 @@ struct ModelDistance {
 /// from many threads.
 class PairDistance {
  public:
-  /// Throws Error(input) for other models.
-  PairDistance(const Model& a, const Model& b);
+  /// Throws Error(input) for other models, and as `bracket`.
+  PairDistance(const UncertainModel& a, const UncertainModel& b);
   ~PairDistance();
   PairDistance(PairDistance&&) noexcept;
   PairDistance& operator=(PairDistance&&) noexcept;
@@ -46,9 +48,9 @@ class PairDistance {
   /// Where `interrupted`, polled after each pair of primitives, says so, what is proven by then: valid, and wide.
   [[nodiscard]] ModelDistance operator()(const Pose& pose = {}, const std::function<bool()>& interrupted = {}) const;
 
-  /// The closest points of separated models; nothing where `found` is not separated or not complete, or where
-  /// `interrupted`, polled before each pair of primitives, says so. Precondition: `found` is the answer for the same
-  /// pose. Slower than the distance: some milliseconds a pair.
+  /// The closest points of separated exact models; nothing where a model is uncertain, where `found` is not separated
+  /// or not complete, or where `interrupted`, polled before each pair of primitives, says so. Precondition: `found` is
+  /// the answer for the same pose. Slower than the distance: some milliseconds a pair.
   [[nodiscard]] std::optional<ClosestPoints> closest_points(const ModelDistance& found, const Pose& pose = {},
                                                             const std::function<bool()>& interrupted = {}) const;
 

@@ -24,13 +24,16 @@ struct UncertainPrimitive {
 /// The members of the model take their numbers from the intervals independently of each other. Bends, and set
 /// operations other than the union of all primitives, are for exact models only.
 struct UncertainModel {
+  UncertainModel() = default;
+  /// An ordinary model is an uncertain one with every interval a single number: it may stand wherever one is asked for.
+  UncertainModel(const Model& exact);
+
   std::string units;
   std::vector<UncertainPrimitive> primitives;
-  std::optional<SetExpression> csg = {};
+  std::optional<SetExpression> csg;
 };
 
-/// An ordinary model with every interval a single number; `is_exact` tells whether a model is such a one.
-[[nodiscard]] UncertainModel uncertain(const Model& model);
+/// Whether the model is an ordinary one.
 [[nodiscard]] bool is_exact(const UncertainModel& model);
 
 /// What every member lies between. The solid grows with its semi-axes and shrinks as exponents rise; the primitives of

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <span>
 #include <string_view>
-#include <verisq/distance_map.hpp>
+#include <verisq/map.hpp>
 #include <verisq/signed_distance.hpp>
 #include <verisq/version.hpp>
 
@@ -28,7 +28,7 @@ int main() {
   verisq::Enclosure mapped{};
   const auto sink = [&](std::span<const verisq::Point>, std::span<const verisq::MapResult> results,
                         std::span<const verisq::Certificate>) { mapped = results[0].distance; };
-  const auto summary = verisq::map_points(model, source, sink, {.tolerance = 1e-12, .device = "host"});
+  const auto summary = verisq::PointMapper(model, {.tolerance = 1e-12, .device = "host"}).map(source, sink);
 
   std::printf("direct [%.17g, %.17g], mapped [%.17g, %.17g]\n", direct.lo, direct.hi, mapped.lo, mapped.hi);
   std::printf("header %s, package %s\n", VERISQ_VERSION, PACKAGE_VERSION);

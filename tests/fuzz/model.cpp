@@ -68,7 +68,7 @@ void model(Bytes bytes) {
   const std::string name = "model.json";
   const std::string json(bytes.begin(), bytes.end());  // a copy, so that reading past its end shows
   read_or_refuse(name, [&] { check_model(parse_uncertain_model(json, name)); });
-  read_or_refuse(name, [&] { check_model(uncertain(parse_model(json, name))); });
+  read_or_refuse(name, [&] { check_model(parse_model(json, name)); });
   read_or_refuse(name, [&] { check_areas(parse_areas(json, name)); });
 }
 

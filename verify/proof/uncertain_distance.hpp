@@ -10,10 +10,19 @@ namespace verisq::verify {
 /// Bounds of the distances of every point within `point_radius` of the one asked for (of every triangle whose corners
 /// are) to every member, rounded outward; why they hold is said at Bracket. Distances are 1-Lipschitz: each bound is
 /// widened by the radius last.
+///
+/// Or of the distances of every member of A to every member of B, the bracketing models being pairs of `smallest` and
+/// of `largest`. The distance of unions is the least of their primitives', overlapping or not, and a rigid motion of B
+/// moves its primitives' shifts along. Of two primitives K of A and L of B: smaller ones are at least as far apart,
+/// larger ones at most; moving K by at most shift_a and L by at most shift_b changes their distance by at most the sum.
 class MemberBounds {
  public:
   /// Precondition: `point_radius` is finite and at least 0.
   MemberBounds(const Bracket& bracket, double point_radius);
+  MemberBounds(const Bracket& a, const Bracket& b);
+
+  /// Whether there is a single member, and points are exact: then distances to `smallest` are the answer.
+  [[nodiscard]] bool exact() const { return exact_; }
 
   /// From an upper end, proven by one primitive, of the distance to `smallest`.
   [[nodiscard]] double upper(double of_smallest) const;
@@ -25,13 +34,14 @@ class MemberBounds {
   /// the bracket has such a model.
   [[nodiscard]] double signed_lower(double of_largest, std::optional<double> of_inflated) const;
 
-  /// From a lower end of a triangle's distance to `largest`. The distance of a union is the least of its primitives',
-  /// overlapping or not.
-  [[nodiscard]] double triangle_lower(double of_largest) const;
+  /// From a lower end of a triangle's distance to `largest`, or of the distance of two models. The distance of a union
+  /// is the least of its primitives', overlapping or not.
+  [[nodiscard]] double unsigned_lower(double of_largest) const;
 
  private:
   double shift_;
-  double point_radius_;
+  double other_shift_;  ///< of points, or of the other model
+  bool exact_;
 };
 
 }  // namespace verisq::verify

@@ -88,13 +88,11 @@ void check_finite(double shift, const Superquadric& solid, std::size_t index) {
 
 }  // namespace
 
-UncertainModel uncertain(const Model& model) {
-  UncertainModel result{model.units, {}, model.csg};
-  for (const auto& [name, superquadric, pose, bend] : model.primitives) {
-    result.primitives.push_back({name, exactly(superquadric.semi_axes), exactly(superquadric.exponents),
-                                 exactly(pose.translation), pose.quaternion, bend});
+UncertainModel::UncertainModel(const Model& exact) : units(exact.units), csg(exact.csg) {
+  for (const auto& [name, superquadric, pose, bend] : exact.primitives) {
+    primitives.push_back({name, exactly(superquadric.semi_axes), exactly(superquadric.exponents),
+                          exactly(pose.translation), pose.quaternion, bend});
   }
-  return result;
 }
 
 bool is_exact(const UncertainModel& model) {
@@ -112,10 +110,11 @@ Bracket bracket(const UncertainModel& model) {
     const Superquadric small{mapped(primitive.semi_axes, low), mapped(primitive.exponents, high)};
     const Superquadric large{mapped(primitive.semi_axes, high), mapped(primitive.exponents, low)};
     const Pose pose{mapped(primitive.translation, middle), primitive.quaternion};
-    const PreciseInterval shift = shift_of(primitive);
+    const bool moves = !all_exact(primitive.translation);  // else spared: most models are exact
+    const PreciseInterval shift = moves ? shift_of(primitive) : PreciseInterval(0);
     result.smallest.primitives.push_back({primitive.name, small, pose, primitive.bend});
     result.largest.primitives.push_back({primitive.name, large, pose, primitive.bend});
-    everywhere.primitives.push_back({primitive.name, inflated(large, shift), pose, primitive.bend});
+    everywhere.primitives.push_back({primitive.name, moves ? inflated(large, shift) : large, pose, primitive.bend});
     result.shift = std::max(result.shift, shift.upper().to_double(Direction::up));
     check_finite(result.shift, everywhere.primitives.back().superquadric, everywhere.primitives.size() - 1);
   }

@@ -1,4 +1,5 @@
-/// The public entry: pairs nearest by their spheres first, each proposed and proven.
+/// The public entry: pairs nearest by their spheres first, each proposed and proven; uncertain models by the models
+/// that bracket them.
 #include "verisq/model_distance.hpp"
 
 #include <algorithm>
@@ -6,9 +7,11 @@
 #include <limits>
 #include <string>
 
+#include "verify/proof/bracketed.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/proof/posed_pairs.hpp"
+#include "verify/proof/uncertain_distance.hpp"
 #include "verify/search/candidates.hpp"
 #include "verify/search/closest_points.hpp"
 #include "verify/search/near_pairs.hpp"
@@ -80,25 +83,8 @@ class PairQuery {
   PairBounds bounds_;
 };
 
-}  // namespace
-
-struct PairDistance::State {
-  State(const Model& model_a, const Model& model_b) : a(model_a), b(model_b) {
-    for (const Model* model : {&model_a, &model_b}) require_union_of_convex(*model, "distances by certificates");
-  }
-
-  PosedModel a;
-  PosedModel b;
-};
-
-PairDistance::PairDistance(const Model& a, const Model& b) : state_(std::make_unique<State>(a, b)) {}
-
-PairDistance::~PairDistance() = default;
-PairDistance::PairDistance(PairDistance&&) noexcept = default;
-PairDistance& PairDistance::operator=(PairDistance&&) noexcept = default;
-
-ModelDistance PairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
-  const PosedPairs pairs(state_->a, state_->b, pose);
+/// As PairDistance says, of exact models.
+ModelDistance exact_distance(const PosedPairs& pairs, const std::function<bool()>& interrupted) {
   const NearPairs near = near_pairs(pairs);
   ModelDistance result{{near.others, kInfinity}, Proximity::undecided, {}};
   auto& [distance, proximity, certificate, complete] = result;
@@ -130,11 +116,52 @@ ModelDistance PairDistance::operator()(const Pose& pose, const std::function<boo
   return result;
 }
 
+/// The inflated model is for signed distances alone.
+Bracketed<PosedModel> posed_models(Bracket models) {
+  require_union_of_convex(models.largest, "distances by certificates");
+  models.inflated.reset();
+  return bracketed(models, [](const Model& model) { return PosedModel(model); });
+}
+
+}  // namespace
+
+struct PairDistance::State {
+  State(const Bracket& of_a, const Bracket& of_b) : bounds(of_a, of_b), a(posed_models(of_a)), b(posed_models(of_b)) {}
+
+  MemberBounds bounds;
+  Bracketed<PosedModel> a;
+  Bracketed<PosedModel> b;
+};
+
+PairDistance::PairDistance(const UncertainModel& a, const UncertainModel& b)
+    : state_(std::make_unique<State>(bracket(a), bracket(b))) {}
+
+PairDistance::~PairDistance() = default;
+PairDistance::PairDistance(PairDistance&&) noexcept = default;
+PairDistance& PairDistance::operator=(PairDistance&&) noexcept = default;
+
+ModelDistance PairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
+  const MemberBounds& bounds = state_->bounds;
+  const Bracketed<PosedModel>& a = state_->a;
+  const Bracketed<PosedModel>& b = state_->b;
+  const auto between_smallest = [&] { return exact_distance(PosedPairs(a.smallest, b.smallest, pose), interrupted); };
+  if (bounds.exact()) return between_smallest();
+  const ModelDistance largest = exact_distance(PosedPairs(a.of_largest(), b.of_largest(), pose), interrupted);
+  const ModelDistance smallest = a.largest || b.largest ? between_smallest() : largest;
+  const Enclosure distance = between(bounds.unsigned_lower(largest.distance.lo), bounds.upper(smallest.distance.hi),
+                                     [] { return "the distance of the uncertain models"; });
+  // Solids are closed: members at distance 0 have a common point.
+  const Proximity proximity = distance.lo > 0.0    ? Proximity::separated
+                              : distance.hi == 0.0 ? Proximity::overlapping
+                                                   : Proximity::undecided;
+  return {distance, proximity, {}, largest.complete && smallest.complete};
+}
+
 std::optional<ClosestPoints> PairDistance::closest_points(const ModelDistance& found, const Pose& pose,
                                                           const std::function<bool()>& interrupted) const {
-  if (found.proximity != Proximity::separated || !found.complete) return std::nullopt;
-  const PosedPairs pairs(state_->a, state_->b, pose);
-  return verify::closest_points(pairs, found, interrupted);
+  const auto& [bounds, a, b] = *state_;
+  if (!bounds.exact() || found.proximity != Proximity::separated || !found.complete) return std::nullopt;
+  return verify::closest_points(PosedPairs(a.smallest, b.smallest, pose), found, interrupted);
 }
 
 }  // namespace verisq

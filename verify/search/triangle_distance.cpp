@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "verify/proof/convex_union.hpp"
+#include "verify/proof/exact_checker.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/proof/triangle.hpp"
 #include "verify/proof/triangle_certificate.hpp"
 #include "verify/search/candidates.hpp"
 #include "verify/search/contact.hpp"
 #include "verify/search/triangle_contact.hpp"
-#include "verisq/checker.hpp"
 
 namespace verisq {
 
@@ -164,7 +164,7 @@ struct TriangleDistance::State {
     return result;
   }
 
-  Checker checker;
+  ExactChecker checker;
   std::vector<PosedSuperquadric> primitives;
 };
 
@@ -183,7 +183,7 @@ Enclosure TriangleDistance::operator()(const Triangle& triangle) const {
 
 CertifiedEnclosure TriangleDistance::certified(const Triangle& triangle) const {
   CertifiedEnclosure found = state_->enclose(triangle);
-  found.distance = state_->checker(triangle, found.distance, found.certificate).proven;
+  found.distance = state_->checker(triangle, found.distance, found.certificate);
   return found;
 }
 

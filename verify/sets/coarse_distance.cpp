@@ -88,14 +88,14 @@ Normal CoarseProof::towards_nearest_centre(const Point& x) const {
 
 CertifiedEnclosure CoarseProof::operator()(const Point& x) const {
   Certificate certificate{{towards_nearest_centre(x)}, beyond_nearest_face(x, box_)};
-  const Enclosure proven = checker_(x, kNothing, certificate).proven;
+  const Enclosure proven = checker_(x, kNothing, certificate);
   if (proven.lo > 0.0) certificate.escape.reset();  // the spheres prove it
   return {proven, certificate};
 }
 
 CertifiedEnclosure CoarseProof::operator()(const Triangle& triangle) const {
   const Certificate certificate{{towards_nearest_centre(triangle[0])}, std::nullopt, {{0.0, 0.0}}};
-  return {checker_(triangle, kNothing, certificate).proven, certificate};
+  return {checker_(triangle, kNothing, certificate), certificate};
 }
 
 }  // namespace verisq::verify

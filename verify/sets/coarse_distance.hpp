@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "verify/proof/exact_checker.hpp"
 #include "verify/sets/bounding_box.hpp"
-#include "verisq/checker.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
@@ -47,7 +47,7 @@ class CoarseProof {
  private:
   [[nodiscard]] Normal towards_nearest_centre(const Point& x) const;
 
-  Checker checker_;
+  ExactChecker checker_;
   Box box_;
   std::vector<Point> centres_;  ///< of the primitives
 };

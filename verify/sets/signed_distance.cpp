@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "verify/proof/exact_checker.hpp"
 #include "verify/search/solid_union.hpp"
 #include "verify/sets/solid_distance.hpp"
-#include "verisq/checker.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq {
@@ -34,7 +34,7 @@ struct ConvexUnion {
     return solids.size() > 1 && !(found.lo > 0.0) && !verified(found, tolerance);
   }
 
-  Checker checker;
+  verify::ExactChecker checker;
   std::vector<verify::Solid> solids;
 };
 
@@ -81,7 +81,7 @@ CertifiedEnclosure SignedDistance::certified(const Point& point, double toleranc
                                              const std::function<bool()>& interrupted) const {
   if (!state_->convex) throw Error(ErrorKind::input, "certificates: only for unions of primitives that are not bent");
   const auto proven = [&](CertifiedEnclosure found) {
-    found.distance = state_->convex->checker(point, found.distance, found.certificate).proven;
+    found.distance = state_->convex->checker(point, found.distance, found.certificate);
     return found;
   };
   const CertifiedEnclosure found = proven(verify::signed_distance(state_->convex->solids, point, tolerance));

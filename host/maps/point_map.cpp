@@ -1,6 +1,4 @@
-/// This file implements the map of points.
-#include "verisq/distance_map.hpp"
-
+/// What the host proves of points, and the map that it makes with a device.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,7 +8,8 @@
 #include "host/batches/model_source.hpp"
 #include "host/batches/point_batch.hpp"
 #include "host/batches/solid_batch.hpp"
-#include "host/maps/map_run.hpp"
+#include "host/maps/exact_map.hpp"
+#include "host/maps/prepared_map.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/search/witness_estimate.hpp"
@@ -144,28 +143,14 @@ class PointProver {
 
 }  // namespace
 
-struct DistanceMapper::State {
-  Mapping<Point, PointProver> mapping;
-};
-
-DistanceMapper::DistanceMapper(const Model& model, const MapOptions& options)
-    : state_(new State{{PointProver(model, options), options, model,
-                        [&](const device::Device& device) {
-                          return is_union_of_convex(model)
-                                     ? device::point_batch(device, model, options.tolerance, options.certificates)
+std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options) {
+  const auto make_batch = [&](const device::Device& device) {
+    return is_union_of_convex(model) ? device::point_batch(device, model, options.tolerance, options.certificates)
                                      : device::solid_batch(device, model, options.tolerance);
-                        },
-                        is_union_of_convex(model) ? std::string() : device::why_not_compiled(model)}}) {}
-DistanceMapper::~DistanceMapper() = default;
-DistanceMapper::DistanceMapper(DistanceMapper&&) noexcept = default;
-DistanceMapper& DistanceMapper::operator=(DistanceMapper&&) noexcept = default;
-
-MapSummary DistanceMapper::map(const PointSource& source, const MapSink& sink) {
-  return state_->mapping.map(source, sink);
-}
-
-MapSummary map_points(const Model& model, const PointSource& source, const MapSink& sink, const MapOptions& options) {
-  return DistanceMapper(model, options).map(source, sink);
+  };
+  return std::make_unique<PreparedMap<Point, PointProver>>(
+      PointProver(model, options), options, model, make_batch,
+      is_union_of_convex(model) ? std::string() : device::why_not_compiled(model));
 }
 
 }  // namespace verisq

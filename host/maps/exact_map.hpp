@@ -1,0 +1,27 @@
+/// Maps of ordinary models and exact queries: what all others are made of.
+#pragma once
+
+#include <memory>
+
+#include "verisq/map.hpp"
+
+namespace verisq {
+
+/// As Mapper.
+template <class Query>
+class ExactMap {
+ public:
+  ExactMap() = default;
+  virtual ~ExactMap() = default;
+  ExactMap(const ExactMap&) = delete;
+  ExactMap& operator=(const ExactMap&) = delete;
+
+  virtual MapSummary map(const Source<Query>& source, const Sink<Query>& sink) = 0;
+};
+
+/// Throw as the constructors of Mapper. Points and triangles are exact, whatever radius the options give.
+[[nodiscard]] std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options);
+[[nodiscard]] std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options);
+[[nodiscard]] std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const MapOptions& options);
+
+}  // namespace verisq

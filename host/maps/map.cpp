@@ -1,0 +1,101 @@
+/// The public class: the map of an ordinary model, or those of the models that bracket an uncertain one.
+#include "verisq/map.hpp"
+
+#include "host/maps/bracket_map.hpp"
+#include "host/maps/exact_map.hpp"
+#include "verify/proof/bracketed.hpp"
+#include "verify/proof/uncertain_distance.hpp"
+
+namespace verisq {
+namespace {
+
+using verify::MemberBounds;
+
+/// Of the bracketing models' maps: each end to half the tolerance.
+MapOptions of_one_end(const MemberBounds& bounds, MapOptions options) {
+  if (!bounds.exact()) options.tolerance = options.tolerance / 2;
+  return options;
+}
+
+/// The obligation of Bracket: where the primitives of a union move independently of each other, no upper end may be
+/// proven by several of them together. Certificates never are.
+MapOptions by_single_primitives(const Bracket& models, MapOptions options) {
+  if (models.inflated) {
+    options.certificates = true;
+    options.method = Method::duality;  // the published one has none
+  }
+  return options;
+}
+
+template <class Query>
+BracketedMap<Query> maps_of(const Bracket& models, const MapOptions& options);
+
+template <>
+BracketedMap<Point> maps_of(const Bracket& models, const MapOptions& options) {
+  const auto for_upper_ends = [&](const Model& model) {
+    return point_map(model, by_single_primitives(models, options));
+  };
+  return verify::bracketed(models, for_upper_ends, [&](const Model& model) { return point_map(model, options); });
+}
+
+/// Only signed distances need the inflated model, for points deep in a union (see Bracket).
+template <>
+BracketedMap<Triangle> maps_of(const Bracket& models, const MapOptions& options) {
+  Bracket without_inflated = models;
+  without_inflated.inflated.reset();
+  return verify::bracketed(without_inflated, [&](const Model& model) { return triangle_map(model, options); });
+}
+
+BracketedMap<Pose> maps_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
+  BracketedMap<Pose> maps{pose_map(a.smallest, b.smallest, options), std::nullopt, std::nullopt};
+  if (!verify::same_solids(a) || !verify::same_solids(b)) maps.largest = pose_map(a.largest, b.largest, options);
+  return maps;
+}
+
+template <class Query>
+BracketMap<Query> map_of(const Bracket& models, const MapOptions& options) {
+  const MemberBounds bounds(models, options.point_radius);
+  return {bounds, options, maps_of<Query>(models, of_one_end(bounds, options))};
+}
+
+BracketMap<Pose> map_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
+  const MemberBounds bounds(a, b);
+  return {bounds, options, maps_of(a, b, of_one_end(bounds, options))};
+}
+
+}  // namespace
+
+template <class Query>
+struct Mapper<Query>::State {
+  BracketMap<Query> map;
+};
+
+// clang 14 instantiates constructors whose constraints do not hold, too.
+template <class Query>
+Mapper<Query>::Mapper(const UncertainModel& model, const MapOptions& options) requires(!std::same_as<Query, Pose>) {
+  if constexpr (!std::same_as<Query, Pose>) state_.reset(new State{map_of<Query>(bracket(model), options)});
+}
+
+template <class Query>
+Mapper<Query>::Mapper(const UncertainModel& a, const UncertainModel& b,
+                      const MapOptions& options) requires std::same_as<Query, Pose> {
+  if constexpr (std::same_as<Query, Pose>) state_.reset(new State{map_of(bracket(a), bracket(b), options)});
+}
+
+template <class Query>
+Mapper<Query>::~Mapper() = default;
+template <class Query>
+Mapper<Query>::Mapper(Mapper&&) noexcept = default;
+template <class Query>
+Mapper<Query>& Mapper<Query>::operator=(Mapper&&) noexcept = default;
+
+template <class Query>
+MapSummary Mapper<Query>::map(const Source<Query>& source, const Sink<Query>& sink) {
+  return state_->map.map(source, sink);
+}
+
+template class Mapper<Point>;
+template class Mapper<Triangle>;
+template class Mapper<Pose>;
+
+}  // namespace verisq

@@ -1,0 +1,109 @@
+/// The main job: a guaranteed distance for every point, triangle or pose of a stream.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <verisq/certificate.hpp>
+#include <verisq/map_result.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
+#include <verisq/uncertain_model.hpp>
+
+namespace verisq {
+
+/// How the host proves points outside.
+enum class Method {
+  duality,    ///< certificates of docs/mathematics.md §2: tight
+  published,  ///< the paper's bisected segment (published_method.hpp), to compare with: on the host, no certificates
+};
+
+struct MapOptions {
+  /// Absolute, in model units: rows at most as wide are verified. 0 asks for the tightest: then those are verified that
+  /// are as tight as the methods get, at most 1e-12 of the largest coordinate or the model's radius wide; of points
+  /// inside, 2e-9 of the radius. Likewise where models or points are uncertain, whatever part of a row's width that is;
+  /// of these the tightest is what the tightest distances to the bracketing models leave.
+  double tolerance;
+  std::string device = "auto";      ///< "auto", "host", an index or a part of a device's name
+  bool certificates = false;        ///< deliver what proves each enclosure again; of poses there is nothing
+  Method method = Method::duality;  ///< of points; triangles and poses know duality alone
+  /// Each point is any within this radius of the one given, each triangle any whose corners are; of poses 0.
+  /// Precondition: finite, at least 0.
+  double point_radius = 0.0;
+  std::function<bool()> interrupted = [] { return false; };  ///< polled between chunks; true ends the map early
+  /// A time limit: polled, also by several threads at once; once true, it must stay true. Running searches end then,
+  /// and no other begins. What the device has not begun by then is not begun any more. Every row is delivered all the
+  /// same, with what is proven so far or known without a search: valid, and wide. Empty: no limit.
+  std::function<bool()> out_of_time = {};
+};
+
+struct MapSummary {
+  std::string device;        ///< name of the device used, or "host"
+  std::uint64_t points = 0;  ///< rows delivered to the sink
+  std::uint64_t device_verified = 0;
+  std::uint64_t host_verified = 0;
+  std::uint64_t wide = 0;
+  std::uint64_t wide_inside = 0;  ///< of those, rows with a lower end below 0
+  double minimum_lo = 0.0;        ///< enclosure of the smallest distance of all rows
+  double minimum_hi = 0.0;
+  double largest_width = 0.0;
+  double device_seconds = 0.0;  ///< during which kernels ran, those of two chunks at once counted once
+  double host_seconds = 0.0;    ///< wall time of the host's proofs
+  bool interrupted = false;
+  bool out_of_time = false;  ///< the limit came while rows were wide
+  std::string notice;        ///< why a device was passed over; empty when nothing to say
+};
+
+/// Fills the span from the front; returns how many, 0 at the end.
+template <class Query>
+using Source = std::function<std::size_t(std::span<Query>)>;
+/// Receives rows in the order of the queries; certificates are empty unless the options ask for them.
+template <class Query>
+using Sink = std::function<void(std::span<const Query>, std::span<const MapResult>, std::span<const Certificate>)>;
+
+/// Models made ready for maps: device chosen and tested, kernels compiled, buffers allocated. Many maps of one model
+/// pay for that once. `Query` is one of
+///   Point: each row encloses its signed distance to the model;
+///   Triangle: the distance of the whole triangle, 0 where it meets the model, which must be is_union_of_convex;
+///   Pose: the distance of model A and of model B moved by the pose (x -> R x + t, after B's primitives' own poses), 0
+///     where they meet; both must be is_union_of_convex.
+///
+/// Of uncertain models and points a row encloses the distances to every member of everything within `point_radius`. The
+/// distances to the bracketing models (see Bracket) are asked for to half the tolerance each; seconds in the summary
+/// add up those of their maps. An exact model is mapped directly. Certificates are those of Checker.
+template <class Query>
+class Mapper {
+ public:
+  /// Throws Error(input) for other models than those above, when no device matches `options.device`, when a named
+  /// device failed its self-test, for the published method with a device or certificates, for either of these unless
+  /// the model is_union_of_convex, for a model that is proven to have no point, and as `bracket`.
+  Mapper(const UncertainModel& model, const MapOptions& options) requires(!std::same_as<Query, Pose>);
+  /// Throws Error(input) likewise, and for options that ask for certificates or give a point radius.
+  Mapper(const UncertainModel& a, const UncertainModel& b,
+         const MapOptions& options) requires std::same_as<Query, Pose>;
+  ~Mapper();
+  Mapper(Mapper&&) noexcept;
+  Mapper& operator=(Mapper&&) noexcept;
+
+  /// Maps all queries of `source`. Memory is bounded by a few chunks, whatever their number; transfers overlap with
+  /// work. Throws Error(input) for a query that is not finite or a pose whose quaternion is zero, and what source and
+  /// sink throw. One call at a time.
+  MapSummary map(const Source<Query>& source, const Sink<Query>& sink);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+extern template class Mapper<Point>;
+extern template class Mapper<Triangle>;
+extern template class Mapper<Pose>;
+
+using PointMapper = Mapper<Point>;
+using TriangleMapper = Mapper<Triangle>;
+using PoseMapper = Mapper<Pose>;
+
+}  // namespace verisq
