@@ -37,9 +37,9 @@ void ChunkQueue::read(const cl::Buffer& buffer, std::span<double> column) {
   queue_.enqueueReadBuffer(buffer, CL_FALSE, 0, column.size_bytes(), column.data());
 }
 
-void ChunkQueue::launch(const cl::Kernel& kernel, std::size_t work_items, std::size_t local) {
+void ChunkQueue::launch(const NamedKernel& kernel, std::size_t work_items, std::size_t local) {
   cl::Event event;
-  queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange((work_items + local - 1) / local * local),
+  queue_.enqueueNDRangeKernel(kernel.kernel(), cl::NullRange, cl::NDRange((work_items + local - 1) / local * local),
                               cl::NDRange(local), nullptr, &event);
   kernels_.push_back(std::move(event));
 }

@@ -8,6 +8,7 @@
 
 #include "host/batches/busy_time.hpp"
 #include "host/device/device.hpp"
+#include "host/opencl/named_kernel.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::device {
@@ -41,7 +42,7 @@ class ChunkQueue {
   /// Downloads into `column`, which must stay until `finish`.
   void read(const cl::Buffer& buffer, std::span<double> column);
   /// Enough work-groups of `local` for `work_items`.
-  void launch(const cl::Kernel& kernel, std::size_t work_items, std::size_t local = usual_group_size);
+  void launch(const NamedKernel& kernel, std::size_t work_items, std::size_t local = usual_group_size);
   void flush() { queue_.flush(); }
 
   /// Waits for everything; returns when the kernels since the last call ran.

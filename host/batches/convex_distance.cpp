@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include "host/batches/kernel_arguments.hpp"
+#include "kernels/embedded_sources.hpp"
+
 namespace verisq::device {
 namespace {
 
@@ -17,6 +20,15 @@ constexpr double smallest_interior_tolerance = 0x1p-30;
 
 }  // namespace
 
+std::vector<EvidenceBuffers> views_of_primitives(const EvidenceBuffers& all, std::size_t count, std::size_t capacity) {
+  std::vector<EvidenceBuffers> views(count);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::vector<cl::Buffer> columns = windows(all[i], count, capacity);
+    for (std::size_t index = 0; index < count; ++index) views[index][i] = columns[index];
+  }
+  return views;
+}
+
 ConvexDistance::ConvexDistance(const Device& device, const cl::Program& program, ChunkQueue& queue,
                                const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance)
     : groups_per_block_(device.vector_width > 1 ? block_points_of_vector_work_item / device.vector_width : 1),
@@ -24,30 +36,24 @@ ConvexDistance::ConvexDistance(const Device& device, const cl::Program& program,
       coordinates_(coordinates),
       nearest_(queue.numbers(capacity)),
       scratch_(queue.numbers(capacity * scratch_per_point)),
-      point_distance_(program, "point_distance"),
-      interior_depth_(program, "interior_depth") {
-  for (cl_uint i = 0; i < 3; ++i) {
-    point_distance_.setArg(1 + i, coordinates_[i]);
-    interior_depth_.setArg(2 + i, coordinates_[i]);
-  }
-  point_distance_.setArg(6, nearest_);
-  interior_depth_.setArg(1, static_cast<cl_uint>(groups_per_block_));
-  interior_depth_.setArg(7, std::max(tolerance, smallest_interior_tolerance));
-  interior_depth_.setArg(8, scratch_);
+      point_distance_(program, kernels::embedded_sources(), "point_distance"),
+      interior_depth_(program, kernels::embedded_sources(), "interior_depth") {
+  point_distance_.set(coordinate_arguments, coordinates_);
+  point_distance_.set("nearest", nearest_);
+  interior_depth_.set("groups_per_block", groups_per_block_);
+  interior_depth_.set(coordinate_arguments, coordinates_);
+  interior_depth_.set("tolerance", std::max(tolerance, smallest_interior_tolerance));
+  interior_depth_.set("scratch", scratch_);
 }
 
 void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, std::size_t index, std::size_t groups,
                              const EvidenceBuffers& evidence) {
   primitives_ = primitives;
-  point_distance_.setArg(0, static_cast<cl_ulong>(groups));
-  point_distance_.setArg(4, primitives_);
-  point_distance_.setArg(5, static_cast<cl_uint>(index));
-  interior_depth_.setArg(0, static_cast<cl_ulong>(groups));
-  interior_depth_.setArg(5, primitives_);
-  interior_depth_.setArg(6, static_cast<cl_uint>(index));
-  for (cl_uint i = 0; i < evidence.size(); ++i) {
-    point_distance_.setArg(7 + i, evidence[i]);
-    interior_depth_.setArg(9 + i, evidence[i]);
+  for (NamedKernel* const kernel : {&point_distance_, &interior_depth_}) {
+    kernel->set("groups", groups);
+    kernel->set("primitives", primitives_);
+    kernel->set("index", index);
+    kernel->set(evidence_arguments, evidence);
   }
   queue.launch(point_distance_, groups);
   // A vector work-item is long here: one a work-group lets the cores share them evenly.

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <vector>
 
 #include "host/batches/chunk_queue.hpp"
 #include "host/device/device.hpp"
@@ -10,6 +12,10 @@ namespace verisq::device {
 
 /// What is found for each point of a chunk: lower ends, upper ends, and normals x, y, z in the primitive's own frame.
 using EvidenceBuffers = std::array<cl::Buffer, 5>;
+
+/// The windows of each of `count` primitives into buffers that hold all of them, `capacity` numbers each.
+[[nodiscard]] std::vector<EvidenceBuffers> views_of_primitives(const EvidenceBuffers& all, std::size_t count,
+                                                               std::size_t capacity);
 
 /// The kernels point_distance and interior_depth with the buffers that they need besides.
 class ConvexDistance {
@@ -32,8 +38,8 @@ class ConvexDistance {
   cl::Buffer primitives_;
   cl::Buffer nearest_;
   cl::Buffer scratch_;
-  cl::Kernel point_distance_;
-  cl::Kernel interior_depth_;
+  NamedKernel point_distance_;
+  NamedKernel interior_depth_;
 };
 
 }  // namespace verisq::device

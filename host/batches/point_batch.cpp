@@ -9,9 +9,10 @@
 
 #include "host/batches/certificate_assembly.hpp"
 #include "host/batches/chunk_pipeline.hpp"
-#include "host/batches/chunk_queue.hpp"
+#include "host/batches/chunk_slot.hpp"
 #include "host/batches/convex_distance.hpp"
 #include "host/batches/device_model.hpp"
+#include "host/batches/kernel_arguments.hpp"
 #include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 
@@ -19,6 +20,7 @@ namespace verisq::device {
 namespace {
 
 constexpr std::size_t numbers_per_primitive = 4;  // of its evidence: upper end and normal
+constexpr std::array<std::string_view, 3> escape_arguments{"escape_xs", "escape_ys", "escape_zs"};
 
 // The device's own program is the one for constant memory.
 cl::Program program_for(const Device& device, const DeviceModel& model) {
@@ -26,70 +28,50 @@ cl::Program program_for(const Device& device, const DeviceModel& model) {
   return build_program(device.context, device.device, device.vector_width, kernels::embedded_sources(), model.memory);
 }
 
-// One chunk on its way through the device: its own queue, so that its transfers overlap with the other's kernels.
-class Slot {
+// One chunk on its way through the device.
+class Slot : public ChunkSlot {
  public:
   // `assembly`: nothing unless certificates are asked for.
   Slot(const Device& device, const cl::Program& program, const DeviceModel& model, double tolerance,
        std::optional<CertificateAssembly> assembly)
-      : width_(device.vector_width),
-        capacity_(model.chunk_size),
-        count_(model.count),
-        scale_(model.scale_exponent),
+      : ChunkSlot(device, model),
         assembly_(std::move(assembly)),
-        queue_(device),
         primitives_(model.primitives),
         coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
         convex_distance_(device, program, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
-        union_distance_(program, "union_distance"),
-        enclosures_(capacity_) {
-    for (int i = 0; i < 5; ++i) per_primitive_[i] = queue_.numbers(capacity_ * count_);
+        union_distance_(program, kernels::embedded_sources(), "union_distance") {
+    for (cl::Buffer& evidence : per_primitive_) evidence = queue_.numbers(capacity_ * count_);
     result_[0] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[0];
     result_[1] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[1];
     for (cl::Buffer& escape : escape_) escape = queue_.numbers(count_ > 1 ? capacity_ : 1);
 
-    for (cl_uint i = 0; i < 3; ++i) union_distance_.setArg(2 + i, coordinates_[i]);
-    union_distance_.setArg(1, static_cast<cl_ulong>(capacity_));
-    union_distance_.setArg(5, primitives_);
-    union_distance_.setArg(6, static_cast<cl_uint>(count_));
-    for (cl_uint i = 0; i < 5; ++i) union_distance_.setArg(7 + i, per_primitive_[i]);
-    union_distance_.setArg(12, result_[0]);
-    union_distance_.setArg(13, result_[1]);
-    for (cl_uint i = 0; i < 3; ++i) union_distance_.setArg(14 + i, escape_[i]);
+    union_distance_.set("stride", capacity_);
+    union_distance_.set(coordinate_arguments, coordinates_);
+    union_distance_.set("primitives", primitives_);
+    union_distance_.set("count", count_);
+    union_distance_.set(evidence_arguments, per_primitive_);
+    union_distance_.set(union_arguments, result_);
+    union_distance_.set(escape_arguments, escape_);
     for (auto& column : columns_) column.resize(capacity_);
     if (assembly_) evidence_.resize(capacity_ * (numbers_per_primitive * count_ + 3));
-    for (std::size_t i = 0; i < per_primitive_.size(); ++i) {
-      const std::vector<cl::Buffer> columns = windows(per_primitive_[i], count_, capacity_);
-      views_.resize(count_);
-      for (std::size_t index = 0; index < count_; ++index) views_[index][i] = columns[index];
-    }
+    views_ = views_of_primitives(per_primitive_, count_, capacity_);
   }
 
   void start(std::span<const Point> points) {
     size_ = points.size();
-    const std::size_t groups = (size_ + width_ - 1) / width_;
-    for (int i = 0; i < 3; ++i) {
-      for (std::size_t n = 0; n < size_; ++n) columns_[i][n] = scale_.to_device(points[n][i]);
-      // Lanes beyond the last point repeat it.
-      std::fill(columns_[i].begin() + size_, columns_[i].begin() + groups * width_, columns_[i][size_ - 1]);
-      queue_.write(coordinates_[i], std::span(columns_[i]).first(groups * width_));
+    for (std::size_t i = 0; i < 3; ++i) {
+      fill(columns_[i], [&](std::size_t n) { return scale_.to_device(points[n][i]); });
+      queue_.write(coordinates_[i], std::span(columns_[i]).first(padded()));
     }
     for (std::size_t index = 0; index < count_; ++index)
-      convex_distance_.enqueue(queue_, primitives_, index, groups, views_[index]);
+      convex_distance_.enqueue(queue_, primitives_, index, groups(), views_[index]);
     if (count_ > 1) {
-      union_distance_.setArg(0, static_cast<cl_ulong>(groups));
-      queue_.launch(union_distance_, groups);
+      union_distance_.set("groups", groups());
+      queue_.launch(union_distance_, groups());
     }
     enclosures_.read(queue_, result_, size_);
     if (!evidence_.empty()) read_evidence();
     queue_.flush();
-  }
-
-  // Returns when kernels ran.
-  std::vector<Running> finish(std::vector<Enclosure>& enclosures) {
-    std::vector<Running> times = queue_.finish();
-    enclosures_.deliver(scale_, enclosures);
-    return times;
   }
 
   // Fills `certificates` where they were asked for. Precondition: finished.
@@ -127,24 +109,17 @@ class Slot {
     return {scale_.to_model(x[0]), scale_.to_model(x[capacity_]), scale_.to_model(x[2 * capacity_])};
   }
 
-  std::size_t width_;
-  std::size_t capacity_;
-  std::size_t count_;
-  Scale scale_;
   std::optional<CertificateAssembly> assembly_;
-  ChunkQueue queue_;
   // Kernels do not keep the buffers that they are given.
   cl::Buffer primitives_;
   std::array<cl::Buffer, 3> coordinates_;
   ConvexDistance convex_distance_;
-  cl::Kernel union_distance_;
-  std::array<cl::Buffer, 5> per_primitive_;  // lower ends, upper ends, normals x, y, z: primitive by primitive
+  NamedKernel union_distance_;
+  EvidenceBuffers per_primitive_;  // primitive by primitive
   std::array<cl::Buffer, 2> result_;
   std::array<cl::Buffer, 3> escape_;
   std::vector<EvidenceBuffers> views_;  // windows of those, one for each primitive
-  std::size_t size_ = 0;
   std::array<std::vector<double>, 3> columns_;
-  EnclosureColumns enclosures_;
   std::vector<double> evidence_;  // columns of `capacity` numbers; empty unless certificates are asked for
 };
 

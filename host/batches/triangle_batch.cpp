@@ -1,13 +1,14 @@
 /// This file implements the streaming of triangles through a device.
 #include "host/batches/triangle_batch.hpp"
 
-#include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "host/batches/certificate_assembly.hpp"
 #include "host/batches/chunk_pipeline.hpp"
-#include "host/batches/chunk_queue.hpp"
+#include "host/batches/chunk_slot.hpp"
 #include "host/batches/device_model.hpp"
+#include "host/batches/kernel_arguments.hpp"
 #include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 
@@ -16,60 +17,52 @@ namespace {
 
 constexpr std::size_t coordinates = 9;  // of a triangle: x, y, z of each corner
 
-// What triangle_distance tells about one primitive: lower and upper ends, normals x, y, z, weights 1 and 2.
-constexpr std::size_t outputs = 7;
+// What triangle_distance tells about one primitive.
+constexpr std::array<std::string_view, 7> output_arguments{"los",       "his",       "normal_xs", "normal_ys",
+                                                           "normal_zs", "weights_1", "weights_2"};
+constexpr std::size_t outputs = output_arguments.size();
+using Outputs = std::array<cl::Buffer, outputs>;
 
-// One chunk on its way through the device: its own queue, so that its transfers overlap with the other's kernels.
-class Slot {
+// One chunk on its way through the device.
+class Slot : public ChunkSlot {
  public:
   Slot(const Device& device, const cl::Program& program, const DeviceModel& model, bool certificates)
-      : width_(device.vector_width),
-        capacity_(model.chunk_size),
-        count_(model.count),
-        scale_(model.scale_exponent),
-        queue_(device),
+      : ChunkSlot(device, model),
         primitives_(model.primitives),
-        triangle_distance_(program, "triangle_distance"),
-        union_distance_(program, "triangle_union_distance"),
+        triangle_distance_(program, kernels::embedded_triangle_sources(), "triangle_distance"),
+        union_distance_(program, kernels::embedded_triangle_sources(), "triangle_union_distance"),
         corners_(queue_.numbers(coordinates * capacity_)),
         nearest_(queue_.numbers(capacity_)),
-        columns_(coordinates * capacity_),
-        enclosures_(capacity_) {
-    for (cl::Buffer& output : per_primitive_) output = queue_.numbers(capacity_ * count_);
-    for (std::size_t i = 0; i < 2; ++i) result_[i] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[i];
-    triangle_distance_.setArg(1, static_cast<cl_ulong>(capacity_));
-    triangle_distance_.setArg(2, corners_);
-    triangle_distance_.setArg(3, primitives_);
-    triangle_distance_.setArg(5, nearest_);
-    union_distance_.setArg(1, static_cast<cl_ulong>(capacity_));
-    union_distance_.setArg(2, static_cast<cl_uint>(count_));
-    for (cl_uint i = 0; i < 2; ++i) {
-      union_distance_.setArg(3 + i, per_primitive_[i]);
-      union_distance_.setArg(5 + i, result_[i]);
+        views_(count_),
+        columns_(coordinates * capacity_) {
+    for (std::size_t i = 0; i < outputs; ++i) {
+      per_primitive_[i] = queue_.numbers(capacity_ * count_);
+      const std::vector<cl::Buffer> columns = windows(per_primitive_[i], count_, capacity_);
+      for (std::size_t index = 0; index < count_; ++index) views_[index][i] = columns[index];
     }
+    for (std::size_t i = 0; i < 2; ++i) result_[i] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[i];
+    triangle_distance_.set("stride", capacity_);
+    triangle_distance_.set("corners", corners_);
+    triangle_distance_.set("primitives", primitives_);
+    triangle_distance_.set("nearest", nearest_);
+    union_distance_.set("stride", capacity_);
+    union_distance_.set("count", count_);
+    union_distance_.set(enclosure_arguments, std::array{per_primitive_[0], per_primitive_[1]});
+    union_distance_.set(union_arguments, result_);
     if (certificates) evidence_.resize((outputs - 1) * count_ * capacity_);
-    for (std::size_t i = 0; i < views_.size(); ++i) views_[i] = windows(per_primitive_[i], count_, capacity_);
   }
 
   void start(std::span<const Triangle> triangles) {
     size_ = triangles.size();
-    const std::size_t groups = (size_ + width_ - 1) / width_;
-    upload(triangles, groups * width_);
-    for (std::size_t index = 0; index < count_; ++index) launch_primitive(index, groups);
+    upload(triangles);
+    for (std::size_t index = 0; index < count_; ++index) launch_primitive(index);
     if (count_ > 1) {
-      union_distance_.setArg(0, static_cast<cl_ulong>(groups));
-      queue_.launch(union_distance_, groups);
+      union_distance_.set("groups", groups());
+      queue_.launch(union_distance_, groups());
     }
     enclosures_.read(queue_, result_, size_);
     if (!evidence_.empty()) read_evidence();
     queue_.flush();
-  }
-
-  // Returns when kernels ran.
-  std::vector<Running> finish(std::vector<Enclosure>& enclosures) {
-    std::vector<Running> times = queue_.finish();
-    enclosures_.deliver(scale_, enclosures);
-    return times;
   }
 
   // Fills `certificates` where they were asked for. Precondition: finished.
@@ -88,50 +81,39 @@ class Slot {
   }
 
  private:
-  [[nodiscard]] double& coordinate(std::size_t column, std::size_t n) { return columns_[column * capacity_ + n]; }
-
-  // Lanes beyond the last triangle, up to `padded`, repeat it.
-  void upload(std::span<const Triangle> triangles, std::size_t padded) {
+  void upload(std::span<const Triangle> triangles) {
     for (std::size_t c = 0; c < coordinates; ++c) {
-      for (std::size_t n = 0; n < padded; ++n) {
-        coordinate(c, n) = scale_.to_device(triangles[std::min(n, size_ - 1)][c / 3][c % 3]);
-      }
+      fill(std::span(columns_).subspan(c * capacity_, capacity_),
+           [&](std::size_t n) { return scale_.to_device(triangles[n][c / 3][c % 3]); });
     }
     queue_.write(corners_, columns_);
   }
 
-  void launch_primitive(std::size_t index, std::size_t groups) {
-    triangle_distance_.setArg(0, static_cast<cl_ulong>(groups));
-    triangle_distance_.setArg(4, static_cast<cl_uint>(index));
-    for (cl_uint i = 0; i < outputs; ++i) triangle_distance_.setArg(6 + i, views_[i][index]);
-    queue_.launch(triangle_distance_, groups);
+  void launch_primitive(std::size_t index) {
+    triangle_distance_.set("groups", groups());
+    triangle_distance_.set("index", index);
+    triangle_distance_.set(output_arguments, views_[index]);
+    queue_.launch(triangle_distance_, groups());
   }
 
   // All outputs but the lower ends.
   void read_evidence() {
     double* column = evidence_.data();
-    for (std::size_t index = 0; index < count_; ++index) {
-      for (std::size_t i = 1; i < outputs; ++i, column += capacity_) queue_.read(views_[i][index], {column, size_});
+    for (const Outputs& view : views_) {
+      for (std::size_t i = 1; i < outputs; ++i, column += capacity_) queue_.read(view[i], {column, size_});
     }
   }
 
-  std::size_t width_;
-  std::size_t capacity_;
-  std::size_t count_;
-  Scale scale_;
-  ChunkQueue queue_;
   // Kernels do not keep the buffers that they are given.
   cl::Buffer primitives_;
-  cl::Kernel triangle_distance_;
-  cl::Kernel union_distance_;
+  NamedKernel triangle_distance_;
+  NamedKernel union_distance_;
   cl::Buffer corners_;
   cl::Buffer nearest_;
-  std::array<cl::Buffer, outputs> per_primitive_;
+  Outputs per_primitive_;
   std::array<cl::Buffer, 2> result_;
-  std::array<std::vector<cl::Buffer>, outputs> views_;  // windows of those, one for each primitive
-  std::size_t size_ = 0;
+  std::vector<Outputs> views_;  // windows of those, one for each primitive
   std::vector<double> columns_;
-  EnclosureColumns enclosures_;
   std::vector<double> evidence_;  // columns of `capacity` numbers; empty unless certificates are asked for
 };
 

@@ -11,6 +11,7 @@
 
 #include "host/batches/chunk_pipeline.hpp"
 #include "host/batches/chunk_queue.hpp"
+#include "host/batches/kernel_arguments.hpp"
 #include "host/batches/model_memory.hpp"
 #include "host/batches/primitive_parameters.hpp"
 #include "host/batches/rotation.hpp"
@@ -167,15 +168,15 @@ struct Kernels {
       : memory(memory_option),
         program(build_program(device.context, device.device, device.vector_width,
                               kernels::embedded_pose_objective_sources(), memory)),
-        pose_objective(program, "pose_objective"),
-        sum_slices(program, "sum_slices"),
-        pose_distance(program, "pose_distance") {}
+        pose_objective(program, kernels::embedded_pose_objective_sources(), "pose_objective"),
+        sum_slices(program, kernels::embedded_pose_objective_sources(), "sum_slices"),
+        pose_distance(program, kernels::embedded_pose_objective_sources(), "pose_distance") {}
 
   std::string memory;
   cl::Program program;
-  cl::Kernel pose_objective;
-  cl::Kernel sum_slices;
-  cl::Kernel pose_distance;
+  NamedKernel pose_objective;
+  NamedKernel sum_slices;
+  NamedKernel pose_distance;
 };
 
 class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
@@ -238,21 +239,19 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     const std::string memory = model_memory_option(device_, primitives * sizeof(ScaledPrimitive));
     if (memory != kernels_.memory) kernels_ = Kernels(device_, memory);
     chunk_.emplace(queue_, chunk_capacity(primitives), primitives, slices_);
-    for (cl_uint axis = 0; axis < 3; ++axis) {
-      kernels_.pose_objective.setArg(3 + axis, selected_->coordinates[axis]);
-      kernels_.pose_distance.setArg(2 + axis, selected_->coordinates[axis]);
-    }
-    kernels_.pose_objective.setArg(1, static_cast<cl_uint>(slices_));
-    kernels_.pose_objective.setArg(2, static_cast<cl_uint>(selected_->groups));
-    kernels_.pose_objective.setArg(6, selected_->point_weights);
-    kernels_.pose_objective.setArg(7, chunk_->primitives);
-    kernels_.pose_objective.setArg(8, static_cast<cl_uint>(primitives));
-    kernels_.pose_objective.setArg(9, chunk_->pivots);
-    kernels_.pose_objective.setArg(14, chunk_->partials);
-    kernels_.sum_slices.setArg(1, static_cast<cl_uint>(slices_));
-    kernels_.sum_slices.setArg(2, static_cast<cl_uint>(chunk_->columns));
-    kernels_.sum_slices.setArg(3, chunk_->partials);
-    kernels_.sum_slices.setArg(4, chunk_->sums);
+    NamedKernel& objective = kernels_.pose_objective;
+    objective.set("slices", slices_);
+    objective.set("groups", selected_->groups);
+    objective.set(coordinate_arguments, selected_->coordinates);
+    objective.set("weights", selected_->point_weights);
+    objective.set("primitives", chunk_->primitives);
+    objective.set("count", primitives);
+    objective.set("pivots", chunk_->pivots);
+    objective.set("partials", chunk_->partials);
+    kernels_.sum_slices.set("slices", slices_);
+    kernels_.sum_slices.set("columns", chunk_->columns);
+    kernels_.sum_slices.set("partials", chunk_->partials);
+    kernels_.sum_slices.set("sums", chunk_->sums);
   }
 
   // At least one, however many points there are.
@@ -268,10 +267,10 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
   }
 
   void set_arguments(const Fitness& fitness, const PoseCell& cell) {
-    kernels_.pose_objective.setArg(10, fitness.target);
-    kernels_.pose_objective.setArg(11, fitness.scale);
-    kernels_.pose_objective.setArg(12, cell.translation);
-    kernels_.pose_objective.setArg(13, cell.rotation);
+    kernels_.pose_objective.set("target", fitness.target);
+    kernels_.pose_objective.set("scale", fitness.scale);
+    kernels_.pose_objective.set("cell_translation", cell.translation);
+    kernels_.pose_objective.set("cell_rotation", cell.rotation);
   }
 
   void upload(std::span<const Candidate> candidates) {
@@ -289,8 +288,8 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
 
   void launch(std::size_t candidates) {
     Chunk& chunk = *chunk_;
-    kernels_.pose_objective.setArg(0, static_cast<cl_uint>(candidates));
-    kernels_.sum_slices.setArg(0, static_cast<cl_uint>(candidates));
+    kernels_.pose_objective.set("candidates", candidates);
+    kernels_.sum_slices.set("candidates", candidates);
     // A vector work-item is long: one a work-group lets the cores share them evenly.
     queue_.launch(kernels_.pose_objective, candidates * slices_, is_processor() ? 1 : usual_group_size);
     queue_.launch(kernels_.sum_slices, candidates * chunk.columns);
@@ -302,11 +301,12 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     const std::size_t capacity = selected_->groups * static_cast<std::size_t>(device_.vector_width);
     const cl::Buffer buffer = queue_.numbers(distance_columns * capacity);
     std::vector<double> columns(distance_columns * capacity);
-    kernels_.pose_distance.setArg(0, static_cast<cl_uint>(selected_->groups));
-    kernels_.pose_distance.setArg(1, static_cast<cl_ulong>(capacity));
-    kernels_.pose_distance.setArg(5, chunk_->primitives);
-    kernels_.pose_distance.setArg(6, static_cast<cl_uint>(chunk_->primitives_of_each));
-    kernels_.pose_distance.setArg(7, buffer);
+    kernels_.pose_distance.set("groups", selected_->groups);
+    kernels_.pose_distance.set("capacity", capacity);
+    kernels_.pose_distance.set(coordinate_arguments, selected_->coordinates);
+    kernels_.pose_distance.set("primitives", chunk_->primitives);
+    kernels_.pose_distance.set("count", chunk_->primitives_of_each);
+    kernels_.pose_distance.set("columns", buffer);
     queue_.launch(kernels_.pose_distance, selected_->groups);
     queue_.read(buffer, columns);
     queue_.finish();

@@ -13,6 +13,7 @@
 #include "host/batches/model_source.hpp"
 #include "host/batches/primitive_parameters.hpp"
 #include "host/batches/solid_model.hpp"
+#include "host/opencl/named_kernel.hpp"
 #include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "verify/sets/octree_cube.hpp"
@@ -77,7 +78,7 @@ class DeviceFront final : public OctreeFront {
       : name_(device.name),
         context_(device.context),
         queue_(device.context, device.device, CL_QUEUE_PROFILING_ENABLE),
-        kernel_(octree_program(device, model, extra_options), "split_cubes"),
+        split_cubes_(octree_program(device, model, extra_options), kernels::embedded_octree(), "split_cubes"),
         root_(root),
         scale_(scale_exponent(model)),
         primitives_(uploaded_box_primitives(device, model, scale_)),
@@ -142,27 +143,29 @@ class DeviceFront final : public OctreeFront {
 
   // The gray, black and white children.
   std::array<cl_uint, 3> split_chunk(int level, std::size_t begin, std::size_t count, std::size_t produced) {
-    cl_uint next = 0;
-    kernel_.setArg(next++, static_cast<cl_uint>(count));
-    kernel_.setArg(next++, static_cast<cl_ulong>(begin));
-    for (const double middle : root_.centre) kernel_.setArg(next++, std::ldexp(middle - root_.half_width, scale_));
-    kernel_.setArg(next++, std::ldexp(root_.half_width, scale_ - level - 1));
-    kernel_.setArg(next++, current_.positions);
-    kernel_.setArg(next++, current_.decisions);
-    kernel_.setArg(next++, primitives_);
-    kernel_.setArg(next++, static_cast<cl_ulong>(produced));
-    kernel_.setArg(next++, next_.positions);
-    kernel_.setArg(next++, next_.decisions);
-    kernel_.setArg(next++, counts_);
-    kernel_.setArg(next++, colours_);
-    kernel_.setArg(next++, cl::Local((usual_group_size + 1) * sizeof(cl_uint)));
+    const auto corner = [&](std::size_t axis) { return std::ldexp(root_.centre[axis] - root_.half_width, scale_); };
+    split_cubes_.set("count", count);
+    split_cubes_.set("begin", begin);
+    split_cubes_.set("corner_x", corner(0));
+    split_cubes_.set("corner_y", corner(1));
+    split_cubes_.set("corner_z", corner(2));
+    split_cubes_.set("child_half_width", std::ldexp(root_.half_width, scale_ - level - 1));
+    split_cubes_.set("positions", current_.positions);
+    split_cubes_.set("decisions", current_.decisions);
+    split_cubes_.set("primitives", primitives_);
+    split_cubes_.set("next_begin", produced);
+    split_cubes_.set("next_positions", next_.positions);
+    split_cubes_.set("next_decisions", next_.decisions);
+    split_cubes_.set("counts", counts_);
+    split_cubes_.set("colours", colours_);
+    split_cubes_.set("sums", cl::Local((usual_group_size + 1) * sizeof(cl_uint)));
 
     std::array<cl_uint, 3> counts{};
     queue_.enqueueFillBuffer(counts_, cl_uint{0}, 0, sizeof counts);
     const std::size_t work_items = (count + usual_group_size - 1) / usual_group_size * usual_group_size;
     cl::Event event;
-    queue_.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(work_items), cl::NDRange(usual_group_size), nullptr,
-                                &event);
+    queue_.enqueueNDRangeKernel(split_cubes_.kernel(), cl::NullRange, cl::NDRange(work_items),
+                                cl::NDRange(usual_group_size), nullptr, &event);
     queue_.enqueueReadBuffer(counts_, CL_TRUE, 0, sizeof counts, counts.data());
     seconds_ += 1e-9 * static_cast<double>(event.getProfilingInfo<CL_PROFILING_COMMAND_END>() -
                                            event.getProfilingInfo<CL_PROFILING_COMMAND_START>());
@@ -207,7 +210,7 @@ class DeviceFront final : public OctreeFront {
   std::string name_;
   cl::Context context_;
   cl::CommandQueue queue_;
-  cl::Kernel kernel_;
+  NamedKernel split_cubes_;
   OctreeRoot root_;
   int scale_;  // numbers of the device are model units times 2^scale_: exact, as the model is within its range
   cl::Buffer primitives_;

@@ -166,6 +166,9 @@ cl_int clReleaseProgram(cl_program program) {
 cl_kernel clCreateKernel(cl_program program, const char* name, cl_int* error) {
   return forward<clCreateKernel>(__func__, program, name, error);
 }
+cl_int clGetKernelInfo(cl_kernel kernel, cl_kernel_info key, size_t capacity, void* value, size_t* size) {
+  return forward<clGetKernelInfo>(__func__, kernel, key, capacity, value, size);
+}
 cl_int clSetKernelArg(cl_kernel kernel, cl_uint index, size_t size, const void* value) {
   return forward<clSetKernelArg>(__func__, kernel, index, size, value);
 }
