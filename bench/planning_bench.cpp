@@ -19,7 +19,7 @@
 #include "bench/scratch_folder.hpp"
 #include "bench/tools.hpp"
 #include "bench/uniform_numbers.hpp"
-#include "tests/offset_cavity.hpp"
+#include "tests/fixtures/offset_cavity.hpp"
 #include "verify/sets/bounding_box.hpp"
 
 namespace verisq::bench {

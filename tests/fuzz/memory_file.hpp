@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string_view>
 
+#include "tests/fixtures/temporary_folder.hpp"
 #include "tests/fuzz/targets.hpp"
-#include "tests/temporary_folder.hpp"
 
 namespace verisq::fuzz {
 

@@ -6,7 +6,7 @@
 ///   in which an escape is sought. A poor proposal proves a poor bound. tests/mutation/pessimistic_arithmetic.cpp
 ///   spoils some of them.
 /// - Passing a primitive over too early by a sphere that holds; taking a union's upper end from a farther primitive.
-/// - The last digits of polynomials, whose effect the widening covers: tests/proofs_test.cpp compares them.
+/// - The last digits of polynomials, whose effect the widening covers: tests/kernels/proofs_test.cpp compares them.
 /// - log_up without its lower limit: the bits of a subnormal x = m 2^-1074 read as 2^-1023 (1 + m 2^-52) >= x.
 ///   log_down of infinity without its limit: 1024 ln 2. The limits of exp_up and exp_down do matter.
 /// - distance_up with a negative scale: b lies beyond the centre, farther than the centre, which is in the solid.

@@ -1,6 +1,6 @@
 /// The table of mutants of triangle_distance.cl, and of what no kernel of points uses of rounding.clh.
 ///
-/// Left out, because tests/kernel_arithmetic_test.cpp finds it: a NaN that is forgotten.
+/// Left out, because tests/kernels/kernel_arithmetic_test.cpp finds it: a NaN that is forgotten.
 ///
 /// Left out, because no enclosure can become false by them:
 /// - Changes of what is only proposed: triangle_contact.clh, distance_gradient.clh, matrix3.clh, orthogonal_to_contact.

@@ -1,0 +1,358 @@
+/// `verisq fit` as its user meets it: results, files, messages and exit status.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+#include <verisq/mesh.hpp>
+#include <verisq/model_file.hpp>
+
+#include "tests/fixtures/program_test.hpp"
+
+namespace verisq::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+constexpr Point semi_axes{3.0, 4.0, 8.0};
+constexpr Point displacement{1.0, -0.5, 2.0};  // of the cavity from where the implant's file places it
+constexpr double play = 0.5;
+
+/// A closed surface at the distance `play` around the displaced ellipsoid, in rings from pole to pole.
+Mesh cavity_mesh() {
+  constexpr std::uint32_t rings = 7;
+  constexpr std::uint32_t around = 12;
+  Mesh mesh;
+  const auto add = [&](double height, double angle) {
+    const double radius = std::sqrt(1.0 - height * height);
+    const Point direction{radius * std::cos(angle), radius * std::sin(angle), height};
+    const Point normal{direction[0] / semi_axes[0], direction[1] / semi_axes[1], direction[2] / semi_axes[2]};
+    const double length = std::hypot(normal[0], normal[1], normal[2]);
+    Point vertex{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      vertex[k] = semi_axes[k] * direction[k] + play * normal[k] / length + displacement[k];
+    }
+    mesh.vertices.push_back(vertex);
+  };
+  for (std::uint32_t ring = 0; ring < rings; ++ring) {
+    for (std::uint32_t k = 0; k < around; ++k) {
+      add(std::cos(std::numbers::pi * (ring + 1) / (rings + 1)), 2.0 * std::numbers::pi * k / around);
+    }
+  }
+  for (std::uint32_t ring = 0; ring + 1 < rings; ++ring) {
+    for (std::uint32_t k = 0; k < around; ++k) {
+      const std::uint32_t next = (k + 1) % around;
+      const std::uint32_t a = ring * around;
+      const std::uint32_t b = a + around;
+      mesh.triangles.push_back({a + k, b + k, b + next});
+      mesh.triangles.push_back({a + k, b + next, a + next});
+    }
+  }
+  return mesh;
+}
+
+std::string off(const Mesh& mesh) {
+  std::string text =
+      "OFF\n" + std::to_string(mesh.vertices.size()) + " " + std::to_string(mesh.triangles.size()) + " 0\n";
+  for (const Point& v : mesh.vertices) {
+    text += std::to_string(v[0]) + " " + std::to_string(v[1]) + " " + std::to_string(v[2]) + "\n";
+  }
+  for (const auto& [a, b, c] : mesh.triangles) {
+    text += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
+  }
+  return text;
+}
+
+/// With the property `side`: 5 for x < 1, otherwise -1.
+std::string labelled_ply(const Mesh& mesh) {
+  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
+                     "\nproperty double x\nproperty double y\nproperty double z\nproperty int side\nelement face " +
+                     std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const Point& v : mesh.vertices) {
+    text += std::to_string(v[0]) + " " + std::to_string(v[1]) + " " + std::to_string(v[2]) +
+            (v[0] < displacement[0] - 1e-3 ? " 5\n" : " -1\n");
+  }
+  for (const auto& [a, b, c] : mesh.triangles) {
+    text += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
+  }
+  return text;
+}
+
+class FitCommand : public ProgramTest {
+ protected:
+  /// An ellipsoid; `axes` as in a model file, `rest` further keys of it.
+  [[nodiscard]] std::string implant(const std::string& name, const std::string& axes = "[3, 4, 8]",
+                                    const std::string& rest = R"(, "units": "mm")") const {
+    return write(
+        name, R"({"format": "verisq-model/1", "primitives": [{"name": "body", "superquadric": {"semi_axes": )" + axes +
+                  R"(, "exponents": [1, 1]}}])" + rest + "}");
+  }
+  [[nodiscard]] std::string bone() const { return write("bone.off", off(cavity_mesh())); }
+  [[nodiscard]] std::string fitted() const { return path("fitted.json"); }
+
+  /// In a small range of poses, on the host, with a JSON summary.
+  [[nodiscard]] static Arguments near(Arguments arguments) {
+    const Arguments quick{"fit", "--translation-range", "4", "--rotation-range", "10", "--device", "host", "--json"};
+    arguments.insert(arguments.begin(), quick.begin(), quick.end());
+    return arguments;
+  }
+  [[nodiscard]] Outcome fit(Arguments arguments) const {
+    arguments.insert(arguments.end(), {"--samples", "256"});
+    return run(near(arguments));
+  }
+  [[nodiscard]] Outcome fit_one(Arguments arguments = {}) const {
+    arguments.insert(arguments.begin(), {"--implant", implant("body.json"), "--mesh", bone(), "-o", fitted()});
+    return fit(arguments);
+  }
+  /// Without any movement.
+  [[nodiscard]] Outcome fit_in_place(Arguments arguments) const {
+    arguments.insert(arguments.begin(),
+                     {"fit", "--implant", implant("body.json"), "--mesh", bone(), "-o", fitted(), "--translation-range",
+                      "0", "--rotation-range", "0", "--device", "host", "--samples", "16"});
+    return run(arguments);
+  }
+};
+
+Enclosure enclosure(const json& object) {
+  return {object["lo"], object["hi"]};
+}
+
+TEST_F(FitCommand, FindsThePoseAndProvesIt) {
+  const Outcome outcome = fit_one();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const json summary = json::parse(outcome.out);
+  const std::size_t points = cavity_mesh().vertices.size();
+  EXPECT_EQ(summary["points"], points);
+  EXPECT_EQ(summary["wide"], 0);
+  EXPECT_EQ(summary["proven_too_deep"], 0);
+  EXPECT_EQ(summary["units"], "mm");
+  EXPECT_EQ(summary["output"], fitted());
+  // At the cavity's own pose every point is `play` away, where f is 1 / (1 + (play / gap)^2).
+  EXPECT_EQ(summary["largest_objective"], static_cast<double>(points));
+  EXPECT_GT(summary["objective"]["lo"], 0.99 * static_cast<double>(points) / (1.0 + play * play / 4.0));
+  EXPECT_LE(summary["objective"]["hi"], static_cast<double>(points));
+  EXPECT_LE(summary["objective"]["hi"].get<double>() - summary["objective"]["lo"].get<double>(), 1e-3);
+  EXPECT_NEAR(summary["search"]["objective"], summary["objective"]["lo"], 1e-6);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(summary["pose"]["translation"][k], displacement[k], 1.2 * play) << k;
+  }
+  ASSERT_EQ(summary["areas"].size(), 1U);
+  EXPECT_EQ(summary["areas"][0]["name"], "elsewhere");
+  EXPECT_EQ(summary["areas"][0]["points"], points);
+}
+
+TEST_F(FitCommand, WritesTheModelWhoseMapItIs) {
+  ASSERT_EQ(fit_one({"--map", path("fit.csv")}).status, 0);
+  const Outcome map = run({"map", "--model", fitted(), "--mesh", bone(), "--device", "host", "-o", path("map.csv")});
+  EXPECT_EQ(map.status, 0) << map.err;
+  EXPECT_EQ(folder_.contents("fit.csv"), folder_.contents("map.csv"));
+  EXPECT_EQ(rows_of(path("fit.csv")).size(), cavity_mesh().vertices.size());
+  EXPECT_EQ(read_model(fitted()).units, "mm");
+}
+
+TEST_F(FitCommand, TellsTheSmallestDistanceOfItsMap) {
+  const json summary = json::parse(fit_one({"--map", path("fit.csv")}).out);
+  Enclosure smallest{1e300, 1e300};
+  for (const Row& row : rows_of(path("fit.csv"))) {
+    smallest = {std::min(smallest.lo, row.distance.lo), std::min(smallest.hi, row.distance.hi)};
+  }
+  EXPECT_EQ(enclosure(summary["smallest_distance"]), smallest);
+}
+
+TEST_F(FitCommand, GivesTheSameFileForTheSameSeed) {
+  ASSERT_EQ(fit_one({"--seed", "7"}).status, 0);
+  const std::string first = folder_.contents("fitted.json");
+  ASSERT_EQ(fit_one({"--seed", "7"}).status, 0);
+  EXPECT_EQ(folder_.contents("fitted.json"), first);
+}
+
+TEST_F(FitCommand, PrintsASummaryForPeople) {
+  const Outcome outcome = fit_in_place({"--pose-start", "1,-0.5,2,1,0,0,0", "--map", path("map.vtp")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* part :
+       {"translation          (1, -0.5, 2) mm\n", "smallest distance    [0.49", "kept, proven of the whole surface",
+        "deepest penetration  0 mm\n", "area", "elsewhere", "  84   100.0 %     0.0 %", "fitted model"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(part)) << outcome.out;
+  }
+}
+
+TEST_F(FitCommand, SaysThatTheLimitIsExceeded) {
+  const Outcome outcome = fit_in_place({"--penetration-limit", "0.1"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.out, HasSubstr("0.1 mm: EXCEEDED, proven of "));
+  EXPECT_THAT(outcome.err, HasSubstr("proven deeper inside the implant than the limit"));
+  EXPECT_EQ(read_model(fitted()).primitives.size(), 1U);
+}
+
+TEST_F(FitCommand, ChoosesFromASeries) {
+  const std::string small = implant("small.json", "[2, 3, 7]");
+  const std::string right = implant("right.json", "[3.25, 4.25, 8.25]");
+  const std::string large = implant("large.json", "[5, 6, 10]");
+  const Outcome outcome =
+      fit({"--implant", small, "--implant", right, "--implant", large, "--mesh", bone(), "-o", fitted()});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const json summary = json::parse(outcome.out);
+  EXPECT_EQ(summary["implant"], right);
+  EXPECT_EQ(summary["implant_index"], 1);
+  EXPECT_EQ(summary["implants"], 3);
+}
+
+TEST_F(FitCommand, ChoosesSizes) {
+  const Outcome outcome = fit(
+      {"--implant", implant("body.json", "[[2, 5], 4.4, 8.4]"), "--mesh", bone(), "--on", "vertices", "-o", fitted()});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const json size = json::parse(outcome.out)["sizes"][0]["semi_axes"];
+  EXPECT_GT(size[0], 3.3);
+  EXPECT_LT(size[0], 3.5 + 1e-6);
+  EXPECT_EQ(size[1], 4.4);
+  EXPECT_EQ(read_model(fitted()).primitives[0].superquadric.semi_axes[0], size[0]);
+}
+
+TEST_F(FitCommand, TellsAreasApart) {
+  const std::string boxes = R"(, "units": "mm", "areas": [
+      {"name": "top", "weight": 3, "box": [[-9, -9, 5], [9, 9, 99]]},
+      {"name": "far", "weight": 1, "box": [[50, 50, 50], [51, 51, 51]]}])";
+  const Outcome outcome = fit({"--implant", implant("body.json", "[3, 4, 8]", boxes), "--mesh", bone(), "-o", fitted(),
+                               "--weight", "elsewhere=0.5"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "verisq: area far: has no vertex of the mesh\n");
+  const json areas = json::parse(outcome.out)["areas"];
+  ASSERT_EQ(areas.size(), 3U);
+  EXPECT_EQ(areas[0]["name"], "top");
+  EXPECT_EQ(areas[0]["weight"], 3);
+  EXPECT_EQ(areas[1]["points"], 0);
+  EXPECT_TRUE(areas[1]["smallest_distance"].is_null());
+  EXPECT_EQ(areas[2]["weight"], 0.5);
+  for (const json& area : areas) {
+    EXPECT_EQ(area["points"],
+              area["proven_within"].get<int>() + area["proven_outside"].get<int>() + area["undecided"].get<int>());
+  }
+}
+
+TEST_F(FitCommand, TakesAreasFromLabels) {
+  const std::string mesh = write("bone.ply", labelled_ply(cavity_mesh()));
+  const Outcome outcome =
+      fit({"--implant", implant("body.json"), "--mesh", mesh, "-o", fitted(), "--labels", "side", "--weight", "5=2.5"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const json areas = json::parse(outcome.out)["areas"];
+  ASSERT_EQ(areas.size(), 2U);
+  EXPECT_EQ(areas[0]["name"], "-1");
+  EXPECT_EQ(areas[0]["weight"], 1);
+  EXPECT_EQ(areas[1]["name"], "5");
+  EXPECT_EQ(areas[1]["weight"], 2.5);
+  EXPECT_GT(areas[0]["points"], 0);
+}
+
+TEST_F(FitCommand, KnowsCementedCompletion) {
+  const Outcome outcome = fit_one({"--completion", "cemented", "--gap", "0.5", "--gap-tolerance", "0.1"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const json summary = json::parse(outcome.out);
+  EXPECT_EQ(summary["areas"][0]["proven_within"], summary["points"]);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(summary["pose"]["translation"][k], displacement[k], 0.01) << k;
+}
+
+TEST_F(FitCommand, WritesAReportAndAPicture) {
+  const Outcome outcome = fit_one({"--report", path("fit.html"), "--png", path("fit.png")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(folder_.contents("fit.html"), HasSubstr("bone.off: fit of body.json"));
+  EXPECT_THAT(folder_.contents("fit.html"), HasSubstr("deepest penetration"));
+  EXPECT_EQ(folder_.contents("fit.png").substr(1, 3), "PNG");
+}
+
+TEST_F(FitCommand, KeepsTheBestPoseWhenInterrupted) {
+  const Outcome outcome = run_interrupted(
+      near({"--implant", implant("body.json"), "--mesh", bone(), "-o", fitted(), "--samples", "1000000000"}));
+  EXPECT_EQ(outcome.status, 130);
+  EXPECT_THAT(outcome.err, HasSubstr("verisq: interrupted; the best pose so far is proven, and kept in " + fitted()));
+  const json summary = json::parse(outcome.out);
+  EXPECT_EQ(summary["interrupted"], true);
+  EXPECT_EQ(summary["points"], cavity_mesh().vertices.size());
+  EXPECT_EQ(read_model(fitted()).primitives.size(), 1U);
+}
+
+TEST_F(FitCommand, SaysThatEnclosuresAreWide) {
+  EXPECT_EQ(fit_one({"--tol", "0"}).status, 0) << "the tightest";
+  const Outcome outcome = fit_one({"--tol", "1e-300"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_GT(json::parse(outcome.out)["wide"], 0);
+}
+
+TEST_F(FitCommand, RefusesBadUsage) {
+  const std::string body = implant("body.json");
+  const std::string mesh = bone();
+  const Arguments files{"--implant", body, "--mesh", mesh, "-o", fitted()};
+  const auto refused = [&](Arguments options, const std::string& message) {
+    options.insert(options.begin(), files.begin(), files.end());
+    options.insert(options.begin(), "fit");
+    expect_refused(run(options), {message});
+    EXPECT_FALSE(std::filesystem::exists(fitted()));
+  };
+  refused({"--completion", "screwed"}, "--completion: screwed is not one of cementless, cemented");
+  refused({"--gap", "0"}, "--gap: 0 is not above 0");
+  refused({"--gap", "-1"}, "--gap: -1 is not a finite number of at least 0");
+  refused({"--gap-tolerance", "1"}, "--gap-tolerance: only for --completion cemented");
+  refused({"--completion", "cemented", "--gap", "0"}, "--gap-tolerance: give one, because --gap is 0");
+  refused({"--penetration-limit", "nan"}, "--penetration-limit: nan");
+  refused({"--pose-start", "1,2,3"}, "--pose-start: 3 numbers where 7");
+  refused({"--pose-start", "1,2,3,0,0,0,0"}, "--pose-start: 1,2,3,0,0,0,0 has a zero quaternion");
+  refused({"--translation-range", "inf"}, "--translation-range: inf");
+  refused({"--rotation-range", "181"}, "--rotation-range: 181 is above 180");
+  refused({"--samples", "0"}, "--samples: 0 is not in 1 to 1000000000");
+  refused({"--tol", "x"}, "--tol: x");
+  refused({"--labels", "side"}, "bone.off: labels of vertices are read from .ply only");
+  refused({"--weight", "top"}, "--weight: top is not NAME=W");
+  refused({"--weight", "top=1"}, "--weight: no area has the name top");
+  refused({"--weight", "elsewhere=-1"}, "--weight elsewhere=-1: -1 is not a finite number of at least 0");
+  refused({"--weight", "elsewhere=0"}, "every vertex has weight 0");
+  refused({"--weight", "elsewhere=1", "--weight", "elsewhere=2"}, "--weight: elsewhere has two");
+  refused({"--device", "none of this name"}, "none of this name");
+  refused({"--map", path("map.txt")}, "map.txt");
+  refused({"--map", fitted()}, "is the name of two outputs");
+  refused({"--map", mesh}, "--map " + mesh + ": would overwrite an input");
+  refused({"--report", path("report.txt")}, "--report");
+  expect_refused(run({"fit", "--implant", body, "--mesh", mesh, "-o", body}), {"-o " + body + ": would overwrite"});
+  EXPECT_EQ(run({"fit", "--implant", body, "--mesh", mesh, "-o", path("none/fitted.json")}).status, 1);
+}
+
+TEST_F(FitCommand, RefusesImplantsThatDoNotServe) {
+  const std::string mesh = bone();
+  const auto refused = [&](const Arguments& implants, const std::string& message) {
+    Arguments arguments{"fit", "--mesh", mesh, "-o", fitted()};
+    for (const std::string& file : implants) arguments.insert(arguments.end(), {"--implant", file});
+    expect_refused(run(arguments), {message});
+  };
+  const std::string body = implant("body.json");
+  const std::string in_m = implant("m.json", "[3, 4, 8]", R"(, "units": "m")");
+  refused({in_m}, "--gap: give one, because the implants' units are m, not mm");
+  refused({implant("no_units.json", "[3, 4, 8]", "")},
+          "--gap: give one, because the implants' units are unknown, not mm");
+  refused({body, in_m}, in_m + ": units m differ from mm of " + body);
+  refused({body, path("none.json")}, "none.json: no such file");
+  const auto with_area = [&](const std::string& name, const std::string& weight) {
+    return implant(
+        name, "[3, 4, 8]",
+        R"(, "units": "mm", "areas": [{"name": "a", "weight": )" + weight + R"(, "box": [[0, 0, 0], [1, 1, 1]]}])");
+  };
+  refused({with_area("one.json", "1"), with_area("two.json", "2")}, "two.json: areas: differ from those of ");
+  refused({VERISQ_EXAMPLES "/bent_stem.json"}, "bent_stem.json: a fit does not support bends");
+  const std::string uncertain = write("uncertain.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+      {"name": "body", "superquadric": {"semi_axes": [3, 4, 8], "exponents": [1, [0.5, 1]]}}]})");
+  refused({uncertain}, uncertain + ": primitive \"body\": only semi-axes may be intervals");
+}
+
+TEST_F(FitCommand, ExplainsItself) {
+  const Outcome outcome = run({"fit", "--help"});
+  EXPECT_EQ(outcome.status, 0);
+  for (const char* word :
+       {"--implant", "--completion", "--penetration-limit", "--pose-start", "--labels", "Exit status"})
+    EXPECT_THAT(outcome.out, HasSubstr(word));
+}
+
+}  // namespace
+}  // namespace verisq::testing

@@ -1,0 +1,607 @@
+/// `verisq stance` as its user meets it: results, the verdict on every cell of the paper, messages and exit status.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <span>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "host/stance/stance_report.hpp"
+#include "host/stance/stance_samples.hpp"
+#include "host/stance/stance_scope.hpp"
+#include "tests/fixtures/process.hpp"
+#include "tests/fixtures/stance_example.hpp"
+#include "tests/fixtures/temporary_folder.hpp"
+
+namespace verisq::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using Arguments = std::vector<std::string>;
+using Json = nlohmann::json;
+
+class StanceCommand : public ::testing::Test {
+ protected:
+  [[nodiscard]] Process start(Arguments arguments) const {
+    arguments.insert(arguments.begin(), {VERISQ_PROGRAM, "stance"});
+    return {arguments, folder_.path()};
+  }
+  [[nodiscard]] Outcome stance(Arguments arguments) const { return start(std::move(arguments)).wait(); }
+  [[nodiscard]] Outcome stance_of_example(Arguments arguments) const {
+    arguments.insert(arguments.begin(), example());
+    return stance(arguments);
+  }
+  [[nodiscard]] Json json_of_example(Arguments arguments) const {
+    arguments.emplace_back("--json");
+    const Outcome outcome = stance_of_example(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return Json::parse(outcome.out);
+  }
+  /// A copy of the file in which each first text, which must be there, is replaced once by the second.
+  [[nodiscard]] std::string with(const std::string& file,
+                                 const std::vector<std::pair<std::string, std::string>>& replacements) const {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    std::string xml = text.str();
+    for (const auto& [from, to] : replacements) {
+      const std::size_t at = xml.find(from);
+      EXPECT_NE(at, std::string::npos) << from;
+      if (at != std::string::npos) xml.replace(at, from.size(), to);
+    }
+    return folder_.file("changed.xml", xml).string();
+  }
+  [[nodiscard]] static std::string example() { return VERISQ_EXAMPLES "/stance.xml"; }
+  void expect_refused(const Arguments& arguments, const std::string& message) const {
+    const Outcome outcome = stance(arguments);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.err, "verisq: " + message + "\n");
+    EXPECT_EQ(outcome.out, "");
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// The ends contain the exact ones, at a distance of rounding errors.
+void expect_ends(const Json& enclosure, double lo, double hi) {
+  EXPECT_LE(enclosure["lo"], lo);
+  EXPECT_GE(enclosure["hi"], hi);
+  EXPECT_NEAR(enclosure["lo"], lo, 1e-9);
+  EXPECT_NEAR(enclosure["hi"], hi, 1e-9);
+}
+
+// g (mp + 30.82), and so on, of docs/stance.md §1 in the decimals of the model, a little rounded towards the inside.
+TEST_F(StanceCommand, EnclosesTheWrenchTightly) {
+  const Json json = json_of_example({});
+  EXPECT_EQ(json["mode"], "tight");
+  EXPECT_EQ(json["uncertain"].size(), 13U);
+  expect_ends(json["wrench"]["w1"], 0.0, 200.0);
+  expect_ends(json["wrench"]["w2"], -939.99419999999, -595.69420000001);
+  expect_ends(json["wrench"]["w4"], -31.88249999999, 31.88249999999);
+  EXPECT_GE(json["wrench"]["w6"]["lo"], -18.2826);
+  EXPECT_LE(json["wrench"]["w6"]["hi"], 13.6001);
+}
+
+TEST_F(StanceCommand, PaperModeHasThePapersDependency) {
+  const Json json = json_of_example({"--mode", "paper", "--uncertain", "px,mp,Fx"});
+  EXPECT_EQ(json["mode"], "paper");
+  EXPECT_EQ(json["uncertain"], Json({"Fx", "mp", "px"}));
+  EXPECT_NEAR(json["wrench"]["w6"]["lo"], -50.165, 1e-3);
+  EXPECT_NEAR(json["wrench"]["w6"]["hi"], 45.4826, 1e-3);
+}
+
+TEST_F(StanceCommand, NothingUncertainGivesTheNominalWrench) {
+  const Json json = json_of_example({"--uncertain", "none"});
+  EXPECT_EQ(json["uncertain"].size(), 0U);
+  expect_ends(json["wrench"]["w2"], -767.8442, -767.8442);
+}
+
+TEST_F(StanceCommand, SamplesStayInsideAndFillTheEnclosures) {
+  const Json json = json_of_example({"--monte-carlo", "20000"});
+  EXPECT_EQ(json["samples"], 20000);
+  for (const char* component : {"w1", "w2", "w4", "w6"}) {
+    const Json& enclosure = json["wrench"][component];
+    EXPECT_GT(enclosure["filled"], 0.9) << component;
+    EXPECT_LE(enclosure["filled"], 1.0) << component;
+    EXPECT_LE(enclosure["lo"], enclosure["sampled"]["lo"]);
+    EXPECT_GE(enclosure["hi"], enclosure["sampled"]["hi"]);
+  }
+}
+
+TEST_F(StanceCommand, TakesTheSameSamplesEachTime) {
+  const Arguments arguments{"--monte-carlo", "5000"};
+  EXPECT_EQ(json_of_example(arguments)["wrench"], json_of_example(arguments)["wrench"]);
+}
+
+TEST_F(StanceCommand, EnclosesSensitivitiesByEveryParameter) {
+  const Json json = json_of_example({"--uncertain", "none", "--sensitivities"});
+  EXPECT_EQ(json["sensitivities"].size(), 14U);
+  expect_ends(json["sensitivities"]["mp"]["w2"], -9.81, -9.81);
+  expect_ends(json["sensitivities"]["mf"]["w4"], 9.81 * 0.0795, 9.81 * 0.0795);
+  expect_ends(json["sensitivities"]["omega"]["w1"], 0.0, 0.0);
+  EXPECT_EQ(json["reference_uncertainty"]["by_radius"]["w6"], 0.0);  // nothing is uncertain
+}
+
+TEST_F(StanceCommand, TheReferenceUncertaintyIsOfTheUncertainParameters) {
+  const Json json = json_of_example({"--uncertain", "Fx", "--sensitivities"});
+  expect_ends(json["reference_uncertainty"]["by_value"]["w1"], 0.0, 200.0);
+  EXPECT_NEAR(json["reference_uncertainty"]["by_radius"]["w1"], 100.0, 1e-9);
+}
+
+TEST_F(StanceCommand, EnclosesAccelerations) {
+  const Json json = json_of_example({"--uncertain", "mp,px", "--accelerations", "--monte-carlo", "200"});
+  EXPECT_EQ(json["accelerations"].size(), 26U);
+  const Json& rise = json["accelerations"]["pelvis ty"];
+  EXPECT_LT(rise["lo"], rise["sampled"]["lo"]);
+  EXPECT_GT(rise["hi"], rise["sampled"]["hi"]);
+  EXPECT_GT(rise["filled"], 0.8);
+}
+
+TEST_F(StanceCommand, SaysThatAccelerationsStayUnproven) {
+  const Outcome outcome =
+      stance_of_example({"--uncertain", "mp,px,py,pz", "--accelerations", "--cells", "1", "--json"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_TRUE(Json::parse(outcome.out)["accelerations"]["pelvis ty"]["lo"].is_null());
+}
+
+TEST_F(StanceCommand, DropsACylinder) {
+  const Json json = json_of_example({"--uncertain", "none", "--bounce", "left hindfoot", "--drop-height", "0.02"});
+  const Json& bounce = json["bounce"];
+  EXPECT_EQ(bounce["proven"], true);
+  EXPECT_EQ(bounce["mass"], Json({{"lo", 0.84}, {"hi", 0.84}}));
+  EXPECT_EQ(bounce["impact_velocity"], Json({{"lo", 1.0}, {"hi", 1.0}}));
+  EXPECT_EQ(bounce["radius"]["lo"], std::midpoint(0.02, 0.15));
+  EXPECT_EQ(bounce["radius"]["lo"], bounce["radius"]["hi"]);
+  const double speed = std::sqrt(2.0 * 9.81 * 0.02);
+  EXPECT_LE(bounce["touch_down_speed"]["lo"], speed * (1.0 + 1e-15));
+  EXPECT_GE(bounce["touch_down_speed"]["hi"], speed * (1.0 - 1e-15));
+  EXPECT_GT(bounce["rebound_speed"]["lo"], 0.0);
+  EXPECT_LT(bounce["rebound_speed"]["hi"], speed);
+}
+
+/// Expects the bounce's end to contain the value, within one per cent.
+void expect_lower_end(const Json& enclosure, double value) {
+  EXPECT_LE(enclosure["lo"], value);
+  EXPECT_NEAR(enclosure["lo"], value, 0.01 * value);
+}
+
+void expect_upper_end(const Json& enclosure, double value) {
+  EXPECT_GE(enclosure["hi"], value);
+  EXPECT_NEAR(enclosure["hi"], value, 0.01 * value);
+}
+
+// In long double, by Runge-Kutta steps of 10^-7 s, for the least and the greatest mass; the digits that are cut make
+// the ranges smaller.
+TEST_F(StanceCommand, DropsAFootOfUncertainMass) {
+  const std::string model = with(
+      example(), {{R"(<mass value="0.36"/>)", R"(<mass parameter="mff" unit="kg" nominal="0.36" deviation="0.18"/>)"}});
+  const Outcome outcome = stance({model, "--uncertain", "mff", "--bounce", "right forefoot", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json bounce = Json::parse(outcome.out)["bounce"];
+  EXPECT_EQ(bounce["mass"]["lo"], 0.18);
+  EXPECT_NEAR(bounce["mass"]["hi"], 0.54, 1e-15);
+  EXPECT_EQ(bounce["proven"], true);
+  expect_lower_end(bounce["deepest_penetration"], 3.2406836098e-4);
+  expect_upper_end(bounce["deepest_penetration"], 5.6757165057e-4);
+  expect_lower_end(bounce["rebound_speed"], 0.0704137218);
+  expect_upper_end(bounce["rebound_speed"], 0.0849221328);
+  expect_lower_end(bounce["lift_off_time"], 0.0506552717);
+  expect_upper_end(bounce["lift_off_time"], 0.0552724288);
+}
+
+// At the touch-down speed, with the masses of the same file: 0.54 kg stay on the ground.
+TEST_F(StanceCommand, DropsAFootOfUncertainMassThatMayStay) {
+  const std::string model = with(
+      example(), {{R"(<mass value="0.36"/>)", R"(<mass parameter="mff" unit="kg" nominal="0.36" deviation="0.18"/>)"},
+                  {R"(<cylinder name="right forefoot" body="right forefoot" half_length="0.04"
+            stiffness="1e5" exponent="1" impact_velocity="1")",
+                   R"(<cylinder name="right forefoot" body="right forefoot" half_length="0.04"
+            stiffness="1e5" exponent="1" impact_velocity="0.442944691807002")"}});
+  const Outcome outcome = stance({model, "--uncertain", "mff", "--bounce", "right forefoot", "--json"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;  // no end of the time on the ground
+  const Json bounce = Json::parse(outcome.out)["bounce"];
+  EXPECT_EQ(bounce["proven"], true);
+  EXPECT_NEAR(bounce["deepest_penetration"]["lo"], 2.391e-4, 1e-7);
+  EXPECT_NEAR(bounce["deepest_penetration"]["hi"], 4.178e-4, 1e-7);
+  EXPECT_EQ(bounce["rebound_speed"]["lo"], 0.0);
+  EXPECT_TRUE(bounce["lift_off_time"]["hi"].is_null());
+}
+
+TEST_F(StanceCommand, TheImpactVelocityActs) {
+  const Json forefoot = json_of_example({"--uncertain", "none", "--bounce", "right forefoot"})["bounce"];
+  EXPECT_NEAR(forefoot["rebound_speed"]["lo"], 0.07699, 1e-5);
+  const Json hindfoot = json_of_example({"--uncertain", "none", "--bounce", "right hindfoot"})["bounce"];
+  EXPECT_NEAR(hindfoot["rebound_speed"]["lo"], 0.0606, 1e-4);
+}
+
+TEST_F(StanceCommand, AnImpactVelocityOfTheFileIsARange) {
+  const std::string model =
+      with(example(), {{R"(<cylinder name="right forefoot" body="right forefoot" half_length="0.04"
+            stiffness="1e5" exponent="1" impact_velocity="1" stribeck_velocity="0.01">)",
+                        R"(<cylinder name="right forefoot" body="right forefoot" half_length="0.04"
+            stiffness="1e5" exponent="1" stribeck_velocity="0.01">
+            <impact_velocity parameter="vN" unit="m/s" lower="0.5" upper="1"/>)"}});
+  const auto bounce = [&](const char* uncertain) {
+    const Outcome outcome = stance({model, "--uncertain", uncertain, "--bounce", "right forefoot", "--json"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return Json::parse(outcome.out)["bounce"];
+  };
+  const Json range = bounce("vN");
+  EXPECT_EQ(range["impact_velocity"], Json({{"lo", 0.5}, {"hi", 1.0}}));
+  EXPECT_NEAR(range["rebound_speed"]["hi"], 0.07699, 1e-5);
+  EXPECT_LT(range["rebound_speed"]["lo"], 0.04);
+  EXPECT_EQ(bounce("none")["impact_velocity"], Json({{"lo", 0.75}, {"hi", 0.75}}));
+}
+
+using ::testing::Contains;
+using ::testing::Not;
+
+/// Words of a list.
+std::vector<std::string> words(const Json& list) {
+  return list.get<std::vector<std::string>>();
+}
+
+TEST_F(StanceCommand, SaysWhatDoesNotActBesideEachResult) {
+  const Json json =
+      json_of_example({"--uncertain", "mp", "--accelerations", "--sensitivities", "--bounce", "right forefoot"});
+  for (const char* key : {"wrench_scope", "accelerations_scope"}) {
+    const Json& scope = json[key];
+    EXPECT_THAT(words(scope["does_not_act"]),
+                ::testing::IsSupersetOf({"ground contact (cylinders: 4)", "friction", "controller (joints: 20)"}));
+    EXPECT_THAT(scope["meaning"].get<std::string>(), HasSubstr("the feet stand on nothing"));
+    EXPECT_THAT(words(scope["parameters_without_effect"]),
+                ::testing::IsSupersetOf({"omega", "rff", "rhf", "eN", "eT", "mu_st", "mu_d"}));
+    EXPECT_THAT(words(scope["parameters_without_effect"]), Not(Contains("mp")));
+  }
+  EXPECT_THAT(words(json["wrench_scope"]["parameters_without_effect"]), Contains("py"));
+  EXPECT_THAT(words(json["accelerations_scope"]["parameters_without_effect"]), Not(Contains("py")));
+  EXPECT_EQ(json["bounce"]["scope"]["parameters_without_effect"],
+            Json({"omega", "Fx", "Fy", "mp", "px", "py", "pz", "mf", "rhf", "eT", "mu_st", "mu_d", "rff"}));
+  EXPECT_THAT(words(json["bounce"]["scope"]["does_not_act"]), Contains("all other bodies and cylinders"));
+
+  const Outcome outcome = stance_of_example({"--uncertain", "mp", "--accelerations", "--bounce", "right forefoot"});
+  EXPECT_THAT(outcome.out, HasSubstr("\n  does NOT act: ground contact (cylinders: 4), friction, controller (joints: "
+                                     "20)\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\n  parameters without effect here: omega, rhf, eN, eT, mu_st, mu_d, rff\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("one cylinder falls alone, lying flat, with the mass of the body 'right forefoot'"));
+  EXPECT_THAT(stance({"--help"}).out, HasSubstr("Ground contact, friction and the controller do NOT act on the body"));
+}
+
+/// What has no effect has none: neither on the enclosures of the wrench nor on those of the accelerations.
+TEST(StanceScope, ParametersWithoutEffectHaveNone) {
+  const stance::Model model = stance::nine_segments();
+  const auto uncertain = std::array{0U + stance::mp};
+  const auto check = [&](const stance::Scope& scope, const auto& evaluate) {
+    const auto before = evaluate(model);
+    for (std::uint32_t i = 0; i < model.parameters.size(); ++i) {
+      stance::Model changed = model;
+      changed.parameters[i].nominal += 0.01 * (1.0 + changed.parameters[i].range.width());
+      const bool without_effect = std::ranges::find(scope.parameters_without_effect, model.parameters[i].name) !=
+                                  scope.parameters_without_effect.end();
+      if (i == stance::mp) continue;
+      EXPECT_EQ(evaluate(changed) == before, without_effect) << model.parameters[i].name;
+    }
+  };
+  check(stance::wrench_scope(model, uncertain, stance::Mode::tight),
+        [&](const stance::Model& m) { return stance::wrench(m, uncertain, stance::Mode::tight); });
+  check(stance::acceleration_scope(model),
+        [&](const stance::Model& m) { return stance::accelerations(m, {}, {.cells = 1}); });
+}
+
+TEST_F(StanceCommand, PrintsATable) {
+  const Outcome outcome = stance_of_example({"--uncertain", "mp", "--monte-carlo", "10", "--sensitivities"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, StartsWith("uncertain\n  mp      [35, 65]        kg    pelvis mass\n\nwrench on the root, "
+                                      "tight mode\n  w1  force along x   N   100"));
+  EXPECT_THAT(outcome.out, HasSubstr("\n  10 samples, none escapes\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\n  dw1/dFx      1\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nnote: dynamic friction may exceed static friction on all cylinders\n"));
+}
+
+TEST_F(StanceCommand, PrintsNoDigitThatIsNotProven) {
+  const Outcome outcome = stance_of_example({"--uncertain", "mp"});
+  const std::size_t begin = outcome.out.find("w2  force along y   N   [");
+  ASSERT_NE(begin, std::string::npos);
+  double lo = 0.0;
+  double hi = 0.0;
+  ASSERT_EQ(std::sscanf(outcome.out.c_str() + begin, "w2 force along y N [%lf, %lf]", &lo, &hi), 2);
+  const Json json = json_of_example({"--uncertain", "mp"});
+  EXPECT_LE(lo, json["wrench"]["w2"]["lo"]);
+  EXPECT_GE(hi, json["wrench"]["w2"]["hi"]);
+}
+
+TEST_F(StanceCommand, StopsAtTheFirstInterruption) {
+  const Process process = start({example(), "--monte-carlo", "100000000000", "--json"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(2000));
+  process.interrupt();
+  const Outcome outcome = process.wait();
+  EXPECT_EQ(outcome.status, 130) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_EQ(json["interrupted"], true);
+  EXPECT_LT(json["samples"], 100000000000);
+}
+
+TEST_F(StanceCommand, RefusesBadUsage) {
+  const std::string model = example();
+  expect_refused(
+      {model, "--uncertain", "mp,xy"},
+      "--uncertain: xy is not one of all, none, omega, Fx, Fy, mp, px, py, pz, mf, rhf, eN, eT, mu_st, mu_d, "
+      "rff");
+  expect_refused({model, "--uncertain", "mp,mp"}, "--uncertain: mp twice");
+  expect_refused({model, "--mode", "loose"}, "--mode: loose is not one of paper, tight");
+  expect_refused({model, "--monte-carlo", "0"}, "--monte-carlo: 0 is not at least 1");
+  expect_refused({model, "--cells", "8"}, "--cells: give --accelerations, too");
+  expect_refused({model, "--accelerations", "--cells", "0"}, "--cells: 0 is not in 1 to 4096");
+  expect_refused({model, "--accelerations"},
+                 "--accelerations: 64 cells a parameter for 13 uncertain ones are more than 1e+09: name fewer with "
+                 "--uncertain, or give fewer --cells");
+  expect_refused({model, "--report", "--mode", "paper"},
+                 "--report: chooses parameters and mode itself; give --json at most");
+  expect_refused({model, "--bounce", "hand"},
+                 "--bounce: 'hand' is not one of the cylinders right hindfoot, right forefoot, left hindfoot, left "
+                 "forefoot");
+  expect_refused({model, "--drop-height", "1"}, "--drop-height: give --bounce, too");
+  expect_refused({model, "--bounce", "left hindfoot", "--drop-height", "0"}, "--drop-height: 0 is not above 0");
+  expect_refused({model + "x"}, model + "x: no such file");
+  const std::string broken = folder_.file("broken.xml", "<stance>\n</stand>").string();
+  expect_refused({broken}, broken + ": line 2: not XML: Start-end tags mismatch");
+  EXPECT_EQ(stance({}).status, 2);
+}
+
+TEST_F(StanceCommand, TheReportNeedsThePapersParameters) {
+  const std::string model = folder_
+                                .file("m.xml",
+                                      "<stance gravity='9.81'><applied_force><frequency value='1'/><force x='0' y='0' "
+                                      "z='0'/></applied_force><body name='a'><rotation name='r' axis='z'/><mass "
+                                      "value='1'/><centre_of_mass x='1' y='0' z='0'/><inertia x='1' y='1' z='1'/>"
+                                      "</body></stance>")
+                                .string();
+  expect_refused({model, "--report"},
+                 "--report: " + model + ": the tables of the paper need a parameter 'mp', which the model lacks");
+  const Outcome outcome = stance({model, "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(Json::parse(outcome.out)["notes"], Json::array());
+}
+
+TEST_F(StanceCommand, ExplainsItself) {
+  const Outcome outcome = stance({"--help"});
+  EXPECT_EQ(outcome.status, 0);
+  for (const char* word : {"MODEL.xml", "--uncertain", "--mode", "--sensitivities", "--accelerations", "--cells",
+                           "--monte-carlo", "--report", "--bounce", "--drop-height", "--json", "Exit status"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(word));
+  }
+}
+
+TEST_F(StanceCommand, ReportsTheTablesOfThePaper) {
+  const Outcome outcome = stance_of_example({"--report"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              HasSubstr("  w6  all         [-50.17, 45.49]         [-50.17, 45.49]         match (reconstructed: "
+                        "gravity, mass of the legs, place of the feet, place of the pelvis's frame)\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  w1  all         [0.00, 200.00]          [0.00, 200.00]          match\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("That such a cell matches is no evidence for these constants.\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("ground contact, friction and controller do NOT act"));
+  EXPECT_THAT(outcome.out, HasSubstr("[-9.82, 0.50]           misprint in the paper: the lower end is a misprint of "
+                                     "-0.982 (reconstructed: gravity, place of the pelvis's frame)\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  w6              [38.18, 70.07]          15.94125"));
+}
+
+TEST_F(StanceCommand, ReportsTheTablesAsJson) {
+  const Json json = json_of_example({"--report"});
+  EXPECT_EQ(json["paper"]["all_explained"], true);
+  ASSERT_EQ(json["paper"]["tables"].size(), 3U);
+  EXPECT_EQ(json["paper"]["tables"][1]["cells"][9]["verdict"], "misprint in the paper");
+  EXPECT_EQ(json["paper"]["tables"][1]["cells"][9]["reconstructed"], Json({"gravity", "place of the pelvis's frame"}));
+  EXPECT_EQ(json["paper"]["tables"][0]["cells"][0]["reconstructed"], Json::array());
+  EXPECT_EQ(json["paper"]["reconstructed_constants"].size(), 6U);
+}
+
+using stance::Cell;
+using stance::CellVerdict;
+using stance::PaperReport;
+
+using CellName = std::pair<std::string, std::string>;
+
+std::map<CellName, const Cell*> cells(const stance::PaperTable& table) {
+  std::map<CellName, const Cell*> result;
+  for (const Cell& cell : table.cells) result[{std::string(cell.row), std::string(cell.column)}] = &cell;
+  return result;
+}
+
+/// Expects `verdicts` where they are given, and a match everywhere else.
+void expect_verdicts(const stance::PaperTable& table, std::size_t count, std::map<CellName, CellVerdict> verdicts) {
+  const auto found = cells(table);
+  EXPECT_EQ(found.size(), count);
+  for (const auto& [name, cell] : found) {
+    const auto expected = verdicts.contains(name) ? verdicts[name] : CellVerdict::match;
+    EXPECT_EQ(cell->verdict, expected) << name.first << " " << name.second;
+    EXPECT_EQ(cell->reason.empty(), expected != CellVerdict::misprint) << name.first << " " << name.second;
+    verdicts.erase(name);
+  }
+  EXPECT_TRUE(verdicts.empty());
+}
+
+TEST(StanceReport, EveryCellHasTheVerdictOfTheAudit) {
+  const auto& [tables, unrounded] = stance::compare_with_paper(stance::nine_segments());
+  expect_verdicts(tables[0], 12, {});
+  expect_verdicts(tables[1], 12, {{{"w6", "d/dmp"}, CellVerdict::misprint}, {{"w2", "d/dpx"}, CellVerdict::unprinted}});
+  expect_verdicts(tables[2], 16,
+                  {{{"w1", "d/dFx"}, CellVerdict::misprint},
+                   {{"w2", "d/dFx"}, CellVerdict::misprint},
+                   {{"w4", "d/dFx"}, CellVerdict::misprint},
+                   {{"w6", "d/dFx"}, CellVerdict::misprint},
+                   {{"w2", "r"}, CellVerdict::misprint}});
+}
+
+TEST(StanceReport, PrintsThePapersCells) {
+  const PaperReport report = stance::compare_with_paper(stance::nine_segments());
+  const auto table_2 = cells(report.tables[0]);
+  EXPECT_EQ(table_2.at({"w1", "nominal"})->printed, "[99.99, 100.00]");
+  EXPECT_EQ(table_2.at({"w2", "all"})->printed, "[-940.00, -595.69]");
+  EXPECT_EQ(table_2.at({"w6", "all"})->printed, "[-50.17, 45.49]");
+  const auto table_3 = cells(report.tables[1]);
+  EXPECT_EQ(table_3.at({"w6", "d/dmp"})->printed, "[-9.82, 0.50]");
+  EXPECT_EQ(table_3.at({"w6", "d/dpx"})->printed, "[-637.66, -343.34]");
+  const auto table_4 = cells(report.tables[2]);
+  EXPECT_EQ(table_4.at({"w4", "d/dFx"})->printed, "0.78");
+  EXPECT_EQ(table_4.at({"w2", "r"})->printed, "[444.43, 738.44]");
+  EXPECT_EQ(table_4.at({"w2", "r"})->ours, (stance::Hundredths{44478, 73909}));
+  EXPECT_EQ(table_4.at({"w6", "r"})->printed, "[38.44, 70.47]");
+}
+
+TEST(StanceReport, TheRadiusFormIsHalfTheWidthOfTheTrueRange) {
+  const PaperReport report = stance::compare_with_paper(stance::nine_segments());
+  EXPECT_NEAR(report.unrounded.by_radius[5], 15.94125, 1e-9);
+  EXPECT_GE(report.unrounded.by_radius[5], 15.94125 * (1.0 - 1e-15));
+}
+
+TEST(StanceReport, AnotherModelDiffers) {
+  stance::Model model = stance::nine_segments();
+  model.gravity = 9.82;
+  const PaperReport report = stance::compare_with_paper(model);
+  EXPECT_FALSE(report.all_explained());
+  EXPECT_EQ(cells(report.tables[0]).at({"w2", "nominal"})->verdict, CellVerdict::differs);
+  // Not even where the paper is wrong anyway.
+  EXPECT_EQ(cells(report.tables[2]).at({"w2", "r"})->verdict, CellVerdict::differs);
+}
+
+/// The model with one reconstructed constant a tenth greater, all others as they are.
+stance::Model with_other(const std::string& constant) {
+  stance::Model model = stance::nine_segments();
+  const auto scale = [](stance::Quantity& quantity, double factor) {
+    quantity = stance::example::number(factor * quantity.nominal);
+  };
+  const auto each = [&](const std::string& ending, const auto& change) {
+    for (stance::Body& body : model.bodies) {
+      if (body.name.ends_with(ending)) change(body);
+    }
+  };
+  if (constant == "gravity") model.gravity *= 1.1;
+  if (constant == "mass of the legs") each("tibia", [&](stance::Body& tibia) { scale(tibia.mass, 1.1); });
+  if (constant == "place of the feet")
+    each("hindfoot", [&](stance::Body& foot) { scale(foot.centre_of_mass[0], 2.0); });
+  if (constant == "mass of the femur") {  // the leg's remains
+    const double more = 1.0;
+    model.parameters[stance::mf].nominal += more;
+    model.parameters[stance::mf].range = {10.34 + more, 10.34 + more};
+    model.bodies[1].mass = stance::example::quantity(model, stance::mf);
+    model.bodies[5].mass = stance::example::number(10.34 + more);
+    each("tibia", [&](stance::Body& tibia) { tibia.mass = stance::example::number(tibia.mass.nominal - more); });
+  }
+  if (constant == "place of the hips") each("femur", [&](stance::Body& femur) { scale(femur.offset[2], 1.1); });
+  if (constant == "place of the pelvis's frame")
+    each("pelvis", [&](stance::Body& pelvis) { scale(pelvis.offset[0], 1.1); });
+  return model;
+}
+
+TEST(StanceReport, NamesTheReconstructedConstantsThatEnterACell) {
+  const PaperReport before = stance::compare_with_paper(stance::nine_segments());
+  for (const std::string_view constant : stance::reconstructed_constants()) {
+    const PaperReport after = stance::compare_with_paper(with_other(std::string(constant)));
+    for (std::size_t t = 0; t < before.tables.size(); ++t) {
+      for (std::size_t i = 0; i < before.tables[t].cells.size(); ++i) {
+        const Cell& cell = before.tables[t].cells[i];
+        const bool enters = cell.ours != after.tables[t].cells[i].ours;
+        EXPECT_EQ(std::ranges::find(cell.reconstructed, constant) != cell.reconstructed.end(), enters)
+            << constant << ": " << before.tables[t].title << " " << cell.row << " " << cell.column;
+      }
+    }
+  }
+}
+
+TEST(StanceReport, RoundsToHundredthsOutward) {
+  EXPECT_EQ(stance::rounded_outward({-50.165, 45.4826}), (stance::Hundredths{-5017, 4549}));
+  EXPECT_EQ(stance::rounded_outward({0.5, 0.5}), (stance::Hundredths{50, 50}));
+  EXPECT_EQ(stance::rounded_outward({0.1, 0.1}), (stance::Hundredths{10, 11}));  // binary64 0.1 is above 0.1
+  EXPECT_EQ(stance::rounded_outward({-1e-300, 1e-300}), (stance::Hundredths{-1, 1}));
+  EXPECT_EQ(stance::text({-5017, 4549}), "[-50.17, 45.49]");
+  EXPECT_EQ(stance::text({50, 50}), "0.50");
+  EXPECT_EQ(stance::text({-0.0, 0.0}), "0.00");
+}
+
+/// The identity on the first parameter, claimed to lie in `claimed`.
+stance::Sampled first_parameter(const Enclosure& claimed) {
+  return {{claimed},
+          [](std::span<const double> parameters) { return std::vector<double>{parameters[0]}; },
+          [](std::span<const double> parameters) {
+            return std::vector<Enclosure>{{parameters[0], parameters[0]}};
+          }};
+}
+
+stance::Model one_parameter() {
+  stance::Model model{};
+  model.parameters.push_back({"p", "", "", 1.0, {0.0, 2.0}});
+  return model;
+}
+
+constexpr std::array<std::uint32_t, 1> first{0};
+
+TEST(StanceSamples, FillTheRange) {
+  const auto samples = stance::take_samples(one_parameter(), first, first_parameter({-1.0, 3.0}), {.count = 10000});
+  EXPECT_EQ(samples.count, 10000U);
+  EXPECT_FALSE(samples.escape);
+  EXPECT_NEAR(samples.hull[0].lo, 0.0, 0.01);
+  EXPECT_NEAR(samples.hull[0].hi, 2.0, 0.01);
+  EXPECT_NEAR(stance::filled_part(samples.hull[0], {-1.0, 3.0}), 0.5, 0.01);
+}
+
+TEST(StanceSamples, FindWhatEscapes) {
+  const auto samples = stance::take_samples(one_parameter(), first, first_parameter({0.0, 1.99}), {.count = 100000});
+  ASSERT_TRUE(samples.escape);
+  EXPECT_EQ(samples.escape->component, 0U);
+  EXPECT_GT(samples.escape->parameters[0], 1.99);
+  EXPECT_EQ(samples.escape->exact.lo, samples.escape->parameters[0]);
+}
+
+TEST(StanceSamples, FindWhatEscapesFromTheWrench) {
+  const stance::Model model = stance::nine_segments();
+  const auto wrench = stance::wrench(model, std::array{0U + stance::mp}, stance::Mode::tight);
+  std::vector<Enclosure> claimed(wrench.begin(), wrench.end());
+  claimed[1].hi -= 10.0;
+  const auto samples = stance::take_samples(model, std::array{0U + stance::mp},
+                                            stance::sampled_wrench_of(model, claimed), {.count = 1000});
+  ASSERT_TRUE(samples.escape);
+  EXPECT_EQ(samples.escape->component, 1U);
+  EXPECT_LT(samples.escape->parameters[stance::mp], 37.0);
+}
+
+TEST(StanceSamples, RoundingErrorsOfASampleAreNoEscape) {
+  stance::Sampled sampled = first_parameter({0.0, 2.0});
+  sampled.evaluate = [](std::span<const double> parameters) { return std::vector<double>{parameters[0] - 1e-3}; };
+  const auto samples = stance::take_samples(one_parameter(), first, sampled, {.count = 10000});
+  EXPECT_FALSE(samples.escape);
+  EXPECT_GE(samples.hull[0].lo, 0.0);
+}
+
+TEST(StanceSamples, EndWhereverTheyAreInterrupted) {
+  std::uint64_t polled = 0;
+  const auto samples = stance::take_samples(
+      one_parameter(), first, first_parameter({-1.0, 3.0}),
+      {.count = std::numeric_limits<std::uint64_t>::max(), .interrupted = [&] { return ++polled > 10; }});
+  EXPECT_GT(samples.count, 0U);
+  EXPECT_LT(polled, 10'000U);  // not once for each of the samples that are left
+}
+
+TEST(StanceSamples, WhatIsNotUncertainIsNominal) {
+  const auto samples = stance::take_samples(one_parameter(), {}, first_parameter({1.0, 1.0}), {.count = 10});
+  EXPECT_EQ(samples.hull[0], (Enclosure{1.0, 1.0}));
+  EXPECT_EQ(stance::filled_part(samples.hull[0], {1.0, 1.0}), 1.0);
+}
+
+}  // namespace
+}  // namespace verisq::testing
