@@ -1,17 +1,16 @@
 /// Both certificates take the vector between the closest points for the common normal.
 #include "bench/certified_proposal.hpp"
 
-#include <limits>
-
 #include "bench/rigid_motion.hpp"
 #include "verify/proof/pair_bounds.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::bench {
 
 Enclosure PointCertifier::operator()(const Point& query, const Point& closest) const {
   const Normal normal{0, point(vector(query) - vector(closest))};
   // A claim that is true of every point outside: the finding then holds what the normal proves.
-  const Enclosure anything{0.0, std::numeric_limits<double>::infinity()};
+  const Enclosure anything{0.0, infinity};
   return check_(query, anything, {{normal}, {}, {}}).proven;
 }
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <string>
 
 #include "bench/opencl_device.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::bench {
 namespace {
@@ -62,7 +62,7 @@ double measured_peak_rate(std::string_view device_name) {
   kernel.setArg(2, 0.001);
   kernel.setArg(3, steps);
 
-  double best = std::numeric_limits<double>::infinity();
+  double best = infinity;
   for (int i = 0; i < repetitions; ++i) best = std::min(best, seconds_of(queue, kernel, items, group));
   return 2.0 * chains * lanes * static_cast<double>(steps) * static_cast<double>(items) / best;
 }

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "host/arithmetic/exact_rounding.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::device {
 namespace {
@@ -15,7 +15,6 @@ namespace {
 using verify::Direction;
 using verify::opposite;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Ends entire{-infinity, infinity};
 
 bool contains_zero_inside(Ends a) {

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "verisq/enclosure.hpp"
+
 namespace verisq::device {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double largest = std::numeric_limits<double>::max();
 constexpr double smallest = std::numeric_limits<double>::denorm_min();
 

@@ -14,6 +14,7 @@
 #include "host/arithmetic/interval_operations.hpp"
 #include "host/arithmetic/operation_kernels.hpp"
 #include "host/arithmetic/sample_operands.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::device {
 namespace {
@@ -21,8 +22,6 @@ namespace {
 // 2200 bits hold every sum and product of two binary64 numbers exactly, and fma but for extremes that are left out.
 using Exact =
     boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<660>, boost::multiprecision::et_off>;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 enum class Promise { nearest, below, above };
 

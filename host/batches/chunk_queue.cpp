@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include "verisq/enclosure.hpp"
+
 namespace verisq::device {
 namespace {
 
@@ -11,7 +13,7 @@ double rounded_down(double x, double factor) {
   const double back = y * factor;
   if (back == x || std::isnan(x)) return y;
   if (std::isinf(y)) return y > 0.0 ? std::numeric_limits<double>::max() : y;
-  return back > x ? std::nextafter(y, -std::numeric_limits<double>::infinity()) : y;
+  return back > x ? std::nextafter(y, -infinity) : y;
 }
 
 }  // namespace

@@ -3,7 +3,8 @@
 
 #include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
-#include <limits>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::device {
 
@@ -12,7 +13,7 @@ using Extended =
 
 [[nodiscard]] inline double round_down(const Extended& x) {
   const auto nearest = x.convert_to<double>();
-  return Extended(nearest) <= x ? nearest : std::nextafter(nearest, -std::numeric_limits<double>::infinity());
+  return Extended(nearest) <= x ? nearest : std::nextafter(nearest, -infinity);
 }
 
 [[nodiscard]] inline double round_up(const Extended& x) {

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "host/batches/directed_conversion.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::device {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double unit_roundoff = 0x1p-53;
 
 // An integer power of two above which (1 + t^q)^(1/q) is the maximum norm to far below rounding; as a lower bound of

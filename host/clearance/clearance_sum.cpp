@@ -2,7 +2,8 @@
 #include "host/clearance/clearance_sum.hpp"
 
 #include <algorithm>
-#include <limits>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq {
 namespace {
@@ -10,8 +11,6 @@ namespace {
 using verify::Direction;
 using verify::PreciseInterval;
 using verify::Real;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The smallest distance of no points.
 constexpr Enclosure nothing{infinity, infinity};

@@ -11,13 +11,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "host/maps/summary_count.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/rigid_path.hpp"
 #include "verify/proof/intersection.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq {
@@ -25,8 +25,6 @@ namespace {
 
 using verify::Direction;
 using verify::RigidPath;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Of the tolerance goes to the samples, the rest to the ways between them. Wider samples cost less each, but more of
 /// them are needed.

@@ -12,6 +12,7 @@
 
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/intersection.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 #include "verisq/map.hpp"
 
@@ -20,7 +21,6 @@ namespace {
 
 using verify::Direction;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double smallest_normal = std::numeric_limits<double>::min();
 
 /// Of the tolerance goes to the samples, the rest to the balls.

@@ -4,16 +4,17 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::command_line {
 
 void StatusConsistency::add(std::uint64_t index, const MapResult& row, const TightestWidths& tightest) {
   const double difference = row.distance.width();
   // Where both ends are the same infinity nothing is bounded.
-  const double width = std::isnan(difference) ? std::numeric_limits<double>::infinity() : difference;
+  const double width = std::isnan(difference) ? infinity : difference;
   const bool is_wide = row.status == Status::wide;
   if (is_wide ? width <= tightest.surely : width > tightest.possibly) tightest_explains_ = false;
   std::optional<Row>& kept = is_wide ? narrowest_wide_ : widest_verified_;

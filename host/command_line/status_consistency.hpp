@@ -3,8 +3,8 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
+#include <verisq/enclosure.hpp>
 #include <verisq/map_file.hpp>
 
 namespace verisq::command_line {
@@ -12,7 +12,7 @@ namespace verisq::command_line {
 /// What a tolerance of 0 calls verified: rows at most `surely` wide, none wider than `possibly`.
 struct TightestWidths {
   double surely = 0.0;
-  double possibly = std::numeric_limits<double>::infinity();
+  double possibly = infinity;
 };
 
 /// The tolerance itself is not in the map, nor can a map prove which of device and host verified a row.

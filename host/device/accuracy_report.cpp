@@ -17,6 +17,7 @@
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/real.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq::device {
@@ -25,7 +26,6 @@ namespace {
 using verify::Direction;
 using verify::Interval;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t chunk = 1U << 15U;  // operands a launch
 
 // ---------------------------------------------------------------- rows: operations on numbers

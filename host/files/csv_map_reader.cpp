@@ -9,6 +9,7 @@
 #include "host/files/input_file.hpp"
 #include "host/files/map_rows.hpp"
 #include "host/files/words.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq {
 namespace {
@@ -100,8 +101,8 @@ class CsvRows final : public MapRows {
   }
 
   [[nodiscard]] double end(std::string_view word, std::string_view what) const {
-    if (word == "inf") return std::numeric_limits<double>::infinity();
-    if (word == "-inf") return -std::numeric_limits<double>::infinity();
+    if (word == "inf") return infinity;
+    if (word == "-inf") return -infinity;
     return finite_number(file_, word, what);
   }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 #include <verisq/mesh_file.hpp>
 
@@ -33,7 +34,7 @@ Mesh rounded_to_binary32(Mesh mesh) {
   for (Point& vertex : mesh.vertices) {
     for (double& coordinate : vertex) {
       const bool overflows = std::abs(coordinate) > static_cast<double>(std::numeric_limits<float>::max());
-      coordinate = overflows ? std::numeric_limits<double>::infinity() : static_cast<float>(coordinate);
+      coordinate = overflows ? infinity : static_cast<float>(coordinate);
     }
   }
   return mesh;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verisq/enclosure.hpp"
+
 namespace verisq::fit_search {
 
 namespace {
@@ -30,7 +32,7 @@ EvaluationSum::EvaluationSum(const Fitness& fitness, const Candidate& candidate,
       sum_{.objective = 0.0,
            .pose_gradient = {},
            .size_gradient = std::vector<std::array<double, 3>>(candidate.primitives.size()),
-           .smallest_distance = std::numeric_limits<double>::infinity(),
+           .smallest_distance = infinity,
            .objective_bound = 0.0} {}
 
 void EvaluationSum::add(const Point& point, double weight, const PointDistance& at) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -20,6 +19,7 @@
 #include "host/fit/surface_limit.hpp"
 #include "host/fit/surface_points.hpp"
 #include "host/fit/union_depth.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 #include "verisq/posed_model.hpp"
 
@@ -131,7 +131,7 @@ struct SearchedCavity {
 
 /// The smallest semi-axis: no part of an implant slips through from one side to the other.
 double spacing_of_surface_points(std::span<const UncertainModel> series) {
-  double smallest = std::numeric_limits<double>::infinity();
+  double smallest = infinity;
   for (const UncertainModel& implant : series) {
     for (const UncertainPrimitive& primitive : implant.primitives) {
       for (const Enclosure& semi_axis : primitive.semi_axes) smallest = std::min(smallest, semi_axis.hi);

@@ -7,6 +7,7 @@
 #include "host/fit/evaluation_sum.hpp"
 #include "host/fit/superquadric_projection.hpp"
 #include "host/threads/parallel.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::fit_search {
 
@@ -75,7 +76,7 @@ class PlacedUnion {
  private:
   [[nodiscard]] std::size_t most_promising(const Vector3d& p) const {
     std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (std::size_t k = 0; k < solids_.size(); ++k) {
       const double bound = solids_[k].lower_bound(solids_[k].local(p));
       if (bound < least) {

@@ -2,7 +2,8 @@
 #include "host/fit/local_refinement.hpp"
 
 #include <algorithm>
-#include <limits>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::fit_search {
 
@@ -12,7 +13,7 @@ Fitness widened(const Fitness& fitness, double factor) {
 
 Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const Landscape& landscape,
                const Parameters& start, const StoppingCriteria& stop, SearchWatch& watch) {
-  Ranked best{start, -std::numeric_limits<double>::infinity()};
+  Ranked best{start, -infinity};
   std::vector<Evaluation> evaluations;
   const auto objective = [&](std::span<const double> parameters, std::span<double> gradient) {
     const Candidate candidate = space.candidate(parameters);

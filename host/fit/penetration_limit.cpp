@@ -2,10 +2,10 @@
 #include "host/fit/penetration_limit.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "host/fit/evaluation_sum.hpp"
 #include "host/fit/nlopt_maximiser.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::fit_search {
 
@@ -31,14 +31,14 @@ class LimitedRefinement {
   }
 
   void run(Parameters parameters) {
-    double reached = -std::numeric_limits<double>::infinity();
+    double reached = -infinity;
     for (int round = 0; round < kMostRounds && !cavity_.watch().interrupted(); ++round) {
       const bool more = watch_worst(parameters);
       // Where the nearest primitive changes the distance has a kink, at which the optimiser may stop early: a fresh
       // start goes on.
       const double objective = cavity_.at(parameters).evaluation.objective;
       if (!more && objective <= reached + kWorthwhile * weight_) break;
-      reached = more ? -std::numeric_limits<double>::infinity() : objective;
+      reached = more ? -infinity : objective;
       parameters = maximised(limited_problem(), restored(parameters), kRefinement);
     }
     (void)restored(parameters);
@@ -111,7 +111,7 @@ class LimitedRefinement {
     if (cavity_.at(parameters).within_limit) return parameters;
     std::vector<double> row(parameters.size());
     Parameters best = parameters;
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     const auto minus_squares = [&](std::span<const double> x, std::span<double> gradient) {
       const FullEvaluation::Result& found = cavity_.at(x);
       double sum = 0.0;

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 
+#include "verisq/enclosure.hpp"
 #include "verisq/fit.hpp"
 
 namespace verisq::fit_search {
@@ -35,7 +35,7 @@ class SearchWatch {
   std::size_t implants_;
   std::size_t implant_ = 0;
   double share_ = 0.0;
-  double best_ = -std::numeric_limits<double>::infinity();
+  double best_ = -infinity;
   bool interrupted_ = false;
   std::uint64_t poses_ = 0;
   Clock::time_point next_report_ = Clock::now();

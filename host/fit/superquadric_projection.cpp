@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
-#include "verify/search/solid.hpp"
+#include "verify/search/convex_primitive.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::fit_search {
 
@@ -40,7 +40,7 @@ double difference(const Octant& a, const Octant& b) {
 
 /// The shortest along an axis, or along the normal that the surface has behind the point.
 Walk first_walk(const verify::Boundary<double>& boundary, const Octant& q) {
-  Walk shortest{{}, std::numeric_limits<double>::infinity()};
+  Walk shortest{{}, infinity};
   const auto consider = [&](const Octant& direction) {
     const double length = boundary.exit(q, direction);
     if (length < shortest.length) shortest = {direction, length};
@@ -92,7 +92,7 @@ Projection SuperquadricProjection::from_inside(const Vector3d& q) const {
 Projection SuperquadricProjection::proven(const Vector3d& q) const {
   const double tolerance = kProofTolerance * std::ranges::max(solid_.semi_axes);
   const verify::CertifiedDistance found =
-      verify::Solid({"", solid_, {}, {}}).signed_distance({q[0], q[1], q[2]}, tolerance);
+      verify::ConvexPrimitive({"", solid_, {}, {}}).signed_distance({q[0], q[1], q[2]}, tolerance);
   const Vector3d direction(static_cast<double>(found.direction[0]), static_cast<double>(found.direction[1]),
                            static_cast<double>(found.direction[2]));
   const double distance = std::midpoint(found.distance.lo, found.distance.hi);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -19,6 +18,7 @@
 #include "host/maps/summary_count.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/proof/intersection.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/map.hpp"
 
 namespace verisq {
@@ -39,7 +39,7 @@ class MapRun {
       : prover_(prover), options_(options), source_(source), sink_(sink) {}
 
   MapSummary on_host() {
-    const Enclosure nothing{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    const Enclosure nothing{-infinity, infinity};
     std::vector<Query> queries;
     std::vector<Enclosure> found;
     std::vector<Certificate> certificates;
@@ -157,7 +157,7 @@ class MapRun {
     for (std::size_t i = 0; i < queries.size(); ++i) {
       if (!(found[i].hi > 0.0) || certificates[i].normals.empty()) continue;
       if (prover_.witnessed(queries[i], found[i].hi, certificates[i])) continue;
-      found[i].hi = std::numeric_limits<double>::infinity();
+      found[i].hi = infinity;
     }
   }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 
+#include "verisq/enclosure.hpp"
 #include "verisq/map.hpp"
 
 namespace verisq {
@@ -11,7 +11,7 @@ namespace verisq {
 /// Of no rows: the smallest distance of none is infinite.
 [[nodiscard]] inline MapSummary empty_summary() {
   MapSummary summary;
-  summary.minimum_lo = summary.minimum_hi = std::numeric_limits<double>::infinity();
+  summary.minimum_lo = summary.minimum_hi = infinity;
   return summary;
 }
 

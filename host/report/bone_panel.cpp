@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::report {
 namespace {
@@ -49,8 +50,8 @@ Colour seen(const Sample& bone, const Sample& implant, const ColourScale& scale)
 
 /// Half way from the nearest to the farthest point, in the coordinates of the scene.
 double middle_depth(const ProjectedSurface& surface) {
-  double nearest = -std::numeric_limits<double>::infinity();
-  double farthest = std::numeric_limits<double>::infinity();
+  double nearest = -infinity;
+  double farthest = infinity;
   for (const Eigen::Vector3d& vertex : surface.vertices) {
     nearest = std::max(nearest, vertex[2]);
     farthest = std::min(farthest, vertex[2]);
@@ -63,9 +64,8 @@ double middle_depth(const ProjectedSurface& surface) {
 void draw_panel(const Scene& scene, BoneShown shown, const ColourScale& scale, int width, int height,
                 const RowSink& sink) {
   constexpr int side = samples_a_pixel_side;
-  const double nearest = shown == BoneShown::cut && !scene.implant.vertices.empty()
-                             ? middle_depth(scene.implant)
-                             : std::numeric_limits<double>::infinity();
+  const double nearest =
+      shown == BoneShown::cut && !scene.implant.vertices.empty() ? middle_depth(scene.implant) : infinity;
   std::vector<Colour> colours(static_cast<std::size_t>(width));
   for (int top = 0; top < height; top += band_height) {
     const int rows = std::min(band_height, height - top);

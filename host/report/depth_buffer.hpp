@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "verisq/enclosure.hpp"
+
 namespace verisq::report {
 
 /// Triangles in the coordinates of the raster: x to the right and y down in samples, z towards the viewer.
@@ -32,7 +34,7 @@ class DepthBuffer {
       : width_(width), top_(top), height_(height), samples_(static_cast<std::size_t>(width) * height) {}
 
   /// Draws what is not nearer to the viewer than `nearest`: the rest is cut away.
-  void draw(const ProjectedSurface& surface, double nearest = std::numeric_limits<double>::infinity());
+  void draw(const ProjectedSurface& surface, double nearest = infinity);
 
   /// Precondition: top <= y < top + height.
   [[nodiscard]] const Sample& at(int x, int y) const { return samples_[index(x, y)]; }

@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "verisq/enclosure.hpp"
+
 namespace verisq::report {
 namespace {
 
@@ -29,7 +31,6 @@ std::vector<float> facing(const std::vector<Eigen::Vector3d>& vertices,
 }  // namespace
 
 Placement fitted(const View& view, const Mesh& bone, const Mesh& implant, double width, double height, double margin) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   Eigen::Array2d lower(infinity, infinity);
   Eigen::Array2d upper(-infinity, -infinity);
   for (const Mesh* mesh : {&bone, &implant}) {

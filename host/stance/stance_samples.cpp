@@ -2,17 +2,16 @@
 #include "host/stance/stance_samples.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <mutex>
 #include <random>
 
 #include "host/threads/parallel.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::stance {
 namespace {
 
 constexpr std::uint64_t chunk_size = 1024;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void extend(Enclosure& hull, double value) {
   hull = {std::min(hull.lo, value), std::max(hull.hi, value)};

@@ -1,7 +1,12 @@
 /// What every query returns: an interval of binary64 numbers that contains the exact real result.
 #pragma once
 
+#include <limits>
+
 namespace verisq {
+
+/// The end of an enclosure on whose side nothing is proven.
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// `[lo, hi]` with `lo <= exact value <= hi`; either end may be infinite when nothing tighter is proven.
 struct Enclosure {

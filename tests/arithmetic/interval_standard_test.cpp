@@ -23,6 +23,7 @@
 #include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "verify/numbers/interval.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::device {
 namespace {
@@ -30,7 +31,7 @@ namespace {
 using verify::Direction;
 using verify::Interval;
 
-constexpr double inf = std::numeric_limits<double>::infinity();
+constexpr double inf = infinity;
 constexpr double max = std::numeric_limits<double>::max();
 constexpr double tiny = 0x1p-1074;
 constexpr double normal = 0x1p-1022;

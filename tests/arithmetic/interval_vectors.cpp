@@ -14,11 +14,12 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "verisq/enclosure.hpp"
+
 namespace verisq::testing {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A token ends before these and before white space; each is a token of its own.

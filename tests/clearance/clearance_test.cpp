@@ -6,19 +6,17 @@
 
 #include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 #include <verisq/error.hpp>
 
 #include "host/clearance/clearance_sum.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq {
 namespace {
 
 using Number = boost::multiprecision::mpfr_float_100;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 const Sink<Point> nowhere = [](std::span<const Point>, std::span<const MapResult>, std::span<const Certificate>) {};
 

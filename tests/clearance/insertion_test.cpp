@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 #include <verisq/error.hpp>
 #include <verisq/model_file.hpp>
@@ -17,6 +16,7 @@
 #include "tests/fixtures/map_in_memory.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "verify/placement/rigid_path.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::oracle {
 namespace {
@@ -24,7 +24,6 @@ namespace {
 using verify::RigidPath;
 using verisq::testing::expect_error;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1e-12;  // of closed forms in double, sizes about 10
 
 Primitive ball(const Point& centre, double radius) {

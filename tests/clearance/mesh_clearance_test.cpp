@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -19,14 +18,13 @@
 #include "tests/fixtures/sample_meshes.hpp"
 #include "tests/oracle/random_solids.hpp"
 #include "tests/oracle/real.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::oracle {
 namespace {
 
 using verisq::testing::expect_error;
 using verisq::testing::Random;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Primitive ball(const Point& centre, double radius) {
   return {"ball", {{radius, radius, radius}, {1.0, 1.0}}, {centre}, {}};

@@ -1385,7 +1385,7 @@ const std::string binary_ply_header =
     "element face 0\nproperty list uchar int vertex_indices\nend_header\n";
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float infinite = std::numeric_limits<float>::infinity();
 
 INSTANTIATE_TEST_SUITE_P(
     Mesh, BadFileTest,
@@ -1412,7 +1412,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"StlTruncated", "mesh.stl", "solid s\nfacet normal 0 0 1\nouter loop\n", {"truncated"}},
         BadFile{"BinaryStlTruncated", "mesh.stl", binary_stl(2, {0, 0, 3, 1, 0, 3, 0, 1, 3}), {"truncated", "134"}},
         BadFile{"BinaryStlNan", "mesh.stl", binary_stl(1, {0, 0, 3, 1, nan, 3, 0, 1, 3}), {"byte 84", "nan"}},
-        BadFile{"BinaryStlInfinity", "mesh.stl", binary_stl(1, {0, 0, 3, 1, 0, 3, 0, 1, infinity}), {"byte 84", "inf"}},
+        BadFile{"BinaryStlInfinity", "mesh.stl", binary_stl(1, {0, 0, 3, 1, 0, 3, 0, 1, infinite}), {"byte 84", "inf"}},
         BadFile{"BinaryStlZeroArea", "mesh.stl", binary_stl(1, {0, 0, 3, 1, 0, 3, 2, 0, 3}), {"byte 84", "zero area"}},
         BadFile{"BinaryStlWithoutTriangles", "mesh.stl", binary_stl(0, {}), {"no triangles"}},
         BadFile{"EmptyPly", "mesh.ply", "", {"empty"}},

@@ -18,6 +18,7 @@
 #include <sstream>
 #include <string>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_file.hpp>
 
@@ -35,8 +36,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 using testing::TemporaryFolder;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 const Mesh tetrahedron{{{0, 0, 0}, {1, 0, 0}, {0, 0.1, 0}, {0, 0, 1e300}},
                        {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <verisq/enclosure.hpp>
 #include <verisq/mesh_file.hpp>
 
 #include "host/files/byte_order.hpp"
@@ -23,7 +24,6 @@ using ::testing::IsEmpty;
 using testing::TemporaryFolder;
 using Triangle = std::array<std::uint32_t, 3>;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 template <class Number>

@@ -18,6 +18,7 @@
 #include "tests/fixtures/offset_cavity.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "verify/sets/bounding_box.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/mesh_clearance.hpp"
 #include "verisq/model_file.hpp"
 #include "verisq/posed_model.hpp"
@@ -217,7 +218,7 @@ TEST(Fit, InterruptedReturnsTheBestSoFar) {
   const Model implant = hook();
   const Cavity cavity = testing::offset_cavity(implant, kGap, 40);
   const Pose start = moved_off(implant, {4.0, -4.0, 5.0}, {0.1, 0.2, -0.15});
-  double last = -std::numeric_limits<double>::infinity();
+  double last = -infinity;
   for (const int polls : {0, 3, 30, 100, 300}) {
     FitOptions how = options(start, 8.0, 20.0);
     how.penetration_limit = 100.0;  // the start itself is valid
@@ -375,7 +376,7 @@ TEST(Fit, RefusesWhatItCannotFit) {
   refused({bent}, cavity, usual, "implants[0]: fit: not supported for bent solids: primitives[0].bend");
 
   Cavity lost = cavity;
-  lost.points[2][1] = std::numeric_limits<double>::infinity();
+  lost.points[2][1] = infinity;
   refused({exact}, lost, usual, "fit: point 2 of the cavity is not finite");
 
   FitOptions how = usual;
@@ -436,7 +437,7 @@ TEST(HostEvaluator, DistancesAreThoseOfTheProof) {
     const Candidate candidate = scene.candidate(3);
     evaluator->distances(candidate, found);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      double nearest = std::numeric_limits<double>::infinity();
+      double nearest = infinity;
       for (const Primitive& primitive : candidate.primitives) {
         const Enclosure e = SignedDistance({"", {primitive}, {}})(points[i], 1e-9);
         nearest = std::min(nearest, e.lo);

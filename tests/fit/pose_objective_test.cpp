@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/batches/rotation.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/fitness.hpp"
 #include "verisq/signed_distance.hpp"
 
@@ -331,7 +332,7 @@ TEST_F(PoseObjectiveTest, SumsAreThoseOfTheDistances) {
   for (const std::size_t stride : {1U, 7U, 332U, 1000U, 1U}) {
     double objective = 0.0;
     double bound = 0.0;
-    double smallest = std::numeric_limits<double>::infinity();
+    double smallest = infinity;
     std::vector<std::array<double, 3>> sizes(candidate.primitives.size());
     for (std::size_t n = 0; n < points.size(); n += stride) {
       const double d = found[n].distance;

@@ -19,11 +19,11 @@
 #include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/fixtures/requested_count.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::device {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::size_t samples() {

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <ostream>
 #include <regex>
@@ -23,6 +22,7 @@
 
 #include "tests/fixtures/process.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq {
 namespace {
@@ -206,7 +206,7 @@ double proven_bound(const Bounds& bounds, std::string_view name) {
   double largest = -1.0;
   for (const auto& bound : bounds.proven)
     if (bound.name == name) largest = std::max(largest, bound.value);
-  return largest < 0.0 ? std::numeric_limits<double>::infinity() : largest;
+  return largest < 0.0 ? infinity : largest;
 }
 
 // ---- operations

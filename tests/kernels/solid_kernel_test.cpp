@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/map.hpp>
 #include <verisq/signed_distance.hpp>
 
@@ -362,8 +362,7 @@ TEST_P(SolidKernelTest, OfAnEmptySolidHasNoUpperEnd) {
   for (const double x : {-3.0, 3.0, 6.0, 9.0})
     model.primitives.push_back({"", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {{x, 0.0, 0.0}}, {}});
   const std::vector<Point> points{{0.0, 0.0, 0.0}, {-3.0, 0.1, 0.0}, {9.0, 1.0, 2.0}};
-  for (const Enclosure& found : proven(model, points, 1e-3))
-    EXPECT_EQ(found.hi, std::numeric_limits<double>::infinity());
+  for (const Enclosure& found : proven(model, points, 1e-3)) EXPECT_EQ(found.hi, infinity);
 }
 
 }  // namespace

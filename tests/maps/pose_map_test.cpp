@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 #include <verisq/map.hpp>
 #include <verisq/model_distance.hpp>
@@ -25,7 +26,6 @@
 namespace verisq::oracle {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 struct FinishedPoses {

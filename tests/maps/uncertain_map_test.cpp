@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 #include <verisq/checker.hpp>
+#include <verisq/enclosure.hpp>
 #include <verisq/map.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
@@ -19,8 +19,6 @@
 
 namespace verisq::oracle {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Case {
   std::string name;

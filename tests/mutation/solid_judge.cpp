@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
+#include <verisq/enclosure.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "host/batches/box_primitive_parameters.hpp"
@@ -27,7 +27,6 @@ using oracle::PlacedPrimitive;
 using oracle::RandomCases;
 using Witness = SolidJudge::Witness;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t primitive_count = 2;
 constexpr int witnesses_of_scene = 2400;
 constexpr double beside_boundary =

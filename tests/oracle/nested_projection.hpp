@@ -25,8 +25,8 @@ struct ValueAndSlope {
 /// Sign of an equation that has no finite value because a force is not positive.
 template <class Number>
 [[nodiscard]] ValueAndSlope<Number> infinite(int sign) {
-  const Number infinity = std::numeric_limits<Number>::infinity();
-  return {sign > 0 ? infinity : -infinity, Number(0)};
+  const Number unbounded = std::numeric_limits<Number>::infinity();
+  return {sign > 0 ? unbounded : -unbounded, Number(0)};
 }
 
 /// A point strictly between, halving the exponent where the ends differ by orders of magnitude.
@@ -46,11 +46,11 @@ template <class Number>
 template <class Number, class Function>
 [[nodiscard]] Number decreasing_root(const Function& function, Number root, const Number& tolerance) {
   using std::abs;
-  const Number infinity = std::numeric_limits<Number>::infinity();
-  Number low = -infinity;
-  Number high = infinity;
+  const Number unbounded = std::numeric_limits<Number>::infinity();
+  Number low = -unbounded;
+  Number high = unbounded;
   Number reach = 1 + abs(root);
-  Number last = infinity;
+  Number last = unbounded;
   for (int evaluation = 0; evaluation < 400; ++evaluation) {
     const ValueAndSlope<Number> at = function(root);
     if (at.value == 0) break;
@@ -58,9 +58,9 @@ template <class Number, class Function>
     Number next = root - at.value / at.slope;
     const bool shrinks = abs(at.value) < last / 2;
     last = abs(at.value);
-    if (low == -infinity || high == infinity) {
+    if (low == -unbounded || high == unbounded) {
       // Not bracketed yet: Newton may overshoot, but by a bounded and growing reach.
-      if (!(next > low && next < high) || abs(next - root) > 16 * reach || !(abs(at.value) < infinity)) {
+      if (!(next > low && next < high) || abs(next - root) > 16 * reach || !(abs(at.value) < unbounded)) {
         next = at.value > 0 ? Number(root + reach) : Number(root - reach);
       }
       reach *= 8;
@@ -158,8 +158,8 @@ class NestedProjection {
     const Number z = norm_.semi_axes()[2] * exp(-LogSum<Number>(-p1 * tau, Number(0)).value / p1);
     if (!(z < q_[2])) return infinite<Number>(-1);
     const ValueAndSlope<Number> radial = section_force(log_radius);
-    const Number infinity = std::numeric_limits<Number>::infinity();
-    if (radial.value == -infinity) return infinite<Number>(+1);
+    const Number unbounded = std::numeric_limits<Number>::infinity();
+    if (radial.value == -unbounded) return infinite<Number>(+1);
     const Number log_fz = log(norm_.semi_axes()[2] * (q_[2] - z));
     const Number slope =
         -z / (q_[2] - z) * weights.share_of_first + weights.share_of_second * radial.slope - outer_slope_;

@@ -244,7 +244,6 @@ TEST(ContainmentTest, ReportsEveryKindOfEscape) {
   const auto escapes = [&](const Enclosure& enclosure, const Point& point) {
     return escape(enclosure, sphere, point, solid.signed_distance(point)).has_value();
   };
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   const double below = std::nextafter(2.0, 0.0);
   const double above = std::nextafter(2.0, 3.0);
   const Point outside{3.0, 0.0, 0.0};

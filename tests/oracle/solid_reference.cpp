@@ -9,6 +9,7 @@
 #include "tests/oracle/approach.hpp"
 #include "tests/oracle/clear_ball.hpp"
 #include "tests/oracle/edge_descent.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::oracle {
 
@@ -18,8 +19,6 @@ constexpr int samples_a_primitive = 4000;
 constexpr std::size_t most_starts = 6;
 constexpr int quick_trials = 120;
 constexpr int long_trials = 200;
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 [[nodiscard]] std::size_t octant(const Point& local) {
   return (local[0] < 0 ? 1U : 0U) + (local[1] < 0 ? 2U : 0U) + (local[2] < 0 ? 4U : 0U);
 }

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMax = std::numeric_limits<double>::max();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -115,18 +115,18 @@ TEST(Fitness, EnclosureOverTheTargetReachesOne) {
 
 TEST(Fitness, InfiniteEnds) {
   const Fitness fitness = cementless(2.0, 0.5);
-  EXPECT_EQ(value(fitness, {-kInfinity, kInfinity}), (Enclosure{-kInfinity, 1.0}));
-  EXPECT_EQ(value(fitness, {kInfinity, kInfinity}), (Enclosure{0.0, 0.0}));
-  const Enclosure outside = value(fitness, {2.0, kInfinity});
+  EXPECT_EQ(value(fitness, {-infinity, infinity}), (Enclosure{-infinity, 1.0}));
+  EXPECT_EQ(value(fitness, {infinity, infinity}), (Enclosure{0.0, 0.0}));
+  const Enclosure outside = value(fitness, {2.0, infinity});
   EXPECT_EQ(outside, (Enclosure{0.0, 0.5}));
-  const Enclosure inside = value(fitness, {-kInfinity, -2.0});
-  EXPECT_EQ(inside, (Enclosure{-kInfinity, -0.5}));
+  const Enclosure inside = value(fitness, {-infinity, -2.0});
+  EXPECT_EQ(inside, (Enclosure{-infinity, -0.5}));
 }
 
 TEST(Fitness, NothingIsKnownOfWhatIsNoInterval) {
   const Fitness fitness = cementless(2.0, 0.5);
   for (const Enclosure& distance : {Enclosure{kNaN, 1.0}, Enclosure{0.0, kNaN}, Enclosure{1.0, 0.0}})
-    EXPECT_EQ(value(fitness, distance), (Enclosure{-kInfinity, 1.0}));
+    EXPECT_EQ(value(fitness, distance), (Enclosure{-infinity, 1.0}));
 }
 
 TEST(Fitness, HugeAndTinyNumbers) {
@@ -161,7 +161,7 @@ TEST(Fitness, SlopeIsTheDerivative) {
     EXPECT_NEAR(slope(fitness, x), (value(fitness, x + h) - value(fitness, x - h)) / (2.0 * h), 1e-6) << x;
   }
   EXPECT_EQ(slope(fitness, 0.5), 0.0);
-  EXPECT_EQ(slope(fitness, kInfinity), 0.0);
+  EXPECT_EQ(slope(fitness, infinity), 0.0);
 }
 
 TEST(Fitness, Cementless) {
@@ -195,7 +195,7 @@ TEST(Fitness, RefusesWhatIsNoFitness) {
   refused([] { return cementless(0.0, 0.5); }, "gap: must be positive and finite, not 0");
   refused([] { return cementless(kNaN, 0.5); }, "gap: must be positive and finite, not nan");
   refused([] { return cementless(2.0, -0.5); }, "penetration limit: must be finite and at least 0, not -0.5");
-  refused([] { return cementless(2.0, kInfinity); }, "penetration limit: must be finite and at least 0, not inf");
+  refused([] { return cementless(2.0, infinity); }, "penetration limit: must be finite and at least 0, not inf");
   refused([] { return cemented(-1.0, 0.5); }, "gap: must be finite and at least 0, not -1");
   refused([] { return cemented(1.0, 0.0); }, "tolerance: must be positive and finite, not 0");
 }

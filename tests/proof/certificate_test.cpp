@@ -12,12 +12,12 @@
 #include "verify/search/contact.hpp"
 #include "verify/search/exterior.hpp"
 #include "verify/search/interior.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 namespace {
 
 constexpr long double kNaN = std::numeric_limits<long double>::quiet_NaN();
-constexpr long double kInfinity = std::numeric_limits<long double>::infinity();
 
 class Random {
  public:
@@ -172,9 +172,8 @@ TEST(CertificateTest, AnyPointBoundsFromAbove) {
 TEST(CertificateTest, UselessProposalsGiveUselessBounds) {
   const SuperquadricBounds<Real> sphere({{1.0, 1.0, 1.0}, {1.0, 1.0}});
   const PreciseVector q = precise({0.0L, 3.0L, 4.0L});
-  for (const Proposal& bad :
-       {Proposal{0.0L, 0.0L, 0.0L}, Proposal{kNaN, 1.0L, 1.0L}, Proposal{1.0L, kInfinity, 0.0L}}) {
-    EXPECT_EQ(lower_bound(sphere, q, bad), -std::numeric_limits<double>::infinity());
+  for (const Proposal& bad : {Proposal{0.0L, 0.0L, 0.0L}, Proposal{kNaN, 1.0L, 1.0L}, Proposal{1.0L, infinity, 0.0L}}) {
+    EXPECT_EQ(lower_bound(sphere, q, bad), -infinity);
     EXPECT_EQ(upper_bound(sphere, q, bad), 5.0);
   }
 }

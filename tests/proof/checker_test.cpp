@@ -10,20 +10,18 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "tests/fixtures/map_in_memory.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/model_file.hpp"
 #include "verisq/signed_distance.hpp"
 
 namespace verisq {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Certified rows of one model at one tolerance.
 struct CertifiedMap {

@@ -8,18 +8,17 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "tests/fixtures/map_in_memory.hpp"
 #include "verisq/checker.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/signed_distance.hpp"
 
 namespace verisq {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t digits = 17;  // what a binary64 number needs at most
 
 /// The number with one significant decimal digit changed, counted from 0.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq::verify {
@@ -16,7 +17,6 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::string what() {

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -20,11 +19,10 @@
 #include "tests/fixtures/uncertain_scenes.hpp"
 #include "tests/oracle/covered_ball.hpp"
 #include "tests/oracle/in_parallel.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::oracle {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 TEST(BracketTest, OfAnExactModelIsTheModel) {
   const Model model = read_model(VERISQ_EXAMPLES "/stem.json");

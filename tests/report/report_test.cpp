@@ -22,6 +22,7 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/report.hpp>
 #include <verisq/signed_distance.hpp>
@@ -39,8 +40,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // ---------------------------------------------------------------- surfaces
 

@@ -22,11 +22,11 @@ namespace {
 
 using oracle::RandomCases;
 
-IntervalVector exact(const Point& x) {
+Vector3<double> exact(const Point& x) {
   return {x[0], x[1], x[2]};
 }
 
-IntervalVector around(const Point& x, double radius) {
+Vector3<double> around(const Point& x, double radius) {
   const auto side = [radius](double c) {
     return Interval(add(c, -radius, Direction::down), add(c, radius, Direction::up));
   };
@@ -37,7 +37,7 @@ double largest_axis(const Superquadric& s) {
   return std::max({s.semi_axes[0], s.semi_axes[1], s.semi_axes[2]});
 }
 
-double width(const IntervalVector& box) {
+double width(const Vector3<double>& box) {
   return std::max({box[0].upper() - box[0].lower(), box[1].upper() - box[1].lower(), box[2].upper() - box[2].lower()});
 }
 
@@ -70,7 +70,7 @@ TEST(BisectedEnclosureTest, TheNormalPointsAlongTheGradient) {
     const Superquadric s{{random.log_uniform(0.1, 10), random.log_uniform(0.1, 10), random.log_uniform(0.1, 10)},
                          {random.uniform(0.2, 1.9), random.uniform(0.2, 1.9)}};
     const auto [x, expected] = random.boundary_point(s);
-    const IntervalVector normal = BisectedEnclosure(s).normal(exact(x));
+    const Vector3<double> normal = BisectedEnclosure(s).normal(exact(x));
     const Point middle{normal[0].lower(), normal[1].lower(), normal[2].lower()};
     const double length = std::hypot(middle[0], middle[1], middle[2]);
     for (std::size_t k = 0; k < 3; ++k) ASSERT_NEAR(middle[k] / length, expected[k], 1e-10) << "case " << i;
@@ -85,10 +85,10 @@ TEST(BisectedEnclosureTest, TheNormalOfABoxHoldsThoseOfItsPoints) {
     const BisectedEnclosure solid(s);
     const Point x = random.boundary_point(s).point;
     const double radius = largest_axis(s) * random.log_uniform(1e-9, 0.3);
-    const IntervalVector wide = solid.normal(around(x, radius));
+    const Vector3<double> wide = solid.normal(around(x, radius));
     Point member = x;
     for (double& c : member) c += radius * random.uniform(-1, 1);
-    const IntervalVector thin = solid.normal(exact(member));
+    const Vector3<double> thin = solid.normal(exact(member));
     for (std::size_t k = 0; k < 3; ++k) {
       ASSERT_LE(wide[k].lower(), thin[k].lower()) << "case " << i;
       ASSERT_GE(wide[k].upper(), thin[k].upper()) << "case " << i;
@@ -97,7 +97,7 @@ TEST(BisectedEnclosureTest, TheNormalOfABoxHoldsThoseOfItsPoints) {
 }
 
 TEST(BisectedEnclosureTest, WhereTheSolidHasAnEdgeTheNormalHoldsASubgradient) {
-  const auto holds = [](const IntervalVector& box, const Point& v) {
+  const auto holds = [](const Vector3<double>& box, const Point& v) {
     const auto in = [](const Interval& side, double c) { return side.lower() <= c && c <= side.upper(); };
     return in(box[0], v[0]) && in(box[1], v[1]) && in(box[2], v[2]);
   };
@@ -114,7 +114,7 @@ TEST(BisectedEnclosureTest, TheSupportPointOfABoxHoldsThoseOfItsDirections) {
     const Superquadric s = random.solid().superquadric;
     const Point v = random.direction();
     const double radius = random.choice(2) == 0 ? 0.0 : random.log_uniform(1e-12, 1.0);
-    const IntervalVector box = BisectedEnclosure(s).support_point(around(v, radius));
+    const Vector3<double> box = BisectedEnclosure(s).support_point(around(v, radius));
     Coordinates<long double> member{};
     for (std::size_t k = 0; k < 3; ++k) member[k] = v[k] + radius * random.uniform(-1, 1);
     const Coordinates<long double> x = SuperquadricSet<long double>(s)(member);

@@ -5,19 +5,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/model_distance.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
 
 namespace verisq {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Primitive primitive(const Superquadric& solid, const Pose& pose = {}) {
   return {"solid", solid, pose};

@@ -14,13 +14,13 @@
 #include <verisq/signed_distance.hpp>
 
 #include "tests/oracle/random_cases.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq {
 namespace {
 
 using oracle::RandomCases;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 const Pose kTilted{{0.1, 0.2, 0.3}, {1.0, 2.0, 3.0, 4.0}};
@@ -236,7 +236,7 @@ TEST(TriangleDistanceTest, AgreesWithDenseSamples) {
     for (int i = 0; i < 25; ++i) {
       const Triangle t = random_triangle(random, solid.pose.translation, 1.5 * size, 0.7 * size);
       const Enclosure e = of_triangle(t);
-      Enclosure nearest{kInfinity, kInfinity};
+      Enclosure nearest{infinity, infinity};
       for (int a = 0; a <= steps; ++a) {
         for (int b = 0; a + b <= steps; ++b) {
           Point x;
@@ -370,7 +370,7 @@ TEST(TriangleDistanceTest, OfAUnionIsTheLeastOfItsPrimitives) {
     const Model model = random_union(random, 5);
     for (int i = 0; i < 5; ++i) {
       const Triangle t = random_triangle(random, {}, 10, random.log_uniform(0.1, 10));
-      Enclosure least{kInfinity, kInfinity};
+      Enclosure least{infinity, infinity};
       for (const Primitive& primitive : model.primitives) {
         const Enclosure e = TriangleDistance(model_of({primitive}))(t);
         least = {std::min(least.lo, e.lo), std::min(least.hi, e.hi)};
@@ -425,8 +425,8 @@ TEST(TriangleCertificateTest, ProvesWhatItComesWithAndNothingPastTheTruth) {
       const Finding finding = check(triangle, e, found.certificate);
       EXPECT_EQ(finding.verdict, Verdict::proved) << describe(model, triangle, e);
       EXPECT_EQ(finding.proven, e) << describe(model, triangle, e);
-      const double above = moved(truth.hi, kInfinity);
-      const double below = moved(truth.lo, -kInfinity);
+      const double above = moved(truth.hi, infinity);
+      const double below = moved(truth.lo, -infinity);
       for (const Enclosure& claim : {Enclosure{above, std::max(e.hi, above)}, Enclosure{std::min(0.0, below), below}}) {
         const Verdict verdict = check(triangle, claim, found.certificate).verdict;
         EXPECT_NE(verdict, Verdict::proved) << describe(model, triangle, claim);
@@ -484,11 +484,11 @@ TEST(TriangleCheckerTest, WeightsOutsideTheTriangleProveNothing) {
                                                                             {1.0, 5e-324},
                                                                             {kNaN, 0.0},
                                                                             {0.0, kNaN},
-                                                                            {kInfinity, 0.0},
-                                                                            {kInfinity, -kInfinity}}) {
+                                                                            {infinity, 0.0},
+                                                                            {infinity, -infinity}}) {
     const Finding finding = check(beside, {0.0, 9.0}, with_weights(first, second));
     EXPECT_EQ(finding.verdict, Verdict::unproved) << first << " " << second;
-    EXPECT_EQ(finding.proven.hi, kInfinity);
+    EXPECT_EQ(finding.proven.hi, infinity);
   }
   EXPECT_EQ(check(beside, {0.0, 9.0}, with_weights(0.5, 0.5)).verdict, Verdict::proved);
   EXPECT_EQ(check(beside, {0.0, 9.0}, with_weights(1.0, 0.0)).verdict, Verdict::proved);
@@ -510,7 +510,7 @@ TEST(TriangleCheckerTest, RefutesWhatIsProvenFalse) {
 TEST(TriangleCheckerTest, ProvesNothingFalseFromNonsense) {
   const Checker check(kScene);
   RandomCases random(7);
-  constexpr std::array extremes{0.0, -0.0, 1.0, 1e308, 5e-324, -1e-200, kInfinity, kNaN};
+  constexpr std::array extremes{0.0, -0.0, 1.0, 1e308, 5e-324, -1e-200, infinity, kNaN};
   const auto number = [&](double low, double high) {
     return random.choice(4) == 0 ? extremes[random.choice(extremes.size())] : random.uniform(low, high);
   };

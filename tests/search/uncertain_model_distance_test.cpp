@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <mutex>
 #include <string>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 #include <verisq/map.hpp>
 #include <verisq/model_distance.hpp>
@@ -17,8 +17,6 @@
 
 namespace verisq::oracle {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Scene {
   std::string name;

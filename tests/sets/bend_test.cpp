@@ -12,6 +12,7 @@
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/real.hpp"
 #include "verify/analysis/trigonometry.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 namespace {
@@ -253,12 +254,12 @@ TYPED_TEST(BendTest, AtTheCutBothHeightsAreIncludedAndTheMagnitudeIsTight) {
 
 TYPED_TEST(BendTest, EnormousAndUnboundedBoxesDoNotThrow) {
   using Number = BasicInterval<TypeParam>;
-  const TypeParam infinity(std::numeric_limits<double>::infinity());
+  const TypeParam beyond(infinity);
   for (const double k : {0.0, 1e-300, 0.5, -1e300}) {
     const BendMap<TypeParam> map({k, 33.0});
-    for (const Number& a : {Number(TypeParam(1e300)), Number(-infinity, TypeParam(3)), Number(-infinity, infinity),
-                            Number(TypeParam(1e308), infinity), Number(0), Number(TypeParam(5e-324))}) {
-      for (const Number& b : {Number(TypeParam(-1e300)), Number(-infinity, infinity), Number(0)}) {
+    for (const Number& a : {Number(TypeParam(1e300)), Number(-beyond, TypeParam(3)), Number(-beyond, beyond),
+                            Number(TypeParam(1e308), beyond), Number(0), Number(TypeParam(5e-324))}) {
+      for (const Number& b : {Number(TypeParam(-1e300)), Number(-beyond, beyond), Number(0)}) {
         EXPECT_NO_THROW({
           (void)map.unbent({a, b, a});
           (void)map.unbent({b, a, b});
@@ -266,7 +267,7 @@ TYPED_TEST(BendTest, EnormousAndUnboundedBoxesDoNotThrow) {
           (void)map.bent({b, b, a});
           (void)map.unbent_up_to_sign({a, a, b});
           (void)map.expansion({a, b, a}, TypeParam(1e308));
-          (void)map.expansion({a, a, b}, infinity);
+          (void)map.expansion({a, a, b}, beyond);
         });
       }
     }

@@ -12,14 +12,13 @@
 
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/solid_reference.hpp"
-#include "verify/search/solid.hpp"
+#include "verify/search/convex_primitive.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 namespace {
 
 using oracle::RandomCases;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Primitive bent_primitive(const Superquadric& superquadric, const Bend& bend, const Pose& pose = {}) {
   return {"", superquadric, pose, bend};
@@ -79,7 +78,7 @@ TEST(BentDistanceTest, BendsThatVanish) {
   RandomCases random(1);
   const Superquadric superquadric{{0.4, 0.5, 1.0}, {0.6, 1.2}};
   const Pose pose{{0.1, 0.2, 0.3}, {0.9, 0.1, -0.2, 0.3}};
-  const Solid unbent({"", superquadric, pose});
+  const ConvexPrimitive unbent({"", superquadric, pose});
   for (const double k : {0.0, 1e-300, -1e-300, 5e-324, 1e-9, -1e-9, 1e-5, -1e-5}) {
     const BentDistance solid(bent_primitive(superquadric, {k, 25.0}, pose));
     for (int i = 0; i < 20; ++i) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <verisq/enclosure.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/large_models.hpp"
@@ -211,8 +212,8 @@ TEST(BoundingRadiusTest, IsThatOfTheBox) {
 
 TEST(BoundingBoxTest, OverflowsToInfinity) {
   const Primitive far{"a", {{1e308, 1.0, 1.0}, {1.0, 1.0}}, {{1.7e308, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}};
-  EXPECT_EQ(bounding_box({"", {far}}).upper[0], std::numeric_limits<double>::infinity());
-  EXPECT_EQ(bounding_radius({"", {far}}), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(bounding_box({"", {far}}).upper[0], infinity);
+  EXPECT_EQ(bounding_radius({"", {far}}), infinity);
 }
 
 }  // namespace

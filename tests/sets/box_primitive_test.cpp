@@ -15,6 +15,7 @@
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/real.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 namespace {
@@ -22,8 +23,6 @@ namespace {
 using oracle::RandomCases;
 using oracle::Real;
 using oracle::Vector;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Pose and bend as model.hpp states them, at 200 bits.
 class Reference {
@@ -178,7 +177,7 @@ TEST_P(BoxPrimitiveTest, ColoursAndHalfSpacesHoldForEveryPointOfTheCube) {
         ASSERT_FALSE(colour == Colour::white && gauge <= 1) << description(primitive, cube);
         ASSERT_FALSE(colour == Colour::black && gauge >= 1) << description(primitive, cube);
         const HalfSpace& half_space = gauge <= 1 ? inside : outside;
-        if (half_space.offset < kInfinity) {
+        if (half_space.offset < infinity) {
           ASSERT_LE(height(half_space, cube, x), Real(half_space.offset)) << description(primitive, cube);
         }
       }
@@ -207,7 +206,7 @@ TEST_P(BoxPrimitiveTest, PointsBesideTheSurfaceAreDecided) {
 /// How far the offset lies beyond the best one, in units of length: the best is found among points of the cube.
 double looseness(const HalfSpace& half_space, const Cube& cube, const Reference& reference, Side side) {
   constexpr int steps = 4;
-  Real best(-kInfinity);
+  Real best(-infinity);
   for (int i = -steps; i <= steps; ++i) {
     for (int j = -steps; j <= steps; ++j) {
       for (int k = -steps; k <= steps; ++k) {

@@ -4,7 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 namespace {
@@ -22,7 +23,6 @@ TEST(CubeDivisionTest, TheRootCoversTheBox) {
     EXPECT_LE(root->half_width, 4.0 * size);
     EXPECT_EQ(std::exp2(std::round(std::log2(root->half_width))), root->half_width);
   }
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(root_cube({{-infinity, 0.0, 0.0}, {0.0, 0.0, 0.0}}));
 }
 

@@ -5,17 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "tests/fixtures/random.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 namespace {
 
 using testing::Random;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 long double dot(const Point& a, const Point& b) {
   return static_cast<long double>(a[0]) * b[0] + static_cast<long double>(a[1]) * b[1] +

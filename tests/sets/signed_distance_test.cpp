@@ -7,6 +7,7 @@
 #include <future>
 #include <limits>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/random.hpp"
@@ -44,7 +45,7 @@ void expect_encloses(const Enclosure& enclosure, const Real& exact, double width
 
 /// The distance of the binary64 neighbours about x > 0.
 double ulp(double x) {
-  return std::nextafter(x, std::numeric_limits<double>::infinity()) - x;
+  return std::nextafter(x, infinity) - x;
 }
 
 TEST(SignedDistanceTest, Sphere) {

@@ -3,18 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include "tests/fixtures/bitten_ball.hpp"
 #include "verify/sets/solid_distance.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 namespace {
 
 Enclosure signed_distance(const Model& model, const Point& x, double tolerance) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   return SolidDistance(model)(x, tolerance, {-infinity, infinity}, [] { return false; });
 }
 

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 #include <verisq/signed_distance.hpp>
 
@@ -21,7 +21,6 @@ namespace {
 
 using testing::Random;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Enclosure nothing_known{-infinity, infinity};
 
 bool never() {

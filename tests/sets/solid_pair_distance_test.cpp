@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 #include <verisq/model_distance.hpp>
 #include <verisq/model_search.hpp>
@@ -238,7 +239,7 @@ double sampled_distance(const Superquadric& a, const Bend& bend_a, const Superqu
   constexpr int steps = 24;
   std::array<double, 4> centre{0.0, 0.0, 0.0, 0.0};
   std::array<double, 4> reach{std::numbers::pi / 2, std::numbers::pi, std::numbers::pi / 2, std::numbers::pi};
-  double best = std::numeric_limits<double>::infinity();
+  double best = infinity;
   for (int round = 0; round < 40; ++round) {
     const int count = round == 0 ? steps : 3;
     const auto surface = [&](const Superquadric& solid, const Bend& bend, const Pose& posed, std::size_t first) {
@@ -405,7 +406,7 @@ TEST(SolidPairPolytopeTest, SupportBoundsAllPointsAndIsAttained) {
     const CutCube polytope = random_polytope(generator, static_cast<std::size_t>(trial % 4));
     const Point direction{normal(generator), normal(generator), normal(generator)};
     const double support = polytope.support(direction);
-    double sampled = -std::numeric_limits<double>::infinity();
+    double sampled = -infinity;
     for (int i = 0; i < 4000; ++i) {
       const Point e{within(generator), within(generator), within(generator)};
       if (contains(polytope, e)) sampled = std::max(sampled, dot(direction, e));

@@ -5,14 +5,13 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <stdexcept>
 
+#include "verisq/enclosure.hpp"
+
 namespace verisq::stance {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 using IntervalDual = Dual<Interval>;
 

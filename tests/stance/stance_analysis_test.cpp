@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <stdexcept>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/stance_analysis.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
@@ -22,8 +22,6 @@ namespace verisq::stance {
 namespace {
 
 using verify::Interval;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The paper's coordinates in the wrench.
 enum Coordinate : std::size_t { w1 = 0, w2 = 1, w4 = 3, w6 = 5 };

@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/stance_bounce.hpp>
 
 #include "tests/fixtures/stance_example.hpp"
@@ -19,7 +20,6 @@
 namespace verisq::stance {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kGravity = 9.81;
 
 /// Of the relation ln((1 + D)/(1 - D e)) = D (1 + e), by bisection between its minimum and its pole.
@@ -80,7 +80,7 @@ class ReferenceIntegration {
       const State next{halves.depth + (halves.depth - whole.depth) / 15,
                        halves.velocity + (halves.velocity - whole.velocity) / 15};
       if (state.velocity > 0 && next.velocity <= 0) deepest = deepest_between(state, step);
-      if (state.velocity < 0 && next.velocity >= 0) return {kInfinity, 0, deepest, false};
+      if (state.velocity < 0 && next.velocity >= 0) return {infinity, 0, deepest, false};
       state = next;
       time += step;
       if (error < tolerance / 8) step *= 1.3L;
@@ -156,7 +156,7 @@ void expect_encloses(const Bounce& bounce, const ReferenceBounce& exact) {
   if (exact.lifts_off) {
     EXPECT_TRUE(encloses(bounce.lift_off_time, exact.lift_off_time));
   } else {
-    EXPECT_EQ(bounce.lift_off_time.hi, kInfinity);
+    EXPECT_EQ(bounce.lift_off_time.hi, infinity);
   }
 }
 
@@ -309,7 +309,7 @@ TEST(StanceBounce, StaysOnSoftGround) {
     EXPECT_TRUE(b.proven);
     EXPECT_EQ(b.rebound_speed, (Enclosure{0.0, 0.0}));
     EXPECT_EQ(b.effective_restitution, (Enclosure{0.0, 0.0}));
-    EXPECT_EQ(b.lift_off_time.hi, kInfinity);
+    EXPECT_EQ(b.lift_off_time.hi, infinity);
     EXPECT_GT(b.lift_off_time.lo, b.touch_down_time.hi);
   }
 }
@@ -323,7 +323,7 @@ TEST(StanceBounce, RestitutionThatAllowsBothModes) {
   EXPECT_TRUE(b.proven);
   EXPECT_EQ(b.rebound_speed.lo, 0.0);
   EXPECT_NEAR(b.rebound_speed.hi, static_cast<double>(most.rebound_speed), 1e-5);
-  EXPECT_EQ(b.lift_off_time.hi, kInfinity);
+  EXPECT_EQ(b.lift_off_time.hi, infinity);
   for (int i = 0; i <= 8; ++i) expect_encloses(b, reference(drop, 0.1L + 0.1L * i / 8));
 }
 
@@ -341,7 +341,7 @@ TEST(StanceBounce, GrazingTakesBothModes) {
   EXPECT_EQ(b.rebound_speed.lo, 0.0);
   EXPECT_TRUE(encloses(b.rebound_speed, reference(drop, drop.restitution.hi).rebound_speed));
   EXPECT_LT(b.rebound_speed.hi, 0.01);
-  EXPECT_EQ(b.lift_off_time.hi, kInfinity);
+  EXPECT_EQ(b.lift_off_time.hi, infinity);
 }
 
 TEST(StanceBounce, ContactPhaseLeavesAGrazingOutcomeOpen) {
@@ -354,7 +354,7 @@ TEST(StanceBounce, ContactPhaseLeavesAGrazingOutcomeOpen) {
   EXPECT_EQ(grazing.outcome, Outcome::either);
   EXPECT_EQ(grazing.rebound.lower(), 0.0);
   EXPECT_LT(grazing.rebound.upper(), 1e-3);
-  EXPECT_EQ(grazing.lift_off.upper(), kInfinity);
+  EXPECT_EQ(grazing.lift_off.upper(), infinity);
 }
 
 /// A cylinder of the nine-segment model with all numbers of its body and contact, dropped from rest.
@@ -397,9 +397,9 @@ std::vector<Sample> samples_of(const Drop& drop, int count, std::mt19937& random
 
 /// What the samples attain.
 struct Attained {
-  Enclosure deepest{kInfinity, -kInfinity};
-  Enclosure rebound{kInfinity, -kInfinity};
-  Enclosure lift_off{kInfinity, -kInfinity};
+  Enclosure deepest{infinity, -infinity};
+  Enclosure rebound{infinity, -infinity};
+  Enclosure lift_off{infinity, -infinity};
   int lifted = 0;
   int stayed = 0;
 
@@ -470,7 +470,7 @@ TEST(StanceBounce, FeetThatMayStayContainAThousandSamples) {
     expect_tight(b.deepest_penetration, attained.deepest);
     expect_tight(b.rebound_speed, attained.rebound);
     EXPECT_EQ(b.rebound_speed.lo, 0.0);
-    EXPECT_EQ(b.lift_off_time.hi, kInfinity);
+    EXPECT_EQ(b.lift_off_time.hi, infinity);
     EXPECT_NEAR(b.lift_off_time.lo, attained.lift_off.lo, 0.01 * attained.lift_off.lo);
   }
 }
@@ -535,9 +535,9 @@ TEST(StanceBounce, RefusesAbsurdDrops) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto refused = [](const Drop& drop) {
     const Bounce b = bounce(drop);
-    return !b.proven && b.rebound_speed == Enclosure{-kInfinity, kInfinity};
+    return !b.proven && b.rebound_speed == Enclosure{-infinity, infinity};
   };
-  for (const double bad : {0.0, -1.0, kInfinity, nan}) {
+  for (const double bad : {0.0, -1.0, infinity, nan}) {
     for (double Drop::*const member : {&Drop::height, &Drop::gravity, &Drop::stiffness, &Drop::exponent}) {
       Drop drop = good;
       drop.*member = bad;
@@ -579,7 +579,7 @@ TEST(StanceBounce, IsHonestAtTheEndsOfTheNumbers) {
       EXPECT_LE(b.rebound_speed.lo, b.rebound_speed.hi);
       EXPECT_LE(b.effective_restitution.lo, 0.2);
       // Contact takes energy: nothing rebounds faster than it came.
-      EXPECT_LE(b.effective_restitution.hi, b.proven ? 0.2001 : kInfinity);
+      EXPECT_LE(b.effective_restitution.hi, b.proven ? 0.2001 : infinity);
     }
     for (const Enclosure mass : {Enclosure{extreme, extreme}, {std::min(0.36, extreme), std::max(0.36, extreme)}}) {
       Drop drop = good;
@@ -588,7 +588,7 @@ TEST(StanceBounce, IsHonestAtTheEndsOfTheNumbers) {
       calls = 0;
       const Bounce b = bounce(drop, short_run);
       EXPECT_LE(b.effective_restitution.lo, 0.2);
-      EXPECT_LE(b.effective_restitution.hi, b.proven ? 0.2001 : kInfinity);
+      EXPECT_LE(b.effective_restitution.hi, b.proven ? 0.2001 : infinity);
     }
     // With the least damping, it rebounds as fast as it came.
     Drop drop = good;
@@ -597,7 +597,7 @@ TEST(StanceBounce, IsHonestAtTheEndsOfTheNumbers) {
     calls = 0;
     const Bounce b = bounce(drop, short_run);
     EXPECT_LE(b.effective_restitution.lo, 1.0);
-    EXPECT_LE(b.effective_restitution.hi, b.proven ? 1.0001 : kInfinity);
+    EXPECT_LE(b.effective_restitution.hi, b.proven ? 1.0001 : infinity);
     EXPECT_EQ(b.effective_restitution.lo > 0.99, b.proven && extreme > 1.0);
   }
   Drop dead = good;
@@ -626,7 +626,7 @@ TEST(StanceBounce, InterruptedHalfwayStillContains) {
     const Bounce b = bounce(drop, {.interrupted = [&] { return ++calls > allowed; }});
     EXPECT_FALSE(b.proven);
     EXPECT_LE(b.steps, allowed);
-    EXPECT_EQ(b.lift_off_time.hi, kInfinity);
+    EXPECT_EQ(b.lift_off_time.hi, infinity);
     expect_encloses(b, exact);
   }
 }

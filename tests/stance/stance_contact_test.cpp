@@ -6,18 +6,16 @@
 #include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <stdexcept>
 
 #include "verify/stance/contact.hpp"
 #include "verify/stance/controller.hpp"
 #include "verify/stance/friction.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::stance {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Vector = Eigen::Vector3d;
 using IntervalVector = Eigen::Matrix<Interval, 3, 1>;
@@ -37,7 +35,7 @@ testing::AssertionResult encloses(const Interval& a, double value) {
 class Random {
  public:
   double operator()(double lowest, double highest) { return std::uniform_real_distribution(lowest, highest)(engine_); }
-  double within(const Interval& a) { return (*this)(a.lower(), std::nextafter(a.upper(), kInfinity)); }
+  double within(const Interval& a) { return (*this)(a.lower(), std::nextafter(a.upper(), infinity)); }
   Interval interval(double lowest, double highest) {
     const double a = (*this)(lowest, highest);
     const double b = (*this)(lowest, highest);
@@ -62,9 +60,9 @@ TEST(ContactDamping, SolvesTheRelationToTheLastPlace) {
   EXPECT_NEAR(damping_factor(0.1), 9.99815939749567, 1e-13);  // docs/stance.md §4: 9.998
   for (const double e : {0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 0.99}) {
     const Interval d = damping_factor(Interval(e));
-    EXPECT_LE(d.upper(), std::nextafter(d.lower(), kInfinity));
+    EXPECT_LE(d.upper(), std::nextafter(d.lower(), infinity));
     EXPECT_LT(relation(std::nextafter(d.lower(), 0.0), e), 0.0) << e;
-    EXPECT_GT(relation(std::nextafter(d.upper(), kInfinity), e), 0.0) << e;
+    EXPECT_GT(relation(std::nextafter(d.upper(), infinity), e), 0.0) << e;
     EXPECT_GT(d.lower(), 1.0 / e - 1.0) << "the trivial root is 0";
     EXPECT_TRUE(contains(d, damping_factor(e)));
   }
@@ -84,7 +82,7 @@ TEST(ContactDamping, VanishesWithElasticContact) {
   const double almost = std::nextafter(1.0, 0.0);
   // D = 3 (1 - e)/2 + ...
   const Interval d = damping_factor(Interval(almost));
-  EXPECT_LE(d.upper(), std::nextafter(d.lower(), kInfinity));
+  EXPECT_LE(d.upper(), std::nextafter(d.lower(), infinity));
   EXPECT_NEAR(d.lower() / (1.0 - almost), 1.5, 1e-6);
   EXPECT_NEAR(d.upper() / (1.0 - almost), 1.5, 1e-6);
 }
@@ -93,7 +91,7 @@ TEST(ContactDamping, FallsWithTheRestitution) {
   const Interval d = damping_factor(Interval(0.1, 0.2));
   EXPECT_EQ(d.lower(), damping_factor(Interval(0.2)).lower());
   EXPECT_EQ(d.upper(), damping_factor(Interval(0.1)).upper());
-  double before = kInfinity;
+  double before = infinity;
   for (double e = 0.01; e < 1.0; e += 0.01) {
     EXPECT_LT(damping_factor(Interval(e)).upper(), before) << e;
     before = damping_factor(Interval(e)).lower();
@@ -125,7 +123,7 @@ TEST(ContactDamping, SlopeIsThatOfDifferenceQuotients) {
 Vector lowest_point(const Vector& centre, const Vector& axis, double radius, double half_length) {
   const Vector u = axis.unitOrthogonal();
   const Vector v = axis.cross(u);
-  Vector best(0.0, kInfinity, 0.0);
+  Vector best(0.0, infinity, 0.0);
   for (const double end : {-half_length, half_length}) {
     for (int i = 0; i < 20000; ++i) {
       const double angle = 2.0 * M_PI * i / 20000;

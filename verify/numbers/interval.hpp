@@ -6,11 +6,11 @@
 #include <boost/numeric/interval/interval.hpp>
 #include <boost/numeric/interval/policies.hpp>
 #include <boost/numeric/interval/utility.hpp>
-#include <limits>
 #include <stdexcept>
 
 #include "verify/numbers/real.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -37,8 +37,8 @@ struct DirectedRounding {
 /// Boost.Interval's checking policy: what is not an interval of real numbers is refused, never stored.
 template <class T>
 struct ThrowingChecking {
-  static T pos_inf() { return std::numeric_limits<double>::infinity(); }
-  static T neg_inf() { return -std::numeric_limits<double>::infinity(); }
+  static T pos_inf() { return infinity; }
+  static T neg_inf() { return -infinity; }
   static bool is_nan(const T& a) {
     if (a != a) throw std::domain_error("interval: not a number");
     return false;
@@ -132,8 +132,8 @@ class BasicInterval {
 
   /// [infinity, infinity] and [-infinity, -infinity] hold no number.
   static BasicInterval with_numbers(const BasicInterval& a) {
-    const T infinity(std::numeric_limits<double>::infinity());
-    if (a.lower() == infinity || a.upper() == -infinity) throw std::domain_error("interval: no value but at infinity");
+    const T beyond(infinity);
+    if (a.lower() == beyond || a.upper() == -beyond) throw std::domain_error("interval: no value but at infinity");
     return a;
   }
 

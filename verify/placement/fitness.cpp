@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 #include <string>
 
 #include "verify/numbers/interval.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq {
@@ -16,8 +16,6 @@ namespace {
 
 using verify::Direction;
 using verify::Interval;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void require(bool holds, const std::string& key, const std::string& wanted, double value) {
   if (holds) return;
@@ -28,7 +26,7 @@ void require(bool holds, const std::string& key, const std::string& wanted, doub
 
 /// Encloses f at one distance, which is any real number or +infinity.
 Interval enclosed_at(const Fitness& fitness, double distance) {
-  if (distance == kInfinity) return {0};  // the limit
+  if (distance == infinity) return {0};  // the limit
   const Interval scale(fitness.scale);
   const Interval serving =
       Interval(1) / (Interval(1) + square((Interval(distance) - Interval(fitness.target)) / scale));
@@ -75,11 +73,11 @@ double slope(const Fitness& fitness, double distance) {
 // f <= 1 everywhere; it falls to minus infinity as d does and to 0 as d rises to infinity.
 Enclosure value(const Fitness& fitness, const Enclosure& distance) {
   const auto& [lo, hi] = distance;
-  if (!(lo <= hi)) return {-kInfinity, 1.0};  // not an interval: nothing is known of the distance
-  if (hi == -kInfinity) return {-kInfinity, -kInfinity};
+  if (!(lo <= hi)) return {-infinity, 1.0};  // not an interval: nothing is known of the distance
+  if (hi == -infinity) return {-infinity, -infinity};
   const double best = std::clamp(fitness.target, lo, hi);
   const double largest = std::min(enclosed_at(fitness, best).upper(), 1.0);
-  if (lo == -kInfinity) return {-kInfinity, largest};
+  if (lo == -infinity) return {-infinity, largest};
   return {std::min(enclosed_at(fitness, lo).lower(), enclosed_at(fitness, hi).lower()), largest};
 }
 

@@ -12,13 +12,13 @@
 #include "verify/analysis/length.hpp"
 #include "verify/analysis/trigonometry.hpp"
 #include "verify/proof/pose.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 namespace {
 
 using Quaternion = std::array<PreciseInterval, 4>;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double smallest_normal = std::numeric_limits<double>::min();
 
 double nearest(const PreciseInterval& a) {

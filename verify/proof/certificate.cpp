@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -29,7 +30,7 @@ bool usable(const Proposal& v) {
 }
 
 double lower_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& v) {
-  if (!usable(v)) return -std::numeric_limits<double>::infinity();
+  if (!usable(v)) return -infinity;
   const PreciseVector direction = precise(v);
   const PreciseInterval support(solid.support(magnitudes<Real>(direction, Direction::up), Direction::up));
   const PreciseInterval bound = (direction.dot(q) - support) / length<Real>(direction);

@@ -1,27 +1,25 @@
 /// Lower ends by the largest or the inflated model, upper ends by the smallest.
 #include "verisq/checker.hpp"
 
-#include <limits>
 #include <optional>
 
 #include "verify/proof/bracketed.hpp"
 #include "verify/proof/exact_checker.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/proof/uncertain_distance.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Claims nothing of the other end, so that no work is spent on it.
 Enclosure at_least(double lo) {
-  return {lo, kInfinity};
+  return {lo, infinity};
 }
 
 Enclosure at_most(double hi) {
-  return {-kInfinity, hi};
+  return {-infinity, hi};
 }
 
 Finding judged(const Enclosure& claimed, const Enclosure& proven, const Enclosure& some_member) {

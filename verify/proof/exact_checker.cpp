@@ -3,13 +3,13 @@
 #include "verify/proof/exact_checker.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <span>
 
 #include "verify/proof/convex_union.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/proof/triangle_certificate.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -18,15 +18,13 @@ namespace {
 /// Of a model.
 using Primitives = std::span<const PosedSuperquadric>;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 Proposal proposal(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
 /// An upper end: `claimed` or less if it can be proven with v, else what can be.
 double upper_end(const PosedSuperquadric& primitive, const Point& x, const Proposal& v, double claimed) {
-  const double by_normal = claimed > 0.0 ? primitive.upper_by_normal(x, v) : kInfinity;
+  const double by_normal = claimed > 0.0 ? primitive.upper_by_normal(x, v) : infinity;
   if (by_normal <= claimed) return by_normal;
   if (!primitive.contains(x)) return primitive.upper_by_normal(x, v);
   return claimed < 0.0 && primitive.contains_ball_about(x, -claimed) ? claimed : 0.0;
@@ -41,14 +39,14 @@ double lower_by_normals(Primitives primitives, const Point& x, std::span<const N
     lower[index] = std::max(lower[index], primitives[index].lower_by_normal(x, proposal(v)));
   }
   const double least = std::ranges::min(lower);
-  return least > 0.0 || primitives.size() == 1 ? least : -kInfinity;
+  return least > 0.0 || primitives.size() == 1 ? least : -infinity;
 }
 
 /// A point outside all primitives is no deeper inside than another outside of all is far.
 double lower_by_escape(Primitives primitives, const Point& x, const Point& escape) {
   const auto excludes = [&](const PosedSuperquadric& primitive) { return primitive.excludes(escape); };
   const bool proven = usable(proposal(escape)) && std::ranges::all_of(primitives, excludes);
-  return proven ? -distance_up(x, escape) : -kInfinity;
+  return proven ? -distance_up(x, escape) : -infinity;
 }
 
 double lower(Primitives primitives, const Point& x, const Certificate& certificate) {
@@ -59,7 +57,7 @@ double lower(Primitives primitives, const Point& x, const Certificate& certifica
 
 /// `claimed` or less as soon as a normal proves it, else the least that one proves.
 double upper(Primitives primitives, const Point& x, double claimed, std::span<const Normal> normals) {
-  double least = kInfinity;
+  double least = infinity;
   for (const auto& [index, v] : normals) {
     least = std::min(least, upper_end(primitives[index], x, proposal(v), claimed));
     if (least <= claimed) break;
@@ -81,7 +79,7 @@ double lower(Primitives primitives, const Triangle& triangle, std::span<const No
 /// By one point of the triangle; stops as soon as a normal proves `claimed` there.
 double upper(Primitives primitives, const Triangle& triangle, double claimed, const std::optional<Weights>& weights,
              std::span<const Normal> normals) {
-  double least = kInfinity;
+  double least = infinity;
   if (!weights || !in_triangle(*weights)) return least;
   for (const auto& [index, v] : normals) {
     const PreciseVector q = PosedTriangle(triangle, primitives[index].frame()).point(*weights);

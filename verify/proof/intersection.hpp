@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <concepts>
-#include <limits>
 #include <string>
 
 #include "verisq/enclosure.hpp"
@@ -29,7 +28,6 @@ template <std::invocable Describe>
 /// The ends of which are proven apart from each other; likewise.
 template <std::invocable Describe>
 [[nodiscard]] Enclosure between(double lower, double upper, const Describe& describe) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   return intersection({lower, infinity}, {-infinity, upper}, describe);
 }
 

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -63,7 +64,6 @@ Real PairBounds::upper_by_points(const PreciseVector& on_a, const PreciseVector&
 }
 
 Enclosure PairBounds::distance(const Separation& separation) const {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   const auto& [primitive_a, primitive_b, vector, on_a, on_b] = separation;
   const bool direction = finite(vector) && !zero(vector);
   const bool points = finite(on_a) && finite(on_b);

@@ -10,8 +10,8 @@ using namespace verify;
 
 Enclosure prove(const Model& a, const Model& b, const Pose& pose, const PairCertificate& certificate) {
   for (const Model* model : {&a, &b}) require_union_of_convex(*model, "certificates");
-  const PosedModel posed_a(a);
-  const PosedModel posed_b(b);
+  const PosedPrimitives posed_a(a);
+  const PosedPrimitives posed_b(b);
   return proven_distance(PosedPairs(posed_a, posed_b, pose), certificate);
 }
 

@@ -3,15 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "verify/proof/intersection.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 bool is_in(const PosedSuperquadric& solid, const Motion& to_own_frame, const PreciseVector& x) {
   return solid.bounds().gauge(to_own_frame(x)).upper() <= Real(1);
@@ -19,14 +17,14 @@ bool is_in(const PosedSuperquadric& solid, const Motion& to_own_frame, const Pre
 
 }  // namespace
 
-PosedModel::PosedModel(const Model& model) : primitives(model.primitives.begin(), model.primitives.end()) {
+PosedPrimitives::PosedPrimitives(const Model& model) : primitives(model.primitives.begin(), model.primitives.end()) {
   for (const PosedSuperquadric& primitive : primitives) {
     motions.push_back(motion_of(primitive.frame()));
     inverse_motions.push_back(motions.back().inverse());
   }
 }
 
-PosedPairs::PosedPairs(const PosedModel& a, const PosedModel& b, const Pose& pose) : a_(&a), b_(&b) {
+PosedPairs::PosedPairs(const PosedPrimitives& a, const PosedPrimitives& b, const Pose& pose) : a_(&a), b_(&b) {
   const Motion motion = motion_of(Frame(pose));
   for (const Motion& own : b.motions) moved_.push_back(motion.after(own));
 }
@@ -54,7 +52,7 @@ Enclosure proven_distance(const PosedPairs& pairs, const PairCertificate& certif
   for (std::size_t i = 0; i < pairs.size_a(); ++i) {
     for (std::size_t j = 0; j < pairs.size_b(); ++j) lower.push_back(pairs.lower_by_spheres(i, j));
   }
-  double upper = kInfinity;
+  double upper = infinity;
   for (const Separation& separation : certificate.separations) {
     const auto [i, j] = std::pair<std::size_t, std::size_t>(separation.primitive_a, separation.primitive_b);
     if (i >= pairs.size_a() || j >= pairs.size_b()) continue;

@@ -9,8 +9,8 @@
 namespace verisq::verify {
 
 /// The primitives of a model with their motions into its frame.
-struct PosedModel {
-  explicit PosedModel(const Model& model);
+struct PosedPrimitives {
+  explicit PosedPrimitives(const Model& model);
 
   std::vector<PosedSuperquadric> primitives;
   std::vector<Motion> motions;          ///< primitive's frame to model's
@@ -20,7 +20,7 @@ struct PosedModel {
 /// A and B moved. Both models must outlive this.
 class PosedPairs {
  public:
-  PosedPairs(const PosedModel& a, const PosedModel& b, const Pose& pose);
+  PosedPairs(const PosedPrimitives& a, const PosedPrimitives& b, const Pose& pose);
 
   /// Precondition: i and j are indices of primitives of A and of B.
   [[nodiscard]] PairBounds operator()(std::size_t i, std::size_t j) const {
@@ -45,8 +45,8 @@ class PosedPairs {
   [[nodiscard]] bool share(const Point& x) const;
 
  private:
-  const PosedModel* a_;
-  const PosedModel* b_;
+  const PosedPrimitives* a_;
+  const PosedPrimitives* b_;
   std::vector<Motion> moved_;  ///< from the frame of B's primitives to A's model frame
 };
 

@@ -1,9 +1,8 @@
 /// Frame and bounds of one superquadric together.
 #include "verify/proof/posed_superquadric.hpp"
 
-#include <limits>
-
 #include "verify/proof/contained_ball.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -31,7 +30,7 @@ double PosedSuperquadric::lower_by_normal(const Point& x, const Proposal& v) con
 }
 
 double PosedSuperquadric::upper_by_normal(const Point& x, const Proposal& v) const {
-  if (!usable(v)) return std::numeric_limits<double>::infinity();
+  if (!usable(v)) return infinity;
   const PreciseVector q = frame_.local_point(x);
   return upper_bound_at(bounds_, q, PreciseVector(q - precise(v)));
 }

@@ -2,10 +2,10 @@
 #include "verify/proof/superquadric.hpp"
 
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
 #include "verify/numbers/fast_functions.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -81,7 +81,7 @@ template <class T>
 T norm(const T& x, const T& y, const NormExponent<T>& p, Direction direction) {
   const T& large = x < y ? y : x;
   const T& small = x < y ? x : y;
-  if (p.infinite || small == T(0) || large == T(std::numeric_limits<double>::infinity())) return large;
+  if (p.infinite || small == T(0) || large == T(infinity)) return large;
   // A quotient below 1 rounds to at most 1.
   return multiply(large, norm_of_ratio<T>(divide(small, large, direction), p, direction), direction);
 }

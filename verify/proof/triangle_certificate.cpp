@@ -2,15 +2,13 @@
 #include "verify/proof/triangle_certificate.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "verify/proof/triangle.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// min_i v·t_i, rounded down.
 PreciseInterval least_along(const PreciseVector& v, const std::array<PreciseVector, 3>& corners) {
@@ -47,7 +45,7 @@ double lower_by_sphere(const PosedSuperquadric& solid, const Triangle& triangle)
 }
 
 double lower_by_normal(const PosedSuperquadric& solid, const PosedTriangle& triangle, const Proposal& v) {
-  if (!usable(v)) return -kInfinity;
+  if (!usable(v)) return -infinity;
   const PreciseVector direction = precise(v);
   const PreciseInterval support(solid.bounds().support(magnitudes<Real>(direction, Direction::up), Direction::up));
   const PreciseInterval bound = (least_along(direction, triangle.corners()) - support) / length<Real>(direction);
@@ -56,7 +54,7 @@ double lower_by_normal(const PosedSuperquadric& solid, const PosedTriangle& tria
 
 double upper_by_point(const PosedSuperquadric& solid, const PreciseVector& q, const Proposal& v) {
   if (solid.bounds().gauge(magnitudes<Real>(q, Direction::up), Direction::up) <= Real(1)) return 0.0;
-  if (!usable(v)) return kInfinity;
+  if (!usable(v)) return infinity;
   return upper_bound_at(solid.bounds(), q, PreciseVector(q - precise(v)));
 }
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "verisq/enclosure.hpp"
+
 namespace verisq::verify {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Halvings of the last bracket: the segment exceeds the shortest that is provable by this power of two at most.
 constexpr int kHalvings = 6;
@@ -47,7 +47,7 @@ Interval share(const Interval& x, const Interval& y, const Interval& e) {
   return {share(x.lower(), y.upper(), e).lower(), share(x.upper(), y.lower(), e).upper()};
 }
 
-IntervalVector exact(const Coordinates<double>& x) {
+Vector3<double> exact(const Coordinates<double>& x) {
   return {x[0], x[1], x[2]};
 }
 
@@ -82,11 +82,11 @@ BisectedEnclosure::BisectedEnclosure(const Superquadric& superquadric)
       e2_(superquadric.exponents[1]),
       reach_(2 * largest(superquadric.semi_axes)) {}
 
-std::optional<IntervalVector> BisectedEnclosure::surface_point(const Coordinates<double>& p,
-                                                               const Coordinates<double>& d) const {
+std::optional<Vector3<double>> BisectedEnclosure::surface_point(const Coordinates<double>& p,
+                                                                const Coordinates<double>& d) const {
   const double length = largest(d);
-  if (!(length > 0.0 && length < kInfinity)) return std::nullopt;
-  const auto line = [&](double t) -> IntervalVector { return exact(p) + exact(d) * Interval(t); };
+  if (!(length > 0.0 && length < infinity)) return std::nullopt;
+  const auto line = [&](double t) -> Vector3<double> { return exact(p) + exact(d) * Interval(t); };
   // g <= 1 and F <= 1 are one statement, F being a power of g.
   const auto inside = [&](double t) { return bounds_.gauge(line(t)).upper() <= 1.0; };
   const auto outside = [&](double t) { return bounds_.gauge(line(t)).lower() >= 1.0; };
@@ -97,17 +97,17 @@ std::optional<IntervalVector> BisectedEnclosure::surface_point(const Coordinates
   const std::optional<double> t2 = first_proven(outside, step, 4 * scale);
   if (!t2) return std::nullopt;
   // F is continuous: it takes the value 1 on the exact segment, which lies in the hull of boxes about its ends.
-  const IntervalVector a = line(*t1);
-  const IntervalVector b = line(*t2);
-  return IntervalVector(hull(a[0], b[0]), hull(a[1], b[1]), hull(a[2], b[2]));
+  const Vector3<double> a = line(*t1);
+  const Vector3<double> b = line(*t2);
+  return Vector3<double>(hull(a[0], b[0]), hull(a[1], b[1]), hull(a[2], b[2]));
 }
 
 /// With X = x/a1, ..., S = |X|^p2 + |Y|^p2 and p_i = 2/e_i the gradient of F = S^(p1/p2) + |Z|^p1, divided by p1, is
 ///     ( S^((e2-e1)/e1) X^(p2-1) / a1,  S^((e2-e1)/e1) Y^(p2-1) / a2,  Z^(p1-1) / a3 ).
 /// Where F has an edge or a vertex (p = 1, or S = 0) a coordinate X of the point is 0, and the box holds 0 or an end
 /// of the interval of slopes in its place: a subgradient.
-IntervalVector BisectedEnclosure::normal(const IntervalVector& x) const {
-  const IntervalVector scaled(x[0] / semi_axes_[0], x[1] / semi_axes_[1], x[2] / semi_axes_[2]);
+Vector3<double> BisectedEnclosure::normal(const Vector3<double>& x) const {
+  const Vector3<double> scaled(x[0] / semi_axes_[0], x[1] / semi_axes_[1], x[2] / semi_axes_[2]);
   const Interval p2 = Interval(2) / e2_;
   const Interval k2 = (Interval(2) - e2_) / e2_;
   const Interval k1 = (Interval(2) - e1_) / e1_;
@@ -118,11 +118,11 @@ IntervalVector BisectedEnclosure::normal(const IntervalVector& x) const {
           signed_power(scaled[2], k1) / semi_axes_[2]};
 }
 
-IntervalVector BisectedEnclosure::support_point(const IntervalVector& v) const {
+Vector3<double> BisectedEnclosure::support_point(const Vector3<double>& v) const {
   const Interval x = abs(v[0] * semi_axes_[0]);
   const Interval y = abs(v[1] * semi_axes_[1]);
   const Interval z = abs(v[2] * semi_axes_[2]);
-  const Interval r = bounds_.support(IntervalVector(v[0], v[1], Interval(0)));  // ‖(x, y)‖ with exponent 2/(2 - e2)
+  const Interval r = bounds_.support(Vector3<double>(v[0], v[1], Interval(0)));  // ‖(x, y)‖ with exponent 2/(2 - e2)
   const Interval cos_eta = pow(share(r, z, e1_), e1_ / Interval(2));
   const Interval sin_eta = pow(share(z, r, e1_), e1_ / Interval(2));
   const Interval cos_omega = pow(share(x, y, e2_), e2_ / Interval(2));
@@ -131,12 +131,12 @@ IntervalVector BisectedEnclosure::support_point(const IntervalVector& v) const {
           with_sign(semi_axes_[2] * sin_eta, v[2])};
 }
 
-bool bounded(const IntervalVector& v) {
-  const auto finite = [](const Interval& x) { return x.lower() > -kInfinity && x.upper() < kInfinity; };
+bool bounded(const Vector3<double>& v) {
+  const auto finite = [](const Interval& x) { return x.lower() > -infinity && x.upper() < infinity; };
   return finite(v[0]) && finite(v[1]) && finite(v[2]);
 }
 
-double plane_distance(const IntervalVector& normal, const IntervalVector& to) {
+double plane_distance(const Vector3<double>& normal, const Vector3<double>& to) {
   if (!bounded(normal)) return 0.0;
   const double product = normal.dot(to).lower();
   if (!(product > 0.0)) return 0.0;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "verify/analysis/norm_expansion.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/search/pair_contact.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -355,8 +355,7 @@ struct BestContact {
   /// A zero vector, as between solids that touch but for rounding, bounds nothing.
   [[nodiscard]] static BestContact of(const PairBounds& bounds, const PreciseContact& c) {
     const bool direction = length<Real>(c.vector).lower() > Real(0);
-    return {c, direction ? bounds.lower_by_vector(c.vector) : Real(-std::numeric_limits<double>::infinity()),
-            bounds.upper_by_points(c.on_a, c.on_b)};
+    return {c, direction ? bounds.lower_by_vector(c.vector) : Real(-infinity), bounds.upper_by_points(c.on_a, c.on_b)};
   }
 
   void improve(const BestContact& other) {
@@ -397,7 +396,7 @@ BestContact best_contact(const PairBounds& bounds, const Separation& s) {
   const Enclosure proven = bounds.distance(s);
   // Where spheres separate the solids, the line of centres does.
   const PreciseVector start = proven.lo > 0.0 ? precise(s.vector) : thin(relative.translation);
-  const bool points = proven.hi < std::numeric_limits<double>::infinity();
+  const bool points = proven.hi < infinity;
   const Point centre{0.0, 0.0, 0.0};
   BestContact best =
       BestContact::of(bounds, {start, precise(points ? s.on_a : centre), precise(points ? s.on_b : centre)});

@@ -44,7 +44,7 @@ inline constexpr Resolution kResolution<long double>{
     .surface = 1e-16, .step = 1e-10, .below_two = 1e-10, .above_zero = 1e-7};
 
 template <class Float>
-[[nodiscard]] Float infinity() {
+[[nodiscard]] Float infinity_as() {
   return std::numeric_limits<Float>::infinity();
 }
 
@@ -57,8 +57,8 @@ struct LogSum {
 
 template <class Float>
 [[nodiscard]] LogSum<Float> log_sum(const Float& a, const Float& b) {
-  if (a == -infinity<Float>()) return {b, Float(b == -infinity<Float>() ? 0 : 1)};
-  if (b == -infinity<Float>()) return {a, Float(0)};
+  if (a == -infinity_as<Float>()) return {b, Float(b == -infinity_as<Float>() ? 0 : 1)};
+  if (b == -infinity_as<Float>()) return {a, Float(0)};
   const Float difference = b - a;
   const Float small = exp(-fabs(difference));
   return {std::max(a, b) + log1p(small), (difference > 0 ? Float(1) : small) / (1 + small)};
@@ -67,7 +67,7 @@ template <class Float>
 /// ln ‖(e^a, e^b)‖ with exponent p = k + 1.
 template <class Float>
 [[nodiscard]] Float log_norm(const Float& a, const Float& b, const Float& k) {
-  if (std::max(a, b) == -infinity<Float>()) return -infinity<Float>();
+  if (std::max(a, b) == -infinity_as<Float>()) return -infinity_as<Float>();
   return log_sum<Float>(a * (k + 1), b * (k + 1)).value / (k + 1);
 }
 
@@ -82,14 +82,14 @@ struct Coordinate {
 /// The linear case k = 0 (e = 2): X = max(0, e^s - e^c).
 template <class Float>
 [[nodiscard]] Coordinate<Float> solve_linear(const Float& s, const Float& c) {
-  if (c >= s) return {-infinity<Float>(), Float(0), Float(0)};
+  if (c >= s) return {-infinity_as<Float>(), Float(0), Float(0)};
   const Float weight = exp(c - s);
   return {s + log1p(-weight), c - s, -weight / (1 - weight)};
 }
 
 template <class Float>
 [[nodiscard]] Coordinate<Float> solve_coordinate(const Float& s, const Float& c, const Float& k, double last_step) {
-  if (s == -infinity<Float>() || c == infinity<Float>()) return {-infinity<Float>(), Float(0), Float(0)};
+  if (s == -infinity_as<Float>() || c == infinity_as<Float>()) return {-infinity_as<Float>(), Float(0), Float(0)};
   if (k == 0) return solve_linear(s, c);
   // The left side is convex in ln X, and at this start it is at least the right side: Newton descends monotonically.
   Float u = std::min<Float>(s, (s - c) / k);
@@ -214,8 +214,8 @@ class ContactProblem {
   }
 
   [[nodiscard]] Iterate solve_multiplier(const Float& log_gauge) const {
-    Float lower = -infinity<Float>();
-    Float upper = infinity<Float>();
+    Float lower = -infinity_as<Float>();
+    Float upper = infinity_as<Float>();
     // r is at most 1, and at most that of q itself.
     if (by_radius_) lower = -std::min<Float>(0, log_norm(log_target_[0], log_target_[1], k2_));
     Float expansion = 1;
@@ -280,7 +280,7 @@ class ContactProblem {
     const Float log_r = log_norm(log_target_[0], log_target_[1], k2_);
     std::array<Float, 3> logs;
     for (std::size_t i = 0; i < 3; ++i) {
-      logs[i] = -infinity<Float>();
+      logs[i] = -infinity_as<Float>();
       if (q_[i] == 0) continue;
       logs[i] =
           (i == 2 ? Float(k1_ * log_target_[2]) : Float(k2_ * (log_target_[i] - log_r) + k1_ * log_r)) - log_axis_[i];

@@ -11,6 +11,7 @@
 #include "verify/proof/boundary.hpp"
 #include "verify/proof/superquadric.hpp"
 #include "verify/proof/triangle.hpp"
+#include "verisq/enclosure.hpp"
 
 // Why the faces of the polyhedron prove a depth. Let d1, d2, d3 >= 0 with q + d_i proven inside the solid K, and c >= 0
 // with |c| <= 1 and c·d_i >= t > 0. A vector v of the cone of the d_i with |v| <= t is v = Σ l_i d_i, l_i >= 0, and
@@ -165,7 +166,7 @@ class Polyhedron {
   Boundary<double> boundary_;
   SuperquadricBounds<double> bounds_;
   Vector q_;
-  Depth best_{0.0, std::numeric_limits<double>::infinity(), {1.0, 0.0, 0.0}};
+  Depth best_{0.0, infinity, {1.0, 0.0, 0.0}};
   std::vector<Corner> corners_;
   std::map<std::pair<int, int>, int> middles_;
 };

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "verify/proof/bracketed.hpp"
@@ -16,14 +15,13 @@
 #include "verify/search/closest_points.hpp"
 #include "verify/search/near_pairs.hpp"
 #include "verify/search/pair_contact.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq {
 
 using namespace verify;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Where the fast proposal leaves more than this, relative to the largest length at hand, a thorough one is worth it.
 constexpr double kExpectedWidth = 1e-14;
@@ -86,7 +84,7 @@ class PairQuery {
 /// As PairDistance says, of exact models.
 ModelDistance exact_distance(const PosedPairs& pairs, const std::function<bool()>& interrupted) {
   const NearPairs near = near_pairs(pairs);
-  ModelDistance result{{near.others, kInfinity}, Proximity::undecided, {}};
+  ModelDistance result{{near.others, infinity}, Proximity::undecided, {}};
   auto& [distance, proximity, certificate, complete] = result;
   const auto sphere_bound = [&](std::size_t k) { return pairs.lower_by_spheres(near.pairs[k].a, near.pairs[k].b); };
   for (const auto& [bound, k] : nearest_spheres_first(near.pairs.size(), sphere_bound)) {
@@ -103,7 +101,7 @@ ModelDistance exact_distance(const PosedPairs& pairs, const std::function<bool()
     const PairQuery query(pairs, pair.a, pair.b);
     PairResult found = query.fast();
     if (found.common && pairs.share(*found.common)) {
-      return {intersection({0.0, 0.0}, {bound, kInfinity}, what), Proximity::overlapping, {{}, found.common}, true};
+      return {intersection({0.0, 0.0}, {bound, infinity}, what), Proximity::overlapping, {{}, found.common}, true};
     }
     if (!(found.distance.width() <= kExpectedWidth * query.magnitude(found))) found = query.thorough(found);
     found.distance = between(std::max({0.0, bound, found.distance.lo}), found.distance.hi, what);
@@ -117,10 +115,10 @@ ModelDistance exact_distance(const PosedPairs& pairs, const std::function<bool()
 }
 
 /// The inflated model is for signed distances alone.
-Bracketed<PosedModel> posed_models(Bracket models) {
+Bracketed<PosedPrimitives> posed_models(Bracket models) {
   require_union_of_convex(models.largest, "distances by certificates");
   models.inflated.reset();
-  return bracketed(models, [](const Model& model) { return PosedModel(model); });
+  return bracketed(models, [](const Model& model) { return PosedPrimitives(model); });
 }
 
 }  // namespace
@@ -129,8 +127,8 @@ struct PairDistance::State {
   State(const Bracket& of_a, const Bracket& of_b) : bounds(of_a, of_b), a(posed_models(of_a)), b(posed_models(of_b)) {}
 
   MemberBounds bounds;
-  Bracketed<PosedModel> a;
-  Bracketed<PosedModel> b;
+  Bracketed<PosedPrimitives> a;
+  Bracketed<PosedPrimitives> b;
 };
 
 PairDistance::PairDistance(const UncertainModel& a, const UncertainModel& b)
@@ -142,8 +140,8 @@ PairDistance& PairDistance::operator=(PairDistance&&) noexcept = default;
 
 ModelDistance PairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
   const MemberBounds& bounds = state_->bounds;
-  const Bracketed<PosedModel>& a = state_->a;
-  const Bracketed<PosedModel>& b = state_->b;
+  const Bracketed<PosedPrimitives>& a = state_->a;
+  const Bracketed<PosedPrimitives>& b = state_->b;
   const auto between_smallest = [&] { return exact_distance(PosedPairs(a.smallest, b.smallest, pose), interrupted); };
   if (bounds.exact()) return between_smallest();
   const ModelDistance largest = exact_distance(PosedPairs(a.of_largest(), b.of_largest(), pose), interrupted);

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "verify/analysis/length.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -51,12 +51,12 @@ NearPairs near_pairs(const PosedPairs& pairs) {
     of_a.push_back(sphere_of(pairs.motion_a(i).translation, pairs.radius_a(i)));
   for (std::size_t j = 0; j < pairs.size_b(); ++j)
     of_b.push_back(sphere_of(pairs.motion_b(j).translation, pairs.radius_b(j)));
-  double nearest_centres = std::numeric_limits<double>::infinity();
+  double nearest_centres = infinity;
   for (const Sphere& a : of_a) {
     for (const Sphere& b : of_b)
       nearest_centres = std::min(nearest_centres, between_centres(a, b) + rounding_error(a, b));
   }
-  NearPairs result{{}, std::numeric_limits<double>::infinity()};
+  NearPairs result{{}, infinity};
   for (std::uint32_t i = 0; i < of_a.size(); ++i) {
     for (std::uint32_t j = 0; j < of_b.size(); ++j) {
       const Sphere& a = of_a[i];

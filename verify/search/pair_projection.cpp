@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "verisq/enclosure.hpp"
+
 namespace verisq::verify {
 
 namespace {
@@ -13,7 +15,6 @@ using Eigen::Array3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSmallest = std::numeric_limits<double>::min();
 /// Of log g: below, rounding hardly tells a point from the surface.
 constexpr double kSurfaceMargin = 1e-13;
@@ -191,7 +192,7 @@ DistanceExpansion PairProjection::expand(const Vector3d& q, const OutsideLogarit
   // those before the last step; s' = s (1 - s) by the odds.
   const Array3d& s = e.shares;
   result.gradient = (s + s * (1.0 - s) * step.odds.max(-1e-3).min(1e-3)).matrix().cwiseProduct(q);
-  result.value = converged ? result.gradient.squaredNorm() / 2.0 : kInfinity;
+  result.value = converged ? result.gradient.squaredNorm() / 2.0 : infinity;
   const Array3d magnitudes = q.array().abs().max(kSmallestCoordinate);
   for (int j = 0; j < 3; ++j) {
     Array3d moved = Array3d::Zero();

@@ -29,7 +29,7 @@ Interval rounded_outward(const PreciseInterval& x) {
   return {x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)};
 }
 
-IntervalVector rounded_outward(const PreciseVector& x) {
+Vector3<double> rounded_outward(const PreciseVector& x) {
   return {rounded_outward(x[0]), rounded_outward(x[1]), rounded_outward(x[2])};
 }
 
@@ -61,26 +61,26 @@ GjkResult<double> closest(const Primitive& a, const Primitive& b, double accurac
 
 /// The surface near p, first along d as the paper has it; where that line misses the solid (touching, where d is
 /// rounding error) along the ray from the centre, which cannot.
-IntervalVector surface_near(const BisectedEnclosure& solid, const Coordinates<double>& p,
-                            const Coordinates<double>& d) {
+Vector3<double> surface_near(const BisectedEnclosure& solid, const Coordinates<double>& p,
+                             const Coordinates<double>& d) {
   if (const auto box = solid.surface_point(p, d)) return *box;
   if (const auto box = solid.surface_point(p, p)) return *box;
-  return solid.support_point(IntervalVector(1, 0, 0));
+  return solid.support_point(Vector3<double>(1, 0, 0));
 }
 
 /// B's frame seen from A's: x_B = turn x_A + shift.
 struct RelativeFrame {
   Matrix3<double> turn;
-  IntervalVector shift;
+  Vector3<double> shift;
 
   RelativeFrame(const Frame& a, const Frame& b)
       : turn(rounded_outward(b.rotation().transpose() * a.rotation())),
         shift(rounded_outward(b.rotation().transpose() * PreciseVector(a.origin() - b.origin()))) {}
 
-  [[nodiscard]] IntervalVector point_of_b(const IntervalVector& x_a) const { return turn * x_a + shift; }
-  [[nodiscard]] IntervalVector direction_of_b(const IntervalVector& v_a) const { return turn * v_a; }
-  [[nodiscard]] IntervalVector point_of_a(const IntervalVector& x_b) const {
-    return turn.transpose() * IntervalVector(x_b - shift);
+  [[nodiscard]] Vector3<double> point_of_b(const Vector3<double>& x_a) const { return turn * x_a + shift; }
+  [[nodiscard]] Vector3<double> direction_of_b(const Vector3<double>& v_a) const { return turn * v_a; }
+  [[nodiscard]] Vector3<double> point_of_a(const Vector3<double>& x_b) const {
+    return turn.transpose() * Vector3<double>(x_b - shift);
   }
 };
 
@@ -90,11 +90,11 @@ Enclosure published_distance(const Primitive& solid, const Point& point, double 
   require_convex(solid, method_name);
   const BisectedEnclosure enclosure(solid.superquadric);
   const PreciseVector local = Frame(solid.pose).local_point(point);
-  const IntervalVector q = rounded_outward(local);
+  const Vector3<double> q = rounded_outward(local);
   if (enclosure.bounds().gauge(q).upper() <= 1.0) return {0.0, 0.0};
   const GjkResult<double> found = closest(solid, middle(local), accuracy);
-  const IntervalVector p = surface_near(enclosure, found.on_a, difference(found.on_b, found.on_a));
-  const IntervalVector to = q - p;
+  const Vector3<double> p = surface_near(enclosure, found.on_a, difference(found.on_b, found.on_a));
+  const Vector3<double> to = q - p;
   return {plane_distance(enclosure.normal(p), to), length<double>(to).upper()};
 }
 
@@ -111,18 +111,18 @@ Enclosure published_distance(const Primitive& a, const Primitive& b, double accu
   const Coordinates<double> p_a = of_a.inverse_point(found.on_a);
   const Coordinates<double> to_b = of_a.inverse_direction(difference(found.on_b, found.on_a));
   const Coordinates<double> to_a = of_b.inverse_direction(difference(found.on_a, found.on_b));
-  const IntervalVector p = surface_near(enclosure_a, p_a, to_b);
-  const IntervalVector q = surface_near(enclosure_b, of_b.inverse_point(found.on_b), to_a);
+  const Vector3<double> p = surface_near(enclosure_a, p_a, to_b);
+  const Vector3<double> q = surface_near(enclosure_b, of_b.inverse_point(found.on_b), to_a);
 
-  const IntervalVector common(p_a[0], p_a[1], p_a[2]);
+  const Vector3<double> common(p_a[0], p_a[1], p_a[2]);
   if (found.end == GjkEnd::common && enclosure_a.bounds().gauge(common).upper() <= 1.0 &&
       enclosure_b.bounds().gauge(relative.point_of_b(common)).upper() <= 1.0) {
     return {0.0, 0.0};
   }
-  const double hi = length<double>(IntervalVector(relative.point_of_a(q) - p)).upper();
-  const IntervalVector normal = enclosure_a.normal(p);
+  const double hi = length<double>(Vector3<double>(relative.point_of_a(q) - p)).upper();
+  const Vector3<double> normal = enclosure_a.normal(p);
   if (!bounded(normal)) return {0.0, hi};
-  const IntervalVector r = enclosure_b.support_point(-relative.direction_of_b(normal));
+  const Vector3<double> r = enclosure_b.support_point(-relative.direction_of_b(normal));
   return {plane_distance(normal, relative.point_of_a(r) - p), hi};
 }
 

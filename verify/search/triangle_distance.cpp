@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "verify/proof/convex_union.hpp"
@@ -14,6 +13,7 @@
 #include "verify/search/candidates.hpp"
 #include "verify/search/contact.hpp"
 #include "verify/search/triangle_contact.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq {
 
@@ -21,12 +21,11 @@ namespace {
 
 using namespace verify;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kShortest = 0x1p-900;  // of a vector whose components are normal numbers, unless they do not matter
 
 /// What is proven of one primitive, and by what.
 struct ProvenDistance {
-  Enclosure distance{0.0, kInfinity};
+  Enclosure distance{0.0, infinity};
   Weights weights{};
   Proposal upper_normal{};  ///< of the point that the weights give
   Proposal lower_normal{};
@@ -141,7 +140,7 @@ struct TriangleDistance::State {
   explicit State(const Model& model) : checker(model), primitives(model.primitives.begin(), model.primitives.end()) {}
 
   [[nodiscard]] CertifiedEnclosure enclose(const Triangle& triangle) const {
-    CertifiedEnclosure result{{kInfinity, kInfinity}, {}};
+    CertifiedEnclosure result{{infinity, infinity}, {}};
     auto& [distance, certificate] = result;
     Normal first{};  // that of the nearest primitive's point
     const auto sphere_bound = [&](std::size_t i) { return lower_by_sphere(primitives[i], triangle); };

@@ -1,10 +1,9 @@
 /// Bend and inverse in forms that are accurate for every curvature, zero included.
 #include "verify/sets/bend.hpp"
 
-#include <limits>
-
 #include "verify/analysis/trigonometry.hpp"
 #include "verify/numbers/fast_functions.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -124,7 +123,7 @@ Vector3<T> BendMap<T>::unbent_up_to_sign(const Vector3<T>& bent) const {
 template <class T>
 std::optional<typename BendMap<T>::Expansion> BendMap<T>::expansion(const Vector3<T>& bent,
                                                                     const T& radius_bound) const {
-  if (!(radius_bound < T(std::numeric_limits<double>::infinity()))) return std::nullopt;
+  if (!(radius_bound < T(infinity))) return std::nullopt;
   const BasicInterval<T> one(1);
   const Vector3<T> v = turned(bent);
   const Polar p = polar(v);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <span>
 
-#include "verify/search/solid.hpp"
+#include "verify/search/convex_primitive.hpp"
 #include "verify/sets/bend_range.hpp"
 #include "verisq/signed_distance.hpp"
 
@@ -23,7 +23,7 @@ Box rounded_outward(const PreciseVector& x) {
 }
 
 Box box_of(const Primitive& primitive) {
-  if (!is_bent(primitive)) return rounded_outward(Solid(primitive).bounding_box());
+  if (!is_bent(primitive)) return rounded_outward(ConvexPrimitive(primitive).bounding_box());
   const Frame frame(primitive.pose);
   const PreciseMatrix rotation = frame.rotation() * turn(*primitive.bend);
   return rounded_outward(frame.origin() + rotation * bent_box(*primitive.bend, primitive.superquadric));

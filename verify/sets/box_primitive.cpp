@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "verify/proof/boundary.hpp"
 #include "verify/proof/pose.hpp"
 #include "verify/sets/bend.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -18,8 +18,7 @@ namespace verisq::verify {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr HalfSpace kNothing{{0.0, 0.0, 0.0}, kInfinity};
+constexpr HalfSpace kNothing{{0.0, 0.0, 0.0}, infinity};
 
 using Coordinates = std::array<double, 3>;
 
@@ -274,14 +273,14 @@ HalfSpace BoxPrimitive::State::inside(const AffineMap& map, double half_width) c
 double BoxPrimitive::State::excess_over_tangent(const AffineMap& map, const Vector3<double>& box,
                                                 const Coordinates& tangent) const {
   const auto end = [&box](int axis, int side) { return side == 0 ? box[axis].lower() : box[axis].upper(); };
-  double largest = -kInfinity;
+  double largest = -infinity;
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) {
       const double section = bounds.section(std::fabs(end(0, i)), std::fabs(end(1, j)), Direction::up);
       for (int l = 0; l < 2; ++l) {
         const double gauge = bounds.gauge(section, std::fabs(end(2, l)), Direction::up);
         const Coordinates corner{end(0, i), end(1, j), end(2, l)};
-        if (!is_finite(corner) || !std::isfinite(gauge)) return kInfinity;
+        if (!is_finite(corner) || !std::isfinite(gauge)) return infinity;
         const Interval linear = dot(exact(tangent), Vector3<double>(exact(corner) - map.centre));
         largest = std::max(largest, (Interval(gauge) - Interval(1) - linear).upper());
       }

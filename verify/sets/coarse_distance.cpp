@@ -3,18 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/intersection.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr Enclosure kNothing{-kInfinity, kInfinity};
+constexpr Enclosure kNothing{-infinity, infinity};
 
 PreciseInterval exactly(double x) {
   return PreciseInterval(Real(x));
@@ -34,7 +33,7 @@ PreciseInterval way(const Point& x, const Point& y) {
 /// not of the model.
 double lower_by_box(const Point& x, const Box& box) {
   PreciseVector outside;
-  double depth = kInfinity;
+  double depth = infinity;
   for (std::size_t i = 0; i < 3; ++i) {
     const double beyond = std::max(subtract(box.lower[i], x[i], Direction::down),  //
                                    subtract(x[i], box.upper[i], Direction::down));
@@ -47,7 +46,7 @@ double lower_by_box(const Point& x, const Box& box) {
 /// Far enough beyond the nearest face of the box that no rounding error brings it back.
 Point beyond_nearest_face(const Point& x, const Box& box) {
   Point escape = x;
-  double least = kInfinity;
+  double least = infinity;
   for (std::size_t i = 0; i < 3; ++i) {
     const double margin = 0x1p-40 * (box.upper[i] - box.lower[i]);
     for (const double face : {box.lower[i] - margin, box.upper[i] + margin}) {
@@ -66,7 +65,7 @@ CoarseDistance::CoarseDistance(const Model& model, std::vector<KnownDistance> kn
     : box_(bounding_box(model)), known_(std::move(known)) {}
 
 Enclosure CoarseDistance::operator()(const Point& x) const {
-  Enclosure result{lower_by_box(x, box_), kInfinity};
+  Enclosure result{lower_by_box(x, box_), infinity};
   for (const auto& [at, distance] : known_) {
     const Enclosure far = rounded_outward(way(x, at));
     const Enclosure by_way{subtract(distance.lo, far.hi, Direction::down), add(distance.hi, far.hi, Direction::up)};

@@ -6,16 +6,15 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <vector>
 
 #include "verify/numbers/interval.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using Vector = Eigen::Vector3d;
 
 /// The problem about the cube's centre, scaled by powers of two so that lengths and normals are about 1 and their
@@ -142,7 +141,7 @@ class ActiveSet {
       const Rates fall = rates(normals_[plane], across);
       const double squared = across.squaredNorm();
       const bool blocked = active_.size() == 3 || squared < dependent * dependent;
-      const double full = blocked ? kInfinity : violation(plane) / squared;
+      const double full = blocked ? infinity : violation(plane) / squared;
       double step = full;
       std::size_t leaves = active_.size();
       for (std::size_t a = 0; a < active_.size(); ++a) {
@@ -151,7 +150,7 @@ class ActiveSet {
         step = multipliers_[active_[a]] / rate;
         leaves = a;
       }
-      if (step == kInfinity) {
+      if (step == infinity) {
         Multipliers impossible(multipliers_.size(), 0.0);
         impossible[plane] = 1.0;
         for (std::size_t a = 0; a < active_.size(); ++a) impossible[active_[a]] = -fall[static_cast<Eigen::Index>(a)];
@@ -245,7 +244,7 @@ PolytopeDistance polytope_distance(const Point& x, const Cube& cube, std::span<c
   if (solution.empty) {
     const Combination impossible = combination(usable, *solution.empty, proof.unit);
     if (proof.empty(impossible.normal, impossible.offset)) {
-      result.lower = kInfinity;
+      result.lower = infinity;
       return result;
     }
   }

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <utility>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -48,7 +49,7 @@ void SetRelaxation::keep_farthest(std::vector<HalfSpace>& cuts) const {
     double along = 0.0;
     for (std::size_t i = 0; i < 3; ++i) along += n[i] * (x_[i] - cube_.centre[i]);
     const double far = (along - cut.offset) / std::hypot(n[0], n[1], n[2]);
-    return std::isnan(far) ? -std::numeric_limits<double>::infinity() : far;
+    return std::isnan(far) ? -infinity : far;
   };
   std::ranges::nth_element(cuts, cuts.begin() + kMostInheritedCuts, std::ranges::greater{}, excess);
   cuts.resize(kMostInheritedCuts);

@@ -2,20 +2,20 @@
 #include "verisq/signed_distance.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include "verify/proof/exact_checker.hpp"
-#include "verify/search/solid_union.hpp"
+#include "verify/search/union_of_convex.hpp"
 #include "verify/sets/solid_distance.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq {
 
 namespace {
 
-constexpr Enclosure nothing_known{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+constexpr Enclosure nothing_known{-infinity, infinity};
 
 /// Narrower enclosures are not searched for, in parts of the model's radius.
 constexpr double search_limit = 1e-10;
@@ -26,16 +26,17 @@ bool never() {
 
 /// What certificates of convex primitives need.
 struct ConvexUnion {
-  explicit ConvexUnion(const Model& model) : checker(model), solids(model.primitives.begin(), model.primitives.end()) {}
+  explicit ConvexUnion(const Model& model)
+      : checker(model), primitives(model.primitives.begin(), model.primitives.end()) {}
 
   /// Outside, and of a single primitive, certificates are tight; where primitives may overlap, their union is deeper
   /// than each of them, and the escape along a ray may be far from the shortest.
   [[nodiscard]] bool loose(const Enclosure& found, double tolerance) const {
-    return solids.size() > 1 && !(found.lo > 0.0) && !verified(found, tolerance);
+    return primitives.size() > 1 && !(found.lo > 0.0) && !verified(found, tolerance);
   }
 
   verify::ExactChecker checker;
-  std::vector<verify::Solid> solids;
+  std::vector<verify::ConvexPrimitive> primitives;
 };
 
 }  // namespace
@@ -68,7 +69,7 @@ Enclosure SignedDistance::operator()(const Point& point, double tolerance) const
 Enclosure SignedDistance::operator()(const Point& point, double tolerance,
                                      const std::function<bool()>& interrupted) const {
   if (!state_->convex) return state_->searched(point, tolerance, nothing_known, interrupted);
-  const Enclosure known = verify::signed_distance(state_->convex->solids, point, tolerance).distance;
+  const Enclosure known = verify::signed_distance(state_->convex->primitives, point, tolerance).distance;
   if (!state_->convex->loose(known, std::max(tolerance, state_->resolution))) return known;
   return state_->searched(point, tolerance, known, interrupted);
 }
@@ -84,7 +85,7 @@ CertifiedEnclosure SignedDistance::certified(const Point& point, double toleranc
     found.distance = state_->convex->checker(point, found.distance, found.certificate);
     return found;
   };
-  const CertifiedEnclosure found = proven(verify::signed_distance(state_->convex->solids, point, tolerance));
+  const CertifiedEnclosure found = proven(verify::signed_distance(state_->convex->primitives, point, tolerance));
   if (!state_->convex->loose(found.distance, std::max(tolerance, state_->resolution))) return found;
   // What one primitive alone proves of the upper end may be loose: most of the tolerance is left to that.
   constexpr double share_of_escape = 1.0 / 16;

@@ -14,17 +14,17 @@
 
 #include "verify/proof/intersection.hpp"
 #include "verify/search/candidates.hpp"
-#include "verify/search/solid.hpp"
+#include "verify/search/convex_primitive.hpp"
 #include "verify/sets/bent_distance.hpp"
 #include "verify/sets/cube_division.hpp"
 #include "verify/sets/set_relaxation.hpp"
 #include "verify/sets/tree_colours.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostCubes = 20000;
 /// Of leaves, for the points that primitives propose before the search: each is tried against the whole tree.
 constexpr std::size_t kMostLooks = std::size_t{1} << 16;
@@ -38,9 +38,8 @@ struct Scene {
     for (const Primitive& primitive : model.primitives) {
       primitives.emplace_back(primitive);
       origins.push_back(primitive.pose.translation);
-      const bool bent = is_bent(primitive);
-      solids.push_back(bent ? std::nullopt : std::optional<Solid>(primitive));
-      bent_solids.push_back(bent ? std::optional<BentDistance>(primitive) : std::nullopt);
+      convex.push_back(is_bent(primitive) ? std::nullopt : std::optional<ConvexPrimitive>(primitive));
+      bent.push_back(is_bent(primitive) ? std::optional<BentDistance>(primitive) : std::nullopt);
     }
   }
 
@@ -48,9 +47,9 @@ struct Scene {
   SetNode outside;           ///< the closure of its complement
   std::optional<Cube> root;  ///< contains the solid; nothing where it is too large for binary64
   std::vector<BoxPrimitive> primitives;
-  std::vector<Point> origins;                ///< of the primitives' frames
-  std::vector<std::optional<Solid>> solids;  ///< nothing where the primitive is bent
-  std::vector<std::optional<BentDistance>> bent_solids;
+  std::vector<Point> origins;                          ///< of the primitives' frames
+  std::vector<std::optional<ConvexPrimitive>> convex;  ///< nothing where the primitive is bent
+  std::vector<std::optional<BentDistance>> bent;       ///< nothing where it is convex
 };
 
 /// The primitives of the leaves on that side.
@@ -152,7 +151,7 @@ class Search {
       if (finished(node.lower)) return enclosure(node.lower);
       divide(node);
     }
-    return enclosure(kInfinity);
+    return enclosure(infinity);
   }
 
  private:
@@ -242,13 +241,13 @@ class Search {
       const PolytopeDistance found = proposal(node, about, margin);
       about.centre = found.nearest;
       if (!is_finite(found.nearest)) return;
-      if (found.lower == kInfinity) continue;  // on its way to the set
+      if (found.lower == infinity) continue;  // on its way to the set
       if (found.lower >= upper_) return;
       if (accept_proposal(found.nearest, node) && upper_ - found.lower <= tolerance_ / 2) return;
     }
     for (double wider = 2.0 * margin; wider < node.cube.half_width; wider *= 4.0) {
       const PolytopeDistance found = proposal(node, {about.centre, reach * wider}, wider);
-      if (found.lower != kInfinity && (found.lower >= upper_ || accept_proposal(found.nearest, node))) return;
+      if (found.lower != infinity && (found.lower >= upper_ || accept_proposal(found.nearest, node))) return;
     }
     improve_towards_centres(node);
   }
@@ -312,17 +311,16 @@ class Search {
   }
 
   [[nodiscard]] double bound_by_sphere(std::size_t primitive) const {
-    const auto& solid = scene_.solids[primitive];
-    return std::max(0.0,
-                    solid ? solid->posed().lower_by_sphere(x_) : scene_.bent_solids[primitive]->lower_by_sphere(x_));
+    const auto& convex = scene_.convex[primitive];
+    return std::max(0.0, convex ? convex->proof().lower_by_sphere(x_) : scene_.bent[primitive]->lower_by_sphere(x_));
   }
 
   /// d(x, K) and a point beside K's nearest.
   [[nodiscard]] BentDistance::Nearest nearest_of(std::size_t primitive) const {
-    if (!scene_.solids[primitive]) return (*scene_.bent_solids[primitive])(x_);
-    const Solid& solid = *scene_.solids[primitive];
-    const CertifiedDistance found = solid.signed_distance(x_, tolerance_ / 4);
-    const Proposal out = solid.model_direction(usable(found.witness) ? found.witness : found.direction);
+    if (!scene_.convex[primitive]) return (*scene_.bent[primitive])(x_);
+    const ConvexPrimitive& convex = *scene_.convex[primitive];
+    const CertifiedDistance found = convex.signed_distance(x_, tolerance_ / 4);
+    const Proposal out = convex.model_direction(usable(found.witness) ? found.witness : found.direction);
     const Point surface = usable(out) ? moved(x_, out, -static_cast<long double>(found.distance.hi)) : x_;
     return {found.distance, surface};
   }
@@ -351,10 +349,10 @@ class Search {
   void bound_complements(std::span<const Colour> at_x) {
     const std::vector<bool> wanted = leaves(Side::outside);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-      if (!wanted[i] || !scene_.solids[i] || at_x[i] != Colour::black) continue;
-      const CertifiedDistance found = scene_.solids[i]->signed_distance(x_, tolerance_ / 4);
+      if (!wanted[i] || !scene_.convex[i] || at_x[i] != Colour::black) continue;
+      const CertifiedDistance found = scene_.convex[i]->signed_distance(x_, tolerance_ / 4);
       leaf_bound_of(i, Side::outside) = std::max(0.0, -found.distance.hi);
-      const Proposal out = scene_.solids[i]->model_direction(found.direction);
+      const Proposal out = scene_.convex[i]->model_direction(found.direction);
       if (!usable(out) || proposals_left_ == 0) continue;
       accept_along(moved(x_, out, -static_cast<long double>(found.distance.lo)), out);
       --proposals_left_;
@@ -367,19 +365,19 @@ class Search {
   double resolution_;
   double tolerance_;
   Enclosure known_;
-  double upper_;                    ///< known or found: a point of T is no farther
-  double found_upper_ = kInfinity;  ///< found here
+  double upper_;                   ///< known or found: a point of T is no farther
+  double found_upper_ = infinity;  ///< found here
   TreeColours colours_;
   std::optional<Point> witness_;
-  double settled_ = kInfinity;  ///< proven of the cubes that are not divided further
-  double dropped_ = kInfinity;  ///< proven of the cubes that are farther than `upper_`
+  double settled_ = infinity;  ///< proven of the cubes that are not divided further
+  double dropped_ = infinity;  ///< proven of the cubes that are farther than `upper_`
   std::array<std::vector<double>, 2> leaf_bounds_;
   LeafBound leaf_bound_ = [this](const SetNode& leaf) { return leaf_bound_of(leaf.primitive, leaf.side); };
   std::priority_queue<Node, std::vector<Node>, LessPromising> open_;
   std::size_t proposals_left_ = 1 + kMostLooks / scene_.primitives.size();
   std::size_t examined_ = 0;
   std::size_t visited_ = 0;
-  double finest_ = kInfinity;
+  double finest_ = infinity;
 };
 
 /// Finite, where everything is proven to be empty.
@@ -406,7 +404,7 @@ Enclosure SolidDistance::operator()(const Point& x, double tolerance, const Encl
   const Colour here = contains(*scene.root, x) ? colour(scene.inside, at_x) : Colour::white;
   // Where the sign is open, the distances to either side bound half of the enclosure each.
   const double share = here == Colour::gray ? tolerance / 2 : tolerance;
-  Enclosure result{-kInfinity, kInfinity};
+  Enclosure result{-infinity, infinity};
   if (here != Colour::black) {
     const Enclosure outside{here == Colour::white ? std::max(0.0, known.lo) : 0.0, std::max(0.0, known.hi)};
     const Enclosure found = Search(scene, Side::inside, x, at_x, share, outside).run(interrupted);
@@ -426,7 +424,7 @@ std::optional<Point> SolidDistance::escape(const Point& x, double tolerance,
                                            const std::function<bool()>& interrupted) const {
   const Scene& scene = state_->scene;
   if (!scene.root || !contains(*scene.root, x)) return std::nullopt;
-  Search search(scene, Side::outside, x, colours_at(scene, x), tolerance, {0.0, kInfinity});
+  Search search(scene, Side::outside, x, colours_at(scene, x), tolerance, {0.0, infinity});
   static_cast<void>(search.run(interrupted));
   return search.witness();
 }

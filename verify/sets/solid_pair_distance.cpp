@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <queue>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 
 #include "verify/sets/solid_pair_bound.hpp"
@@ -15,8 +15,6 @@
 namespace verisq::verify {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr std::size_t kMostPairs = std::size_t{1} << 22U;      // 24 bytes each
 constexpr std::uint64_t kMostCubes = std::uint64_t{1} << 20U;  // some 200 bytes each
@@ -62,7 +60,7 @@ class Search {
       refine(pair);
       if (++steps_ % kReportInterval == 0 && options_->progress) options_->progress(enclosure(), cubes());
     }
-    if (queue_.empty() && left_out_ == kInfinity && upper_ == kInfinity) {
+    if (queue_.empty() && left_out_ == infinity && upper_ == infinity) {
       throw Error(ErrorKind::input, "a model has no point at all: its set operations leave nothing");
     }
     return result();
@@ -102,7 +100,7 @@ class Search {
   [[nodiscard]] double enough() const { return upper_ - 0.999 * tolerance_; }
 
   [[nodiscard]] double lower() const {
-    return std::min({left_out_, upper_, queue_.empty() ? kInfinity : queue_.top().lower});
+    return std::min({left_out_, upper_, queue_.empty() ? infinity : queue_.top().lower});
   }
 
   [[nodiscard]] Enclosure enclosure() const { return common_ ? Enclosure{0.0, 0.0} : Enclosure{lower(), upper_}; }
@@ -193,7 +191,7 @@ class Search {
     return std::ranges::any_of(std::array{0.25 * size, 0x1p-6 * size, 0.0}, [&](double margin) {
       const CutCube within_x = x.polytope.shrunk(margin);
       const CutCube within_y = y.polytope.shrunk(margin);
-      return try_common(x, y, approach(within_x, within_y, motion_, {}, kInfinity).on_a);
+      return try_common(x, y, approach(within_x, within_y, motion_, {}, infinity).on_a);
     });
   }
 
@@ -217,9 +215,9 @@ class Search {
   const SearchOptions* options_;
   double tolerance_ = 0.0;
   std::priority_queue<CellPair, std::vector<CellPair>, LaterThan> queue_;
-  double upper_ = kInfinity;
-  double left_out_ = kInfinity;  ///< the least lower bound of all pairs that are in the queue no more, not refined
-  Point direction_{};            ///< from A to B, between the best points
+  double upper_ = infinity;
+  double left_out_ = infinity;  ///< the least lower bound of all pairs that are in the queue no more, not refined
+  Point direction_{};           ///< from A to B, between the best points
   std::optional<std::array<Point, 2>> near_points_;
   std::optional<Point> common_;
   std::optional<Child> nearest_child_;  ///< of the pair that is being refined

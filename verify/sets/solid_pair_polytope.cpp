@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Multipliers = std::array<double, 3>;
 
@@ -27,7 +26,7 @@ double dual_bound(double half_width, std::span<const HalfSpace> half_spaces, con
   double bound = 0.0;
   double terms = 0.0;
   for (std::size_t j = 0; j < half_spaces.size(); ++j) {
-    if (!(multipliers[j] >= 0.0)) return kInfinity;
+    if (!(multipliers[j] >= 0.0)) return infinity;
     bound += multipliers[j] * half_spaces[j].offset;
     terms += multipliers[j] * std::fabs(half_spaces[j].offset);
   }
@@ -45,7 +44,7 @@ double dual_bound(double half_width, std::span<const HalfSpace> half_spaces, con
   }
   const double result =
       bound + half_width * rest + 0x1p-47 * (terms + half_width * rest_terms) + 0x1p-1000 * (1.0 + half_width);
-  return std::isnan(result) ? kInfinity : result;
+  return std::isnan(result) ? infinity : result;
 }
 
 /// n·clamp(target - m n) - b, where the clamp is to the cube: in m it falls, and is piecewise linear.
@@ -68,7 +67,7 @@ double projection_multiplier(const HalfSpace& half_space, const Point& target, d
     kinks[2 * i + 1] = (target[i] + half_width) / half_space.normal[i];
   }
   std::ranges::replace_if(
-      kinks, [](double kink) { return !(kink > 0.0); }, kInfinity);
+      kinks, [](double kink) { return !(kink > 0.0); }, infinity);
   std::ranges::sort(kinks);
   for (const double kink : kinks) {
     if (!std::isfinite(kink)) break;
@@ -90,7 +89,7 @@ CutCube::CutCube(const Cube& cube, std::span<const HalfSpace> half_spaces) : cub
 
 double CutCube::support(const Point& direction) const {
   const std::span<const HalfSpace> cuts = half_spaces();
-  double least = kInfinity;
+  double least = infinity;
   const auto try_multipliers = [&](const Multipliers& multipliers) {
     least = std::min(least, dual_bound(cube_.half_width, cuts, direction, multipliers));
   };

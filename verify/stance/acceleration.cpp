@@ -4,11 +4,11 @@
 #include <bit>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/stance_analysis.hpp>
 
 #include "verify/stance/acceleration_cell.hpp"
@@ -153,7 +153,7 @@ class Subdivision {
   };
 
   [[nodiscard]] Worst worst_component(const Cell& cell) const {
-    Worst worst{0, std::numeric_limits<double>::infinity()};
+    Worst worst{0, infinity};
     if (!cell.accelerations) return worst;
     worst.excess = 0.0;
     for (Eigen::Index i = 0; i < cell.accelerations->solution.size(); ++i) {
@@ -185,7 +185,6 @@ class Subdivision {
   }
 
   [[nodiscard]] std::vector<Enclosure> result() const {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     std::vector<Enclosure> result(model_.degrees_of_freedom(), {-infinity, infinity});
     if (!proven_) return result;
     std::transform(enclosure_.begin(), enclosure_.end(), result.begin(), [](const Interval& component) {

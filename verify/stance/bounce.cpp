@@ -1,11 +1,11 @@
 /// Free flight in closed form, the contact phase by verified integration, and the hull over masses and dampings.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
+#include <verisq/enclosure.hpp>
 #include <verisq/stance_bounce.hpp>
 
 #include "verify/stance/bounce_phase.hpp"
@@ -18,8 +18,6 @@ namespace {
 using verify::Direction;
 using verify::PreciseInterval;
 using verify::Real;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 PreciseInterval precise(double value) {
   return PreciseInterval{Real(value)};
@@ -48,7 +46,7 @@ bool meaningful(const Drop& drop) {
 }
 
 Bounce nothing_proven() {
-  constexpr Enclosure anything{-kInfinity, kInfinity};
+  constexpr Enclosure anything{-infinity, infinity};
   return {anything, anything, anything, anything, anything, anything, 0.0, false};
 }
 
@@ -162,7 +160,7 @@ class ContactPhases {
     const Cell box{Interval(drop.mass.lo, drop.mass.hi), damping_of(drop, fall)};
     add_corners(box);
     if (!proven_) {  // what happens between the corners is open, too
-      lift_off_ = Interval(0.0, kInfinity);
+      lift_off_ = Interval(0.0, infinity);
     } else if (lift_off_) {  // otherwise all corners stay, and the whole box does
       extend_lift_off(box, 0, lift_off());
     }
@@ -172,8 +170,8 @@ class ContactPhases {
   [[nodiscard]] Interval rebound() const { return *rebound_; }  ///< by the speed at touch-down
   /// s after touch-down.
   [[nodiscard]] Interval lift_off() const {
-    if (!lift_off_) return {stays_at_, kInfinity};
-    return {lift_off_->lower(), may_stay_ ? kInfinity : lift_off_->upper()};
+    if (!lift_off_) return {stays_at_, infinity};
+    return {lift_off_->lower(), may_stay_ ? infinity : lift_off_->upper()};
   }
   [[nodiscard]] std::size_t steps() const { return steps_; }
   [[nodiscard]] bool proven() const { return proven_; }
@@ -251,7 +249,7 @@ class ContactPhases {
   BounceFlow flow_;
   std::optional<Interval> deepest_, rebound_;
   std::optional<Interval> lift_off_;  ///< of those that may lift off
-  double stays_at_ = kInfinity;       ///< when the others are proven to be in contact for good
+  double stays_at_ = infinity;        ///< when the others are proven to be in contact for good
   bool may_stay_ = false;
   bool proven_ = true;
   std::size_t steps_ = 0;

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::stance {
 
@@ -15,7 +16,6 @@ using Step = TaylorStep<BounceFlow>;
 using State = StateBox<BounceFlow::size>;
 using Set = ReachableSet<BounceFlow::size>;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFirstLength = 0.125;
 constexpr double kShortestLength = 1e-10;
 constexpr std::size_t kMostSteps = 20000;
@@ -107,7 +107,7 @@ class Integration {
   }
 
   ContactPhase result(Outcome outcome, const Interval& rebound) const {
-    return {outcome, deepest_, {set_.hull[BounceFlow::time].lower(), kInfinity}, rebound, steps_};
+    return {outcome, deepest_, {set_.hull[BounceFlow::time].lower(), infinity}, rebound, steps_};
   }
 
   /// The energy is w^2/2 at lift-off and never rises; it is 1/2 at touch-down.
@@ -122,7 +122,7 @@ class Integration {
   double length_ = kFirstLength;
   std::size_t steps_ = 0;
   bool returning_ = false;
-  Interval deepest_{0.0, kInfinity};
+  Interval deepest_{0.0, infinity};
   std::optional<State> lift_off_;
 };
 

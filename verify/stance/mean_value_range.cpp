@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <queue>
 #include <stdexcept>
 #include <utility>
+
+#include "verisq/enclosure.hpp"
 
 namespace verisq::stance {
 namespace {
@@ -88,7 +89,7 @@ class Maximum {
 
   const DifferentiableFunction& function_;
   std::span<const std::uint32_t> variables_;
-  double reached_ = -std::numeric_limits<double>::infinity();
+  double reached_ = -infinity;
 };
 
 }  // namespace
@@ -102,7 +103,7 @@ Enclosure range(const DifferentiableFunction& function, const Box& box, std::spa
     return {0.0 - Maximum(negative, variables).above(box), 0.0 + Maximum(function, variables).above(box)};
   } catch (const std::domain_error&) {
     // Numbers beyond binary64: nothing is proven.
-    return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    return {-infinity, infinity};
   }
 }
 

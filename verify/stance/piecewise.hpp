@@ -2,9 +2,8 @@
 /// interval contains a switch (the paper's pwFunc, §3; docs/stance.md §4).
 #pragma once
 
-#include <limits>
-
 #include "verify/stance/scalar.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::stance {
 
@@ -25,7 +24,7 @@ namespace verisq::stance {
 }
 [[nodiscard]] inline Interval sgn_slope(const Interval& x) {
   if (x.lower() > 0.0 || x.upper() < 0.0) return 0;
-  return {0.0, std::numeric_limits<double>::infinity()};
+  return {0.0, infinity};
 }
 
 [[nodiscard]] inline double max(double a, double b) {

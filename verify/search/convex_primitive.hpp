@@ -5,18 +5,18 @@
 
 namespace verisq::verify {
 
-class Solid {
+class ConvexPrimitive {
  public:
-  explicit Solid(const Primitive& primitive) : posed_(primitive) {}
+  explicit ConvexPrimitive(const Primitive& primitive) : proof_(primitive) {}
 
   /// Signed distance of a point of the model frame.
   [[nodiscard]] CertifiedDistance signed_distance(const Point& x, double tolerance) const;
 
   /// A direction of the solid's frame in the model's, to nearest. Zero if v is not usable.
-  [[nodiscard]] Proposal model_direction(const Proposal& v) const { return posed_.frame().model_direction(v); }
+  [[nodiscard]] Proposal model_direction(const Proposal& v) const { return proof_.frame().model_direction(v); }
 
   /// What needs no search.
-  [[nodiscard]] const PosedSuperquadric& posed() const { return posed_; }
+  [[nodiscard]] const PosedSuperquadric& proof() const { return proof_; }
 
   /// How far along x + s u the supporting plane of normal u lies: beyond the returned s (rounded up) every point of the
   /// ray is outside. Precondition: u is usable.
@@ -29,7 +29,7 @@ class Solid {
   [[nodiscard]] PreciseVector bounding_box() const;
 
  private:
-  PosedSuperquadric posed_;
+  PosedSuperquadric proof_;
 };
 
 }  // namespace verisq::verify

@@ -1,9 +1,8 @@
 /// Minimum outside, an escape route inside.
-#include "verify/search/solid_union.hpp"
+#include "verify/search/union_of_convex.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -11,12 +10,11 @@
 #include "verify/proof/intersection.hpp"
 #include "verify/proof/triangle.hpp"
 #include "verify/search/candidates.hpp"
+#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The direction as long as the distance (docs/mathematics.md §3: the closest point is x - v).
 Proposal normal_vector(const CertifiedDistance& found) {
@@ -27,42 +25,42 @@ Proposal normal_vector(const CertifiedDistance& found) {
   return {scale * u[0], scale * u[1], scale * u[2]};
 }
 
-/// What proves the ends of one solid's enclosure: one vector where it does for both, `resolution` being the rounding
-/// error of lengths at hand.
-std::vector<Normal> normals_of(std::uint32_t solid, const CertifiedDistance& found, double resolution) {
+/// What proves the ends of one primitive's enclosure: one vector where it does for both, `resolution` being the
+/// rounding error of lengths at hand.
+std::vector<Normal> normals_of(std::uint32_t primitive, const CertifiedDistance& found, double resolution) {
   const Proposal normal = normal_vector(found);
   const Proposal apart = difference(normal, found.witness);
   const bool same = std::sqrt(dot(apart, apart)) <= resolution;
-  if (same || found.distance.hi <= 0.0 || !usable(found.witness)) return {{solid, rounded(normal)}};
-  return {{solid, rounded(found.witness)}, {solid, rounded(normal)}};
+  if (same || found.distance.hi <= 0.0 || !usable(found.witness)) return {{primitive, rounded(normal)}};
+  return {{primitive, rounded(found.witness)}, {primitive, rounded(normal)}};
 }
 
-/// How far from x along u a walk leaves every solid for good. Beyond its supporting plane of normal u a solid never
-/// meets the ray again, so each advance clears one solid, and with it those whose planes lie before: one look at each,
-/// in the order of their planes, is enough. Infinite if the plane of a solid is out of reach.
-double escape_length(std::span<const Solid> solids, const Point& x, const Proposal& u) {
-  std::vector<std::pair<double, const Solid*>> planes;  // how far they are
-  for (const Solid& solid : solids) planes.emplace_back(solid.ray_clearance(x, u), &solid);
-  if (!std::ranges::all_of(planes, [](const auto& plane) { return std::isfinite(plane.first); })) return kInfinity;
+/// How far from x along u a walk leaves every primitive for good. Beyond its supporting plane of normal u a primitive
+/// never meets the ray again, so each advance clears one primitive, and with it those whose planes lie before: one look
+/// at each, in the order of their planes, is enough. Infinite if the plane of a primitive is out of reach.
+double escape_length(std::span<const ConvexPrimitive> primitives, const Point& x, const Proposal& u) {
+  std::vector<std::pair<double, const ConvexPrimitive*>> planes;  // how far they are
+  for (const ConvexPrimitive& primitive : primitives) planes.emplace_back(primitive.ray_clearance(x, u), &primitive);
+  if (!std::ranges::all_of(planes, [](const auto& plane) { return std::isfinite(plane.first); })) return infinity;
   std::ranges::sort(planes);
   double reached = 0.0;
-  for (const auto& [clearance, solid] : planes) {
-    // Strictly beyond the plane: solids that touch must not hide the union's interior between them.
-    if (reached <= clearance && !solid->separated(x, u, reached)) reached = std::nextafter(clearance, kInfinity);
+  for (const auto& [clearance, primitive] : planes) {
+    // Strictly beyond the plane: primitives that touch must not hide the union's interior between them.
+    if (reached <= clearance && !primitive->separated(x, u, reached)) reached = std::nextafter(clearance, infinity);
   }
   return reached;
 }
 
-/// A point outside every solid and how far it lies from x, rounded up.
+/// A point outside every primitive and how far it lies from x, rounded up.
 struct Escape {
   Point point;
   double distance;
 };
 
 /// The end of a walk along u, in binary64: the margin that makes up for its rounding grows until the proof succeeds.
-std::optional<Escape> escape(std::span<const Solid> solids, const Point& x, const Proposal& u) {
+std::optional<Escape> escape(std::span<const ConvexPrimitive> primitives, const Point& x, const Proposal& u) {
   if (!usable(u)) return std::nullopt;
-  const double walk = escape_length(solids, x, u);
+  const double walk = escape_length(primitives, x, u);
   const long double length = std::hypot(std::hypot(u[0], u[1]), u[2]);
   const long double size = std::fabs(x[0]) + std::fabs(x[1]) + std::fabs(x[2]) + walk * length;
   if (!std::isfinite(walk)) return std::nullopt;
@@ -71,7 +69,8 @@ std::optional<Escape> escape(std::span<const Solid> solids, const Point& x, cons
     const Point w{static_cast<double>(x[0] + s * u[0]), static_cast<double>(x[1] + s * u[1]),
                   static_cast<double>(x[2] + s * u[2])};
     if (!std::ranges::all_of(w, [](double c) { return std::isfinite(c); })) return std::nullopt;
-    if (std::ranges::all_of(solids, [&](const Solid& solid) { return solid.posed().excludes(w); })) {
+    if (std::ranges::all_of(primitives,
+                            [&](const ConvexPrimitive& primitive) { return primitive.proof().excludes(w); })) {
       return Escape{w, distance_up(x, w)};
     }
   }
@@ -85,30 +84,30 @@ Enclosure without_negative_zero(const Enclosure& e) {
 
 }  // namespace
 
-CertifiedEnclosure signed_distance(std::span<const Solid> solids, const Point& x, double tolerance) {
-  CertifiedEnclosure result{{kInfinity, kInfinity}, {}};
+CertifiedEnclosure signed_distance(std::span<const ConvexPrimitive> primitives, const Point& x, double tolerance) {
+  CertifiedEnclosure result{{infinity, infinity}, {}};
   auto& [distance, certificate] = result;
   // A certificate's normals are rounded: where that may hide on which side of a surface x lies, an escape is added.
   const double touching = 0x1p-50 * (std::fabs(x[0]) + std::fabs(x[1]) + std::fabs(x[2]));
-  std::vector<Proposal> directions;  // of the solids that may touch x
-  const auto sphere_bound = [&](std::size_t i) { return solids[i].posed().lower_by_sphere(x); };
-  for (const auto& [bound, i] : nearest_spheres_first(solids.size(), sphere_bound)) {
+  std::vector<Proposal> directions;  // of the primitives that may touch x
+  const auto sphere_bound = [&](std::size_t i) { return primitives[i].proof().lower_by_sphere(x); };
+  for (const auto& [bound, i] : nearest_spheres_first(primitives.size(), sphere_bound)) {
     const auto index = static_cast<std::uint32_t>(i);
-    if (bound > distance.hi) break;  // neither this solid nor a later one can be the nearest
-    const CertifiedDistance nearest = solids[index].signed_distance(x, tolerance);
+    if (bound > distance.hi) break;  // neither this primitive nor a later one can be the nearest
+    const CertifiedDistance nearest = primitives[index].signed_distance(x, tolerance);
     const std::vector<Normal> normals = normals_of(index, nearest, touching);
     const bool decides = nearest.distance.hi < distance.hi;
     certificate.normals.insert(decides ? certificate.normals.begin() : certificate.normals.end(), normals.begin(),
                                normals.end());
     distance.lo = std::min(distance.lo, nearest.distance.lo);
-    distance.hi = std::min(distance.hi, nearest.distance.hi);  // a ball inside one solid lies inside the union
+    distance.hi = std::min(distance.hi, nearest.distance.hi);  // a ball inside one primitive lies inside the union
     // Not only below zero: a point on two surfaces that share a face is inside the union.
-    if (nearest.distance.lo <= touching) directions.push_back(solids[index].model_direction(nearest.direction));
+    if (nearest.distance.lo <= touching) directions.push_back(primitives[index].model_direction(nearest.direction));
   }
-  if (!directions.empty() && solids.size() > 1) {
-    double depth = kInfinity;
+  if (!directions.empty() && primitives.size() > 1) {
+    double depth = infinity;
     for (const Proposal& u : directions) {
-      const std::optional<Escape> found = escape(solids, x, u);
+      const std::optional<Escape> found = escape(primitives, x, u);
       if (!found || found->distance >= depth) continue;
       depth = found->distance;
       certificate.escape = found->point;
