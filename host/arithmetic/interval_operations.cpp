@@ -180,7 +180,7 @@ bool finite_scale(Ends a) {
   return is_empty(a) || std::isfinite(a.lo);
 }
 
-const IntervalOperation operations[] = {
+const IntervalOperation all_operations[] = {
     {"interval_neg", 1, Domain::line, Domain::line, always, negative, none},
     {"interval_abs", 1, Domain::line, Domain::line, always, magnitude, none},
     {"interval_square", 1, Domain::line, Domain::line, always, square, two_units},
@@ -203,7 +203,7 @@ const IntervalOperation operations[] = {
 }  // namespace
 
 std::span<const IntervalOperation> interval_operations() {
-  return operations;
+  return all_operations;
 }
 
 Ends range_of(const IntervalOperation& operation, const IntervalOperands& operands, Direction lower) {

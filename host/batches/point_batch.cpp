@@ -29,11 +29,11 @@ cl::Program program_for(const Device& device, const DeviceModel& model) {
 }
 
 // One chunk on its way through the device.
-class Slot : public ChunkSlot {
+class PointSlot : public ChunkSlot {
  public:
   // `assembly`: nothing unless certificates are asked for.
-  Slot(const Device& device, const cl::Program& program, const DeviceModel& model, double tolerance,
-       std::optional<CertificateAssembly> assembly)
+  PointSlot(const Device& device, const cl::Program& program, const DeviceModel& model, double tolerance,
+            std::optional<CertificateAssembly> assembly)
       : ChunkSlot(device, model),
         assembly_(std::move(assembly)),
         primitives_(model.primitives),
@@ -132,10 +132,11 @@ std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& mod
     const cl::Program program = program_for(device, uploaded);
     std::optional<CertificateAssembly> assembly;
     if (certificates) assembly.emplace(model);
-    std::vector<Slot> slots;
+    std::vector<PointSlot> slots;
     slots.reserve(2);
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, tolerance, assembly);
-    auto pipeline = std::make_unique<ChunkPipeline<Point, Slot>>(device.name, uploaded.chunk_size, std::move(slots));
+    auto pipeline =
+        std::make_unique<ChunkPipeline<Point, PointSlot>>(device.name, uploaded.chunk_size, std::move(slots));
     pipeline->warm_up({far_away(uploaded), 0.0, 0.0});
     return std::unique_ptr<Batch<Point>>(std::move(pipeline));
   });

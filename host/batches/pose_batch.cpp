@@ -18,9 +18,9 @@ namespace {
 constexpr std::size_t numbers_per_pose = 12;  // the rotation row by row, the translation
 
 // One chunk on its way through the device.
-class Slot : public ChunkSlot {
+class PoseSlot : public ChunkSlot {
  public:
-  Slot(const Device& device, const cl::Program& program, const DeviceModel& both, std::size_t primitives_of_a)
+  PoseSlot(const Device& device, const cl::Program& program, const DeviceModel& both, std::size_t primitives_of_a)
       : ChunkSlot(device, both),
         primitives_of_a_(primitives_of_a),
         primitives_(both.primitives),
@@ -80,9 +80,9 @@ std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const Model& a, co
     const DeviceModel both(device, joined(a, b));
     const cl::Program program = build_program(device.context, device.device, device.vector_width,
                                               kernels::embedded_pair_sources(), both.memory);
-    std::vector<Slot> slots;
+    std::vector<PoseSlot> slots;
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, both, a.primitives.size());
-    auto pipeline = std::make_unique<ChunkPipeline<Pose, Slot>>(device.name, both.chunk_size, std::move(slots));
+    auto pipeline = std::make_unique<ChunkPipeline<Pose, PoseSlot>>(device.name, both.chunk_size, std::move(slots));
     pipeline->warm_up(Pose{{far_away(both), 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}});
     return std::unique_ptr<Batch<Pose>>(std::move(pipeline));
   });

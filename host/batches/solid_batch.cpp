@@ -61,9 +61,9 @@ struct SolidModel {
 };
 
 // One chunk on its way through the device: enclosures for each convex primitive on its own, then the search.
-class Slot : public ChunkSlot {
+class SolidSlot : public ChunkSlot {
  public:
-  Slot(const Device& device, const SolidModel& model, double tolerance)
+  SolidSlot(const Device& device, const SolidModel& model, double tolerance)
       : ChunkSlot(device, model.size),
         solid_width_(static_cast<std::size_t>(solid_vector_width(device))),
         parts_(model.parts),
@@ -137,10 +137,10 @@ class Slot : public ChunkSlot {
 std::unique_ptr<Batch<Point>> solid_batch(const Device& device, const Model& model, double tolerance) {
   return reporting_failures(device.name, [&] {
     const SolidModel uploaded(device, model);
-    std::vector<Slot> slots;
+    std::vector<SolidSlot> slots;
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, uploaded, tolerance);
     return std::unique_ptr<Batch<Point>>(
-        std::make_unique<ChunkPipeline<Point, Slot>>(device.name, uploaded.size.chunk_size, std::move(slots)));
+        std::make_unique<ChunkPipeline<Point, SolidSlot>>(device.name, uploaded.size.chunk_size, std::move(slots)));
   });
 }
 

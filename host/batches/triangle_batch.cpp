@@ -24,9 +24,9 @@ constexpr std::size_t outputs = output_arguments.size();
 using Outputs = std::array<cl::Buffer, outputs>;
 
 // One chunk on its way through the device.
-class Slot : public ChunkSlot {
+class TriangleSlot : public ChunkSlot {
  public:
-  Slot(const Device& device, const cl::Program& program, const DeviceModel& model, bool certificates)
+  TriangleSlot(const Device& device, const cl::Program& program, const DeviceModel& model, bool certificates)
       : ChunkSlot(device, model),
         primitives_(model.primitives),
         triangle_distance_(program, kernels::embedded_triangle_sources(), "triangle_distance"),
@@ -124,9 +124,10 @@ std::unique_ptr<Batch<Triangle>> triangle_batch(const Device& device, const Mode
     const DeviceModel uploaded(device, model);
     const cl::Program program = build_program(device.context, device.device, device.vector_width,
                                               kernels::embedded_triangle_sources(), uploaded.memory);
-    std::vector<Slot> slots;
+    std::vector<TriangleSlot> slots;
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, certificates);
-    auto pipeline = std::make_unique<ChunkPipeline<Triangle, Slot>>(device.name, uploaded.chunk_size, std::move(slots));
+    auto pipeline =
+        std::make_unique<ChunkPipeline<Triangle, TriangleSlot>>(device.name, uploaded.chunk_size, std::move(slots));
     const double x = far_away(uploaded);
     pipeline->warm_up({Point{x, 0.0, 0.0}, Point{x, x, 0.0}, Point{x, 0.0, x}});
     return std::unique_ptr<Batch<Triangle>>(std::move(pipeline));

@@ -26,9 +26,9 @@ namespace {
 using verify::Direction;
 using verify::RigidPath;
 
-/// Of the tolerance goes to the samples, the rest to the ways between them. Wider samples cost less each, but more of
-/// them are needed.
-constexpr double share_of_samples = 0.25;
+/// Of the tolerance goes to the samples at placements, the rest to the ways between them. Wider samples cost less each,
+/// but more of them are needed.
+constexpr double share_of_placements = 0.25;
 /// Of a point: beyond them its enclosure stays as wide as it is.
 constexpr std::size_t most_samples = std::size_t{1} << 13U;
 /// Searched at a time: enough to keep a device busy, few enough to fit into memory with all their samples.
@@ -96,7 +96,7 @@ class PathSearch {
 
  private:
   static MapOptions map_options(const RigidPath& path, const InsertionOptions& options) {
-    const double share = path.last_time() == 0.0 ? 1.0 : share_of_samples;
+    const double share = path.last_time() == 0.0 ? 1.0 : share_of_placements;
     return {.tolerance = share * options.tolerance, .device = options.device, .interrupted = options.interrupted};
   }
 
@@ -158,7 +158,7 @@ class PathSearch {
     if (search.hi - stretch.bound <= options_.tolerance) return false;
     // What is left then is the width of the samples, which may be the tightest there are.
     const double widest = std::max(stretch.begin.distance.width(), stretch.end.distance.width());
-    if (stretch.length <= std::max(widest, share_of_samples * options_.tolerance)) return false;
+    if (stretch.length <= std::max(widest, share_of_placements * options_.tolerance)) return false;
     const double half = middle(stretch.begin.time, stretch.end.time);
     return search.samples < most_samples && stretch.begin.time < half && half < stretch.end.time;
   }

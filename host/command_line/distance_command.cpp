@@ -105,6 +105,16 @@ double tolerance_of(const DistanceArguments& arguments, const LargestModels& mod
   return arguments.tolerance ? *arguments.tolerance : default_tolerance(tolerance_of_distances, radius, "the models");
 }
 
+/// The search knows exact numbers alone: of intervals it would answer for one member.
+[[noreturn]] void refuse_uncertain_searches(const UncertainModel& a, const LargestModels& models,
+                                            const DistanceArguments& arguments) {
+  refuse(
+      fmt::format("{}: intervals are only for pairs of models that are both unions of primitives without bends, "
+                  "which {} is not",
+                  is_exact(a) ? arguments.model_b : arguments.model_a,
+                  is_union_of_convex(models.a) ? arguments.model_b : arguments.model_a));
+}
+
 /// Ctrl-C or the time limit.
 using Stop = std::function<bool()>;
 
@@ -196,6 +206,7 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
   if (!exact) refuse_what_uncertain_models_lack(arguments);
   const LargestModels models{bracket(a).largest, bracket(b).largest};
   const bool searched = !is_union_of_convex(models.a) || !is_union_of_convex(models.b);
+  if (searched && !exact) refuse_uncertain_searches(a, models, arguments);
   if (searched) refuse_what_searches_lack(models, arguments);
   const double tolerance = tolerance_of(arguments, models);
   if (arguments.poses) return map_poses(models, units, tolerance, arguments);

@@ -67,6 +67,10 @@ Options Options::command(const std::string& name, const std::string& description
   return {parser_, app_->add_subcommand(name, description)};
 }
 
+std::string Options::name() const {
+  return app_->get_name();
+}
+
 std::string Options::full_name() const {
   const CLI::App* const program = app_->get_parent();
   return program == nullptr ? app_->get_name() : program->get_name() + " " + app_->get_name();

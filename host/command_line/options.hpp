@@ -30,6 +30,8 @@ class Options {
   /// Those of a command of this program.
   [[nodiscard]] Options command(const std::string& name, const std::string& description) const;
 
+  /// "check".
+  [[nodiscard]] std::string name() const;
   /// As it is typed: "verisq check".
   [[nodiscard]] std::string full_name() const;
 

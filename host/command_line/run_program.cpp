@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -28,9 +29,8 @@ int answer(const std::string& name, const std::function<std::optional<ExitStatus
   };
   try {
     const std::optional<ExitStatus> status = parse_and_run();
-    if (!status) return 0;
     if (std::fflush(stdout) != 0) return report("cannot write to the standard output", ExitStatus::failed);
-    return status_of(*status);
+    return status ? status_of(*status) : 0;
   } catch (const Error& error) {
     return report(error.what(), error.kind() == ErrorKind::input ? ExitStatus::bad_input : ExitStatus::failed);
   } catch (const std::bad_alloc&) {
@@ -53,10 +53,13 @@ int run_program(const Program& program, std::span<const Command> commands, int a
       declared.emplace_back(std::move(of_command), std::move(run));
     }
     if (!options.parse(argc, argv)) return std::nullopt;
-    for (const auto& [of_command, run] : declared) {
-      if (of_command.given()) return run();
-    }
-    refuse(fmt::format("give a command (see {} --help)", program.name));
+    const auto given = [](const auto& command) { return command.first.given(); };
+    const auto asked = std::ranges::find_if(declared, given);
+    if (asked == declared.end()) refuse(fmt::format("give a command (see {} --help)", program.name));
+    const auto other = std::find_if(asked + 1, declared.end(), given);
+    if (other != declared.end())
+      refuse(fmt::format("give one command, not both {} and {}", asked->first.name(), other->first.name()));
+    return asked->second();
   });
 }
 

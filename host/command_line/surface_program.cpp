@@ -26,7 +26,7 @@ ExitStatus run_surface_program(const SurfaceProgramArguments& arguments) {
   argv.push_back(nullptr);
   execv(program.c_str(), argv.data());
   if (errno == ENOENT) {
-    refuse("surface: this program was built without CGAL; install it (Debian: libcgal-dev) and build again");
+    refuse(fmt::format("surface: {} is not there; it is built where CGAL is (Debian: libcgal-dev)", program.string()));
   }
   throw Error(ErrorKind::failure,
               fmt::format("{}: cannot start: {}", program.string(), std::generic_category().message(errno)));

@@ -19,24 +19,24 @@ std::size_t first_block(std::uint64_t size) {
   return size == 0 ? block_size : std::min<std::uint64_t>(block_size, size + 1);
 }
 
-[[noreturn]] void refuse(std::string_view name, std::string_view message) {
+}  // namespace
+
+void refuse_file(std::string_view name, std::string_view message) {
   throw Error(ErrorKind::input, fmt::format("{}: {}", name, message));
 }
-
-}  // namespace
 
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) refuse(name_, "no such file");
-  if (std::filesystem::is_directory(status)) refuse(name_, "is a directory, not a file");
+  if (status.type() == std::filesystem::file_type::not_found) refuse_file(name_, "no such file");
+  if (std::filesystem::is_directory(status)) refuse_file(name_, "is a directory, not a file");
   file_.reset(std::fopen(name_.c_str(), "rb"));
-  if (!file_) refuse(name_, fmt::format("cannot be read: {}", std::strerror(errno)));
+  if (!file_) refuse_file(name_, fmt::format("cannot be read: {}", std::strerror(errno)));
   std::setvbuf(file_.get(), nullptr, _IONBF, 0);  // the block is the buffer
   if (std::filesystem::is_regular_file(status)) size_ = std::filesystem::file_size(path, error);
-  if (error) refuse(name_, fmt::format("cannot be read: {}", error.message()));
+  if (error) refuse_file(name_, fmt::format("cannot be read: {}", error.message()));
   buffer_.resize(first_block(size_));
-  if (!read_more()) refuse(name_, "the file is empty");
+  if (!read_more()) refuse_file(name_, "the file is empty");
 }
 
 /// Moves what is unread to the front of the buffer and appends to it; false at the end of the file.
@@ -101,15 +101,15 @@ std::string_view InputFile::peek(std::size_t count) {
 
 void InputFile::fail(std::string_view message) const {
   switch (last_read_) {
-    case Unit::line: refuse(name_, fmt::format("line {}: {}", line_number_, message));
-    case Unit::bytes: refuse(name_, fmt::format("byte {}: {}", bytes_start_, message));
+    case Unit::line: refuse_file(name_, fmt::format("line {}: {}", line_number_, message));
+    case Unit::bytes: refuse_file(name_, fmt::format("byte {}: {}", bytes_start_, message));
     case Unit::nothing: break;
   }
-  refuse(name_, message);
+  refuse_file(name_, message);
 }
 
 void InputFile::fail_whole(std::string_view message) const {
-  refuse(name_, message);
+  refuse_file(name_, message);
 }
 
 }  // namespace verisq

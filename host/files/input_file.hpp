@@ -13,6 +13,9 @@
 
 namespace verisq {
 
+/// Throws Error(input) that begins with the file's name.
+[[noreturn]] void refuse_file(std::string_view name, std::string_view message);
+
 /// Memory stays at one block (no larger than the file, grown to the longest line), whatever the size of the file. Not
 /// memory-mapped: a file that shrinks while it is read must end in a message, not in a signal.
 class InputFile {

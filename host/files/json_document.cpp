@@ -8,6 +8,7 @@
 #include <vector>
 #include <verisq/error.hpp>
 
+#include "host/files/input_file.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq {
@@ -43,10 +44,6 @@ std::string shortened_within(std::string text) {
   constexpr std::size_t kept = 100;  // of each end
   if (text.size() <= 2 * kept + 3) return text;
   return text.substr(0, kept) + "..." + text.substr(text.size() - kept);
-}
-
-[[noreturn]] void refuse(std::string_view name, std::string_view what) {
-  throw Error(ErrorKind::input, fmt::format("{}: {}", name, what));
 }
 
 void append_step(std::string& path, std::string_view key) {
@@ -156,14 +153,14 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
   bool key(string_t& key) override {
     Level& level = levels_.back();
     level.key = key;
-    if (!level.keys.insert(key).second) refuse(name_, path() + ": the key appears twice");
+    if (!level.keys.insert(key).second) refuse_file(name_, path() + ": the key appears twice");
     return true;
   }
 
   bool parse_error(std::size_t /*position*/, const std::string& /*token*/, const Json::exception& error) override {
     constexpr int number_overflow = 406;  // as nlohmann-json numbers its exceptions
-    if (error.id != number_overflow) refuse(name_, syntax_error(error));
-    refuse(name_, fmt::format("{} = {}: not a finite number", path(), overflowing_number(error)));
+    if (error.id != number_overflow) refuse_file(name_, syntax_error(error));
+    refuse_file(name_, fmt::format("{} = {}: not a finite number", path(), overflowing_number(error)));
   }
 
  private:
@@ -176,9 +173,9 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
 
   bool start_level(bool array) {
     if (levels_.size() == deepest_level) {
-      refuse(name_,
-             fmt::format("{}: nested deeper than {} levels: give operators of one kind all their operands at once",
-                         position_of_too_deep_a_level(text_), deepest_level));
+      refuse_file(name_,
+                  fmt::format("{}: nested deeper than {} levels: give operators of one kind all their operands at once",
+                              position_of_too_deep_a_level(text_), deepest_level));
     }
     levels_.push_back({.array = array});
     return true;
@@ -209,7 +206,7 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
 
 // Two passes: a single one, by the parser's callback, looks at all elements of an array after each of them.
 Json parse_json(std::string_view text, std::string_view name) {
-  if (text.empty()) refuse(name, "the file is empty");
+  if (text.empty()) refuse_file(name, "the file is empty");
   StrictEvents events(text, name);
   Json::sax_parse(text, &events);
   return Json::parse(text);
@@ -227,7 +224,7 @@ JsonValue JsonValue::at(std::string_view key) const {
   if (found) return *found;
   std::string missing = path();
   append_step(missing, key);
-  refuse(name_, shortened_within(std::move(missing)) + ": missing");
+  refuse_file(name_, shortened_within(std::move(missing)) + ": missing");
 }
 
 std::optional<JsonValue> JsonValue::find(std::string_view key) const {
@@ -257,7 +254,7 @@ double JsonValue::number() const {
 
 void JsonValue::fail(std::string_view what) const {
   const std::string where = value_ == document_ ? "the document" : shortened_within(path());
-  refuse(name_, fmt::format("{} = {}: {}", where, shown(*value_), what));
+  refuse_file(name_, fmt::format("{} = {}: {}", where, shown(*value_), what));
 }
 
 std::string JsonValue::path() const {

@@ -43,10 +43,6 @@ PlyType parse_type(const InputFile& file, std::string_view word) {
   file.fail(fmt::format("property type {}: not a type of PLY", in_quotes(word)));
 }
 
-void expect_end(const InputFile& file, const Words& words) {
-  if (!words.empty()) file.fail(fmt::format("unexpected {}", in_quotes(words.rest())));
-}
-
 PlyEncoding parse_encoding(const InputFile& file, Words words) {
   const std::string_view encoding = words.next();
   const std::string_view version = words.next();

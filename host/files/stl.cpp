@@ -91,10 +91,6 @@ Words expect(InputFile& file, std::string_view keywords) {
   return found;
 }
 
-void expect_end(const InputFile& file, const Words& words) {
-  if (!words.empty()) file.fail(fmt::format("unexpected {}", in_quotes(words.rest())));
-}
-
 Point read_vertex(InputFile& file) {
   Words words = expect(file, "vertex");
   const Point point = coordinates(file, words);

@@ -68,6 +68,10 @@ std::string in_quotes(std::string_view text) {
   return fmt::format("'{}{}'", printable(text.substr(0, longest)), text.size() > longest ? "..." : "");
 }
 
+void expect_end(const InputFile& file, const Words& words) {
+  if (!words.empty()) file.fail(fmt::format("unexpected {}", in_quotes(words.rest())));
+}
+
 double finite_number(const InputFile& file, std::string_view word, std::string_view what) {
   const std::string_view digits = without_plus(word);
   double value = 0.0;

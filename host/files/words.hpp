@@ -38,6 +38,9 @@ class Words {
 /// The printable text between single quotes, shortened.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
+/// Fails at the file's position where there is another word.
+void expect_end(const InputFile& file, const Words& words);
+
 /// The nearest binary64 of a decimal number (a leading '+' is fine). Fails at the file's position with `what` and the
 /// word for anything that is not a number as a whole, for NaN, infinity and numbers beyond binary64.
 [[nodiscard]] double finite_number(const InputFile& file, std::string_view word, std::string_view what);

@@ -74,6 +74,13 @@ constexpr auto name_of = [](const auto& test) { return test.param.name; };
 
 // ---------------------------------------------------------------- results
 
+TEST_F(CommandLine, RefusesTwoCommandsAtOnce) {
+  const Outcome outcome = run({"devices", "distance", "a.json", "b.json"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err, "verisq: give one command, not both distance and devices\n");
+}
+
 TEST_F(CommandLine, MapsAMeshOnTheHost) {
   const auto mesh = write("mesh.off", tetrahedron);
   const auto outcome = map({"--model", ball, "--mesh", mesh, "-o", path("map.csv")});

@@ -419,6 +419,19 @@ TEST_F(DistanceCommand, RefusesWhatUncertainModelsLack) {
   expect_refused(distance({b, a, "--certificate"}), "--certificate: not for models with intervals");
 }
 
+/// A search takes every number as exact: it would answer for one member.
+TEST_F(DistanceCommand, RefusesIntervalsBesideBendsAndSetOperations) {
+  const auto uncertain = write("uncertain.json", uncertain_ball);
+  for (const auto& other : {write("bent.json", bent_ball), write("bored.json", bored_ball)}) {
+    const std::string refusal = uncertain +
+                                ": intervals are only for pairs of models that are both unions of "
+                                "primitives without bends, which " +
+                                other + " is not";
+    expect_refused(distance({other, uncertain, "--tol", "1"}), refusal);
+    expect_refused(distance({uncertain, other, "--tol", "1"}), refusal);
+  }
+}
+
 TEST_F(DistanceCommand, RefusesBadUsage) {
   const auto a = ball("a.json", "mm", 0.0);
   const auto b = ball("b.json", "mm", 5.0);

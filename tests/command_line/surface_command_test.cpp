@@ -19,8 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string not_there =
-    "surface: this program was built without CGAL; install it (Debian: libcgal-dev) and build again";
+const std::string not_there = "verisq-surface is not there; it is built where CGAL is (Debian: libcgal-dev)";
 
 class SurfaceCommand : public ProgramTest {
  protected:
@@ -189,7 +188,7 @@ TEST_F(SurfaceCommand, SaysThatItsProgramIsMissing) {
   for (const char* const argument : {"--help", "--json"}) {
     const Outcome outcome = Process({alone, "surface", argument}, folder_.path()).wait();
     EXPECT_EQ(outcome.status, 2);
-    EXPECT_EQ(outcome.err, "verisq: " + not_there + "\n");
+    EXPECT_EQ(outcome.err, "verisq: surface: " + path(not_there) + "\n");
   }
 }
 

@@ -1,5 +1,5 @@
 /// The table of mutants, file by file in the order of the kernels' layers. (Those of interval.clh, all caught by the
-/// device's self-test, are in tests/self_test_test.cpp.)
+/// device's self-test, are in tests/arithmetic/self_test_test.cpp.)
 ///
 /// Left out, because no enclosure can become false by them:
 /// - Changes of what is only proposed: projection.clh, tangent planes, targets of the branch and bound, the directions

@@ -2,7 +2,7 @@
 ///
 /// Random exponents from 0.05 to 1.95, at the ends too, and axis ratios to 400; points outside, at tolerance 1e-6 of
 /// the solid's size. VERISQ_HARD_CASES sets the number of cases; the full run is
-///   VERISQ_HARD_CASES=1000000 build/release/tests/hard_cases_test
+///   VERISQ_HARD_CASES=1000000 build/release/tests/soundness_test --gtest_filter='HardCases*'
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 ///
 /// The random pairs of tests/oracle/random_pairs.hpp, of the solids of the paper's Table 5 and of random solids,
 /// against MPFR at 200 bits. VERISQ_PAIR_CASES sets the number of pairs a combination. The full run is
-///   VERISQ_PAIR_CASES=10000 build/release/tests/pair_soundness_test
+///   VERISQ_PAIR_CASES=10000 build/release/tests/soundness_test --gtest_filter='*PairSoundness*'
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -4,7 +4,8 @@
 /// The random models and points of tests/oracle/random_solids.hpp against proofs by MPFR, sampling and an octree
 /// (tests/oracle/solid_reference.hpp), models of spheres against their closed form. VERISQ_SOLID_CASES sets the number
 /// of points, VERISQ_SOLID_PAIRS the number of pairs. The full run is
-///   VERISQ_SOLID_CASES=100000 VERISQ_SOLID_PAIRS=600 build/release/tests/solid_soundness_test
+///   VERISQ_SOLID_CASES=100000 VERISQ_SOLID_PAIRS=600 build/release/tests/soundness_test
+///   --gtest_filter='SolidSoundness*'
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>

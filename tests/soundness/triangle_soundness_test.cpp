@@ -3,7 +3,7 @@
 /// The random triangles of tests/oracle/random_triangles.hpp around the solids of the paper's Table 5 and around random
 /// solids, in random poses, against MPFR at 200 bits. VERISQ_TRIANGLE_CASES sets the number of cases an object for the
 /// device; the host's own proof takes a tenth of them. The full run is
-///   VERISQ_TRIANGLE_CASES=100000 build/release/tests/triangle_soundness_test
+///   VERISQ_TRIANGLE_CASES=100000 build/release/tests/soundness_test --gtest_filter='*TriangleSoundness*'
 /// which takes hours, because most families are hard for the reference; VERISQ_TRIANGLE_FAMILY=anywhere limits it to
 /// triangles with random corners (20 minutes on two cores).
 #include <fmt/format.h>
