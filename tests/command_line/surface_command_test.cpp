@@ -19,7 +19,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string not_there = "verisq-surface is not there; it is built where CGAL is (Debian: libcgal-dev)";
+/// Of a program in this folder.
+std::string not_there(const std::filesystem::path& folder) {
+  return "surface: " + (folder / "verisq-surface").string() +
+         " is not there; it is built where CGAL is (Debian: libcgal-dev)";
+}
 
 class SurfaceCommand : public ProgramTest {
  protected:
@@ -174,10 +178,11 @@ TEST_F(SurfaceCommand, HandsEverythingOn) {
 #else
 
 TEST_F(SurfaceCommand, SaysThatItIsNotInThisBuild) {
-  expect_refusal({}, not_there);
-  expect_refusal({"--help"}, not_there);
-  expect_refusal({"--points", cloud(), "-o", path("out.ply"), "--json"}, not_there);
-  expect_refusal({"--mesh", mesh("in.ply", open_sphere()), "--fill-holes", "-o", path("out.ply")}, not_there);
+  const std::string missing = not_there(std::filesystem::path(VERISQ_PROGRAM).parent_path());
+  expect_refusal({}, missing);
+  expect_refusal({"--help"}, missing);
+  expect_refusal({"--points", cloud(), "-o", path("out.ply"), "--json"}, missing);
+  expect_refusal({"--mesh", mesh("in.ply", open_sphere()), "--fill-holes", "-o", path("out.ply")}, missing);
 }
 
 #endif
@@ -188,7 +193,7 @@ TEST_F(SurfaceCommand, SaysThatItsProgramIsMissing) {
   for (const char* const argument : {"--help", "--json"}) {
     const Outcome outcome = Process({alone, "surface", argument}, folder_.path()).wait();
     EXPECT_EQ(outcome.status, 2);
-    EXPECT_EQ(outcome.err, "verisq: surface: " + path(not_there) + "\n");
+    EXPECT_EQ(outcome.err, "verisq: " + not_there(folder_.path()) + "\n");
   }
 }
 
