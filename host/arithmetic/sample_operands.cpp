@@ -40,7 +40,7 @@ double SampleOperands::any() {
   const double sign = one_of(2) == 0 ? 1.0 : -1.0;
   if (kind == 1) return sign * (1.0 + std::ldexp(uniform(), -static_cast<int>(one_of(53))));
   const int range = kind < 8 ? 12 : 1070;
-  const int exponent = std::min(static_cast<int>(one_of(static_cast<std::uint64_t>(2 * range))) - range, 1023);
+  const int exponent = std::min(static_cast<int>(one_of(2 * static_cast<std::uint64_t>(range))) - range, 1023);
   return sign * std::ldexp(1.0 + uniform(), exponent);
 }
 

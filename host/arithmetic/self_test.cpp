@@ -150,9 +150,11 @@ std::vector<Operands> sample_operands() {
                                  1e-8,
                                  53.0};
   std::vector<Operands> out;
-  for (const double a : special)
-    for (const double b : special)
+  for (const double a : special) {
+    for (const double b : special) {
       for (const double c : {0.0, -1.0, 1e-200, -a * b, a}) out.push_back({a, b, std::isfinite(c) ? c : 1.0});
+    }
+  }
   std::mt19937_64 generator(20110309);
   std::uniform_real_distribution<double> mantissa(1.0, 2.0);
   std::uniform_int_distribution<int> wide(-300, 300);

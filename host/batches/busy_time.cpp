@@ -10,10 +10,11 @@ std::vector<Running> united(std::vector<Running> all) {
   std::ranges::sort(all, {}, &Running::start);
   std::vector<Running> apart;
   for (const Running& next : all) {
-    if (!apart.empty() && next.start <= apart.back().end)
+    if (!apart.empty() && next.start <= apart.back().end) {
       apart.back().end = std::max(apart.back().end, next.end);
-    else if (next.start < next.end)
+    } else if (next.start < next.end) {
       apart.push_back(next);
+    }
   }
   return apart;
 }

@@ -23,7 +23,7 @@ CertificateAssembly::CertificateAssembly(const Model& model) {
 }
 
 // To nearest, with room for rounding: where it is close the normal is kept.
-bool CertificateAssembly::clear_of_sphere(const Point& point, double distance, const Sphere& sphere) const {
+bool CertificateAssembly::clear_of_sphere(const Point& point, double distance, const Sphere& sphere) {
   const double from_centre =
       std::hypot(point[0] - sphere.centre[0], point[1] - sphere.centre[1], point[2] - sphere.centre[2]);
   return from_centre - sphere.radius > distance + 1e-12 * (from_centre + sphere.radius);

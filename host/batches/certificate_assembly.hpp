@@ -43,7 +43,7 @@ class CertificateAssembly {
     double radius;
   };
 
-  [[nodiscard]] bool clear_of_sphere(const Point& point, double distance, const Sphere& sphere) const;
+  [[nodiscard]] static bool clear_of_sphere(const Point& point, double distance, const Sphere& sphere);
 
   std::vector<Sphere> spheres_;  ///< about each primitive
 };

@@ -56,10 +56,11 @@ class PoseSlot : public ChunkSlot {
     for (const Pose& pose : poses) rotations.push_back(rotation_matrix(pose.quaternion));
     for (std::size_t i = 0; i < numbers_per_pose; ++i) {
       const std::span column = std::span(columns_).subspan(i * capacity_, capacity_);
-      if (i < 9)
+      if (i < 9) {
         fill(column, [&](std::size_t n) { return rotations[n][i]; });
-      else
+      } else {
         fill(column, [&](std::size_t n) { return scale_.to_device(poses[n].translation[i - 9]); });
+      }
     }
     queue_.write(poses_, columns_);
   }
@@ -81,6 +82,7 @@ std::unique_ptr<Batch<Pose>> pose_batch(const Device& device, const Model& a, co
     const cl::Program program = build_program(device.context, device.device, device.vector_width,
                                               kernels::embedded_pair_sources(), both.memory);
     std::vector<PoseSlot> slots;
+    slots.reserve(2);
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, both, a.primitives.size());
     auto pipeline = std::make_unique<ChunkPipeline<Pose, PoseSlot>>(device.name, both.chunk_size, std::move(slots));
     pipeline->warm_up(Pose{{far_away(both), 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}});

@@ -138,6 +138,7 @@ std::unique_ptr<Batch<Point>> solid_batch(const Device& device, const Model& mod
   return reporting_failures(device.name, [&] {
     const SolidModel uploaded(device, model);
     std::vector<SolidSlot> slots;
+    slots.reserve(2);
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, uploaded, tolerance);
     return std::unique_ptr<Batch<Point>>(
         std::make_unique<ChunkPipeline<Point, SolidSlot>>(device.name, uploaded.size.chunk_size, std::move(slots)));

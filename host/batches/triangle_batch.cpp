@@ -125,6 +125,7 @@ std::unique_ptr<Batch<Triangle>> triangle_batch(const Device& device, const Mode
     const cl::Program program = build_program(device.context, device.device, device.vector_width,
                                               kernels::embedded_triangle_sources(), uploaded.memory);
     std::vector<TriangleSlot> slots;
+    slots.reserve(2);
     for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, certificates);
     auto pipeline =
         std::make_unique<ChunkPipeline<Triangle, TriangleSlot>>(device.name, uploaded.chunk_size, std::move(slots));
