@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "host/mesh/largest_coordinate.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verisq/enclosure.hpp"
@@ -39,13 +40,6 @@ struct Piece {
   int halvings = 0;
   double bound = -infinity;  ///< no signed distance on it is less
 };
-
-double largest_coordinate(const Triangle& corners) {
-  double largest = 0.0;
-  for (const Point& corner : corners)
-    for (const double x : corner) largest = std::max(largest, std::abs(x));
-  return largest;
-}
 
 /// How far corners and centre of any piece of a triangle may lie from the exact ones. With M the triangle's largest
 /// coordinate (pieces near the origin inherit the roundings of far ones) and u = 2^-53, a midpoint rounds by u M in

@@ -28,7 +28,8 @@ class TriangleProver {
   }
 
   void check(const Triangle& triangle) const {
-    if (!std::isfinite(largest_coordinate(triangle)))
+    const auto finite = [](double c) { return std::isfinite(c); };
+    if (!std::ranges::all_of(triangle, [&](const Point& corner) { return std::ranges::all_of(corner, finite); }))
       throw Error(ErrorKind::input, fmt::format("triangle {} is not finite", describe(triangle)));
   }
 

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <limits>
 #include <string>
 #include <vector>
 #include <verisq/error.hpp>
+#include <verisq/map.hpp>
 
 namespace verisq {
 namespace {
@@ -85,6 +87,25 @@ TEST(MapRunTest, ReportsADeviceThatTheHostContradicts) {
 /// Its ends, each proven on its own, contradict each other: no width is negative.
 TEST(MapRunTest, ReportsADeviceThatContradictsItself) {
   EXPECT_THAT([] { mapped({4.0, 2.0}); }, ::testing::ThrowsMessage<Error>(::testing::HasSubstr("[4, 2]")));
+}
+
+TEST(TriangleMapperTest, RefusesACornerThatIsNotFiniteWhereverItStands) {
+  const Model ball{"", {{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}}}};
+  TriangleMapper mapper(ball, {.tolerance = 1e-6, .device = "host"});
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), infinity, -infinity}) {
+    for (std::size_t coordinate = 0; coordinate < 9; ++coordinate) {
+      Triangle triangle{Point{2.0, 0.0, 0.0}, Point{3.0, 0.0, 0.0}, Point{2.0, 1.0, 0.0}};
+      triangle[coordinate / 3][coordinate % 3] = bad;
+      bool read = false;
+      const Source<Triangle> source = [&](std::span<Triangle> queries) -> std::size_t {
+        if (read) return 0;
+        read = true;
+        queries[0] = triangle;
+        return 1;
+      };
+      EXPECT_THROW(mapper.map(source, [](auto, auto, auto) {}), Error) << bad << " as coordinate " << coordinate;
+    }
+  }
 }
 
 }  // namespace
