@@ -20,6 +20,7 @@
 
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/uncertain_scenes.hpp"
+#include "tests/maps/summary_of_rows.hpp"
 #include "tests/oracle/in_parallel.hpp"
 #include "tests/oracle/random_pairs.hpp"
 
@@ -118,27 +119,6 @@ void expect_verified(const FinishedPoses& map, double tolerance) {
   for (const auto& [distance, status] : map.rows) EXPECT_EQ(verified(distance, tolerance), status != Status::wide);
 }
 
-void expect_summary_of_rows(const FinishedPoses& map) {
-  MapSummary expected;
-  expected.minimum_lo = expected.minimum_hi = infinity;
-  for (const auto& [distance, status] : map.rows) {
-    if (status == Status::device_verified) ++expected.device_verified;
-    if (status == Status::host_verified) ++expected.host_verified;
-    if (status == Status::wide) ++expected.wide;
-    expected.minimum_lo = std::min(expected.minimum_lo, distance.lo);
-    expected.minimum_hi = std::min(expected.minimum_hi, distance.hi);
-    expected.largest_width = std::max(expected.largest_width, distance.width());
-  }
-  EXPECT_EQ(map.summary.points, map.rows.size());
-  EXPECT_EQ(map.summary.device_verified, expected.device_verified);
-  EXPECT_EQ(map.summary.host_verified, expected.host_verified);
-  EXPECT_EQ(map.summary.wide, expected.wide);
-  EXPECT_EQ(map.summary.minimum_lo, expected.minimum_lo);
-  EXPECT_EQ(map.summary.minimum_hi, expected.minimum_hi);
-  EXPECT_EQ(map.summary.largest_width, expected.largest_width);
-  EXPECT_FALSE(map.summary.interrupted);
-}
-
 class PoseMapTest : public testing::TestWithParam<std::tuple<Scene, std::string>> {
  protected:
   [[nodiscard]] static const Scene& scene() { return std::get<0>(GetParam()); }
@@ -151,7 +131,7 @@ TEST_P(PoseMapTest, AgreesWithPairDistance) {
   const FinishedPoses found = map(scene(), poses, {.tolerance = tolerance, .device = device()});
   expect_in_common(found.rows, one_by_one(scene(), poses), poses);
   expect_verified(found, tolerance);
-  expect_summary_of_rows(found);
+  expect_summary_of_rows(found.summary, found.rows);
   EXPECT_EQ(found.summary.wide, 0U) << found.summary.largest_width;
   EXPECT_EQ(found.summary.device == "host", found.summary.device_verified == 0);
 }
@@ -161,7 +141,7 @@ TEST_P(PoseMapTest, AsksTheHostForTheTightest) {
   const std::vector<Enclosure> expected = one_by_one(scene(), poses);
   const FinishedPoses found = map(scene(), poses, {.tolerance = 0.0, .device = device()});
   expect_in_common(found.rows, expected, poses);
-  expect_summary_of_rows(found);
+  expect_summary_of_rows(found.summary, found.rows);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     // 1e-12 of max(translation, radii) is where the host is no longer asked, and what the tightest are.
     const auto& t = poses[i].translation;
@@ -199,7 +179,7 @@ TEST_P(PoseMapTest, HugeAndTinyTranslations) {
   const std::vector<Enclosure> expected = one_by_one(scene(), poses);
   expect_in_common(found.rows, expected, poses);
   expect_verified(found, tolerance);
-  expect_summary_of_rows(found);
+  expect_summary_of_rows(found.summary, found.rows);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Point& t = poses[i].translation;
     const double limit = 1e-12 * std::max({std::abs(t[0]), std::abs(t[1]), std::abs(t[2])});
@@ -267,7 +247,7 @@ TEST(PoseMapChunksTest, DeliverAllRowsInOrder) {
     ASSERT_TRUE(e.contains(exact) && e.width() <= 1e-9) << fmt::format("row {}: [{}, {}]", n, e.lo, e.hi);
   }
   expect_verified(found, 1e-9);
-  expect_summary_of_rows(found);
+  expect_summary_of_rows(found.summary, found.rows);
 }
 
 TEST(PoseMapChunksTest, AnInterruptedMapDeliversWholeRowsInOrder) {
