@@ -1,7 +1,7 @@
 /// Both certificates take the vector between the closest points for the common normal.
 #include "bench/certified_proposal.hpp"
 
-#include "bench/rigid_motion.hpp"
+#include "bench/approximate_motion.hpp"
 #include "verify/proof/pair_bounds.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -16,8 +16,8 @@ Enclosure PointCertifier::operator()(const Point& query, const Point& closest) c
 
 Enclosure PairCertifier::operator()(const Pose& pose_of_b, const Point& on_a, const Point& on_b) const {
   const verify::PosedSuperquadric b({"b", b_, pose_of_b});
-  const verify::PairBounds bounds(a_, b, verify::motion_of(b.frame()));
-  const Eigen::Vector3d between = RigidMotion(pose_of_b)(vector(on_b)) - vector(on_a);
+  const verify::PairBounds bounds(a_, b, b.motion());
+  const Eigen::Vector3d between = ApproximateMotion(pose_of_b)(vector(on_b)) - vector(on_a);
   return bounds.distance({0, 0, point(between), on_a, on_b});
 }
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/approximate_motion.hpp"
 #include "bench/points.hpp"
-#include "bench/rigid_motion.hpp"
 
 namespace verisq::bench {
 namespace {

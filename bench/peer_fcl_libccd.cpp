@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "bench/rigid_motion.hpp"
+#include "bench/approximate_motion.hpp"
 
 namespace verisq::bench {
 namespace {
@@ -17,7 +17,7 @@ constexpr unsigned max_iterations = 1000;
 
 struct PosedBody {
   const SupportMapping& body;
-  RigidMotion pose;
+  ApproximateMotion pose;
 };
 
 void store(const Point& point, ccd_vec3_t* support) {
@@ -71,7 +71,7 @@ double LibccdTriangleDistance::operator()(const Triangle& triangle) const {
 }
 
 double LibccdPairDistance::operator()(const Pose& pose_of_b) const {
-  return gjk_distance(a_, PosedBody{b_, RigidMotion(pose_of_b)});
+  return gjk_distance(a_, PosedBody{b_, ApproximateMotion(pose_of_b)});
 }
 
 }  // namespace verisq::bench

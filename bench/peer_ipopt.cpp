@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "bench/approximate_motion.hpp"
 #include "bench/implicit_superquadric.hpp"
-#include "bench/rigid_motion.hpp"
 
 namespace verisq::bench {
 namespace {
@@ -189,7 +189,7 @@ IpoptPairDistance::IpoptPairDistance(const Superquadric& a, const Superquadric& 
 IpoptPairDistance::~IpoptPairDistance() = default;
 
 std::optional<IpoptClosestPair> IpoptPairDistance::operator()(const Pose& pose_of_b) {
-  const RigidMotion motion(pose_of_b);
+  const ApproximateMotion motion(pose_of_b);
   const Eigen::Vector3d to_a = -motion.rotation.transpose() * motion.translation;
   const Member a{state_->a, Eigen::Matrix3d::Identity(), state_->a.interior_point(motion.translation)};
   const Member b{state_->b, -motion.rotation, state_->b.interior_point(to_a)};

@@ -12,9 +12,9 @@
 #include <verisq/fit.hpp>
 #include <verisq/model_file.hpp>
 
+#include "bench/approximate_motion.hpp"
 #include "bench/benchmark_rows.hpp"
 #include "bench/child_process.hpp"
-#include "bench/rigid_motion.hpp"
 #include "bench/row_counters.hpp"
 #include "bench/scratch_folder.hpp"
 #include "bench/tools.hpp"

@@ -9,10 +9,10 @@
 #include <vector>
 #include <verisq/model_file.hpp>
 
+#include "bench/approximate_motion.hpp"
 #include "bench/benchmark_rows.hpp"
 #include "bench/paper_tables.hpp"
 #include "bench/points.hpp"
-#include "bench/rigid_motion.hpp"
 #include "bench/row_counters.hpp"
 #include "bench/tools.hpp"
 #include "host/fit/pose_objective.hpp"
@@ -52,7 +52,7 @@ std::vector<Point> points_about(const Model& model, std::size_t count) {
     const Primitive& primitive = model.primitives[n % model.primitives.size()];
     Point local{};
     for (std::size_t i = 0; i < 3; ++i) local[i] = uniform.within(2.0 * primitive.superquadric.semi_axes[i]);
-    points.push_back(point(RigidMotion(primitive.pose)(vector(local))));
+    points.push_back(point(ApproximateMotion(primitive.pose)(vector(local))));
   }
   return points;
 }

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "bench/approximate_motion.hpp"
 #include "bench/points.hpp"
-#include "bench/rigid_motion.hpp"
 #include "bench/support_mapping.hpp"
 #include "bench/uniform_numbers.hpp"
 
@@ -43,7 +43,7 @@ std::vector<Pose> separated_poses(const Superquadric& a, const Superquadric& b, 
     const Eigen::Vector3d direction = random_unit_vector<3>(uniform);
     const Eigen::Vector4d quaternion = random_unit_vector<4>(uniform);
     Pose pose{{}, {quaternion[0], quaternion[1], quaternion[2], quaternion[3]}};
-    const Eigen::Vector3d seen_from_b = -(RigidMotion(pose).rotation.transpose() * direction);
+    const Eigen::Vector3d seen_from_b = -(ApproximateMotion(pose).rotation.transpose() * direction);
     const double between_centres =
         support(support_of_a, direction) + support(support_of_b, seen_from_b) + size * gaps[i % gaps.size()];
     // Off the common normal, or both closest points would be the support points: harder for every tool, still apart.

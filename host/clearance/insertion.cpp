@@ -102,7 +102,7 @@ class PathSearch {
 
   void search(std::span<const Point> points, std::size_t all_points) {
     searches_.clear();
-    placements_.clear();
+    poses_.clear();
     for (const Point& point : points) searches_.push_back({.point = point});
     if (!summary_.interrupted) sample_ends();
     while (!summary_.interrupted) {
@@ -192,7 +192,7 @@ class PathSearch {
       const std::size_t count = std::min(points.size(), queries.size() - asked);
       for (std::size_t i = 0; i < count; ++i, ++asked) {
         const auto [centre, radius] =
-            RigidPath::local_point(placement(queries[asked].time), searches_[queries[asked].search].point);
+            RigidPath::local_point(nearest_pose(queries[asked].time), searches_[queries[asked].search].point);
         points[i] = centre;
         radii[asked] = radius;
       }
@@ -221,9 +221,9 @@ class PathSearch {
     return samples;
   }
 
-  const RigidPath::Placement& placement(double time) {
-    const auto known = placements_.find(time);
-    return known != placements_.end() ? known->second : placements_.emplace(time, path_.placement(time)).first->second;
+  const RigidPath::NearestPose& nearest_pose(double time) {
+    const auto known = poses_.find(time);
+    return known != poses_.end() ? known->second : poses_.emplace(time, path_.nearest_pose(time)).first->second;
   }
 
   void deliver(const PointSearch& search) {
@@ -239,7 +239,7 @@ class PathSearch {
   const InsertionOptions& options_;
   PointMapper mapper_;
   std::vector<PointSearch> searches_;
-  std::map<double, RigidPath::Placement> placements_;
+  std::map<double, RigidPath::NearestPose> poses_;
   MapSummary summary_ = empty_summary();
   Insertion insertion_{};
 };

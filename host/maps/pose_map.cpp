@@ -9,7 +9,7 @@
 #include "host/maps/prepared_map.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "verify/proof/convex_union.hpp"
-#include "verify/sets/solid_pair_motion.hpp"
+#include "verify/sets/bounded_motion.hpp"
 #include "verisq/error.hpp"
 #include "verisq/model_distance.hpp"
 #include "verisq/signed_distance.hpp"
@@ -56,7 +56,7 @@ class PoseProver {
 
   // The centre of a primitive lies in it.
   [[nodiscard]] CertifiedEnclosure coarse(const Pose& pose) const {
-    return {{0.0, verify::SearchMotion(pose).distance_up(centre_a_, centre_b_)}, {}};
+    return {{0.0, verify::BoundedMotion(pose).distance_up(centre_a_, centre_b_)}, {}};
   }
 
   // There are no certificates.

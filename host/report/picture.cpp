@@ -63,10 +63,10 @@ void draw_bone(Drawing& drawing, const Report& report, const ColourScale& scale,
   const Mesh implant = report::model_surface(report.implant);
   const report::View view = report::broad_view(report.bone, implant);
   constexpr int side = report::samples_a_pixel_side;
-  const auto placement = report::fitted(view, report.bone, implant, side * layout.panel_width,
-                                        side * layout.panel_height, 4.0 * side * layout.unit);
-  const report::Scene scene{projected(report.bone, values_of(report.rows, scale), view, placement),
-                            projected(implant, {}, view, placement)};
+  const auto raster = report::fitted(view, report.bone, implant, side * layout.panel_width, side * layout.panel_height,
+                                     4.0 * side * layout.unit);
+  const report::Scene scene{projected(report.bone, values_of(report.rows, scale), view, raster),
+                            projected(implant, {}, view, raster)};
   const Drawing::Type type{18.0 * layout.unit, faint_ink};
   const auto draw = [&](int panel, BoneShown shown, const char* caption) {
     const int left = layout.panel_left(panel);

@@ -30,7 +30,8 @@ std::vector<float> facing(const std::vector<Eigen::Vector3d>& vertices,
 
 }  // namespace
 
-Placement fitted(const View& view, const Mesh& bone, const Mesh& implant, double width, double height, double margin) {
+RasterTransform fitted(const View& view, const Mesh& bone, const Mesh& implant, double width, double height,
+                       double margin) {
   Eigen::Array2d lower(infinity, infinity);
   Eigen::Array2d upper(-infinity, -infinity);
   for (const Mesh* mesh : {&bone, &implant}) {
@@ -48,12 +49,13 @@ Placement fitted(const View& view, const Mesh& bone, const Mesh& implant, double
   return {scale, middle[0] - width / 2.0 / scale, middle[1] + height / 2.0 / scale};
 }
 
-ProjectedSurface projected(const Mesh& mesh, std::vector<float> values, const View& view, const Placement& placement) {
+ProjectedSurface projected(const Mesh& mesh, std::vector<float> values, const View& view,
+                           const RasterTransform& raster) {
   std::vector<Eigen::Vector3d> vertices(mesh.vertices.size());
   std::ranges::transform(mesh.vertices, vertices.begin(), view);
   std::vector<float> cosines = facing(vertices, mesh.triangles);
   for (Eigen::Vector3d& v : vertices) {
-    v = placement.scale * Eigen::Vector3d(v[0] - placement.left, placement.top - v[1], v[2]);
+    v = raster.scale * Eigen::Vector3d(v[0] - raster.left, raster.top - v[1], v[2]);
   }
   return {std::move(vertices), std::move(cosines), std::move(values), mesh.triangles};
 }

@@ -10,18 +10,18 @@
 namespace verisq::report {
 
 /// Where the plane of the view lies in the raster: x -> scale (x - x0), y -> scale (y0 - y).
-struct Placement {
+struct RasterTransform {
   double scale;  ///< samples for one unit of the view
   double left;   ///< x0
   double top;    ///< y0
 };
 
 /// The largest in which all of both meshes lies in the middle of width x height samples, `margin` off the edges.
-[[nodiscard]] Placement fitted(const View& view, const Mesh& bone, const Mesh& implant, double width, double height,
-                               double margin);
+[[nodiscard]] RasterTransform fitted(const View& view, const Mesh& bone, const Mesh& implant, double width,
+                                     double height, double margin);
 
 /// `values`: one a vertex, or none.
 [[nodiscard]] ProjectedSurface projected(const Mesh& mesh, std::vector<float> values, const View& view,
-                                         const Placement& placement);
+                                         const RasterTransform& raster);
 
 }  // namespace verisq::report

@@ -119,7 +119,7 @@ void expect_contains_the_smallest(const Insertion& found, const std::vector<Pose
     for (int k = 0; k <= times; ++k) {
       const double time = rigid_path.last_time() * k / times;
       const double next = rigid_path.last_time() * std::min(k + 1, times) / times;
-      const Point local = RigidPath::local_point(rigid_path.placement(time), bone[n]).centre;
+      const Point local = RigidPath::local_point(rigid_path.nearest_pose(time), bone[n]).centre;
       const Enclosure here = distance(local, 1e-3);
       EXPECT_LE(found.rows[n].distance.lo, here.hi + rounding) << "point " << n << ", time " << time;
       smallest = std::min(smallest, here.lo);

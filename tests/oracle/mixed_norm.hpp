@@ -51,7 +51,7 @@ class MixedNorm {
   /// g(x): the solid is g <= 1.
   [[nodiscard]] Number gauge(const Triple<Number>& x) const {
     using std::abs;
-    const Number section = planar_norm<Number>(abs(x[0]) / axes_[0], abs(x[1]) / axes_[1], inner_.primal);
+    const auto section = planar_norm<Number>(abs(x[0]) / axes_[0], abs(x[1]) / axes_[1], inner_.primal);
     return planar_norm<Number>(section, abs(x[2]) / axes_[2], outer_.primal);
   }
 

@@ -93,7 +93,7 @@ TEST(RigidPath, HoldsTheExactPointAtEveryTime) {
     EXPECT_EQ(path.last_time(), 2.0);
     for (const double time : {0.0, 0.5, 0.25, 1.0, 1.0 + 0x1p-20, 1.6875, 2.0}) {
       const Point c{size * random.uniform(-2, 2), size * random.uniform(-2, 2), size * random.uniform(-2, 2)};
-      const auto [centre, radius] = RigidPath::local_point(path.placement(time), c);
+      const auto [centre, radius] = RigidPath::local_point(path.nearest_pose(time), c);
       const Number error = distance(exact_local_point(poses, c, time), {centre[0], centre[1], centre[2]});
       EXPECT_LE(error, Number(radius));
       EXPECT_LE(radius, 1e-13 * size);
@@ -152,7 +152,7 @@ TEST(RigidPath, TurnsHalfATurnEitherWay) {
   const std::vector<Pose> poses{{{}, {1.0, 0.0, 0.0, 0.0}}, {{}, {0.0, 0.0, 0.0, 1.0}}};
   const RigidPath path(poses);
   EXPECT_NEAR(path.length_up({1.0, 0.0, 0.0}, 0.0, 1.0), std::acos(-1.0), 1e-12);
-  const Point half_way = RigidPath::local_point(path.placement(0.5), {1.0, 0.0, 0.0}).centre;
+  const Point half_way = RigidPath::local_point(path.nearest_pose(0.5), {1.0, 0.0, 0.0}).centre;
   EXPECT_NEAR(std::abs(half_way[1]), 1.0, 1e-15);
 }
 

@@ -113,8 +113,8 @@ TEST(SupportMappingTest, PosedIsTheFrameOfTheProofs) {
     const double size = largest_axis(solid.superquadric);
     const Vector v = random.direction();
     const Vector x = posed_set<double>(solid)(v);
-    const Proposal local = midpoint(posed.frame().local_point(x));
-    const Proposal u = midpoint(posed.frame().local_direction({v[0], v[1], v[2]}));
+    const Proposal local = midpoint(posed.motion().local_point(x));
+    const Proposal u = midpoint(posed.motion().local_direction({v[0], v[1], v[2]}));
     const double reached = static_cast<double>(dot<long double>(local, u));
     const double support = posed.bounds().support(precise(u)).upper().to_double(Direction::up);
     ASSERT_NEAR(reached, support, 1e-14 * (size + norm(solid.pose.translation))) << "case " << i;
@@ -193,7 +193,7 @@ TEST(GjkTest, OverlappingSolidsHaveACommonPoint) {
     // Centres as far apart as half a radius of each together.
     const Vector v = random.direction();
     const Vector shift = difference(Solid(a)(v), Solid(b)(negative(v)));
-    const RigidMotion<double> motion({{shift[0] / 2, shift[1] / 2, shift[2] / 2}, {1, 0, 0, 0}});
+    const ApproximateMotion<double> motion({{shift[0] / 2, shift[1] / 2, shift[2] / 2}, {1, 0, 0, 0}});
     const PosedSet<double, Solid> moved(Solid(b), motion);
     const GjkResult<double> found = gjk<double>(Solid(a), moved, shift);
     ASSERT_EQ(found.end, GjkEnd::common) << "case " << i;
@@ -213,7 +213,7 @@ TEST(GjkTest, SpheresAreTheirCentresDistanceApart) {
     const double gap = random.log_uniform(1e-12, 1e6);
     const Vector u = random.direction();
     const double s = 2 + gap;
-    const RigidMotion<double> motion({{s * u[0], s * u[1], s * u[2]}, {1, 0, 0, 0}});
+    const ApproximateMotion<double> motion({{s * u[0], s * u[1], s * u[2]}, {1, 0, 0, 0}});
     const PosedSet<double, Solid> moved(Solid(unit), motion);
     const GjkResult<double> found = gjk<double>(Solid(unit), moved, u);
     ASSERT_NEAR(found.upper, gap, 1e-14 * (1 + s));
@@ -223,7 +223,7 @@ TEST(GjkTest, SpheresAreTheirCentresDistanceApart) {
 
 TEST(GjkTest, ParallelFacesAreAsFarAsTheirPlanes) {
   const Superquadric box{{1, 2, 3}, {1e-3, 1e-3}};
-  const RigidMotion<double> motion({{2.5, 0.1, -0.2}, {1, 0, 0, 0}});
+  const ApproximateMotion<double> motion({{2.5, 0.1, -0.2}, {1, 0, 0, 0}});
   const PosedSet<double, Solid> moved(Solid(box), motion);
   const GjkResult<double> found = gjk<double>(Solid(box), moved, {1, 1, 1});
   EXPECT_NEAR(found.upper, 0.5, 1e-13);

@@ -199,7 +199,7 @@ TEST(BentDistanceTest, HoldsForAnyCandidate) {
     const auto& a = primitive.superquadric.semi_axes;
     const BentDistance solid(primitive);
     const BendMap<Real> map(*primitive.bend);
-    const Frame frame(primitive.pose);
+    const RigidMotion motion(primitive.pose);
     Point x = primitive.pose.translation;
     for (double& c : x) c += random.uniform(-1.5, 1.5);
     const Enclosure best = solid(x).distance;
@@ -207,7 +207,7 @@ TEST(BentDistanceTest, HoldsForAnyCandidate) {
       const double scale = std::array{0.3, 1.0, 3.0}[random.choice(3)];
       const Proposal point{scale * a[0] * random.uniform(-1, 1), scale * a[1] * random.uniform(-1, 1),
                            scale * a[2] * random.uniform(-1, 1)};
-      Proposal direction = midpoint(PreciseVector(map.bent(precise(point)) - frame.local_point(x)));
+      Proposal direction = midpoint(PreciseVector(map.bent(precise(point)) - motion.local_point(x)));
       if (random.choice(2) == 0) {
         for (long double& c : direction) c += random.uniform(-0.3, 0.3);
       }

@@ -230,7 +230,7 @@ Point boundary_point(const Superquadric& solid, const Bend& bend, const Pose& po
   const double bent_z = (1.0 / k - r) * std::sin(k * z);
   const Point own{bent_r * std::cos(angle) - s * std::sin(angle), bent_r * std::sin(angle) + s * std::cos(angle),
                   bent_z};
-  return verify::SearchMotion(pose).to_a(own);
+  return verify::BoundedMotion(pose).to_a(own);
 }
 
 /// Over a grid of both surfaces, and finer ones about the best pair: at least the distance, but for rounding.
@@ -450,8 +450,8 @@ TEST(SolidPairBoundTest, NoPairOfPointsIsNearerThanTheBound) {
   for (int trial = 0; trial < 100; ++trial) {
     const CutCube x = random_polytope(generator, static_cast<std::size_t>(trial % 3));
     const CutCube y = random_polytope(generator, static_cast<std::size_t>(trial / 3 % 3));
-    const verify::SearchMotion motion({{normal(generator), normal(generator), 2.0 + normal(generator)},
-                                       {normal(generator), normal(generator), normal(generator), normal(generator)}});
+    const verify::BoundedMotion motion({{normal(generator), normal(generator), 2.0 + normal(generator)},
+                                        {normal(generator), normal(generator), normal(generator), normal(generator)}});
     const verify::Approach found = verify::approach(x, y, motion, {0.0, 0.0, 1.0}, 1e300);
     // Projections onto several cuts at once are not exact.
     if (trial % 3 <= 1 && trial / 3 % 3 <= 1) {

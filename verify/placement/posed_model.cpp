@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "verify/proof/pose.hpp"
+#include "verify/proof/rigid_motion.hpp"
 
 namespace verisq {
 namespace {
@@ -35,9 +35,8 @@ std::array<double, 4> normalised(const Quaternion& q) {
 
 /// x -> outer(inner(x))
 Pose composed(const Pose& outer, const Pose& inner) {
-  const verify::Frame frame(outer);
-  const auto& [x, y, z] = inner.translation;
-  const PreciseVector moved = frame.rotation() * PreciseVector(Real(x), Real(y), Real(z)) + frame.origin();
+  const verify::RigidMotion motion(outer);
+  const PreciseVector moved = motion(verify::precise(inner.translation));
   return {.translation = {nearest(moved[0]), nearest(moved[1]), nearest(moved[2])},
           .quaternion = normalised(product(exact(outer.quaternion), exact(inner.quaternion)))};
 }

@@ -11,7 +11,7 @@
 
 #include "verify/analysis/length.hpp"
 #include "verify/analysis/trigonometry.hpp"
-#include "verify/proof/pose.hpp"
+#include "verify/proof/rigid_motion.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -141,21 +141,21 @@ RigidPath::Leg RigidPath::leg(const Pose& from, const Pose& to) {
   return leg;
 }
 
-RigidPath::Placement RigidPath::placement(double time) const {
+RigidPath::NearestPose RigidPath::nearest_pose(double time) const {
   const auto k = static_cast<std::size_t>(time);
   const double fraction = time - static_cast<double>(k);  // exact
   if (fraction == 0.0) return {rotation_to_nearest(unit(poses_[k].quaternion)), poses_[k].translation, 0.0};
   const Pose& from = poses_[k];
   const Pose& to = poses_[k + 1];
-  Placement placement{.rotation = rotation_to_nearest(between(unit(from.quaternion), unit(to.quaternion), fraction)),
-                      .translation = {},
-                      .reach = one_norm(from.translation) + one_norm(to.translation)};
+  NearestPose pose{.rotation = rotation_to_nearest(between(unit(from.quaternion), unit(to.quaternion), fraction)),
+                   .translation = {},
+                   .reach = one_norm(from.translation) + one_norm(to.translation)};
   for (std::size_t i = 0; i < 3; ++i) {
     const PreciseInterval start = Real(from.translation[i]);
     const PreciseInterval end = Real(to.translation[i]);
-    placement.translation[i] = nearest(start + PreciseInterval(Real(fraction)) * (end - start));
+    pose.translation[i] = nearest(start + PreciseInterval(Real(fraction)) * (end - start));
   }
-  return placement;
+  return pose;
 }
 
 // With u = 2^-53, S = |c|_1 + |t|_1 and what was rounded marked by ~: each |t~_i - t_i| <= u |t_i| (and hardly more:
@@ -164,8 +164,8 @@ RigidPath::Placement RigidPath::placement(double time) const {
 // most u (|t|_1 + 1.01 S) + 1.01 u S + 3.05 u S < 8 u S, the vector by less than 16 u S = 2^-49 S; doubled to cover the
 // rounding of S itself, and what underflows is less than the smallest normal number. Where the ends of a leg cancel in
 // t, what their 127 bits lose, less than 2^-110 of them, is no longer small beside |t|: it is added.
-PointBall RigidPath::local_point(const Placement& placement, const Point& c) {
-  const auto& [rotation, t, reach] = placement;
+PointBall RigidPath::local_point(const NearestPose& pose, const Point& c) {
+  const auto& [rotation, t, reach] = pose;
   const Point d{c[0] - t[0], c[1] - t[1], c[2] - t[2]};
   PointBall ball{{}, 0x1p-48 * (one_norm(c) + one_norm(t)) + 0x1p-100 * reach + smallest_normal};
   for (std::size_t j = 0; j < 3; ++j) {

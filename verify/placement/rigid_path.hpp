@@ -19,7 +19,7 @@ struct PointBall {
 class RigidPath {
  public:
   /// A pose to nearest: what is lost is in the radius of `local_point`.
-  struct Placement {
+  struct NearestPose {
     std::array<Point, 3> rotation;  ///< rows of R
     Point translation;
     double reach = 0.0;  ///< sum of the magnitudes of what was added up to the translation, where it was
@@ -31,10 +31,10 @@ class RigidPath {
   [[nodiscard]] double last_time() const { return static_cast<double>(poses_.size() - 1); }
 
   /// Precondition: 0 <= time <= last_time().
-  [[nodiscard]] Placement placement(double time) const;
+  [[nodiscard]] NearestPose nearest_pose(double time) const;
 
   /// R^T (c - t)
-  [[nodiscard]] static PointBall local_point(const Placement& placement, const Point& c);
+  [[nodiscard]] static PointBall local_point(const NearestPose& pose, const Point& c);
 
   /// No smaller than the length of the way of R^T (c - t) between two times; infinite on overflow. Precondition: 0 <=
   /// begin <= end <= last_time().

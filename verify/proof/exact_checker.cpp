@@ -70,7 +70,7 @@ double lower(Primitives primitives, const Triangle& triangle, std::span<const No
   std::vector<double> lower;
   for (const PosedSuperquadric& primitive : primitives) lower.push_back(lower_by_sphere(primitive, triangle));
   for (const auto& [index, v] : normals) {
-    const PosedTriangle posed(triangle, primitives[index].frame());
+    const PosedTriangle posed(triangle, primitives[index].motion());
     lower[index] = std::max(lower[index], lower_by_normal(primitives[index], posed, proposal(v)));
   }
   return std::max(0.0, std::ranges::min(lower));
@@ -82,7 +82,7 @@ double upper(Primitives primitives, const Triangle& triangle, double claimed, co
   double least = infinity;
   if (!weights || !in_triangle(*weights)) return least;
   for (const auto& [index, v] : normals) {
-    const PreciseVector q = PosedTriangle(triangle, primitives[index].frame()).point(*weights);
+    const PreciseVector q = PosedTriangle(triangle, primitives[index].motion()).point(*weights);
     least = std::min(least, upper_by_point(primitives[index], q, proposal(v)));
     if (least <= claimed) break;
   }

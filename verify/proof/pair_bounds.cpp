@@ -31,26 +31,6 @@ PreciseInterval support_up(const SuperquadricBounds<Real>& solid, const PreciseV
 
 }  // namespace
 
-Motion Motion::after(const Motion& inner) const {
-  return {rotation * inner.rotation, (*this)(inner.translation)};
-}
-
-Motion Motion::inverse() const {
-  return {rotation.transpose(), -(rotation.transpose() * translation)};
-}
-
-PreciseVector Motion::operator()(const PreciseVector& x) const {
-  return rotation * x + translation;
-}
-
-Motion motion_of(const Frame& frame) {
-  return {frame.rotation(), frame.origin()};
-}
-
-PreciseVector precise(const Point& x) {
-  return {Real(x[0]), Real(x[1]), Real(x[2])};
-}
-
 Real PairBounds::lower_by_vector(const PreciseVector& v) const {
   const PreciseVector w = relative_.rotation.transpose() * v;
   const PreciseInterval gap = v.dot(relative_.translation) - support_up(a_->bounds(), v) - support_up(b_->bounds(), w);

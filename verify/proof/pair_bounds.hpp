@@ -6,33 +6,17 @@
 
 namespace verisq::verify {
 
-/// A rigid motion x -> R x + t, enclosed.
-struct Motion {
-  PreciseMatrix rotation;
-  PreciseVector translation;
-
-  /// First `inner`, then this one.
-  [[nodiscard]] Motion after(const Motion& inner) const;
-  [[nodiscard]] Motion inverse() const;
-  [[nodiscard]] PreciseVector operator()(const PreciseVector& x) const;
-};
-
-[[nodiscard]] Motion motion_of(const Frame& frame);
-
-/// The exact point, for interval arithmetic. Precondition: finite.
-[[nodiscard]] PreciseVector precise(const Point& x);
-
 /// Bounds of the distance of A and B (docs/mathematics.md §7), each by a single evaluation in 127-bit interval
 /// arithmetic. Points of B are stated in B's own frame, all else in A's. The solids must outlive this.
 class PairBounds {
  public:
   /// `relative` leads from B's own frame to A's.
-  PairBounds(const PosedSuperquadric& a, const PosedSuperquadric& b, const Motion& relative)
+  PairBounds(const PosedSuperquadric& a, const PosedSuperquadric& b, const RigidMotion& relative)
       : a_(&a), b_(&b), relative_(relative) {}
 
   [[nodiscard]] const PosedSuperquadric& a() const { return *a_; }
   [[nodiscard]] const PosedSuperquadric& b() const { return *b_; }
-  [[nodiscard]] const Motion& relative() const { return relative_; }
+  [[nodiscard]] const RigidMotion& relative() const { return relative_; }
 
   /// d >= (v·c - h_A(v) - h_B(R^T v)) / |v| for every v other than 0: A lies in {v·x <= h_A(v)}, B in
   /// {v·x >= v·c - h_B(R^T v)}. Rounded down.
@@ -48,7 +32,7 @@ class PairBounds {
  private:
   const PosedSuperquadric* a_;
   const PosedSuperquadric* b_;
-  Motion relative_;
+  RigidMotion relative_;
 };
 
 }  // namespace verisq::verify

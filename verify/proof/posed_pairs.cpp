@@ -11,7 +11,7 @@ namespace verisq::verify {
 
 namespace {
 
-bool is_in(const PosedSuperquadric& solid, const Motion& to_own_frame, const PreciseVector& x) {
+bool is_in(const PosedSuperquadric& solid, const RigidMotion& to_own_frame, const PreciseVector& x) {
   return solid.bounds().gauge(to_own_frame(x)).upper() <= Real(1);
 }
 
@@ -19,14 +19,14 @@ bool is_in(const PosedSuperquadric& solid, const Motion& to_own_frame, const Pre
 
 PosedPrimitives::PosedPrimitives(const Model& model) : primitives(model.primitives.begin(), model.primitives.end()) {
   for (const PosedSuperquadric& primitive : primitives) {
-    motions.push_back(motion_of(primitive.frame()));
+    motions.push_back(primitive.motion());
     inverse_motions.push_back(motions.back().inverse());
   }
 }
 
 PosedPairs::PosedPairs(const PosedPrimitives& a, const PosedPrimitives& b, const Pose& pose) : a_(&a), b_(&b) {
-  const Motion motion = motion_of(Frame(pose));
-  for (const Motion& own : b.motions) moved_.push_back(motion.after(own));
+  const RigidMotion motion = RigidMotion(pose);
+  for (const RigidMotion& own : b.motions) moved_.push_back(motion.after(own));
 }
 
 double PosedPairs::lower_by_spheres(std::size_t i, std::size_t j) const {

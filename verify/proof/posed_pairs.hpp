@@ -13,8 +13,8 @@ struct PosedPrimitives {
   explicit PosedPrimitives(const Model& model);
 
   std::vector<PosedSuperquadric> primitives;
-  std::vector<Motion> motions;          ///< primitive's frame to model's
-  std::vector<Motion> inverse_motions;  ///< model's frame to primitive's
+  std::vector<RigidMotion> motions;          ///< primitive's frame to model's
+  std::vector<RigidMotion> inverse_motions;  ///< model's frame to primitive's
 };
 
 /// A and B moved. Both models must outlive this.
@@ -38,8 +38,8 @@ class PosedPairs {
   [[nodiscard]] const PreciseInterval& radius_b(std::size_t j) const { return b_->primitives[j].radius(); }
 
   /// From a primitive's own frame to that of model A.
-  [[nodiscard]] const Motion& motion_a(std::size_t i) const { return a_->motions[i]; }
-  [[nodiscard]] const Motion& motion_b(std::size_t j) const { return moved_[j]; }
+  [[nodiscard]] const RigidMotion& motion_a(std::size_t i) const { return a_->motions[i]; }
+  [[nodiscard]] const RigidMotion& motion_b(std::size_t j) const { return moved_[j]; }
 
   /// Whether the point of A's frame is proven to lie in both models.
   [[nodiscard]] bool share(const Point& x) const;
@@ -47,7 +47,7 @@ class PosedPairs {
  private:
   const PosedPrimitives* a_;
   const PosedPrimitives* b_;
-  std::vector<Motion> moved_;  ///< from the frame of B's primitives to A's model frame
+  std::vector<RigidMotion> moved_;  ///< from the frame of B's primitives to A's model frame
 };
 
 /// What the certificate proves, as `prove` of verisq/pair_certificate.hpp says.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "verify/proof/certificate.hpp"
-#include "verify/proof/pose.hpp"
+#include "verify/proof/rigid_motion.hpp"
 
 namespace verisq::verify {
 
@@ -14,7 +14,7 @@ class PosedSuperquadric {
 
   [[nodiscard]] const Superquadric& superquadric() const { return superquadric_; }
   [[nodiscard]] const SuperquadricBounds<Real>& bounds() const { return bounds_; }
-  [[nodiscard]] const Frame& frame() const { return frame_; }
+  [[nodiscard]] const RigidMotion& motion() const { return motion_; }  ///< from K's own frame
   /// Of a sphere about the centre that contains K.
   [[nodiscard]] const PreciseInterval& radius() const { return radius_; }
 
@@ -39,7 +39,7 @@ class PosedSuperquadric {
  private:
   Superquadric superquadric_;
   SuperquadricBounds<Real> bounds_;
-  Frame frame_;
+  RigidMotion motion_;
   PreciseInterval radius_;
 };
 

@@ -23,8 +23,8 @@ bool in_triangle(const Weights& weights) {
   return weights[0] >= 0.0 && weights[1] >= 0.0 && add(weights[0], weights[1], Direction::up) <= 1.0;
 }
 
-PosedTriangle::PosedTriangle(const Triangle& triangle, const Frame& frame)
-    : corners_{frame.local_point(triangle[0]), frame.local_point(triangle[1]), frame.local_point(triangle[2])} {}
+PosedTriangle::PosedTriangle(const Triangle& triangle, const RigidMotion& motion)
+    : corners_{motion.local_point(triangle[0]), motion.local_point(triangle[1]), motion.local_point(triangle[2])} {}
 
 PreciseVector PosedTriangle::point(const Weights& weights) const {
   const PreciseVector first = corners_[1] - corners_[0];
@@ -35,7 +35,7 @@ PreciseVector PosedTriangle::point(const Weights& weights) const {
 double lower_by_sphere(const PosedSuperquadric& solid, const Triangle& triangle) {
   std::array<PreciseVector, 3> from_centre;  // distances to the centre need no rotation
   for (std::size_t i = 0; i < 3; ++i) {
-    from_centre[i] = precise({triangle[i][0], triangle[i][1], triangle[i][2]}) - solid.frame().origin();
+    from_centre[i] = precise(triangle[i]) - solid.motion().translation;
   }
   const Proposal u = closest_to_origin(midpoint(from_centre[0]), midpoint(from_centre[1]), midpoint(from_centre[2]));
   if (!usable(u)) return (-solid.radius()).lower().to_double(Direction::down);

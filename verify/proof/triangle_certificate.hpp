@@ -18,7 +18,7 @@ using Weights = std::array<double, 2>;
 /// enclosed to the rounding of 127 bits, and with them whatever is computed from them.
 class PosedTriangle {
  public:
-  PosedTriangle(const Triangle& triangle, const Frame& frame);
+  PosedTriangle(const Triangle& triangle, const RigidMotion& motion);
 
   [[nodiscard]] const std::array<PreciseVector, 3>& corners() const { return corners_; }
   [[nodiscard]] PreciseVector point(const Weights& weights) const;

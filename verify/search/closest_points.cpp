@@ -40,7 +40,7 @@ std::array<Real, 3> coordinates(const PreciseVector& x) {
 struct SeparationSystem {
   NormFunction<PreciseInterval> support_a;
   NormFunction<PreciseInterval> support_b;
-  const Motion* relative;
+  const RigidMotion* relative;
 
   [[nodiscard]] SystemExpansion<3> operator()(const IntervalVector<3>& unknowns) const {
     const PreciseVector v = three_of(unknowns);
@@ -87,7 +87,7 @@ struct SurfaceSystem {
 struct SurfacesSystem {
   NormFunction<PreciseInterval> gauge_a;
   NormFunction<PreciseInterval> gauge_b;
-  const Motion* relative;
+  const RigidMotion* relative;
 
   [[nodiscard]] SystemExpansion<8> operator()(const IntervalVector<8>& unknowns) const {
     const PreciseMatrix& r = relative->rotation;
@@ -192,7 +192,7 @@ struct Cap {
   }
 
   /// The box of the cap in the frame that `motion` leads to.
-  [[nodiscard]] PreciseVector box(const Motion& motion) const {
+  [[nodiscard]] PreciseVector box(const RigidMotion& motion) const {
     PreciseVector result;
     for (int k = 0; k < 3; ++k) {
       PreciseVector axis = motion.rotation.row(k);
@@ -282,7 +282,7 @@ struct Remaining {
   [[nodiscard]] std::optional<Boxes> boxes(const std::optional<PairBox>& found, const PosedPairs& pairs) const {
     if (!found) return std::nullopt;
     const auto& [v, on_a, on_b] = *found;
-    const Motion& motion = pairs.motion_a(i);
+    const RigidMotion& motion = pairs.motion_a(i);
     const PreciseVector a = motion(on_a);
     const PreciseVector b = pairs.motion_b(j)(on_b);
     const PreciseVector apart = motion.rotation * v;
@@ -296,14 +296,14 @@ struct Remaining {
     const Superquadric& b = bounds.b().superquadric();
     const auto support_a = NormFunction<PreciseInterval>::support(a);
     const auto support_b = NormFunction<PreciseInterval>::support(b);
-    const Motion& relative = bounds.relative();
+    const RigidMotion& relative = bounds.relative();
     const SeparationSystem forward{support_a, support_b, &relative};
     std::optional<Boxes> found = boxes(by_separation(forward, contact), pairs);
     if (found && found->width() <= kNarrow * size()) return found;
     const SurfaceSystem surface_a{NormFunction<PreciseInterval>::gauge(a), forward};
     found = both(found, boxes(by_surface(surface_a, contact), pairs));
     if (found && found->width() <= kNarrow * size()) return found;
-    const Motion inverse = relative.inverse();
+    const RigidMotion inverse = relative.inverse();
     const PreciseVector back = -(relative.rotation.transpose() * contact.vector);
     const auto gauge_b = NormFunction<PreciseInterval>::gauge(b);
     const SurfaceSystem surface_b{gauge_b, {support_b, support_a, &inverse}};
@@ -392,7 +392,7 @@ PreciseVector onto_surface(const SuperquadricBounds<Real>& solid, const PreciseV
 BestContact best_contact(const PairBounds& bounds, const Separation& s) {
   const Superquadric& a = bounds.a().superquadric();
   const Superquadric& b = bounds.b().superquadric();
-  const Motion& relative = bounds.relative();
+  const RigidMotion& relative = bounds.relative();
   const Enclosure proven = bounds.distance(s);
   // Where spheres separate the solids, the line of centres does.
   const PreciseVector start = proven.lo > 0.0 ? precise(s.vector) : thin(relative.translation);

@@ -1,4 +1,4 @@
-/// Frame and proofs of one superquadric together.
+/// Motion and proofs of one superquadric together.
 #include "verify/search/convex_primitive.hpp"
 
 #include "verify/proof/intersection.hpp"
@@ -9,7 +9,7 @@
 namespace verisq::verify {
 
 CertifiedDistance ConvexPrimitive::signed_distance(const Point& x, double tolerance) const {
-  const PreciseVector q = proof_.frame().local_point(x);
+  const PreciseVector q = proof_.motion().local_point(x);
   CertifiedDistance result = exterior_distance(proof_.superquadric(), proof_.bounds(), q, tolerance);
   if (result.distance.lo <= 0.0 && proof_.bounds().gauge(q).upper() <= Real(1)) {
     const CertifiedDistance inside = interior_distance(proof_.superquadric(), proof_.bounds(), q, tolerance);
@@ -22,14 +22,15 @@ CertifiedDistance ConvexPrimitive::signed_distance(const Point& x, double tolera
 }
 
 double ConvexPrimitive::ray_clearance(const Point& x, const Proposal& u) const {
-  const PreciseVector q = proof_.frame().local_point(x);
-  const PreciseVector v = proof_.frame().local_direction(u);
+  const PreciseVector q = proof_.motion().local_point(x);
+  const PreciseVector v = proof_.motion().local_direction(u);
   const PreciseInterval squared_length = square(v[0]) + square(v[1]) + square(v[2]);
   return ((proof_.bounds().support(v) - v.dot(q)) / squared_length).upper().to_double(Direction::up);
 }
 
 bool ConvexPrimitive::separated(const Point& x, const Proposal& u, double s) const {
-  const PreciseVector q = proof_.frame().local_point(x) + proof_.frame().local_direction(u) * PreciseInterval(Real(s));
+  const PreciseVector q =
+      proof_.motion().local_point(x) + proof_.motion().local_direction(u) * PreciseInterval(Real(s));
   if ((length<Real>(q) - proof_.radius()).lower() > Real(0)) return true;
   return lower_bound(proof_.bounds(), q, fast_contact(proof_.superquadric(), midpoint(q)).normal) > 0.0;
 }
@@ -39,9 +40,9 @@ PreciseVector ConvexPrimitive::bounding_box() const {
   for (std::size_t i = 0; i < 3; ++i) {
     PreciseInterval half(0);
     for (std::size_t j = 0; j < 3; ++j) {
-      half += abs(proof_.frame().rotation()(i, j)) * PreciseInterval(Real(proof_.superquadric().semi_axes[j]));
+      half += abs(proof_.motion().rotation(i, j)) * PreciseInterval(Real(proof_.superquadric().semi_axes[j]));
     }
-    box[i] = proof_.frame().origin()[i] + PreciseInterval(-half.upper(), half.upper());
+    box[i] = proof_.motion().translation[i] + PreciseInterval(-half.upper(), half.upper());
   }
   return box;
 }

@@ -13,7 +13,7 @@ class ConvexPrimitive {
   [[nodiscard]] CertifiedDistance signed_distance(const Point& x, double tolerance) const;
 
   /// A direction of the solid's frame in the model's, to nearest. Zero if v is not usable.
-  [[nodiscard]] Proposal model_direction(const Proposal& v) const { return proof_.frame().model_direction(v); }
+  [[nodiscard]] Proposal model_direction(const Proposal& v) const { return proof_.motion().model_direction(v); }
 
   /// What needs no search.
   [[nodiscard]] const PosedSuperquadric& proof() const { return proof_; }

@@ -29,7 +29,7 @@ struct Relative {
   Matrix<Float> rotation;
   Vector<Float> offset;
 
-  explicit Relative(const Motion& motion, double unit) {
+  explicit Relative(const RigidMotion& motion, double unit) {
     const auto middle = [](const PreciseInterval& x) {
       if constexpr (std::is_same_v<Float, FiftyDigits>) {
         return to_fifty_digits(x.lower());
@@ -244,7 +244,7 @@ constexpr double kFine = 1e-13;
 /// One pair in units of its larger solid.
 class PairSolver {
  public:
-  PairSolver(const Superquadric& a, const Superquadric& b, const Motion& motion)
+  PairSolver(const Superquadric& a, const Superquadric& b, const RigidMotion& motion)
       : unit_(unit_of(a, b)),
         a_(scaled(a, unit_)),
         b_(scaled(b, unit_)),
@@ -270,7 +270,7 @@ class PairSolver {
 
   [[nodiscard]] PairContact thorough() const { return by_midpoint(approximate(kFine), thorough_contact); }
 
-  [[nodiscard]] std::optional<PreciseContact> refined(const Motion& motion, const PreciseVector& start) const {
+  [[nodiscard]] std::optional<PreciseContact> refined(const RigidMotion& motion, const PreciseVector& start) const {
     const SeparationProblem<FiftyDigits> problem(a_, b_, Relative<FiftyDigits>(motion, unit_));
     const auto good = [](const auto& s) {
       return s.residual.squaredNorm() <= FiftyDigits(1e-84) * (1 + s.v.squaredNorm());
@@ -282,7 +282,7 @@ class PairSolver {
     return PreciseContact{in_proofs(s.v), in_proofs(s.a.gradient), in_proofs(-s.b.gradient)};
   }
 
-  [[nodiscard]] std::array<PreciseContact, 3> projected(const Motion& motion) const {
+  [[nodiscard]] std::array<PreciseContact, 3> projected(const RigidMotion& motion) const {
     const auto s = midpoint_state(approximate(kFine), thorough_contact);
     const Relative<FiftyDigits> relative(motion, unit_);
     const Vector<FiftyDigits> on_a = s.on_a.cast<FiftyDigits>();
@@ -371,22 +371,22 @@ class PairSolver {
 
 }  // namespace
 
-PairContact fast_pair_contact(const Superquadric& a, const Superquadric& b, const Motion& relative) {
+PairContact fast_pair_contact(const Superquadric& a, const Superquadric& b, const RigidMotion& relative) {
   return PairSolver(a, b, relative).fast();
 }
 
-PairContact thorough_pair_contact(const Superquadric& a, const Superquadric& b, const Motion& relative) {
+PairContact thorough_pair_contact(const Superquadric& a, const Superquadric& b, const RigidMotion& relative) {
   return PairSolver(a, b, relative).thorough();
 }
 
-std::optional<PreciseContact> refined_pair_contact(const Superquadric& a, const Superquadric& b, const Motion& relative,
-                                                   const PreciseVector& start) {
+std::optional<PreciseContact> refined_pair_contact(const Superquadric& a, const Superquadric& b,
+                                                   const RigidMotion& relative, const PreciseVector& start) {
   release_mpfr_cache_at_thread_exit();
   return PairSolver(a, b, relative).refined(relative, start);
 }
 
 std::array<PreciseContact, 3> projected_pair_contacts(const Superquadric& a, const Superquadric& b,
-                                                      const Motion& relative) {
+                                                      const RigidMotion& relative) {
   release_mpfr_cache_at_thread_exit();
   return PairSolver(a, b, relative).projected(relative);
 }

@@ -22,8 +22,9 @@ struct PairContact {
 /// which is strongly convex with the separation vector as its minimiser; its gradient F(v) = v - (b - a), with the
 /// support points a and b, leaves a gap of |F|^2 / 2|v| between the two bounds. Where a face's support point is too
 /// sensitive to v, the midpoint m of the closest points is sought instead: it minimises d_A(m)^2 + d_B(m)^2.
-[[nodiscard]] PairContact fast_pair_contact(const Superquadric& a, const Superquadric& b, const Motion& relative);
-[[nodiscard]] PairContact thorough_pair_contact(const Superquadric& a, const Superquadric& b, const Motion& relative);
+[[nodiscard]] PairContact fast_pair_contact(const Superquadric& a, const Superquadric& b, const RigidMotion& relative);
+[[nodiscard]] PairContact thorough_pair_contact(const Superquadric& a, const Superquadric& b,
+                                                const RigidMotion& relative);
 
 /// The same quantities with up to 127 bits, every interval a single number.
 struct PreciseContact {
@@ -36,11 +37,12 @@ struct PreciseContact {
 /// Precondition: `start` is not zero; the nearer it is to separating the solids best, the surer the method converges.
 /// Exponents of 2 are replaced by nearby ones.
 [[nodiscard]] std::optional<PreciseContact> refined_pair_contact(const Superquadric& a, const Superquadric& b,
-                                                                 const Motion& relative, const PreciseVector& start);
+                                                                 const RigidMotion& relative,
+                                                                 const PreciseVector& start);
 
 /// The thorough points, accurate to long double, with three vectors: between them, and the normals of A and of B, whose
 /// components are accurate each relative to itself, as the faces of that solid need. Precondition: disjoint solids.
 [[nodiscard]] std::array<PreciseContact, 3> projected_pair_contacts(const Superquadric& a, const Superquadric& b,
-                                                                    const Motion& relative);
+                                                                    const RigidMotion& relative);
 
 }  // namespace verisq::verify

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "verify/proof/convex_union.hpp"
-#include "verify/proof/pose.hpp"
+#include "verify/proof/rigid_motion.hpp"
 #include "verify/search/bisected_enclosure.hpp"
 #include "verify/search/gjk.hpp"
 #include "verify/search/support_mapping.hpp"
@@ -69,13 +69,13 @@ Vector3<double> surface_near(const BisectedEnclosure& solid, const Coordinates<d
 }
 
 /// B's frame seen from A's: x_B = turn x_A + shift.
-struct RelativeFrame {
+struct RelativeMotion {
   Matrix3<double> turn;
   Vector3<double> shift;
 
-  RelativeFrame(const Frame& a, const Frame& b)
-      : turn(rounded_outward(b.rotation().transpose() * a.rotation())),
-        shift(rounded_outward(b.rotation().transpose() * PreciseVector(a.origin() - b.origin()))) {}
+  RelativeMotion(const RigidMotion& a, const RigidMotion& b)
+      : turn(rounded_outward(b.rotation.transpose() * a.rotation)),
+        shift(rounded_outward(b.rotation.transpose() * PreciseVector(a.translation - b.translation))) {}
 
   [[nodiscard]] Vector3<double> point_of_b(const Vector3<double>& x_a) const { return turn * x_a + shift; }
   [[nodiscard]] Vector3<double> direction_of_b(const Vector3<double>& v_a) const { return turn * v_a; }
@@ -89,7 +89,7 @@ struct RelativeFrame {
 Enclosure published_distance(const Primitive& solid, const Point& point, double accuracy) {
   require_convex(solid, method_name);
   const BisectedEnclosure enclosure(solid.superquadric);
-  const PreciseVector local = Frame(solid.pose).local_point(point);
+  const PreciseVector local = RigidMotion(solid.pose).local_point(point);
   const Vector3<double> q = rounded_outward(local);
   if (enclosure.bounds().gauge(q).upper() <= 1.0) return {0.0, 0.0};
   const GjkResult<double> found = closest(solid, middle(local), accuracy);
@@ -103,11 +103,11 @@ Enclosure published_distance(const Primitive& a, const Primitive& b, double accu
   require_convex(b, method_name);
   const BisectedEnclosure enclosure_a(a.superquadric);
   const BisectedEnclosure enclosure_b(b.superquadric);
-  const RelativeFrame relative(Frame(a.pose), Frame(b.pose));
+  const RelativeMotion relative(RigidMotion(a.pose), RigidMotion(b.pose));
   const GjkResult<double> found = closest(a, b, accuracy);
 
-  const RigidMotion<double> of_a({{}, a.pose.quaternion});
-  const RigidMotion<double> of_b({difference(b.pose.translation, a.pose.translation), b.pose.quaternion});
+  const ApproximateMotion<double> of_a({{}, a.pose.quaternion});
+  const ApproximateMotion<double> of_b({difference(b.pose.translation, a.pose.translation), b.pose.quaternion});
   const Coordinates<double> p_a = of_a.inverse_point(found.on_a);
   const Coordinates<double> to_b = of_a.inverse_direction(difference(found.on_b, found.on_a));
   const Coordinates<double> to_a = of_b.inverse_direction(difference(found.on_a, found.on_b));
@@ -128,7 +128,7 @@ Enclosure published_distance(const Primitive& a, const Primitive& b, double accu
 
 double unverified_distance(const Primitive& solid, const Point& point, double accuracy) {
   require_convex(solid, method_name);
-  const GjkResult<double> found = closest(solid, RigidMotion<double>(solid.pose).inverse_point(point), accuracy);
+  const GjkResult<double> found = closest(solid, ApproximateMotion<double>(solid.pose).inverse_point(point), accuracy);
   return found.end == GjkEnd::common ? 0.0 : found.upper;
 }
 

@@ -61,7 +61,7 @@ template class SuperquadricSet<long double>;
 
 /// The rotation of the quaternion divided by its length. The components are scaled first: their squares may overflow.
 template <class Float>
-RigidMotion<Float>::RigidMotion(const Pose& pose) : translation_(converted<Float>(pose.translation)) {
+ApproximateMotion<Float>::ApproximateMotion(const Pose& pose) : translation_(converted<Float>(pose.translation)) {
   const auto& quaternion = pose.quaternion;
   Float largest = 0;
   for (const double component : quaternion) largest = std::max(largest, std::fabs(Float(component)));
@@ -76,26 +76,26 @@ RigidMotion<Float>::RigidMotion(const Pose& pose) : translation_(converted<Float
 }
 
 template <class Float>
-Coordinates<Float> RigidMotion<Float>::direction(const Coordinates<Float>& v) const {
+Coordinates<Float> ApproximateMotion<Float>::direction(const Coordinates<Float>& v) const {
   return {dot(rows_[0], v), dot(rows_[1], v), dot(rows_[2], v)};
 }
 
 template <class Float>
-Coordinates<Float> RigidMotion<Float>::inverse_direction(const Coordinates<Float>& v) const {
+Coordinates<Float> ApproximateMotion<Float>::inverse_direction(const Coordinates<Float>& v) const {
   return along(along(along({}, rows_[0], v[0]), rows_[1], v[1]), rows_[2], v[2]);
 }
 
 template <class Float>
-Coordinates<Float> RigidMotion<Float>::point(const Coordinates<Float>& x) const {
+Coordinates<Float> ApproximateMotion<Float>::point(const Coordinates<Float>& x) const {
   return along(translation_, direction(x), Float(1));
 }
 
 template <class Float>
-Coordinates<Float> RigidMotion<Float>::inverse_point(const Coordinates<Float>& x) const {
+Coordinates<Float> ApproximateMotion<Float>::inverse_point(const Coordinates<Float>& x) const {
   return inverse_direction(difference(x, translation_));
 }
 
-template class RigidMotion<double>;
-template class RigidMotion<long double>;
+template class ApproximateMotion<double>;
+template class ApproximateMotion<long double>;
 
 }  // namespace verisq::verify

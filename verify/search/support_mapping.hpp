@@ -52,9 +52,9 @@ extern template class SuperquadricSet<long double>;
 
 /// x -> R x + t in floating point.
 template <class Float>
-class RigidMotion {
+class ApproximateMotion {
  public:
-  explicit RigidMotion(const Pose& pose);
+  explicit ApproximateMotion(const Pose& pose);
 
   [[nodiscard]] Coordinates<Float> point(const Coordinates<Float>& x) const;              ///< R x + t
   [[nodiscard]] Coordinates<Float> direction(const Coordinates<Float>& v) const;          ///< R v
@@ -66,29 +66,29 @@ class RigidMotion {
   Coordinates<Float> translation_;
 };
 
-extern template class RigidMotion<double>;
-extern template class RigidMotion<long double>;
+extern template class ApproximateMotion<double>;
+extern template class ApproximateMotion<long double>;
 
 /// The image of a set under a rigid motion: s(v) = R s_0(R^T v) + t.
 template <class Float, class Set>
 class PosedSet {
  public:
-  PosedSet(const Set& set, const RigidMotion<Float>& motion) : set_(set), motion_(motion) {}
+  PosedSet(const Set& set, const ApproximateMotion<Float>& motion) : set_(set), motion_(motion) {}
 
   [[nodiscard]] Coordinates<Float> operator()(const Coordinates<Float>& v) const {
     return motion_.point(set_(motion_.inverse_direction(v)));
   }
 
-  [[nodiscard]] const RigidMotion<Float>& motion() const { return motion_; }
+  [[nodiscard]] const ApproximateMotion<Float>& motion() const { return motion_; }
 
  private:
   Set set_;
-  RigidMotion<Float> motion_;
+  ApproximateMotion<Float> motion_;
 };
 
 template <class Float>
 [[nodiscard]] PosedSet<Float, SuperquadricSet<Float>> posed_set(const Primitive& primitive) {
-  return {SuperquadricSet<Float>(primitive.superquadric), RigidMotion<Float>(primitive.pose)};
+  return {SuperquadricSet<Float>(primitive.superquadric), ApproximateMotion<Float>(primitive.pose)};
 }
 
 }  // namespace verisq::verify

@@ -46,7 +46,7 @@ Proposal projected(const Proposal& v, const Proposal& edge) {
 class TriangleProof {
  public:
   TriangleProof(const PosedSuperquadric& solid, const Triangle& triangle)
-      : solid_(solid), triangle_(triangle, solid.frame()), normal_(normal_of_plane(triangle_.corners())) {
+      : solid_(solid), triangle_(triangle, solid.motion()), normal_(normal_of_plane(triangle_.corners())) {
     const auto& corners = triangle_.corners();
     for (std::size_t i = 0; i < 3; ++i) {
       corners_[i] = midpoint(corners[i]);

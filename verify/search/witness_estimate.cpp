@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "verify/proof/pose.hpp"
+#include "verify/proof/rigid_motion.hpp"
 #include "verify/proof/triangle.hpp"
 
 namespace verisq::verify {
 
 WitnessEstimate::WitnessEstimate(const Model& model) {
   for (const auto& [name, superquadric, pose, bend] : model.primitives) {
-    const Frame frame(pose);
+    const RigidMotion motion(pose);
     std::array<Vector, 3> rotation{};
-    for (std::size_t i = 0; i < 3; ++i) rotation[i] = midpoint(frame.rotation().column(i));
+    for (std::size_t i = 0; i < 3; ++i) rotation[i] = midpoint(motion.rotation.column(i));
     const auto& a = superquadric.semi_axes;
     primitives_.push_back({Boundary<long double>(superquadric),
                            rotation,

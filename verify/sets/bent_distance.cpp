@@ -21,7 +21,7 @@ constexpr double kNeighbourhood = 0x1p-20;
 /// Z).
 class ConvexProblem {
  public:
-  /// Everything in the primitive's own frame.
+  /// Everything in the primitive's own motion.
   ConvexProblem(const Superquadric& solid, const Bend& bend, const Proposal& query, const Proposal& unbent_query)
       : solid_(solid),
         k_(bend.curvature),
@@ -139,18 +139,18 @@ BentDistance::BentDistance(const Primitive& primitive)
     : superquadric_(primitive.superquadric),
       bend_(*primitive.bend),
       bounds_(primitive.superquadric),
-      frame_(primitive.pose),
+      motion_(primitive.pose),
       map_(bend_),
       least_w_(PreciseInterval(1) - scaled_curvature(bend_) * extent(bend_, superquadric_)),
       angle_(scaled_curvature(bend_) * PreciseInterval(Real(superquadric_.semi_axes[2]))),
       radius_(length<Real>(bent_box(bend_, superquadric_))) {}
 
 double BentDistance::lower_by_sphere(const Point& x) const {
-  return (length<Real>(frame_.local_point(x)) - radius_.upper()).lower().to_double(Direction::down);
+  return (length<Real>(motion_.local_point(x)) - radius_.upper()).lower().to_double(Direction::down);
 }
 
 BentDistance::Query BentDistance::query(const Point& x) const {
-  const PreciseVector bent = frame_.local_point(x);
+  const PreciseVector bent = motion_.local_point(x);
   return {bent, map_.unbent(bent)};
 }
 
@@ -167,7 +167,7 @@ BentDistance::Nearest BentDistance::proven(const Query& q, const Candidate& cand
   const PreciseVector image = map_.bent(in_solid(is_finite(candidate.point) ? candidate.point : Proposal{}));
   const Real upper = length<Real>(PreciseVector(image - q.bent)).upper();
   const Real lower = lower_bound(q, upper, candidate.direction);
-  const Proposal nearest = midpoint(PreciseVector(frame_.rotation() * image + frame_.origin()));
+  const Proposal nearest = midpoint(PreciseVector(motion_.rotation * image + motion_.translation));
   return {{lower.to_double(Direction::down), upper.to_double(Direction::up)}, rounded(nearest)};
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "verify/proof/certificate.hpp"
-#include "verify/proof/pose.hpp"
+#include "verify/proof/rigid_motion.hpp"
 #include "verify/sets/bend.hpp"
 #include "verisq/model.hpp"
 
@@ -61,7 +61,7 @@ class BentDistance {
   Superquadric superquadric_;
   Bend bend_;
   SuperquadricBounds<Real> bounds_;
-  Frame frame_;
+  RigidMotion motion_;
   BendMap<Real> map_;
   // Of the scaled solid in which x0 has to lie:
   PreciseInterval least_w_;

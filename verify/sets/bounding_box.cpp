@@ -24,9 +24,9 @@ Box rounded_outward(const PreciseVector& x) {
 
 Box box_of(const Primitive& primitive) {
   if (!is_bent(primitive)) return rounded_outward(ConvexPrimitive(primitive).bounding_box());
-  const Frame frame(primitive.pose);
-  const PreciseMatrix rotation = frame.rotation() * turn(*primitive.bend);
-  return rounded_outward(frame.origin() + rotation * bent_box(*primitive.bend, primitive.superquadric));
+  const RigidMotion motion(primitive.pose);
+  const PreciseMatrix rotation = motion.rotation * turn(*primitive.bend);
+  return rounded_outward(motion.translation + rotation * bent_box(*primitive.bend, primitive.superquadric));
 }
 
 bool is_empty(const Box& box) {

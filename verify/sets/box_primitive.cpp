@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "verify/proof/boundary.hpp"
-#include "verify/proof/pose.hpp"
+#include "verify/proof/rigid_motion.hpp"
 #include "verify/sets/bend.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -30,15 +30,15 @@ PreciseInterval in_precision(const PreciseInterval& a, const Real& /*of the ends
   return a;
 }
 
-/// How a primitive lies in the model frame.
+/// The frame of a primitive, seen from the model's.
 template <class T>
-class Placement {
+class OwnFrame {
  public:
-  explicit Placement(const Primitive& primitive) {
-    const Frame frame(primitive.pose);
+  explicit OwnFrame(const Primitive& primitive) {
+    const RigidMotion motion(primitive.pose);
     for (int i = 0; i < 3; ++i) {
       translation_[i] = T(primitive.pose.translation[i]);
-      for (int j = 0; j < 3; ++j) rotation_(i, j) = in_precision(frame.rotation()(j, i), T());
+      for (int j = 0; j < 3; ++j) rotation_(i, j) = in_precision(motion.rotation(j, i), T());
     }
     if (primitive.bend) bend_.emplace(*primitive.bend);
   }
@@ -86,9 +86,9 @@ double reach_in_plane(const Matrix3<double>& turned) {
   return reach;
 }
 
-double reach_of_unit_cube(const Placement<double>& placement) {
-  if (!placement.bend()) return 0.0;
-  const auto turned_column = [&](std::size_t j) { return placement.bend()->turned(placement.rotation().column(j)); };
+double reach_of_unit_cube(const OwnFrame<double>& own_frame) {
+  if (!own_frame.bend()) return 0.0;
+  const auto turned_column = [&](std::size_t j) { return own_frame.bend()->turned(own_frame.rotation().column(j)); };
   return reach_in_plane(Matrix3<double>(turned_column(0), turned_column(1), turned_column(2)).transpose());
 }
 
@@ -165,14 +165,14 @@ bool misses_cube(const HalfSpace& half_space, double half_width) {
 
 struct BoxPrimitive::State {
   explicit State(const Primitive& primitive)
-      : placement(primitive),
-        precise_placement(primitive),
+      : own_frame(primitive),
+        precise_own_frame(primitive),
         bounds(primitive.superquadric),
         precise_bounds(primitive.superquadric),
         boundary(primitive.superquadric),
         semi_axes(primitive.superquadric.semi_axes),
         radius(bounding_radius(primitive)),
-        reach(reach_of_unit_cube(placement)),
+        reach(reach_of_unit_cube(own_frame)),
         keeps_axes(primitive.pose.quaternion[1] == 0.0 && primitive.pose.quaternion[2] == 0.0 &&
                    primitive.pose.quaternion[3] == 0.0 && !primitive.bend) {}
 
@@ -190,8 +190,8 @@ struct BoxPrimitive::State {
   [[nodiscard]] HalfSpace inside(const AffineMap& map, double half_width) const;
   [[nodiscard]] HalfSpace outside(const AffineMap& map, double half_width) const;
 
-  Placement<double> placement;
-  Placement<Real> precise_placement;
+  OwnFrame<double> own_frame;
+  OwnFrame<Real> precise_own_frame;
   SuperquadricBounds<double> bounds;
   SuperquadricBounds<Real> precise_bounds;
   Boundary<double> boundary;
@@ -207,17 +207,17 @@ bool BoxPrimitive::State::sphere_misses(const Vector3<double>& from_centre, doub
 }
 
 std::optional<AffineMap> BoxPrimitive::State::affine(const Vector3<double>& own, double half_width) const {
-  if (!placement.bend()) return AffineMap{own, placement.rotation(), Vector3<double>()};
+  if (!own_frame.bend()) return AffineMap{own, own_frame.rotation(), Vector3<double>()};
   const double step = (Interval(reach) * Interval(half_width)).upper();
-  const auto expansion = placement.bend()->expansion(own, step);
+  const auto expansion = own_frame.bend()->expansion(own, step);
   if (!expansion) return std::nullopt;
-  return AffineMap{expansion->centre, expansion->derivative * placement.rotation(), placement.bend()->direction(),
+  return AffineMap{expansion->centre, expansion->derivative * own_frame.rotation(), own_frame.bend()->direction(),
                    expansion->radial, expansion->axial};
 }
 
 Vector3<double> BoxPrimitive::State::natural_range(const Vector3<double>& own, double half_width) const {
-  const AffineMap posed{own, placement.rotation(), Vector3<double>()};
-  return placement.unbent_up_to_sign(range(posed, half_width));
+  const AffineMap posed{own, own_frame.rotation(), Vector3<double>()};
+  return own_frame.unbent_up_to_sign(range(posed, half_width));
 }
 
 /// Cheap bounds first: max <= g <= sum of the |coordinates| / semi-axes. A gauge in plain floating point then tells
@@ -242,8 +242,8 @@ Colour BoxPrimitive::State::box_colour(const Vector3<double>& box) const {
 
 /// For points whose colour the rounding errors of binary64 hide.
 Colour BoxPrimitive::State::precise_colour(const Point& x) const {
-  const PreciseVector own = precise_placement.rotation() * precise_placement.from_centre(x);
-  const PreciseInterval gauge = precise_bounds.gauge(precise_placement.unbent_up_to_sign(own));
+  const PreciseVector own = precise_own_frame.rotation() * precise_own_frame.from_centre(x);
+  const PreciseInterval gauge = precise_bounds.gauge(precise_own_frame.unbent_up_to_sign(own));
   if (gauge.lower() > Real(1)) return Colour::white;
   return gauge.upper() < Real(1) ? Colour::black : Colour::gray;
 }
@@ -316,11 +316,11 @@ BoxPrimitive::BoxPrimitive(BoxPrimitive&&) noexcept = default;
 BoxPrimitive& BoxPrimitive::operator=(BoxPrimitive&&) noexcept = default;
 
 Colour BoxPrimitive::colour(const Cube& cube) const {
-  const Vector3<double> from_centre = state_->placement.from_centre(cube.centre);
+  const Vector3<double> from_centre = state_->own_frame.from_centre(cube.centre);
   if (state_->sphere_misses(from_centre, cube.half_width)) return Colour::white;
-  const Vector3<double> own = state_->placement.rotation() * from_centre;
+  const Vector3<double> own = state_->own_frame.rotation() * from_centre;
   if (cube.half_width == 0.0) {
-    const Colour found = state_->box_colour(state_->placement.unbent_up_to_sign(own));
+    const Colour found = state_->box_colour(state_->own_frame.unbent_up_to_sign(own));
     return found == Colour::gray ? state_->precise_colour(cube.centre) : found;
   }
   const auto map = state_->affine(own, cube.half_width);
@@ -331,7 +331,7 @@ Colour BoxPrimitive::colour(const Cube& cube) const {
 }
 
 HalfSpace BoxPrimitive::half_space(const Cube& cube, Side side) const {
-  const Vector3<double> own = state_->placement.rotation() * state_->placement.from_centre(cube.centre);
+  const Vector3<double> own = state_->own_frame.rotation() * state_->own_frame.from_centre(cube.centre);
   const auto map = state_->affine(own, cube.half_width);
   if (!map) return kNothing;
   return side == Side::inside ? state_->inside(*map, cube.half_width) : state_->outside(*map, cube.half_width);

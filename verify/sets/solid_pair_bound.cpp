@@ -31,7 +31,7 @@ Point unit(const Point& n) {
   return {n[0] / length, n[1] / length, n[2] / length};
 }
 
-double lower_by_direction(const CutCube& x, const CutCube& y, const SearchMotion& motion, const Point& n) {
+double lower_by_direction(const CutCube& x, const CutCube& y, const BoundedMotion& motion, const Point& n) {
   // n·(R y + t - x) = (R^T n)·y + n·t - n·x, with m for R^T n: what m is off by meets |y|_1 at most.
   const Point m = motion.direction_in_b(n);
   const double support_x = x.support(n);
@@ -43,14 +43,14 @@ double lower_by_direction(const CutCube& x, const CutCube& y, const SearchMotion
   const double terms = absolute_dot(n, motion.translation()) + absolute_dot(m, b) + absolute_dot(n, a) +
                        std::fabs(support_x) + std::fabs(support_y);
   const double turned =
-      2.0 * SearchMotion::rotation_error * absolute_sum(n) * (absolute_sum(b) + 3.0 * y.cube().half_width);
+      2.0 * BoundedMotion::rotation_error * absolute_sum(n) * (absolute_sum(b) + 3.0 * y.cube().half_width);
   const double proven = slab - 0x1p-47 * terms - turned - 0x1p-1000;
   if (!(proven > 0.0)) return 0.0;
   const double length = std::sqrt(dot(n, n)) * (1.0 + 0x1p-50);  // n is about as long as 1: nothing underflows
   return proven / length * (1.0 - 0x1p-50);
 }
 
-Approach approach(const CutCube& x, const CutCube& y, const SearchMotion& motion, const Point& guess, double enough) {
+Approach approach(const CutCube& x, const CutCube& y, const BoundedMotion& motion, const Point& guess, double enough) {
   Approach found{lower_by_direction(x, y, motion, guess), 0.0, x.cube().centre, y.cube().centre};
   for (int step = 0; step < kMostProjections && found.lower < enough; ++step) {
     found.on_b = y.nearest(motion.to_b(found.on_a));

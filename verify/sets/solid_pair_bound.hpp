@@ -1,7 +1,7 @@
 /// Lower bounds of the distance of two polytopes, one of which is moved.
 #pragma once
 
-#include "verify/sets/solid_pair_motion.hpp"
+#include "verify/sets/bounded_motion.hpp"
 #include "verify/sets/solid_pair_polytope.hpp"
 
 namespace verisq::verify {
@@ -11,7 +11,8 @@ namespace verisq::verify {
 
 /// At least 0: proven by the slab between the planes normal to n, which is in the frame of A like x, and about as long
 /// as 1. Any n is valid.
-[[nodiscard]] double lower_by_direction(const CutCube& x, const CutCube& y, const SearchMotion& motion, const Point& n);
+[[nodiscard]] double lower_by_direction(const CutCube& x, const CutCube& y, const BoundedMotion& motion,
+                                        const Point& n);
 
 /// What alternating projections find.
 struct Approach {
@@ -22,7 +23,7 @@ struct Approach {
 };
 
 /// Stops as soon as `lower` is at least `enough`. `guess` is a direction from A to B; it may be poor, or zero.
-[[nodiscard]] Approach approach(const CutCube& x, const CutCube& y, const SearchMotion& motion, const Point& guess,
+[[nodiscard]] Approach approach(const CutCube& x, const CutCube& y, const BoundedMotion& motion, const Point& guess,
                                 double enough);
 
 }  // namespace verisq::verify

@@ -208,7 +208,7 @@ class Search {
     return {found, proximity, near_points_, common_, cubes(), verified(found, tolerance_)};
   }
 
-  SearchMotion motion_;
+  BoundedMotion motion_;
   PointSearch points_;
   Cells a_;
   Cells b_;

@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "verify/sets/bounded_motion.hpp"
 #include "verify/sets/solid_pair_cells.hpp"
-#include "verify/sets/solid_pair_motion.hpp"
 
 namespace verisq::verify {
 
@@ -18,7 +18,7 @@ struct NearPoints {
 class PointSearch {
  public:
   /// All must outlive this.
-  PointSearch(const SearchSolid& a, const SearchSolid& b, const SearchMotion& motion)
+  PointSearch(const SearchSolid& a, const SearchSolid& b, const BoundedMotion& motion)
       : a_(&a), b_(&b), motion_(&motion) {}
 
   /// Points proven to lie in the cells' parts, next to the proposed ones; nothing where the proof fails. `scale` is the
@@ -36,7 +36,7 @@ class PointSearch {
  private:
   const SearchSolid* a_;
   const SearchSolid* b_;
-  const SearchMotion* motion_;
+  const BoundedMotion* motion_;
 };
 
 }  // namespace verisq::verify

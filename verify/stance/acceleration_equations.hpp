@@ -21,7 +21,7 @@ template <class T>
   }
   // Carried back to the world's origin, the root has the reference point there.
   const Tree<T> tree = tree_of<T>(model, parameters, carried.position);
-  const Pose<T> root = forward_kinematics(tree).front();
+  const BodyPose<T> root = forward_kinematics(tree).front();
   const Vector3<T> reference = -(root.orientation.transpose() * root.position);
   return generalised_force<T>(tree, 0, reference, values_of<T>(model.applied.force, parameters));
 }

@@ -11,7 +11,7 @@ namespace verisq::stance {
 
 /// Of a body's frame in the world.
 template <class T>
-struct Pose {
+struct BodyPose {
   Matrix3<T> orientation;  ///< columns are the body's axes
   Vector3<T> position;     ///< of its origin, m
 
@@ -21,8 +21,8 @@ struct Pose {
 namespace kinematics_details {
 
 template <class T>
-[[nodiscard]] Pose<T> composed(const Pose<T>& parent, const Transform<T>& transform) {
-  Pose<T> pose = parent;
+[[nodiscard]] BodyPose<T> composed(const BodyPose<T>& parent, const Transform<T>& transform) {
+  BodyPose<T> pose = parent;
   if (transform.shift) pose.position += parent.orientation * *transform.shift;
   if (transform.turn) {
     for (int i = 0; i < 3; ++i) {
@@ -34,9 +34,9 @@ template <class T>
 }
 
 template <class T>
-[[nodiscard]] std::vector<Pose<T>> link_poses(const Tree<T>& tree) {
-  const Pose<T> world{Matrix3<T>::Identity(), zero_vector<T>()};
-  std::vector<Pose<T>> poses;
+[[nodiscard]] std::vector<BodyPose<T>> link_poses(const Tree<T>& tree) {
+  const BodyPose<T> world{Matrix3<T>::Identity(), zero_vector<T>()};
+  std::vector<BodyPose<T>> poses;
   poses.reserve(tree.links.size());
   for (const Link<T>& link : tree.links) {
     poses.push_back(composed(link.parent ? poses[*link.parent] : world, link.transform));
@@ -48,30 +48,30 @@ template <class T>
 
 /// One pose a body.
 template <class T>
-[[nodiscard]] std::vector<Pose<T>> forward_kinematics(const Tree<T>& tree) {
-  const std::vector<Pose<T>> links = kinematics_details::link_poses(tree);
-  std::vector<Pose<T>> poses;
+[[nodiscard]] std::vector<BodyPose<T>> forward_kinematics(const Tree<T>& tree) {
+  const std::vector<BodyPose<T>> links = kinematics_details::link_poses(tree);
+  std::vector<BodyPose<T>> poses;
   for (const std::size_t link : tree.body_link) poses.push_back(links[link]);
   return poses;
 }
 
 /// The velocities of the bodies in their own frames: angular, and of their origins.
 template <class T>
-[[nodiscard]] std::vector<Motion<T>> body_velocities(const Tree<T>& tree, const std::vector<T>& velocity) {
-  std::vector<Motion<T>> links;
+[[nodiscard]] std::vector<SpatialMotion<T>> body_velocities(const Tree<T>& tree, const std::vector<T>& velocity) {
+  std::vector<SpatialMotion<T>> links;
   for (const Link<T>& link : tree.links) {
-    Motion<T> v = link.parent ? link.transform.to_child(links[*link.parent]) : Motion<T>{};
+    SpatialMotion<T> v = link.parent ? link.transform.to_child(links[*link.parent]) : SpatialMotion<T>{};
     if (link.joint != nullptr) v = v + link.joint_motion(velocity[link.degree_of_freedom]);
     links.push_back(v);
   }
-  std::vector<Motion<T>> bodies;
+  std::vector<SpatialMotion<T>> bodies;
   for (const std::size_t link : tree.body_link) bodies.push_back(links[link]);
   return bodies;
 }
 
 /// The velocity in the world of a body's point.
 template <class T>
-[[nodiscard]] Vector3<T> point_velocity(const Pose<T>& pose, const Motion<T>& body_velocity,
+[[nodiscard]] Vector3<T> point_velocity(const BodyPose<T>& pose, const SpatialMotion<T>& body_velocity,
                                         const Vector3<T>& point_in_body) {
   return pose.orientation * Vector3<T>(body_velocity.linear + body_velocity.angular.cross(point_in_body));
 }

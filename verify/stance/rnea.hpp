@@ -19,17 +19,17 @@ template <class T>
   const Tree<T> tree = tree_of(model, parameters, state.position);
   const std::size_t count = tree.links.size();
   // A tree that accelerates upwards feels gravity.
-  Motion<T> world;
+  SpatialMotion<T> world;
   world.linear[1] = T(model.gravity);
-  std::vector<Motion<T>> v(count), a(count);
+  std::vector<SpatialMotion<T>> v(count), a(count);
   std::vector<Force<T>> f(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Link<T>& link = tree.links[i];
-    const Motion<T> carried = link.parent ? v[*link.parent] : Motion<T>{};
+    const SpatialMotion<T> carried = link.parent ? v[*link.parent] : SpatialMotion<T>{};
     v[i] = link.transform.to_child(carried);
     a[i] = link.transform.to_child(link.parent ? a[*link.parent] : world);
     if (link.joint != nullptr) {
-      const Motion<T> relative = link.joint_motion(state.velocity[link.degree_of_freedom]);
+      const SpatialMotion<T> relative = link.joint_motion(state.velocity[link.degree_of_freedom]);
       v[i] = v[i] + relative;
       a[i] = a[i] + link.joint_motion(acceleration[link.degree_of_freedom]) + cross(v[i], relative);
     }
@@ -64,7 +64,7 @@ template <class T>
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (joints[j].kind == JointKind::translation) carried.position[j] = T(0);
   }
-  const std::vector<Pose<T>> poses = forward_kinematics(tree_of(model, parameters, carried.position));
+  const std::vector<BodyPose<T>> poses = forward_kinematics(tree_of(model, parameters, carried.position));
   T mass(0), moment_x(0), moment_z(0);
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Body& body = model.bodies[i];

@@ -20,13 +20,16 @@ template <class T>
   return {T(0), T(0), T(0)};
 }
 
-/// A velocity or acceleration: of the body's rotation, and of the point of it at the frame's origin.
+/// Featherstone's spatial motion vector, a velocity or acceleration: of the body's rotation, and of the point of it at
+/// the frame's origin.
 template <class T>
-struct Motion {
+struct SpatialMotion {
   Vector3<T> angular = zero_vector<T>();
   Vector3<T> linear = zero_vector<T>();
 
-  friend Motion operator+(const Motion& a, const Motion& b) { return {a.angular + b.angular, a.linear + b.linear}; }
+  friend SpatialMotion operator+(const SpatialMotion& a, const SpatialMotion& b) {
+    return {a.angular + b.angular, a.linear + b.linear};
+  }
 };
 
 /// A wrench: its moment about the frame's origin, and its force.
@@ -40,13 +43,13 @@ struct Force {
 
 /// Featherstone's v x m: the derivative of m where its frame moves with v.
 template <class T>
-[[nodiscard]] Motion<T> cross(const Motion<T>& v, const Motion<T>& m) {
+[[nodiscard]] SpatialMotion<T> cross(const SpatialMotion<T>& v, const SpatialMotion<T>& m) {
   return {v.angular.cross(m.angular), v.angular.cross(m.linear) + v.linear.cross(m.angular)};
 }
 
 /// Featherstone's v x* f.
 template <class T>
-[[nodiscard]] Force<T> cross(const Motion<T>& v, const Force<T>& f) {
+[[nodiscard]] Force<T> cross(const SpatialMotion<T>& v, const Force<T>& f) {
   return {v.angular.cross(f.moment) + v.linear.cross(f.force), v.angular.cross(f.force)};
 }
 
@@ -75,7 +78,7 @@ struct Inertia {
     return {a.mass + b.mass, a.first_moment + b.first_moment, a.rotational + b.rotational};
   }
 
-  friend Force<T> operator*(const Inertia& inertia, const Motion<T>& m) {
+  friend Force<T> operator*(const Inertia& inertia, const SpatialMotion<T>& m) {
     return {inertia.rotational * m.angular + inertia.first_moment.cross(m.linear),
             inertia.mass * m.linear + m.angular.cross(inertia.first_moment)};
   }
@@ -101,7 +104,7 @@ struct Transform {
     return shift ? Vector3<T>(*shift + to_parent(point)) : to_parent(point);
   }
 
-  [[nodiscard]] Motion<T> to_child(const Motion<T>& m) const {
+  [[nodiscard]] SpatialMotion<T> to_child(const SpatialMotion<T>& m) const {
     const Vector3<T> linear = shift ? Vector3<T>(m.linear + m.angular.cross(*shift)) : m.linear;
     return {to_child(m.angular), to_child(linear)};
   }

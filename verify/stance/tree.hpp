@@ -51,8 +51,8 @@ struct Link {
   Inertia<T> inertia = {};
 
   /// The joint's own motion at a rate, in this link's frame: Featherstone's S times the rate. Needs a joint.
-  [[nodiscard]] Motion<T> joint_motion(const T& rate) const {
-    Motion<T> motion;
+  [[nodiscard]] SpatialMotion<T> joint_motion(const T& rate) const {
+    SpatialMotion<T> motion;
     (joint->kind == JointKind::rotation ? motion.angular : motion.linear)[joint->axis] = rate;
     return motion;
   }

@@ -8,9 +8,9 @@
 namespace verisq::verify {
 
 /// From the frame of B to that of A: x -> R x + t.
-class SearchMotion {
+class BoundedMotion {
  public:
-  explicit SearchMotion(const Pose& pose);
+  explicit BoundedMotion(const Pose& pose);
 
   // About: these prove nothing.
   [[nodiscard]] Point to_a(const Point& in_b) const;
@@ -30,8 +30,8 @@ class SearchMotion {
   [[nodiscard]] Cube enclosed_in_b(const Point& x) const;
 
  private:
-  Motion precise_;
-  Motion inverse_;
+  RigidMotion precise_;
+  RigidMotion inverse_;
   std::array<Point, 3> rotation_;  ///< rows of R, to nearest
   Point translation_;
 };

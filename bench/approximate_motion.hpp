@@ -15,8 +15,8 @@ namespace verisq::bench {
 }
 
 /// x -> rotation x + translation
-struct RigidMotion {
-  explicit RigidMotion(const Pose& pose)
+struct ApproximateMotion {
+  explicit ApproximateMotion(const Pose& pose)
       : rotation(Eigen::Quaterniond(pose.quaternion[0], pose.quaternion[1], pose.quaternion[2], pose.quaternion[3])
                      .normalized()
                      .toRotationMatrix()),

@@ -1,10 +1,10 @@
 /// The rounded rotation is that of the precise one: its entries are at most 1, hence off by less than 2^-53.
-#include "verify/sets/solid_pair_motion.hpp"
+#include "verify/sets/bounded_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "verify/proof/pose.hpp"
+#include "verify/proof/rigid_motion.hpp"
 
 namespace verisq::verify {
 
@@ -16,8 +16,8 @@ double nearest(const PreciseInterval& x) {
 
 }  // namespace
 
-SearchMotion::SearchMotion(const Pose& pose)
-    : precise_(motion_of(Frame(pose))), inverse_(precise_.inverse()), rotation_{}, translation_(pose.translation) {
+BoundedMotion::BoundedMotion(const Pose& pose)
+    : precise_(RigidMotion(pose)), inverse_(precise_.inverse()), rotation_{}, translation_(pose.translation) {
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       // Both ends are within 2^-52 of the exact entry, because 127 bits lose nothing that counts here.
@@ -26,7 +26,7 @@ SearchMotion::SearchMotion(const Pose& pose)
   }
 }
 
-Point SearchMotion::to_a(const Point& in_b) const {
+Point BoundedMotion::to_a(const Point& in_b) const {
   Point x = translation_;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) x[i] += rotation_[i][j] * in_b[j];
@@ -34,11 +34,11 @@ Point SearchMotion::to_a(const Point& in_b) const {
   return x;
 }
 
-Point SearchMotion::to_b(const Point& in_a) const {
+Point BoundedMotion::to_b(const Point& in_a) const {
   return direction_in_b({in_a[0] - translation_[0], in_a[1] - translation_[1], in_a[2] - translation_[2]});
 }
 
-Point SearchMotion::direction_in_b(const Point& direction) const {
+Point BoundedMotion::direction_in_b(const Point& direction) const {
   // Each product carries 2^-52 |direction_i| from its entry and three roundings of 2^-53: together less than
   // 2^-50 |direction|_1.
   Point turned{};
@@ -48,11 +48,11 @@ Point SearchMotion::direction_in_b(const Point& direction) const {
   return turned;
 }
 
-double SearchMotion::distance_up(const Point& a, const Point& b) const {
+double BoundedMotion::distance_up(const Point& a, const Point& b) const {
   return length<Real>(PreciseVector(precise_(precise(b)) - precise(a))).upper().to_double(Direction::up);
 }
 
-Cube SearchMotion::enclosed_in_b(const Point& x) const {
+Cube BoundedMotion::enclosed_in_b(const Point& x) const {
   const PreciseVector in_b = inverse_(precise(x));
   Cube cube{{}, 0.0};
   for (std::size_t i = 0; i < 3; ++i) {
