@@ -23,9 +23,8 @@ device::Device selected(const DeviceReport& report) {
 }
 
 cl::Program program_of(const device::Device& device, KernelVariant variant) {
-  if (variant == KernelVariant::verified) return device.program;
-  return device::build_program(device.context, device.device, device.vector_width, kernels::embedded_sources(),
-                               "-DSOLVER_ONLY");
+  return device::build_program(device.context, device.device, device.vector_width, kernels::embedded_point_sources(),
+                               variant == KernelVariant::verified ? "" : "-DSOLVER_ONLY");
 }
 
 }  // namespace

@@ -5,9 +5,12 @@
 
 namespace verisq::kernels {
 
-/// Distances of points, and the self-test of the layers that all programs share.
-[[nodiscard]] std::string_view embedded_sources();
+/// Of the self-test: the layers of arithmetic that all programs share, and kernels that apply one operation of them.
+[[nodiscard]] std::string_view embedded_arithmetic_layers();
+[[nodiscard]] std::string_view embedded_self_test();
 
+/// Distances to unions of convex primitives.
+[[nodiscard]] std::string_view embedded_point_sources();
 [[nodiscard]] std::string_view embedded_triangle_sources();
 [[nodiscard]] std::string_view embedded_pair_sources();
 

@@ -14,6 +14,7 @@
 #include "host/arithmetic/interval_operations.hpp"
 #include "host/arithmetic/operation_kernels.hpp"
 #include "host/arithmetic/sample_operands.hpp"
+#include "kernels/embedded_sources.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::device {
@@ -234,6 +235,10 @@ std::string failure_on_intervals(OperationKernels& kernels) {
 }
 
 }  // namespace
+
+std::string self_test_sources() {
+  return std::string(kernels::embedded_arithmetic_layers()).append(kernels::embedded_self_test());
+}
 
 std::string self_test(const cl::Context& context, const cl::Device& device, const cl::Program& program,
                       int vector_width) {

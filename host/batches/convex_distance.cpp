@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "host/batches/kernel_arguments.hpp"
+#include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 
 namespace verisq::device {
@@ -29,6 +30,10 @@ std::vector<EvidenceBuffers> views_of_primitives(const EvidenceBuffers& all, std
   return views;
 }
 
+cl::Program point_program(const Device& device, const std::string& memory) {
+  return build_program(device.context, device.device, device.vector_width, kernels::embedded_point_sources(), memory);
+}
+
 ConvexDistance::ConvexDistance(const Device& device, const cl::Program& program, ChunkQueue& queue,
                                const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance)
     : groups_per_block_(device.vector_width > 1 ? block_points_of_vector_work_item / device.vector_width : 1),
@@ -36,8 +41,8 @@ ConvexDistance::ConvexDistance(const Device& device, const cl::Program& program,
       coordinates_(coordinates),
       nearest_(queue.numbers(capacity)),
       scratch_(queue.numbers(capacity * scratch_per_point)),
-      point_distance_(program, kernels::embedded_sources(), "point_distance"),
-      interior_depth_(program, kernels::embedded_sources(), "interior_depth") {
+      point_distance_(program, kernels::embedded_point_sources(), "point_distance"),
+      interior_depth_(program, kernels::embedded_point_sources(), "interior_depth") {
   point_distance_.set(coordinate_arguments, coordinates_);
   point_distance_.set("nearest", nearest_);
   interior_depth_.set("groups_per_block", groups_per_block_);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "host/batches/chunk_queue.hpp"
@@ -17,11 +18,14 @@ using EvidenceBuffers = std::array<cl::Buffer, 5>;
 [[nodiscard]] std::vector<EvidenceBuffers> views_of_primitives(const EvidenceBuffers& all, std::size_t count,
                                                                std::size_t capacity);
 
+/// Of kernels/embedded_point_sources; `memory` says where the primitives lie (DeviceModel).
+[[nodiscard]] cl::Program point_program(const Device& device, const std::string& memory);
+
 /// The kernels point_distance and interior_depth with the buffers that they need besides.
 class ConvexDistance {
  public:
-  /// `program` is that of kernels/point_distance.cl, for the memory that the primitives lie in. `tolerance` in the
-  /// device's numbers: depths are searched to it, and not far beyond what branch and bound can do.
+  /// `program` is `point_program`, for the memory that the primitives lie in. `tolerance` in the device's numbers:
+  /// depths are searched to it, and not far beyond what branch and bound can do.
   ConvexDistance(const Device& device, const cl::Program& program, ChunkQueue& queue,
                  const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance);
 

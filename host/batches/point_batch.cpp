@@ -13,7 +13,6 @@
 #include "host/batches/convex_distance.hpp"
 #include "host/batches/device_model.hpp"
 #include "host/batches/kernel_arguments.hpp"
-#include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 
 namespace verisq::device {
@@ -21,12 +20,6 @@ namespace {
 
 constexpr std::size_t numbers_per_primitive = 4;  // of its evidence: upper end and normal
 constexpr std::array<std::string_view, 3> escape_arguments{"escape_xs", "escape_ys", "escape_zs"};
-
-// The device's own program is the one for constant memory.
-cl::Program program_for(const Device& device, const DeviceModel& model) {
-  if (model.memory.empty()) return device.program;
-  return build_program(device.context, device.device, device.vector_width, kernels::embedded_sources(), model.memory);
-}
 
 // One chunk on its way through the device.
 class PointSlot : public ChunkSlot {
@@ -39,7 +32,7 @@ class PointSlot : public ChunkSlot {
         primitives_(model.primitives),
         coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
         convex_distance_(device, program, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
-        union_distance_(program, kernels::embedded_sources(), "union_distance") {
+        union_distance_(program, kernels::embedded_point_sources(), "union_distance") {
     for (cl::Buffer& evidence : per_primitive_) evidence = queue_.numbers(capacity_ * count_);
     result_[0] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[0];
     result_[1] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[1];
@@ -123,22 +116,32 @@ class PointSlot : public ChunkSlot {
   std::vector<double> evidence_;  // columns of `capacity` numbers; empty unless certificates are asked for
 };
 
+std::unique_ptr<Batch<Point>> pipeline(const Device& device, const cl::Program& program, const Model& model,
+                                       const DeviceModel& uploaded, double tolerance, bool certificates) {
+  std::optional<CertificateAssembly> assembly;
+  if (certificates) assembly.emplace(model);
+  std::vector<PointSlot> slots;
+  slots.reserve(2);
+  for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, tolerance, assembly);
+  auto batch = std::make_unique<ChunkPipeline<Point, PointSlot>>(device.name, uploaded.chunk_size, std::move(slots));
+  batch->warm_up({far_away(uploaded), 0.0, 0.0});
+  return batch;
+}
+
 }  // namespace
 
 std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& model, double tolerance,
                                           bool certificates) {
   return reporting_failures(device.name, [&] {
     const DeviceModel uploaded(device, model);
-    const cl::Program program = program_for(device, uploaded);
-    std::optional<CertificateAssembly> assembly;
-    if (certificates) assembly.emplace(model);
-    std::vector<PointSlot> slots;
-    slots.reserve(2);
-    for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, tolerance, assembly);
-    auto pipeline =
-        std::make_unique<ChunkPipeline<Point, PointSlot>>(device.name, uploaded.chunk_size, std::move(slots));
-    pipeline->warm_up({far_away(uploaded), 0.0, 0.0});
-    return std::unique_ptr<Batch<Point>>(std::move(pipeline));
+    return pipeline(device, point_program(device, uploaded.memory), model, uploaded, tolerance, certificates);
+  });
+}
+
+std::unique_ptr<Batch<Point>> point_batch(const Device& device, const cl::Program& program, const Model& model,
+                                          double tolerance, bool certificates) {
+  return reporting_failures(device.name, [&] {
+    return pipeline(device, program, model, DeviceModel(device, model), tolerance, certificates);
   });
 }
 

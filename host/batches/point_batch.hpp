@@ -13,4 +13,9 @@ namespace verisq::device {
 [[nodiscard]] std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& model, double tolerance,
                                                         bool certificates);
 
+/// With kernels of one's own, for tests. Precondition: compiled for the memory that the device's models of this size
+/// lie in, and for the device's vector width.
+[[nodiscard]] std::unique_ptr<Batch<Point>> point_batch(const Device& device, const cl::Program& program,
+                                                        const Model& model, double tolerance, bool certificates);
+
 }  // namespace verisq::device

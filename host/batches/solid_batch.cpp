@@ -47,6 +47,7 @@ struct SolidModel {
   SolidModel(const Device& device, const Model& model)
       : size(device, model),
         program(solid_program(device, model)),
+        convex_program(point_program(device, "")),
         box_primitives(uploaded_box_primitives(device, model, size.scale_exponent)),
         root(root_cube(model, size.scale_exponent)) {
     for (const Primitive& primitive : model.primitives)
@@ -55,6 +56,7 @@ struct SolidModel {
 
   DeviceModel size;
   cl::Program program;
+  cl::Program convex_program;
   cl::Buffer box_primitives;
   RootCube root;
   std::vector<Part> parts;
@@ -69,7 +71,7 @@ class SolidSlot : public ChunkSlot {
         parts_(model.parts),
         box_primitives_(model.box_primitives),
         coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
-        convex_distance_(device, device.program, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
+        convex_distance_(device, model.convex_program, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
         bent_distance_(model.program, kernels::embedded_solid_distance(), "bent_distance"),
         solid_distance_(model.program, kernels::embedded_solid_distance(), "solid_distance") {
     for (cl::Buffer& evidence : per_primitive_) evidence = queue_.numbers(capacity_ * count_);

@@ -13,7 +13,9 @@
 
 #include "host/arithmetic/exact_rounding.hpp"
 #include "host/arithmetic/interval_operations.hpp"
+#include "host/arithmetic/self_test.hpp"
 #include "host/device/device.hpp"
+#include "host/opencl/program.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/real.hpp"
 #include "verify/numbers/rounding.hpp"
@@ -296,7 +298,9 @@ std::vector<FunctionAccuracy> device_accuracy(std::size_t index, std::size_t sam
   const device::Selection selection = device::select_device(std::to_string(index));
   const device::Device& device = *selection.device;
   try {
-    device::OperationKernels kernels(device.context, device.device, device.program, device.vector_width);
+    const cl::Program program =
+        device::build_program(device.context, device.device, device.vector_width, device::self_test_sources());
+    device::OperationKernels kernels(device.context, device.device, program, device.vector_width);
     return device::measure_accuracy(kernels, samples, progress);
   } catch (const cl::Error& error) {
     throw Error(ErrorKind::failure,

@@ -12,7 +12,6 @@
 #include "host/opencl/checksum.hpp"
 #include "host/opencl/opencl_library.hpp"
 #include "host/opencl/program.hpp"
-#include "kernels/embedded_sources.hpp"
 #include "verisq/device.hpp"
 #include "verisq/error.hpp"
 
@@ -49,19 +48,18 @@ int vector_width(const cl::Device& device) {
 
 struct Opened {
   Device device;
-  std::string binary;  // of its program
+  LoadedProgram self_test;
 };
 
-// Device with its program; throws where it cannot be used at all.
+// Throws where it cannot be used at all.
 Opened open(const cl::Device& device) {
   if (device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0)
     throw Error(ErrorKind::failure, "no binary64 arithmetic (cl_khr_fp64)");
   const cl::Context context(device);
   const int width = vector_width(device);
-  auto [program, binary] = load_program(context, device, width, kernels::embedded_sources());
-  return {{device.getInfo<CL_DEVICE_NAME>(), device, context, program, width,
+  return {{device.getInfo<CL_DEVICE_NAME>(), device, context, width,
            static_cast<std::size_t>(device.getInfo<CL_DEVICE_MAX_CONSTANT_BUFFER_SIZE>())},
-          std::move(binary)};
+          load_program(context, device, width, self_test_sources())};
 }
 
 // Outcomes as the cache keeps them: nothing that a damaged or empty file might say by accident.
@@ -79,14 +77,15 @@ std::optional<std::string> remembered_failure(std::string_view key) {
 // The first failure of the self-test, or an empty string; from the cache where the same self-test tried the same binary
 // on the same device and driver.
 std::string self_test_failure(const Opened& opened) {
-  const auto& [device, binary] = opened;
-  const auto tried = [&device = opened.device] {
-    return self_test(device.context, device.device, device.program, device.vector_width);
+  const Device& device = opened.device;
+  const std::string& binary = opened.self_test.binary;
+  const auto tried = [&] {
+    return self_test(device.context, device.device, opened.self_test.program, device.vector_width);
   };
   if (binary.empty()) return tried();  // another run may get another one
-  const std::string key = fmt::format("self-test {}\n{}\n{}\nbinary of {} bytes, CRC-64 {:016x}\n{}",
-                                      VERISQ_SELF_TEST_DIGEST, identity(device.device), device.vector_width,
-                                      binary.size(), checksum(binary), kernels::embedded_sources());
+  const std::string key =
+      fmt::format("self-test {}\n{}\n{}\nbinary of {} bytes, CRC-64 {:016x}\n{}", VERISQ_SELF_TEST_DIGEST,
+                  identity(device.device), device.vector_width, binary.size(), checksum(binary), self_test_sources());
   if (auto failure = remembered_failure(key)) return *std::move(failure);
   std::string failure = tried();
   store_in_cache(key, failure.empty() ? std::string(passed) : std::string(failed) + failure);

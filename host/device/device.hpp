@@ -1,4 +1,4 @@
-/// An OpenCL device that passed its self-test, with the kernels compiled for it.
+/// An OpenCL device that passed its self-test.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,6 @@ struct Device {
   std::string name;
   cl::Device device;
   cl::Context context;
-  cl::Program program;
   int vector_width;             ///< points a work-item
   std::size_t constant_memory;  ///< bytes that a buffer in constant memory may have: 64 KiB on many graphics processors
 };

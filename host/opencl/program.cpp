@@ -34,6 +34,17 @@ cl::Program from_sources(const cl::Context& context, const cl::Device& device, s
   return program;
 }
 
+std::string options_of(int vector_width, const std::string& extra_options) {
+  // Never -cl-unsafe-math-optimizations, -cl-mad-enable, -cl-denorms-are-zero: docs/rounding.md §1.
+  const std::string options = fmt::format("-cl-std=CL1.2 -DVECTOR_WIDTH={}", vector_width);
+  return extra_options.empty() ? options : options + " " + extra_options;
+}
+
+bool driver_keeps_binaries(const cl::Device& device) {
+  const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
+  return platform.getInfo<CL_PLATFORM_NAME>() == "Portable Computing Language";
+}
+
 }  // namespace
 
 std::string identity(const cl::Device& device) {
@@ -44,9 +55,7 @@ std::string identity(const cl::Device& device) {
 
 LoadedProgram load_program(const cl::Context& context, const cl::Device& device, int vector_width,
                            std::string_view sources, const std::string& extra_options) {
-  // Never -cl-unsafe-math-optimizations, -cl-mad-enable, -cl-denorms-are-zero: docs/rounding.md §1.
-  std::string options = fmt::format("-cl-std=CL1.2 -DVECTOR_WIDTH={}", vector_width);
-  if (!extra_options.empty()) options += " " + extra_options;
+  const std::string options = options_of(vector_width, extra_options);
   const std::string key = fmt::format("program\n{}\n{}\n{}", identity(device), options, sources);
   if (auto binary = cached(key))
     if (auto program = from_binary(context, device, *binary, options)) return {*program, std::move(*binary)};
@@ -60,6 +69,8 @@ LoadedProgram load_program(const cl::Context& context, const cl::Device& device,
 
 cl::Program build_program(const cl::Context& context, const cl::Device& device, int vector_width,
                           std::string_view sources, const std::string& extra_options) {
+  if (driver_keeps_binaries(device))
+    return from_sources(context, device, sources, options_of(vector_width, extra_options));
   return load_program(context, device, vector_width, sources, extra_options).program;
 }
 

@@ -23,7 +23,9 @@ struct LoadedProgram {
 [[nodiscard]] LoadedProgram load_program(const cl::Context& context, const cl::Device& device, int vector_width,
                                          std::string_view sources, const std::string& extra_options = {});
 
-/// Likewise, for who does not ask for the binary.
+/// Likewise, for who does not ask for the binary. Where the driver keeps binaries of its own no other is made: PoCL
+/// would compile every kernel for groups of any size, which takes as long again as the compilation for those that are
+/// used.
 [[nodiscard]] cl::Program build_program(const cl::Context& context, const cl::Device& device, int vector_width,
                                         std::string_view sources, const std::string& extra_options = {});
 

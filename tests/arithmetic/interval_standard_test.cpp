@@ -18,10 +18,10 @@
 #include "host/arithmetic/exact_rounding.hpp"
 #include "host/arithmetic/interval_operations.hpp"
 #include "host/arithmetic/operation_kernels.hpp"
+#include "host/arithmetic/self_test.hpp"
 #include "host/device/accuracy_report.hpp"
 #include "host/device/device.hpp"
 #include "host/opencl/program.hpp"
-#include "kernels/embedded_sources.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -334,7 +334,7 @@ class KernelInterval : public testing::Test {
     for (const Device& device : devices) {
       for (const int width : {16, 8, 4, 1}) {
         SCOPED_TRACE(fmt::format("{}, width {}", device.name, width));
-        const cl::Program program = build_program(device.context, device.device, width, kernels::embedded_sources());
+        const cl::Program program = build_program(device.context, device.device, width, device::self_test_sources());
         OperationKernels kernels(device.context, device.device, program, width);
         check(kernels);
       }
@@ -429,7 +429,7 @@ TEST(AccuracyReport, FindsTheKernelsSoundAndTight) {
 /// Without the outward step half of the results lie on the wrong side.
 TEST_F(KernelInterval, ReportCountsUnsoundBounds) {
   const Device& device = devices.front();
-  std::string sources(kernels::embedded_sources());
+  std::string sources = device::self_test_sources();
   const std::string step = "return c - fma(REAL(ROUNDING_PHI), fabs(c), REAL(ROUNDING_ETA));";
   ASSERT_NE(sources.find(step), std::string::npos);
   sources.replace(sources.find(step), step.size(), "return c;");

@@ -26,9 +26,9 @@
 
 #include "host/arithmetic/interval_operations.hpp"
 #include "host/arithmetic/operation_kernels.hpp"
+#include "host/arithmetic/self_test.hpp"
 #include "host/device/device.hpp"
 #include "host/opencl/program.hpp"
-#include "kernels/embedded_sources.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 #include "verify/analysis/trigonometry.hpp"
 #include "verify/stance/piecewise.hpp"
@@ -375,7 +375,7 @@ TEST(IntervalVectors, KernelsAreAsDocumentedOnEveryDeviceAtEveryWidth) {
     for (const int width : {16, 8, 4, 1}) {
       SCOPED_TRACE(fmt::format("{}, width {}", device.name, width));
       const cl::Program program =
-          device::build_program(device.context, device.device, width, kernels::embedded_sources());
+          device::build_program(device.context, device.device, width, device::self_test_sources());
       device::OperationKernels kernels(device.context, device.device, program, width);
       expect_documented("device", counts_on_device(kernels));
       ++tested;

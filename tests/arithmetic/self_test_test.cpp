@@ -8,7 +8,6 @@
 #include <string>
 
 #include "host/device/device.hpp"
-#include "kernels/embedded_sources.hpp"
 
 namespace verisq::device {
 namespace {
@@ -39,7 +38,7 @@ class SelfTest : public testing::TestWithParam<Mutant> {
 };
 
 TEST_P(SelfTest, RefusesBrokenRounding) {
-  std::string sources(kernels::embedded_sources());
+  std::string sources = device::self_test_sources();
   const auto at = sources.find(GetParam().text);
   ASSERT_NE(at, std::string::npos) << "the kernels no longer contain " << GetParam().text;
   sources.replace(at, GetParam().text.size(), GetParam().replacement);
@@ -47,7 +46,7 @@ TEST_P(SelfTest, RefusesBrokenRounding) {
 }
 
 TEST_F(SelfTest, AcceptsTheKernels) {
-  EXPECT_EQ(outcome_of(*selection.device, std::string(kernels::embedded_sources())), "");
+  EXPECT_EQ(outcome_of(*selection.device, device::self_test_sources()), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(

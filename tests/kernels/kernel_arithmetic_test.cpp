@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "host/arithmetic/operation_kernels.hpp"
+#include "host/arithmetic/self_test.hpp"
 #include "host/device/device.hpp"
 #include "host/opencl/program.hpp"
-#include "kernels/embedded_sources.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -204,7 +204,7 @@ class KernelArithmetic : public testing::TestWithParam<int> {
     const Selection selection = select_device("auto");
     if (!selection.device) GTEST_SKIP() << "no OpenCL device: " << selection.notice;
     const Device& device = *selection.device;
-    const cl::Program program = build_program(device.context, device.device, GetParam(), kernels::embedded_sources());
+    const cl::Program program = build_program(device.context, device.device, GetParam(), device::self_test_sources());
     kernels_.emplace(device.context, device.device, program, GetParam());
   }
 

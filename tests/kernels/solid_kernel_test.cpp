@@ -55,7 +55,6 @@ class SolidKernelTest : public ::testing::TestWithParam<int> {
     if (!selection.device) GTEST_SKIP() << "no OpenCL device: " << selection.notice;
     device_ = *selection.device;
     device_->vector_width = GetParam();
-    device_->program = build_program(device_->context, device_->device, GetParam(), kernels::embedded_sources());
     ASSERT_EQ(solid_vector_width(*device_), GetParam());
   }
 

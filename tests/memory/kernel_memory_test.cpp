@@ -318,7 +318,7 @@ class KernelMemoryTest : public ::testing::TestWithParam<int> {
 };
 
 TEST_P(KernelMemoryTest, FindsNothingInAMap) {
-  EXPECT_EQ(reported_of(&KernelRun::map, kernels::embedded_sources()), "");
+  EXPECT_EQ(reported_of(&KernelRun::map, kernels::embedded_point_sources()), "");
 }
 
 TEST_P(KernelMemoryTest, FindsNothingInAMapOfTriangles) {
@@ -341,7 +341,7 @@ TEST_P(KernelMemoryTest, FindsNothingInTheSelfTest) {
   const auto use = [](const cl::Context& context, const cl::Device& device, const cl::Program& program) {
     EXPECT_EQ(self_test(context, device, program, GetParam()), "");
   };
-  EXPECT_EQ(reported(std::string(kernels::embedded_sources()), use), "");
+  EXPECT_EQ(reported(self_test_sources(), use), "");
 }
 
 // What the silence above rests on: oclgrind speaks where something is wrong.
@@ -351,8 +351,9 @@ TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffers) {
     const std::string guard = "if (group >= groups) return;\n  ";
     return broken(kernels, guard + std::string(next), next);
   };
-  EXPECT_THAT(reported_of(&KernelRun::map, unguarded(kernels::embedded_sources(), "MODEL_SPACE const superquadric* s")),
-              HasSubstr("Invalid read"));
+  EXPECT_THAT(
+      reported_of(&KernelRun::map, unguarded(kernels::embedded_point_sources(), "MODEL_SPACE const superquadric* s")),
+      HasSubstr("Invalid read"));
   EXPECT_THAT(reported_of(&KernelRun::triangles, unguarded(triangle_sources(), "MODEL_SPACE const superquadric* s")),
               HasSubstr("Invalid read"));
   EXPECT_THAT(reported_of(&KernelRun::pairs,
@@ -374,7 +375,7 @@ TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffersOfTheObjective) {
 
 TEST_P(KernelMemoryTest, FindsAReadOfWhatWasNotWritten) {
   EXPECT_THAT(
-      reported_of(&KernelRun::map, broken(kernels::embedded_sources(), "  STORE(proven_hi, group, his);\n", "")),
+      reported_of(&KernelRun::map, broken(kernels::embedded_point_sources(), "  STORE(proven_hi, group, his);\n", "")),
       HasSubstr("ninitialized"));
   EXPECT_THAT(
       reported_of(&KernelRun::triangles, broken(triangle_sources(), "    STORE(REAL(INFINITY), group, his);\n", "")),
@@ -390,7 +391,7 @@ TEST_P(KernelMemoryTest, FindsAReadOfWhatWasNotWritten) {
 }
 
 TEST_P(KernelMemoryTest, FindsADataRace) {
-  EXPECT_THAT(reported_of(&KernelRun::map, broken(kernels::embedded_sources(), "STORE(hi, group, union_his)",
+  EXPECT_THAT(reported_of(&KernelRun::map, broken(kernels::embedded_point_sources(), "STORE(hi, group, union_his)",
                                                   "STORE(hi, 0, union_his)")),
               HasSubstr("data race"));
 }

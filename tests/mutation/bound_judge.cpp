@@ -297,7 +297,7 @@ const Superquadric solids[] = {{{1.0, 1.5, 0.7}, {1.0, 1.0}},
 using Columns = std::vector<std::vector<double>>;
 
 /// Calls an entry point of `bound_kernel` whose arguments, from `first` on, are these.
-Columns called(const device::Device& kernels, cl::Kernel kernel, cl_uint first, const Superquadric& solid,
+Columns called(const CompiledKernels& kernels, cl::Kernel kernel, cl_uint first, const Superquadric& solid,
                const Columns& inputs, std::size_t outputs) {
   const std::size_t stride = inputs.front().size();
   std::vector<double> operands;
@@ -353,7 +353,7 @@ BoundJudge::BoundJudge() {
 
 BoundJudge::~BoundJudge() = default;
 
-std::string BoundJudge::operator()(const device::Device& kernels) const {
+std::string BoundJudge::operator()(const CompiledKernels& kernels) const {
   cl::Kernel evaluate_bound(kernels.program, "evaluate_bound");
   const cl::Kernel open_quarters(kernels.program, "open_quarters");
   for (const auto& [solid, operands, values, quarters] : samples_) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/device/device.hpp"
+#include "tests/mutation/compiled_kernels.hpp"
 
 namespace verisq::mutation {
 
@@ -22,7 +22,7 @@ class BoundJudge {
   /// The first bound that lies on the wrong side of what it bounds, by more than the reference's error, and its
   /// operands; empty when all is well. Only the pessimistic arithmetics make this a sharp test. `kernels` are compiled
   /// from `with_bound_kernel`.
-  [[nodiscard]] std::string operator()(const device::Device& kernels) const;
+  [[nodiscard]] std::string operator()(const CompiledKernels& kernels) const;
 
  private:
   struct Samples;

@@ -8,16 +8,14 @@
 
 #include "host/batches/point_batch.hpp"
 #include "host/threads/parallel.hpp"
-#include "tests/mutation/mutant.hpp"
 
 namespace verisq::mutation {
 namespace {
 
-constexpr int width = 4;                   // compiles fast
 constexpr double inside_tolerance = 1e-7;  // of the truth, relative to the model's radius: tighter takes long
 
-std::vector<CertifiedEnclosure> mapped(const device::Device& kernels, const Scene& scene) {
-  const auto batch = device::point_batch(kernels, scene.model, scene.tolerance, true);
+std::vector<CertifiedEnclosure> mapped(const CompiledKernels& kernels, const Scene& scene) {
+  const auto batch = device::point_batch(kernels, kernels.program, scene.model, scene.tolerance, true);
   batch->submit(scene.points);
   std::vector<Enclosure> enclosures;
   std::vector<Certificate> certificates;
@@ -55,17 +53,6 @@ std::string described(const Scene& scene, std::size_t i, const Enclosure& claime
 
 }  // namespace
 
-device::Device compiled(const device::Device& device, const std::string& sources) {
-  // Speed does not matter, and inlined kernels take twice as long to compile.
-  const Mutant calls{"calls", "static __attribute__((always_inline))", "static __attribute__((noinline))"};
-  cl::Program program(device.context, mutated(sources, calls));
-  program.build({device.device}, fmt::format("-cl-std=CL1.2 -DVECTOR_WIDTH={}", width).c_str());
-  device::Device with_program = device;
-  with_program.program = program;
-  with_program.vector_width = width;
-  return with_program;
-}
-
 MapJudge::MapJudge(std::vector<Scene> scenes) {
   for (Scene& scene : scenes) {
     std::vector<Enclosure> truth(scene.points.size());
@@ -79,7 +66,7 @@ MapJudge::MapJudge(std::vector<Scene> scenes) {
   }
 }
 
-std::vector<MapJudge::AcceptedMap> MapJudge::accepted(const device::Device& true_kernels) const {
+std::vector<MapJudge::AcceptedMap> MapJudge::accepted(const CompiledKernels& true_kernels) const {
   std::vector<AcceptedMap> maps;
   for (const KnownScene& known : scenes_) {
     AcceptedMap& map = maps.emplace_back();
@@ -90,7 +77,7 @@ std::vector<MapJudge::AcceptedMap> MapJudge::accepted(const device::Device& true
   return maps;
 }
 
-Judgement MapJudge::operator()(const device::Device& kernels, std::span<const AcceptedMap> accepted) const {
+Judgement MapJudge::operator()(const CompiledKernels& kernels, std::span<const AcceptedMap> accepted) const {
   Judgement judgement;
   std::vector<std::vector<CertifiedEnclosure>> maps;
   for (std::size_t k = 0; k < scenes_.size(); ++k) {

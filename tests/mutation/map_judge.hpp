@@ -8,12 +8,9 @@
 #include <verisq/checker.hpp>
 #include <verisq/model.hpp>
 
-#include "host/device/device.hpp"
+#include "tests/mutation/compiled_kernels.hpp"
 
 namespace verisq::mutation {
-
-/// The kernels of `sources`, compiled for a few points a work-item.
-[[nodiscard]] device::Device compiled(const device::Device& device, const std::string& sources);
 
 /// Points of one model, to be mapped at one tolerance.
 struct Scene {
@@ -42,11 +39,11 @@ class MapJudge {
     bool proved;
   };
   using AcceptedMap = std::vector<AcceptedRow>;
-  [[nodiscard]] std::vector<AcceptedMap> accepted(const device::Device& true_kernels) const;
+  [[nodiscard]] std::vector<AcceptedMap> accepted(const CompiledKernels& true_kernels) const;
 
   /// Of the map that `kernels` make. False rows are counted; if there are none, the others are checked up to the first
   /// that is not proved.
-  [[nodiscard]] Judgement operator()(const device::Device& kernels, std::span<const AcceptedMap> accepted) const;
+  [[nodiscard]] Judgement operator()(const CompiledKernels& kernels, std::span<const AcceptedMap> accepted) const;
 
  private:
   struct KnownScene {

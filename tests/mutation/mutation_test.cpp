@@ -25,7 +25,7 @@ namespace verisq::mutation {
 namespace {
 
 std::string true_sources() {
-  return std::string(kernels::embedded_sources());
+  return std::string(kernels::embedded_point_sources()).append(kernels::embedded_self_test());
 }
 
 /// Everything that may find a mutant out.
@@ -43,12 +43,12 @@ class Judges {
   }
 
  private:
-  [[nodiscard]] device::Device compiled_on(Arithmetic arithmetic, const std::string& sources) const {
+  [[nodiscard]] CompiledKernels compiled_on(Arithmetic arithmetic, const std::string& sources) const {
     return compiled(device_, with_bound_kernel(on(arithmetic, Program::points, sources)));
   }
 
   [[nodiscard]] std::string fault(Arithmetic arithmetic, const std::string& sources) {
-    const device::Device kernels = compiled_on(arithmetic, sources);
+    const CompiledKernels kernels = compiled_on(arithmetic, sources);
     if (with_self_test_ && arithmetic == Arithmetic::usual) {
       const std::string failure =
           device::self_test(kernels.context, kernels.device, kernels.program, kernels.vector_width);
@@ -126,7 +126,7 @@ TEST_F(MutationTest, TheTrueKernelsPass) {
 /// solids by a false claim about a cube.
 class ConvexMutationTest : public MutationTest {
  protected:
-  [[nodiscard]] device::Device compiled_on(Arithmetic arithmetic, Program program, const std::string& sources) const {
+  [[nodiscard]] CompiledKernels compiled_on(Arithmetic arithmetic, Program program, const std::string& sources) const {
     return compiled(*selection.device, on(arithmetic, program, sources));
   }
 
@@ -140,10 +140,10 @@ class ConvexMutationTest : public MutationTest {
   }
 
   [[nodiscard]] Find triangle_faults(const TriangleJudge& judge) const {
-    const device::Device true_kernels = compiled_on(Arithmetic::usual, Program::triangles, triangle_sources);
+    const CompiledKernels true_kernels = compiled_on(Arithmetic::usual, Program::triangles, triangle_sources);
     return [this, &judge, true_kernels](const std::string& sources, Arithmetic first) {
       return first_fault(Program::triangles, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
-        const device::Device kernels = compiled_on(arithmetic, Program::triangles, text);
+        const CompiledKernels kernels = compiled_on(arithmetic, Program::triangles, text);
         const std::string found = judge.false_claim(kernels);
         if (!found.empty()) return fmt::format("{}: {}", name_of(arithmetic), found);
         if (arithmetic != Arithmetic::usual) return std::string();
@@ -165,7 +165,7 @@ class ConvexMutationTest : public MutationTest {
   [[nodiscard]] Find solid_faults(const SolidJudge& judge) const {
     return [this, &judge](const std::string& sources, Arithmetic first) {
       return first_fault(Program::solids, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
-        const device::Device kernels = compiled_on(arithmetic, Program::solids, text);
+        const CompiledKernels kernels = compiled_on(arithmetic, Program::solids, text);
         const std::string found = judge.false_claim(kernels, arithmetic == Arithmetic::usual);
         return found.empty() ? found : fmt::format("{}: {}", name_of(arithmetic), found);
       });

@@ -29,7 +29,7 @@ Columns pose_columns(const std::vector<Pose>& poses, std::size_t length) {
 }
 
 /// Launched as host/batches/pose_batch.cpp does.
-std::vector<Enclosure> mapped(const device::Device& kernels, const PairScene& scene) {
+std::vector<Enclosure> mapped(const CompiledKernels& kernels, const PairScene& scene) {
   const Model both = device::joined(scene.a, scene.b);
   const std::size_t length = padded(scene.poses.size(), kernels);
   const cl::NDRange groups(length / static_cast<std::size_t>(kernels.vector_width));
@@ -83,7 +83,7 @@ PairJudge::PairJudge(std::vector<PairScene> scenes) {
   }
 }
 
-std::string PairJudge::false_claim(const device::Device& kernels) const {
+std::string PairJudge::false_claim(const CompiledKernels& kernels) const {
   for (const auto& [scene, references] : scenes_) {
     const std::vector<Enclosure> enclosures = mapped(kernels, scene);
     for (std::size_t n = 0; n < enclosures.size(); ++n) {

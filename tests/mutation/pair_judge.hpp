@@ -6,7 +6,7 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 
-#include "host/device/device.hpp"
+#include "tests/mutation/compiled_kernels.hpp"
 #include "tests/oracle/pair_reference.hpp"
 
 namespace verisq::mutation {
@@ -28,7 +28,7 @@ class PairJudge {
   explicit PairJudge(std::vector<PairScene> scenes);
 
   /// The first enclosure that misses the distance; empty when all is well.
-  [[nodiscard]] std::string false_claim(const device::Device& kernels) const;
+  [[nodiscard]] std::string false_claim(const CompiledKernels& kernels) const;
 
  private:
   struct Bounds {

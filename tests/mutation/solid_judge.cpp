@@ -246,7 +246,7 @@ std::string cube_fault(const Claims& claims, const PlacedModel& placed, const Wi
 
 class Launcher {
  public:
-  Launcher(const device::Device& kernels, const Model& model)
+  Launcher(const CompiledKernels& kernels, const Model& model)
       : kernels_(kernels),
         queue_(kernels.context, kernels.device),
         primitives_(device::uploaded_box_primitives(kernels, model, 0)),
@@ -330,7 +330,7 @@ class Launcher {
     queue_.finish();  // a kernel does not keep the buffers that it is given
   }
 
-  const device::Device& kernels_;
+  const CompiledKernels& kernels_;
   cl::CommandQueue queue_;
   cl::Buffer primitives_;
   device::RootCube root_;
@@ -384,7 +384,7 @@ std::string SolidJudge::sources() {
                               std::string(kernels::embedded_solid_distance()) + examination);
 }
 
-std::string SolidJudge::false_claim(const device::Device& kernels, bool with_searches) const {
+std::string SolidJudge::false_claim(const CompiledKernels& kernels, bool with_searches) const {
   for (const KnownScene& known : scenes_) {
     const PlacedModel placed(known.scene.model);
     const Launcher launcher(kernels, known.scene.model);

@@ -7,7 +7,7 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 
-#include "host/device/device.hpp"
+#include "tests/mutation/compiled_kernels.hpp"
 
 namespace verisq::mutation {
 
@@ -31,7 +31,7 @@ class SolidJudge {
   [[nodiscard]] static std::string sources();
 
   /// A first claim that is false; empty when all is well. `with_searches`: of the enclosures, too.
-  [[nodiscard]] std::string false_claim(const device::Device& kernels, bool with_searches) const;
+  [[nodiscard]] std::string false_claim(const CompiledKernels& kernels, bool with_searches) const;
 
   /// A cube with a point of it, and another point that asks for its distance.
   struct Witness {

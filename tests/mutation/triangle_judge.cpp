@@ -35,7 +35,7 @@ Columns corner_columns(const std::vector<Triangle>& triangles, std::size_t lengt
 }
 
 /// Launched as host/batches/triangle_batch.cpp does.
-std::vector<Row> mapped(const device::Device& kernels, const TriangleScene& scene) {
+std::vector<Row> mapped(const CompiledKernels& kernels, const TriangleScene& scene) {
   const std::size_t count = scene.model.primitives.size();
   const std::size_t length = padded(scene.triangles.size(), kernels);
   const cl::NDRange groups(length / static_cast<std::size_t>(kernels.vector_width));
@@ -138,7 +138,7 @@ TriangleJudge::TriangleJudge(std::vector<TriangleScene> scenes) {
   }
 }
 
-std::string TriangleJudge::false_claim(const device::Device& kernels) const {
+std::string TriangleJudge::false_claim(const CompiledKernels& kernels) const {
   for (const auto& [scene, check, references] : scenes_) {
     const std::vector<Row> rows = mapped(kernels, scene);
     for (std::size_t n = 0; n < rows.size(); ++n) {
@@ -149,7 +149,7 @@ std::string TriangleJudge::false_claim(const device::Device& kernels) const {
   return {};
 }
 
-std::string TriangleJudge::unproved_row(const device::Device& kernels, const device::Device& true_kernels) const {
+std::string TriangleJudge::unproved_row(const CompiledKernels& kernels, const CompiledKernels& true_kernels) const {
   for (const auto& [scene, check, references] : scenes_) {
     const std::vector<Row> rows = mapped(kernels, scene);
     const std::vector<Row> true_rows = mapped(true_kernels, scene);

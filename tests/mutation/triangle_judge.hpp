@@ -7,7 +7,7 @@
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 
-#include "host/device/device.hpp"
+#include "tests/mutation/compiled_kernels.hpp"
 #include "tests/oracle/triangle_reference.hpp"
 
 namespace verisq::mutation {
@@ -30,10 +30,10 @@ class TriangleJudge {
 
   /// The first enclosure, of a primitive or of the union, that misses the distance, or the first weights beside an
   /// upper end that are no point's of the triangle; empty when all is well.
-  [[nodiscard]] std::string false_claim(const device::Device& kernels) const;
+  [[nodiscard]] std::string false_claim(const CompiledKernels& kernels) const;
 
   /// The first row that `check` does not prove of a map by `kernels`, though it proves that of `true_kernels`.
-  [[nodiscard]] std::string unproved_row(const device::Device& kernels, const device::Device& true_kernels) const;
+  [[nodiscard]] std::string unproved_row(const CompiledKernels& kernels, const CompiledKernels& true_kernels) const;
 
  private:
   struct KnownScene {

@@ -10,10 +10,10 @@
 #include <string_view>
 #include <vector>
 
+#include "host/arithmetic/self_test.hpp"
 #include "host/device/device.hpp"
 #include "host/opencl/cache.hpp"
 #include "host/opencl/program.hpp"
-#include "kernels/embedded_sources.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 #include "verisq/device.hpp"
 #include "verisq/error.hpp"
@@ -155,7 +155,7 @@ TEST_F(SelfTestCacheTest, BelievesOnlyWhatIsSaidInSoManyWords) {
 /// Another binary under the key of the right sources: of kernels that do not round.
 TEST_F(SelfTestCacheTest, TestsEveryBinaryOnItsOwn) {
   ASSERT_TRUE(report().passed);
-  std::string sources(kernels::embedded_sources());
+  std::string sources = device::self_test_sources();
   const std::string_view step = "return c - fma(REAL(ROUNDING_PHI), fabs(c), REAL(ROUNDING_ETA));";
   ASSERT_NE(sources.find(step), std::string::npos);
   sources.replace(sources.find(step), step.size(), "return c;");

@@ -1,0 +1,17 @@
+/// Kernels of sources that may be broken, compiled for a device.
+#pragma once
+
+#include <string>
+
+#include "host/device/device.hpp"
+
+namespace verisq::mutation {
+
+struct CompiledKernels : device::Device {
+  cl::Program program;
+};
+
+/// The kernels of `sources`, compiled for a few points a work-item.
+[[nodiscard]] CompiledKernels compiled(const device::Device& device, const std::string& sources);
+
+}  // namespace verisq::mutation
