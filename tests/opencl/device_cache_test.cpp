@@ -81,7 +81,7 @@ class ProgramCacheTest : public DeviceCacheTest {
   /// Loads the program and runs it.
   void expect_doubles() const {
     const cl::Context context(device());
-    cl::Kernel kernel(build_program(context, device(), 1, doubling), "twice");
+    cl::Kernel kernel(load_program(context, device(), 1, doubling).program, "twice");
     const cl::CommandQueue queue(context, device());
     double number = 21.0;
     const cl::Buffer buffer(context, CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, sizeof number, &number);
