@@ -55,11 +55,11 @@ NEVER_INLINE vector3 closest_in_solid(vector3 t, MODEL_SPACE const box_primitive
   const vector3 own = to_own_axes(t, p);
   const vector3 size = magnitudes(own);
   const vector3 log_size = {log_or_lowest(size.x), log_or_lowest(size.y), log_or_lowest(size.z)};
-  const vector3 v = vector_from_closest_point(size, project(log_size, radial_start(log_size, s), s));
-  const integer outside = MASK(log_gauge_nearest(log_size, s) > 0.0);
-  const vector3 closest = {own.x - select(REAL(0.0), copysign(v.x, own.x), outside),
-                           own.y - select(REAL(0.0), copysign(v.y, own.y), outside),
-                           own.z - select(REAL(0.0), copysign(v.z, own.z), outside)};
+  const radial_start start = start_radially(log_size, s);
+  const vector3 v =
+      vector_from_closest_point(size, project(log_size, start.unknowns, ~start.inside, CONVERGED_STEP, s));
+  const vector3 on_surface = {own.x - copysign(v.x, own.x), own.y - copysign(v.y, own.y), own.z - copysign(v.z, own.z)};
+  const vector3 closest = select_vector(on_surface, own, start.inside);
   return to_bend_axes(closest, p);
 }
 

@@ -27,7 +27,10 @@ kernel void point_distance(ulong groups, global const double* xs, global const d
   }
 
   const vector3 log_q = {log_or_lowest(q.point.x), log_or_lowest(q.point.y), log_or_lowest(q.point.z)};
-  const vector3 v = vector_from_closest_point(q.point, project(log_q, radial_start(log_q, s), s));
+  const radial_start start = start_radially(log_q, s);
+  const double enough = TIGHT_STEP / fmax(s->p[0], s->p[1]);
+  const projection found = project(log_q, start.unknowns, ~start.inside, enough, s);
+  const vector3 v = select_vector(vector_from_closest_point(q.point, found), start.normal, start.inside);
 
 #ifdef SOLVER_ONLY // for the benchmark that shows what the proof costs
   const real lo = v.x + v.y;

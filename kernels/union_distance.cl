@@ -21,9 +21,7 @@ ALWAYS_INLINE vector3 to_local_direction(vector3 v, MODEL_SPACE const superquadr
 ALWAYS_INLINE real separation_down(vector3 w, MODEL_SPACE const superquadric* s) {
   const local_point q = to_local(w, s);
   const vector3 log_q = {log_or_lowest(q.point.x), log_or_lowest(q.point.y), log_or_lowest(q.point.z)};
-  const log_unknowns u = radial_start(log_q, s);
-  const vector3 normal = exp_gradient(log_gradient(u.x, u.y, u.z, u.r, s));
-  return sub_down(distance_down(q.point, normal, s), q.error);
+  return sub_down(distance_down(q.point, start_radially(log_q, s).normal, s), q.error);
 }
 
 // Where the ray from x along the unit direction v has certainly left the primitive, to nearest: h(v) - v.(x - centre).
