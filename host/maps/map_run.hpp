@@ -35,8 +35,13 @@ namespace verisq {
 template <class Query, class Prover>
 class MapRun {
  public:
-  MapRun(const Prover& prover, const MapOptions& options, const Source<Query>& source, const Sink<Query>& sink)
-      : prover_(prover), options_(options), source_(source), sink_(sink) {}
+  /// A device's search, without certificates, for what its proofs leave open inside: made ready when it is first asked
+  /// for. Empty, where the host does that.
+  using Search = std::function<device::Batch<Query>&()>;
+
+  MapRun(const Prover& prover, const MapOptions& options, const Source<Query>& source, const Sink<Query>& sink,
+         Search search = {})
+      : prover_(prover), options_(options), source_(source), sink_(sink), search_(std::move(search)) {}
 
   MapSummary on_host() {
     const Enclosure nothing{-infinity, infinity};
@@ -72,10 +77,11 @@ class MapRun {
       const auto start = std::chrono::steady_clock::now();
       batch.collect(found, certificates);
       device_pace_.took(seconds_since(start));
+      search_inside(current, found);
       finish(current, found, certificates);
       std::swap(current, next);
     }
-    summary_.device_seconds = batch.device_seconds() - earlier_seconds;
+    summary_.device_seconds += batch.device_seconds() - earlier_seconds;
     return all_read || summary_.interrupted ? summary_ : on_host();
   }
 
@@ -84,6 +90,41 @@ class MapRun {
     queries.resize(capacity);
     queries.resize(source_(queries));
     for (const Query& query : queries) prover_.check(query);
+  }
+
+  // A search of this many takes the host about as long as the device takes to be made ready for it.
+  static constexpr std::size_t worth_a_search = 64;
+  static constexpr std::size_t searches_at_a_time = 256;  // a fraction of a second: limits are felt between
+
+  // Tightens what is open and not proven to lie outside by the device's search.
+  void search_inside(std::span<const Query> queries, std::span<Enclosure> found) {
+    if (!search_) return;
+    std::vector<std::size_t> open;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      if (found[i].lo < 0.0 && !good(queries[i], found[i])) open.push_back(i);
+    }
+    open_inside_ += open.size();
+    if (open.empty() || open_inside_ < worth_a_search) return;
+    device::Batch<Query>& search = search_();
+    const double earlier_seconds = search.device_seconds();
+    const std::size_t most = std::min(searches_at_a_time, search.capacity());
+    std::vector<Query> searched;
+    std::vector<Enclosure> narrowed;
+    std::vector<Certificate> none;
+    for (std::size_t first = 0; first < open.size() && !out_of_time(); first += most) {
+      const auto slice = std::span(open).subspan(first, std::min(most, open.size() - first));
+      searched.clear();
+      for (const std::size_t i : slice) searched.push_back(queries[i]);
+      search.discard();  // what an earlier run left when it failed
+      search.submit(searched);
+      search.collect(narrowed, none);
+      for (std::size_t n = 0; n < slice.size(); ++n) {
+        const std::size_t i = slice[n];
+        found[i] = verify::intersection(found[i], narrowed[n],
+                                        [&] { return "the distance at " + prover_.describe(queries[i]); });
+      }
+    }
+    summary_.device_seconds += search.device_seconds() - earlier_seconds;
   }
 
   // Leaves `queries` empty when nothing is left to be read, and says so; also when the time is up.
@@ -165,6 +206,8 @@ class MapRun {
   const MapOptions& options_;
   const Source<Query>& source_;
   const Sink<Query>& sink_;
+  Search search_;
+  std::size_t open_inside_ = 0;  // queries so far that a search may tighten
   ChunkPace pace_;               // of what the host finishes
   ChunkPace device_pace_;        // of what the device is given, where there is a time limit
   std::vector<MapResult> rows_;  // of the current chunk; kept to spare allocations

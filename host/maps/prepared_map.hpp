@@ -1,6 +1,7 @@
 /// A prover and, unless the host does all, a device made ready: a map of one kind of query.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,11 +18,13 @@ namespace verisq {
 template <class Query, class Prover>
 class PreparedMap final : public ExactMap<Query> {
  public:
-  /// `primitives` are all that the device must be able to hold; `make_batch(device)` makes the device ready, unless
-  /// `unsuited` says why no device is to be used.
-  template <class MakeBatch>
+  /// Makes a device ready for a kind of work.
+  using MakeBatch = std::function<std::unique_ptr<device::Batch<Query>>(const device::Device&)>;
+
+  /// `primitives` are all that the device must be able to hold; `make_batch` makes the device ready, unless
+  /// `unsuited` says why no device is to be used; `make_search`, where there is one, for MapRun::Search.
   PreparedMap(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch,
-              const std::string& unsuited = {})
+              const std::string& unsuited = {}, const MakeBatch& make_search = {})
       : options_(options), prover_(std::move(prover)) {
     if (options.device == "host") return;
     const device::Selection selection = device::select_device(options.device);
@@ -37,10 +40,13 @@ class PreparedMap final : public ExactMap<Query> {
     }
     name_ = selection.device->name;
     batch_ = make_batch(*selection.device);
+    if (make_search) make_search_ = [make_search, device = *selection.device] { return make_search(device); };
   }
 
   MapSummary map(const Source<Query>& source, const Sink<Query>& sink) override {
-    MapRun<Query, Prover> run(prover_, options_, source, sink);
+    typename MapRun<Query, Prover>::Search search;
+    if (make_search_) search = [this]() -> device::Batch<Query>& { return ready_search(); };
+    MapRun<Query, Prover> run(prover_, options_, source, sink, search);
     MapSummary summary = batch_ ? run.on_device(*batch_) : run.on_host();
     summary.device = name_;
     summary.notice = notice_;
@@ -48,11 +54,18 @@ class PreparedMap final : public ExactMap<Query> {
   }
 
  private:
+  device::Batch<Query>& ready_search() {
+    if (!search_) search_ = make_search_();
+    return *search_;
+  }
+
   MapOptions options_;
   Prover prover_;
   std::string name_ = "host";
   std::string notice_;
-  std::unique_ptr<device::Batch<Query>> batch_;  // nothing: the host does all
+  std::unique_ptr<device::Batch<Query>> batch_;                         // nothing: the host does all
+  std::function<std::unique_ptr<device::Batch<Query>>()> make_search_;  // empty: the host searches
+  std::unique_ptr<device::Batch<Query>> search_;                        // nothing until it is asked for
 };
 
 }  // namespace verisq
