@@ -5,20 +5,21 @@
 
 namespace verisq::bench {
 
-/// Counted along kernels/projection.clh and kernels/superquadric.clh: + - * / sqrt are one operation, fma two;
-/// comparisons, min, max, selections and integer work are none. Change these when the kernels change.
+/// Counted along kernels/proposal.clh and kernels/superquadric.clh: + - * / sqrt are one operation, fma two; those of
+/// binary32 count half, because a register holds twice as many; comparisons, min, max, selections and integer work are
+/// none. Change these when the kernels change.
 namespace operations {
-inline constexpr double a_newton_step = 400;  ///< 5 log-sum-exp of 57 (of which exp 30), 115 for the linear system
-inline constexpr double start_and_end = 633;  ///< pose, logarithms, radial start, the normal from its shares
+inline constexpr double a_newton_step = 150;  ///< in binary32: 5 log-sum-exp of 34 (of which exp 15), the linear system
+inline constexpr double start_and_end = 585;  ///< pose 60, start in binary32 105, step in binary64 420 (11 exp of 30)
 inline constexpr double proof = 704;          ///< both bounds, every operation rounded outward
 }  // namespace operations
 
-/// Steps that one point needs, on average over points_outside(); a vector runs as many as its slowest lane (of
-/// eight: 4.9, 7.1, 7.0), which counts as loss, not as achievement.
+/// Steps that one point needs, on average over points_outside(); a vector runs as many as its slowest lane (of sixteen:
+/// 3.0, 5.9, 4.5), which counts as loss, not as achievement.
 [[nodiscard]] constexpr double mean_newton_steps(std::string_view object) {
-  if (object == "capsule") return 4.26;
-  if (object == "gem") return 6.01;
-  return 6.03;  // soap
+  if (object == "capsule") return 2.96;
+  if (object == "gem") return 4.34;
+  return 3.19;  // soap
 }
 
 [[nodiscard]] constexpr double solver_operations(std::string_view object) {

@@ -5,6 +5,40 @@
 // the lower end, in the primitive's own frame (where no rotation rounds it: it is a certificate), and `nearest` the
 // smallest upper end of the primitives so far, which lets far primitives be passed over.
 
+// Relative to the size of the numbers: what is wider is proposed again in binary64.
+#define LOOSE 1e-14
+
+typedef struct {
+  real lo, hi;
+  vector3 normal; // which proves the lower end
+} proven_distance;
+
+// Whatever v and x in the octant are, these are bounds.
+ALWAYS_INLINE proven_distance distance_by_contact(vector3 q, vector3 v, vector3 x, MODEL_SPACE const superquadric* s) {
+  const proven_distance proven = {distance_down(q, v, s), distance_up(q, x, s), v};
+  return proven;
+}
+
+// By Newton's method in binary64, where binary32 went astray: exponents near 2, coordinates that vanish.
+NEVER_INLINE proven_distance distance_by_projection(vector3 q, MODEL_SPACE const superquadric* s) {
+  const vector3 log_q = {log_or_lowest(q.x), log_or_lowest(q.y), log_or_lowest(q.z)};
+  const radial_start start = start_radially(log_q, s);
+  const double enough = TIGHT_STEP / fmax(s->p[0], s->p[1]);
+  const projection found = project(log_q, start.unknowns, ~start.inside, enough, s);
+  const vector3 v = select_vector(vector_from_closest_point(q, found), start.normal, start.inside);
+  const vector3 x = {fmax(q.x - v.x, REAL(0.0)), fmax(q.y - v.y, REAL(0.0)), fmax(q.z - v.z, REAL(0.0))};
+  return distance_by_contact(q, v, x, s);
+}
+
+// Both hold: the higher lower end with its normal, the lower upper end. NaN proves nothing.
+ALWAYS_INLINE proven_distance tighter(proven_distance a, proven_distance b) {
+  const integer b_higher = MASK(!(a.lo >= b.lo)) & MASK(b.lo == b.lo);
+  const integer b_lower = MASK(!(a.hi <= b.hi)) & MASK(b.hi == b.hi);
+  const proven_distance both = {select(a.lo, b.lo, b_higher), select(a.hi, b.hi, b_lower),
+                                select_vector(a.normal, b.normal, b_higher)};
+  return both;
+}
+
 kernel void point_distance(ulong groups, global const double* xs, global const double* ys, global const double* zs,
                            MODEL_SPACE const superquadric* primitives, uint index, global double* nearest,
                            global double* los, global double* his, global double* normal_xs,
@@ -26,21 +60,20 @@ kernel void point_distance(ulong groups, global const double* xs, global const d
     return;
   }
 
-  const vector3 log_q = {log_or_lowest(q.point.x), log_or_lowest(q.point.y), log_or_lowest(q.point.z)};
-  const radial_start start = start_radially(log_q, s);
-  const double enough = TIGHT_STEP / fmax(s->p[0], s->p[1]);
-  const projection found = project(log_q, start.unknowns, ~start.inside, enough, s);
-  const vector3 v = select_vector(vector_from_closest_point(q.point, found), start.normal, start.inside);
-
+  const proposed_contact proposed = propose_contact(q.point, s);
 #ifdef SOLVER_ONLY // for the benchmark that shows what the proof costs
-  const real lo = v.x + v.y;
-  const real hi = v.y + v.z;
+  const vector3 v = proposed.normal;
+  const real lo = v.x + v.y + v.z;
+  const real hi = proposed.point.x + proposed.point.y + proposed.point.z;
 #else
-  // Whatever v is, a point of the octant, where distance_up holds.
-  const vector3 closest = {fmax(q.point.x - v.x, REAL(0.0)), fmax(q.point.y - v.y, REAL(0.0)),
-                           fmax(q.point.z - v.z, REAL(0.0))};
-  const real lo = sub_down(distance_down(q.point, v, s), q.error);
-  const real hi = add_up(distance_up(q.point, closest, s), q.error);
+  proven_distance proven = distance_by_contact(q.point, proposed.normal, proposed.point, s);
+  const real wide = LOOSE * fmax(REAL(s->circumradius_up), fmax(q.point.x, fmax(q.point.y, q.point.z)));
+  if (any(MASK(!(proven.hi - proven.lo <= wide)) & ~proposed.inside)) {
+    proven = tighter(proven, distance_by_projection(q.point, s));
+  }
+  const vector3 v = proven.normal;
+  const real lo = sub_down(proven.lo, q.error);
+  const real hi = add_up(proven.hi, q.error);
 #endif
   const real proven_hi = select(REAL(INFINITY), hi, MASK(hi <= DBL_MAX)); // NaN proves nothing
   STORE(select(REAL(-INFINITY), lo, MASK(lo >= -DBL_MAX)), group, los);

@@ -275,14 +275,11 @@ constexpr std::array pose{
 };
 
 constexpr std::array point_distance{
-    Mutant{"no pose error below",
-           "sub_down(distance_down(q.point, v, s), q.error);\n  const real hi = add_up(distance_up",
-           "distance_down(q.point, v, s);\n  const real hi = add_up(distance_up", Arithmetic::loose_below},
-    Mutant{"no pose error above", "add_up(distance_up(q.point, closest, s), q.error)",
-           "distance_up(q.point, closest, s)"},
-    Mutant{"pose error below with the wrong sign",
-           "sub_down(distance_down(q.point, v, s), q.error);\n  const real hi = add_up(distance_up",
-           "add_up(distance_down(q.point, v, s), q.error);\n  const real hi = add_up(distance_up"},
+    Mutant{"no pose error below", "sub_down(proven.lo, q.error)", "proven.lo", Arithmetic::loose_below},
+    Mutant{"no pose error above", "add_up(proven.hi, q.error)", "proven.hi"},
+    Mutant{"pose error below with the wrong sign", "sub_down(proven.lo, q.error)", "add_up(proven.lo, q.error)"},
+    Mutant{"higher lower end with the other's normal", "select_vector(a.normal, b.normal, b_higher)", "a.normal"},
+    Mutant{"upper end where the other has its lower one", "select(a.hi, b.hi, b_lower)", "select(a.hi, b.lo, b_lower)"},
     Mutant{"no pose error in the sphere's bound",
            "sub_down(sub_down(length_down(q.point), REAL(s->circumradius_up)), q.error)",
            "sub_down(length_down(q.point), REAL(s->circumradius_up))", Arithmetic::loose_below},
