@@ -22,6 +22,18 @@ Enclosure Scale::to_model(const Enclosure& e) const {
   return {rounded_down(e.lo, factor_), -rounded_down(-e.hi, factor_)};
 }
 
+void Scale::to_model(std::span<const double> los, std::span<const double> his, std::span<Enclosure> enclosures) const {
+  bool exact = true;
+  for (std::size_t n = 0; n < enclosures.size(); ++n) {
+    const Enclosure e{los[n] * inverse_, his[n] * inverse_};
+    // A product with a power of two is exact unless it under- or overflows, and then it does not lead back.
+    exact &= (e.lo * factor_ == los[n]) & (e.hi * factor_ == his[n]);
+    enclosures[n] = e;
+  }
+  if (exact) return;
+  for (std::size_t n = 0; n < enclosures.size(); ++n) enclosures[n] = to_model(Enclosure{los[n], his[n]});
+}
+
 ChunkQueue::ChunkQueue(const Device& device)
     : context_(device.context), queue_(device.context, device.device, CL_QUEUE_PROFILING_ENABLE) {}
 
@@ -65,7 +77,7 @@ void EnclosureColumns::read(ChunkQueue& queue, const std::array<cl::Buffer, 2>& 
 
 void EnclosureColumns::deliver(const Scale& scale, std::vector<Enclosure>& enclosures) const {
   enclosures.resize(size_);
-  for (std::size_t n = 0; n < size_; ++n) enclosures[n] = scale.to_model(Enclosure{los_[n], his_[n]});
+  scale.to_model(std::span(los_).first(size_), std::span(his_).first(size_), enclosures);
 }
 
 std::vector<cl::Buffer> windows(const cl::Buffer& buffer, std::size_t count, std::size_t length) {

@@ -19,15 +19,18 @@ constexpr std::size_t usual_group_size = 32;
 /// Numbers of the device are model units times 2^scale. Exact but for underflow, which the kernels' bounds allow for.
 class Scale {
  public:
-  explicit Scale(int exponent) : factor_(std::ldexp(1.0, exponent)) {}
+  explicit Scale(int exponent) : factor_(std::ldexp(1.0, exponent)), inverse_(std::ldexp(1.0, -exponent)) {}
 
   [[nodiscard]] double to_device(double x) const { return x * factor_; }
   [[nodiscard]] double to_model(double x) const { return x / factor_; }  ///< for what proves nothing
   /// Rounded outward where it underflows or overflows.
   [[nodiscard]] Enclosure to_model(const Enclosure& e) const;
+  /// Likewise, all of them: by one multiplication an end wherever that is exact, as it is but for extremes.
+  void to_model(std::span<const double> los, std::span<const double> his, std::span<Enclosure> enclosures) const;
 
  private:
   double factor_;
+  double inverse_;  // exact: exponents of scales are small
 };
 
 class ChunkQueue {

@@ -69,11 +69,12 @@ class MapRun {
     const double earlier_seconds = batch.device_seconds();
     bool all_read = submit_chunk(batch, current);
     while (!current.empty()) {
-      next.clear();
-      if (options_.interrupted())
+      if (options_.interrupted()) {
         summary_.interrupted = true;
-      else
+        next.clear();
+      } else {
         all_read = submit_chunk(batch, next);
+      }
       const auto start = std::chrono::steady_clock::now();
       batch.collect(found, certificates);
       device_pace_.took(seconds_since(start));
@@ -86,6 +87,7 @@ class MapRun {
   }
 
  private:
+  // What `queries` held before is overwritten: a full vector is not filled with zeros first.
   void read_chunk(std::size_t capacity, std::vector<Query>& queries) const {
     queries.resize(capacity);
     queries.resize(source_(queries));
@@ -129,8 +131,10 @@ class MapRun {
 
   // Leaves `queries` empty when nothing is left to be read, and says so; also when the time is up.
   bool submit_chunk(device::Batch<Query>& batch, std::vector<Query>& queries) const {
-    queries.clear();
-    if (out_of_time()) return false;
+    if (out_of_time()) {
+      queries.clear();
+      return false;
+    }
     // Full chunks keep a device busiest; with a time limit, what it has begun must be done soon.
     const std::size_t size = options_.out_of_time ? device_pace_.size() : batch.capacity();
     read_chunk(std::min(size, batch.capacity()), queries);
@@ -160,13 +164,24 @@ class MapRun {
     }
   }
 
+  // Sets the rows that the host has nothing to add to; returns the others.
+  std::vector<std::size_t> without_open(std::span<const Query> queries, std::span<const Enclosure> found) {
+    const Status at_limit = options_.tolerance == 0.0 ? Status::device_verified : Status::wide;
+    std::vector<std::size_t> open;
+    rows_.resize(queries.size());
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      rows_[i] = {found[i], Status::device_verified};
+      if (verified(found[i], options_.tolerance)) continue;
+      rows_[i].status = at_limit;
+      if (!prover_.at_limit(queries[i], found[i])) open.push_back(i);
+    }
+    return open;
+  }
+
   void finish_chunk(std::span<const Query> queries, std::span<Enclosure> found, std::span<Certificate> certificates) {
     const auto start = std::chrono::steady_clock::now();
     if (options_.certificates) drop_unwitnessed(queries, found, certificates);
-    std::vector<std::size_t> open;
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      if (!verified(found[i], options_.tolerance) && !prover_.at_limit(queries[i], found[i])) open.push_back(i);
-    }
+    const std::vector<std::size_t> open = without_open(queries, found);
     in_parallel(open.size(), [&](std::size_t n) {
       const std::size_t i = open[n];
       const auto add = [&](const CertifiedEnclosure& proven) {
@@ -181,14 +196,11 @@ class MapRun {
     summary_.host_seconds += seconds;
     pace_.took(seconds);
 
-    rows_.resize(queries.size());
-    for (std::size_t i = 0; i < queries.size(); ++i)
-      rows_[i] = {found[i], good(queries[i], found[i]) ? Status::device_verified : Status::wide};
     for (const std::size_t i : open)
-      if (rows_[i].status == Status::device_verified) rows_[i].status = Status::host_verified;
+      rows_[i] = {found[i], good(queries[i], found[i]) ? Status::host_verified : Status::wide};
     const auto is_wide = [&](std::size_t i) { return rows_[i].status == Status::wide; };
     if (std::ranges::any_of(open, is_wide) && out_of_time()) summary_.out_of_time = true;
-    for (const MapResult& row : rows_) count(summary_, row);
+    count(summary_, rows_);
     sink_(queries, rows_, certificates);
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 
 #include "verisq/enclosure.hpp"
 #include "verisq/map.hpp"
@@ -28,6 +29,20 @@ inline void count(MapSummary& summary, const MapResult& row) {
   summary.minimum_lo = std::min(summary.minimum_lo, row.distance.lo);
   summary.minimum_hi = std::min(summary.minimum_hi, row.distance.hi);
   summary.largest_width = std::max(summary.largest_width, row.distance.width());
+}
+
+/// Likewise all of these, without a write to the summary for each.
+inline void count(MapSummary& summary, std::span<const MapResult> rows) {
+  MapSummary of_rows = empty_summary();
+  for (const MapResult& row : rows) count(of_rows, row);
+  summary.points += of_rows.points;
+  summary.device_verified += of_rows.device_verified;
+  summary.host_verified += of_rows.host_verified;
+  summary.wide += of_rows.wide;
+  summary.wide_inside += of_rows.wide_inside;
+  summary.minimum_lo = std::min(summary.minimum_lo, of_rows.minimum_lo);
+  summary.minimum_hi = std::min(summary.minimum_hi, of_rows.minimum_hi);
+  summary.largest_width = std::max(summary.largest_width, of_rows.largest_width);
 }
 
 }  // namespace verisq
