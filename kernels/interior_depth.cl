@@ -143,21 +143,26 @@ ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real 
   const vector3 c_2 = direction_down(add3(corner_2, add3(midpoint_c, midpoint_a)));
   const vector3 c_3 = direction_down(add3(corner_3, add3(midpoint_a, midpoint_b)));
   const vector3 c_4 = direction_down(add3(midpoint_a, add3(midpoint_b, midpoint_c)));
-  const tested_point p_1 = test_point(q, t, corner_1, dot_down(c_1, corner_1), s);
-  const tested_point p_2 = test_point(q, t, corner_2, dot_down(c_2, corner_2), s);
-  const tested_point p_3 = test_point(q, t, corner_3, dot_down(c_3, corner_3), s);
-  const tested_point p_a = test_point(
-      q, t, midpoint_a, fmin(dot_down(c_4, midpoint_a), fmin(dot_down(c_2, midpoint_a), dot_down(c_3, midpoint_a))), s);
-  const tested_point p_b = test_point(
-      q, t, midpoint_b, fmin(dot_down(c_4, midpoint_b), fmin(dot_down(c_3, midpoint_b), dot_down(c_1, midpoint_b))), s);
-  const tested_point p_c = test_point(
-      q, t, midpoint_c, fmin(dot_down(c_4, midpoint_c), fmin(dot_down(c_1, midpoint_c), dot_down(c_2, midpoint_c))), s);
-  const tested_point worst =
-      farther_out(farther_out(farther_out(p_1, p_2), farther_out(p_3, p_a)), farther_out(p_b, p_c));
+  // Of each of the six points: its direction, what the quarters that it belongs to demand of it, and these as bits.
+  const vector3 directions[6] = {corner_1, corner_2, corner_3, midpoint_a, midpoint_b, midpoint_c};
+  const real alongs[6] = {
+      dot_down(c_1, corner_1),
+      dot_down(c_2, corner_2),
+      dot_down(c_3, corner_3),
+      fmin(dot_down(c_4, midpoint_a), fmin(dot_down(c_2, midpoint_a), dot_down(c_3, midpoint_a))),
+      fmin(dot_down(c_4, midpoint_b), fmin(dot_down(c_3, midpoint_b), dot_down(c_1, midpoint_b))),
+      fmin(dot_down(c_4, midpoint_c), fmin(dot_down(c_1, midpoint_c), dot_down(c_2, midpoint_c)))};
+  const long quarters[6] = {1, 2, 4, 2 | 4 | 8, 1 | 4 | 8, 1 | 2 | 8};
 
   quarters_test test;
-  test.open = ((p_1.outside | p_b.outside | p_c.outside) & 1) | ((p_2.outside | p_c.outside | p_a.outside) & 2) |
-              ((p_3.outside | p_a.outside | p_b.outside) & 4) | ((p_a.outside | p_b.outside | p_c.outside) & 8);
+  tested_point worst = test_point(q, t, directions[0], alongs[0], s);
+  test.open = worst.outside & quarters[0];
+#pragma nounroll // six copies spill registers: a third slower to run, and to compile
+  for (int i = 1; i < 6; ++i) {
+    const tested_point p = test_point(q, t, directions[i], alongs[i], s);
+    test.open |= p.outside & quarters[i];
+    worst = farther_out(worst, p);
+  }
   test.worst = log_gauge_of(worst.gauge, s);
   test.plane = tangent_at(q, worst.position, worst.gauge, s);
   return test;

@@ -165,7 +165,15 @@ constexpr std::array solid_proposals{
     const vector3 at = bend_nearest(spoilt, p->curvature);)"},
 };
 
+// Normals turned, so that lower ends are loose; planes too far away; searches cut short.
 constexpr std::array search{
+    Mutant{"normals", "  found.normal = select_vector(moved_normal, start_normal, found.inside);\n",
+           "  found.normal = select_vector(moved_normal, start_normal, found.inside);\n"
+           "  found.normal.x *= 1.0 + TO_REAL((BITS(q.y) >> 8) & INTEGER(255L)) * 0x1p-8;\n"},
+    Mutant{"normals in binary64",
+           "const vector3 v = select_vector(vector_from_closest_point(q, found), start.normal, start.inside);",
+           "vector3 v = select_vector(vector_from_closest_point(q, found), start.normal, start.inside);\n"
+           "  v.x *= 1.0 + TO_REAL((BITS(q.y) >> 8) & INTEGER(255L)) * 0x1p-8;"},
     Mutant{"limit", "#define SPLIT_LIMIT 4096", "#define SPLIT_LIMIT 128"},
     Mutant{
         "tangent planes", "  return plane;\n",
