@@ -143,7 +143,8 @@ struct Bound {
 };
 
 struct Bounds {
-  std::vector<Bound> assumed, proven;
+  std::vector<Bound> assumed;
+  std::vector<Bound> proven;
 };
 
 void add(Bounds& bounds, const std::string& kind, const std::string& names, double value) {
@@ -291,7 +292,8 @@ TEST(Proofs, NoConstantOfTheKernelIsNameless) {
 }
 
 TEST(Proofs, SollyaComputesTheCoefficientsThatProposalsUse) {
-  std::set<double> computed, in_kernel;
+  std::set<double> computed;
+  std::set<double> in_kernel;
   for (const auto& [name, value] : defined_constants(sollya(proof("projection.sollya")))) computed.insert(value);
   const std::string code = without_comments(contents(kernels / "projection.clh"));
   for (const auto& match : matches(code, std::regex(R"(0x[0-9a-f.]+p[-+0-9]+)"))) in_kernel.insert(number(match.str()));
