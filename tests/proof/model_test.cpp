@@ -11,7 +11,6 @@
 namespace verisq {
 namespace {
 
-
 Primitive ball(std::optional<Bend> bend = {}) {
   return {"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}, bend};
 }
