@@ -30,7 +30,7 @@ std::uint64_t parse_byte_size(std::string_view option, std::string_view text) {
   const std::size_t end = text.find_last_of("0123456789.") + 1;  // 0 where there is none
   std::string_view name = text.substr(end);
   name.remove_prefix(std::min(name.find_first_not_of(' '), name.size()));
-  const auto unit = std::ranges::find(units, lower_case(std::string(name)), &Unit::name);
+  const auto* const unit = std::ranges::find(units, lower_case(std::string(name)), &Unit::name);
   const std::optional<double> number = finite_number(text.substr(0, end));
   const double bytes = number && unit != units.end() ? *number * unit->bytes : -1.0;
   if (!(bytes >= 0.0 && bytes < 0x1p63)) refuse(fmt::format("{}: {} is not a size like 500MB or 4GiB", option, text));

@@ -132,7 +132,7 @@ ExitStatus run_insert(const InsertArguments& arguments) {
 
   const Stopwatch time;
   std::optional<ProgressBar> bar;  // begins at the first distances: compiling kernels is no part of the rate
-  const double points = static_cast<double>(bone.vertices.size());
+  const auto points = static_cast<double>(bone.vertices.size());
   const InsertionOptions options{.tolerance = tolerance_of(arguments, implant),
                                  .device = arguments.device,
                                  .interrupted = interrupted,

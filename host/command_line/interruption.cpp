@@ -10,6 +10,7 @@ namespace verisq::command_line {
 namespace {
 
 // A signal handler reaches nothing but static storage. Lock-free, hence safe in a handler on any thread.
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables): for that reason
 std::atomic<int> first_signal{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 

@@ -227,10 +227,10 @@ class Analysis {
   }
 
   /// Nothing unless --monte-carlo asks for it.
-  std::optional<Samples> check(const Sampled& sampled, const std::vector<std::string>& names) const {
+  [[nodiscard]] std::optional<Samples> check(const Sampled& sampled, const std::vector<std::string>& names) const {
     if (!arguments_.monte_carlo) return std::nullopt;
     ProgressBar bar(!arguments_.no_progress, "samples");
-    const double count = static_cast<double>(*arguments_.monte_carlo);
+    const auto count = static_cast<double>(*arguments_.monte_carlo);
     Samples samples = take_samples(
         summary_.model, summary_.uncertain, sampled,
         {.count = *arguments_.monte_carlo, .interrupted = interrupted, .progress = [&](std::uint64_t done) {

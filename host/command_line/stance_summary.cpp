@@ -30,7 +30,7 @@ std::string_view word(Mode mode) {
 std::vector<std::string> acceleration_units(const Model& model) {
   std::vector<std::string> units;
   for (const Body& body : model.bodies) {
-    for (const Joint& joint : body.joints) units.push_back(joint.kind == JointKind::rotation ? "rad/s^2" : "m/s^2");
+    for (const Joint& joint : body.joints) units.emplace_back(joint.kind == JointKind::rotation ? "rad/s^2" : "m/s^2");
   }
   return units;
 }

@@ -22,6 +22,7 @@ ExitStatus run_surface_program(const SurfaceProgramArguments& arguments) {
   std::vector<std::string> words{name_of_caller, "surface"};
   words.insert(words.end(), arguments.all.begin(), arguments.all.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   execv(program.c_str(), argv.data());

@@ -188,6 +188,7 @@ std::vector<double> compute(Computer kernels, const NumberOperation& operation, 
                             Direction direction) {
   if (kernels != nullptr) return kernels->apply(direction == Direction::down ? operation.down : operation.up, operands);
   std::vector<double> results;
+  results.reserve(operands.size());
   for (const Operands& o : operands) results.push_back(operation.host(o, direction));
   return results;
 }
@@ -206,6 +207,7 @@ std::vector<Ends> compute(Computer kernels, unsigned index, const std::vector<In
   if (kernels != nullptr) return kernels->apply_to_intervals(index, operands);
   const OnHost operation = on_host(interval_operations()[index].name);
   std::vector<Ends> results;
+  results.reserve(operands.size());
   for (const IntervalOperands& o : operands) results.push_back(compute_on_host(operation, o));
   return results;
 }

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cstring>
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -38,9 +40,10 @@ std::optional<MapDifference> difference_of_counts(std::string_view name, std::si
 template <class Item, class Expected>
 std::optional<MapDifference> first_difference(std::string_view name, std::span<const Item> shown,
                                               const Expected& expected) {
+  using Bits = std::array<std::byte, sizeof(Item)>;
   for (std::size_t k = 0; k < shown.size(); ++k) {
     const Item item = expected(k);
-    if (std::memcmp(&shown[k], &item, sizeof item) != 0) {
+    if (std::bit_cast<Bits>(shown[k]) != std::bit_cast<Bits>(item)) {
       return MapDifference{std::string(name), k, text(shown[k]), text(item)};
     }
   }

@@ -30,9 +30,10 @@ std::filesystem::path with_known_extension(const std::filesystem::path& file) {
 // Text and arrays of a file, whose sizes are known before anything is written.
 class Layout {
  public:
-  explicit Layout(std::span<const OctreeCube> appended) : cubes_(merged(appended)), corners_(cubes_) {
-    // Indices of corners, and the offsets behind them.
-    narrow_ = corners * cubes_.size() <= std::numeric_limits<std::int32_t>::max();
+  explicit Layout(std::span<const OctreeCube> appended)
+      : cubes_(merged(appended)),
+        corners_(cubes_),
+        narrow_(corners * cubes_.size() <= std::numeric_limits<std::int32_t>::max()) {
     write_declarations();
   }
 
@@ -117,7 +118,7 @@ class Layout {
 
   std::vector<OctreeCube> cubes_;
   SharedCorners corners_;
-  bool narrow_ = true;
+  bool narrow_;  // indices of corners, and the offsets behind them
   std::string text_;
   std::uint64_t array_bytes_ = 0;
 };

@@ -171,6 +171,7 @@ void read_vertices(const InputFile& file, Rows& rows, const PlyElement& element,
         case Column::x: point[0] = rows.finite(property.type, property.name); break;
         case Column::y: point[1] = rows.finite(property.type, property.name); break;
         case Column::z: point[2] = rows.finite(property.type, property.name); break;
+        // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): without `labels` no column is one
         case Column::label: labels->values.push_back(rows.whole(property.type, property.shown)); break;
         case Column::other: skip_property(file, rows, property); break;
       }

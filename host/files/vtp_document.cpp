@@ -44,7 +44,7 @@ VtpDocument::VtpDocument(InputFile& file) : file_(file), text_(take_xml(file)) {
 }
 
 void VtpDocument::check_attributes() const {
-  const pugi::xml_node root = only_child(xml_, "VTKFile");
+  const pugi::xml_node root = only_child(xml_.root(), "VTKFile");
   expect(root, "type", "PolyData");
   expect(root, "version", "1.0");
   expect(root, "byte_order", "LittleEndian");
@@ -145,7 +145,7 @@ pugi::xml_node VtpDocument::only_array(pugi::xml_node parent, std::string_view n
   pugi::xml_node found;
   for (const pugi::xml_node array : parent.children("DataArray")) {
     if (array.attribute("Name").value() != name) continue;
-    if (found) fail(array, fmt::format("Name = {}: a second one", in_quotes(name)));
+    if (!found.empty()) fail(array, fmt::format("Name = {}: a second one", in_quotes(name)));
     found = array;
   }
   if (!found) fail(parent, fmt::format("no DataArray with Name = {}", in_quotes(name)));

@@ -110,7 +110,7 @@ void XmlElement::fail(const char* attribute, std::string_view what) const {
 }
 
 XmlFile::XmlFile(std::string_view text, std::string_view name) : text_(text), name_(name) {
-  if (const auto found = std::ranges::find_if(text, is_control_character); found != text.end()) {
+  if (const auto* const found = std::ranges::find_if(text, is_control_character); found != text.end()) {
     refuse(name, line_of(text, found - text.begin()),
            fmt::format("not XML: control character {}", printable({found, found + 1})));
   }

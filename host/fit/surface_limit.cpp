@@ -74,8 +74,7 @@ class SurfaceSearch {
     std::optional<Found> best;
     Found shallowest = found;
     for (int round = 0, futile = 0, unmoved = 0; round < most_rounds && !watch_.interrupted(); ++round) {
-      MeshClearance clearance = proven(found, coarse);
-      if (clearance.proven_too_deep == 0) clearance = proven(found, 1.0);
+      const MeshClearance clearance = proven(found);
       if (clearance.interrupted) break;
       found.deepest_penetration = std::max(-clearance.smallest_distance.hi, 0.0);
       found.within_limit = clearance.proven_too_deep == 0;
@@ -93,7 +92,7 @@ class SurfaceSearch {
       }
       guard(clearance.too_deep);
       const Parameters earlier = found.parameters;
-      found = futile > patient_rounds ? restored(found) : searched(found, all_proven);
+      found = next(found, futile, all_proven);
       unmoved = found.parameters == earlier ? unmoved + 1 : 0;
       if (unmoved > most_unmoved_rounds) break;
     }
@@ -105,6 +104,12 @@ class SurfaceSearch {
  private:
   static std::vector<std::uint32_t> zeros(const Mesh& mesh) {
     return std::vector<std::uint32_t>(mesh.vertices.size(), 0);
+  }
+
+  /// Closely, where a coarse proof finds nothing too deep.
+  [[nodiscard]] MeshClearance proven(const Found& found) {
+    MeshClearance coarsely = proven(found, coarse);
+    return coarsely.proven_too_deep == 0 ? proven(found, 1.0) : coarsely;
   }
 
   [[nodiscard]] MeshClearance proven(const Found& found, double coarseness) {
@@ -128,6 +133,10 @@ class SurfaceSearch {
   void guard(const std::vector<Point>& points) {
     guarded_.points.insert(guarded_.points.end(), points.begin(), points.end());
     guarded_.area_of.resize(guarded_.points.size(), static_cast<std::uint32_t>(guarded_.areas.size() - 1));
+  }
+
+  [[nodiscard]] Found next(const Found& found, int futile, bool proven) {
+    return futile > patient_rounds ? restored(found) : searched(found, proven);
   }
 
   [[nodiscard]] Found searched(const Found& found, bool proven) {

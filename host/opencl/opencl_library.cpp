@@ -69,23 +69,26 @@ std::string missing_opencl_library() {
 
 using verisq::device::forward;
 
-// Signatures of CL/cl.h (whose CL_API_ENTRY and CL_API_CALL are empty where there is dlopen). The compiler compares
-// them, because functions with C linkage cannot be overloaded.
+// Signatures and names of CL/cl.h (whose CL_API_ENTRY and CL_API_CALL are empty where there is dlopen). The compiler
+// compares them, because functions with C linkage cannot be overloaded.
 #pragma GCC visibility push(hidden)
 
-cl_int clGetPlatformIDs(cl_uint capacity, cl_platform_id* platforms, cl_uint* count) {
-  return forward<clGetPlatformIDs>(__func__, capacity, platforms, count);
+cl_int clGetPlatformIDs(cl_uint num_entries, cl_platform_id* platforms, cl_uint* num_platforms) {
+  return forward<clGetPlatformIDs>(__func__, num_entries, platforms, num_platforms);
 }
-cl_int clGetPlatformInfo(cl_platform_id platform, cl_platform_info key, size_t capacity, void* value, size_t* size) {
-  return forward<clGetPlatformInfo>(__func__, platform, key, capacity, value, size);
+cl_int clGetPlatformInfo(cl_platform_id platform, cl_platform_info param_name, size_t param_value_size,
+                         void* param_value, size_t* param_value_size_ret) {
+  return forward<clGetPlatformInfo>(__func__, platform, param_name, param_value_size, param_value,
+                                    param_value_size_ret);
 }
 
-cl_int clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id* devices,
-                      cl_uint* count) {
-  return forward<clGetDeviceIDs>(__func__, platform, type, capacity, devices, count);
+cl_int clGetDeviceIDs(cl_platform_id platform, cl_device_type device_type, cl_uint num_entries, cl_device_id* devices,
+                      cl_uint* num_devices) {
+  return forward<clGetDeviceIDs>(__func__, platform, device_type, num_entries, devices, num_devices);
 }
-cl_int clGetDeviceInfo(cl_device_id device, cl_device_info key, size_t capacity, void* value, size_t* size) {
-  return forward<clGetDeviceInfo>(__func__, device, key, capacity, value, size);
+cl_int clGetDeviceInfo(cl_device_id device, cl_device_info param_name, size_t param_value_size, void* param_value,
+                       size_t* param_value_size_ret) {
+  return forward<clGetDeviceInfo>(__func__, device, param_name, param_value_size, param_value, param_value_size_ret);
 }
 cl_int clRetainDevice(cl_device_id device) {
   return forward<clRetainDevice>(__func__, device);
@@ -94,9 +97,10 @@ cl_int clReleaseDevice(cl_device_id device) {
   return forward<clReleaseDevice>(__func__, device);
 }
 
-cl_context clCreateContext(const cl_context_properties* properties, cl_uint count, const cl_device_id* devices,
-                           void (*notify)(const char*, const void*, size_t, void*), void* user, cl_int* error) {
-  return forward<clCreateContext>(__func__, properties, count, devices, notify, user, error);
+cl_context clCreateContext(const cl_context_properties* properties, cl_uint num_devices, const cl_device_id* devices,
+                           void (*pfn_notify)(const char*, const void*, size_t, void*), void* user_data,
+                           cl_int* errcode_ret) {
+  return forward<clCreateContext>(__func__, properties, num_devices, devices, pfn_notify, user_data, errcode_ret);
 }
 cl_int clRetainContext(cl_context context) {
   return forward<clRetainContext>(__func__, context);
@@ -106,55 +110,58 @@ cl_int clReleaseContext(cl_context context) {
 }
 
 cl_command_queue clCreateCommandQueue(cl_context context, cl_device_id device, cl_command_queue_properties properties,
-                                      cl_int* error) {
-  return forward<clCreateCommandQueue>(__func__, context, device, properties, error);
+                                      cl_int* errcode_ret) {
+  return forward<clCreateCommandQueue>(__func__, context, device, properties, errcode_ret);
 }
-cl_int clFlush(cl_command_queue queue) {
-  return forward<clFlush>(__func__, queue);
+cl_int clFlush(cl_command_queue command_queue) {
+  return forward<clFlush>(__func__, command_queue);
 }
-cl_int clFinish(cl_command_queue queue) {
-  return forward<clFinish>(__func__, queue);
+cl_int clFinish(cl_command_queue command_queue) {
+  return forward<clFinish>(__func__, command_queue);
 }
-cl_int clRetainCommandQueue(cl_command_queue queue) {
-  return forward<clRetainCommandQueue>(__func__, queue);
+cl_int clRetainCommandQueue(cl_command_queue command_queue) {
+  return forward<clRetainCommandQueue>(__func__, command_queue);
 }
-cl_int clReleaseCommandQueue(cl_command_queue queue) {
-  return forward<clReleaseCommandQueue>(__func__, queue);
-}
-
-cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void* host, cl_int* error) {
-  return forward<clCreateBuffer>(__func__, context, flags, size, host, error);
-}
-cl_mem clCreateSubBuffer(cl_mem buffer, cl_mem_flags flags, cl_buffer_create_type type, const void* info,
-                         cl_int* error) {
-  return forward<clCreateSubBuffer>(__func__, buffer, flags, type, info, error);
-}
-cl_int clRetainMemObject(cl_mem object) {
-  return forward<clRetainMemObject>(__func__, object);
-}
-cl_int clReleaseMemObject(cl_mem object) {
-  return forward<clReleaseMemObject>(__func__, object);
+cl_int clReleaseCommandQueue(cl_command_queue command_queue) {
+  return forward<clReleaseCommandQueue>(__func__, command_queue);
 }
 
-cl_program clCreateProgramWithSource(cl_context context, cl_uint count, const char** texts, const size_t* sizes,
-                                     cl_int* error) {
-  return forward<clCreateProgramWithSource>(__func__, context, count, texts, sizes, error);
+cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void* host_ptr, cl_int* errcode_ret) {
+  return forward<clCreateBuffer>(__func__, context, flags, size, host_ptr, errcode_ret);
 }
-cl_program clCreateProgramWithBinary(cl_context context, cl_uint count, const cl_device_id* devices,
-                                     const size_t* sizes, const unsigned char** binaries, cl_int* errors,
-                                     cl_int* error) {
-  return forward<clCreateProgramWithBinary>(__func__, context, count, devices, sizes, binaries, errors, error);
+cl_mem clCreateSubBuffer(cl_mem buffer, cl_mem_flags flags, cl_buffer_create_type buffer_create_type,
+                         const void* buffer_create_info, cl_int* errcode_ret) {
+  return forward<clCreateSubBuffer>(__func__, buffer, flags, buffer_create_type, buffer_create_info, errcode_ret);
 }
-cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id* devices, const char* options,
-                      void (*notify)(cl_program, void*), void* user) {
-  return forward<clBuildProgram>(__func__, program, count, devices, options, notify, user);
+cl_int clRetainMemObject(cl_mem memobj) {
+  return forward<clRetainMemObject>(__func__, memobj);
 }
-cl_int clGetProgramInfo(cl_program program, cl_program_info key, size_t capacity, void* value, size_t* size) {
-  return forward<clGetProgramInfo>(__func__, program, key, capacity, value, size);
+cl_int clReleaseMemObject(cl_mem memobj) {
+  return forward<clReleaseMemObject>(__func__, memobj);
 }
-cl_int clGetProgramBuildInfo(cl_program program, cl_device_id device, cl_program_build_info key, size_t capacity,
-                             void* value, size_t* size) {
-  return forward<clGetProgramBuildInfo>(__func__, program, device, key, capacity, value, size);
+
+cl_program clCreateProgramWithSource(cl_context context, cl_uint count, const char** strings, const size_t* lengths,
+                                     cl_int* errcode_ret) {
+  return forward<clCreateProgramWithSource>(__func__, context, count, strings, lengths, errcode_ret);
+}
+cl_program clCreateProgramWithBinary(cl_context context, cl_uint num_devices, const cl_device_id* device_list,
+                                     const size_t* lengths, const unsigned char** binaries, cl_int* binary_status,
+                                     cl_int* errcode_ret) {
+  return forward<clCreateProgramWithBinary>(__func__, context, num_devices, device_list, lengths, binaries,
+                                            binary_status, errcode_ret);
+}
+cl_int clBuildProgram(cl_program program, cl_uint num_devices, const cl_device_id* device_list, const char* options,
+                      void (*pfn_notify)(cl_program, void*), void* user_data) {
+  return forward<clBuildProgram>(__func__, program, num_devices, device_list, options, pfn_notify, user_data);
+}
+cl_int clGetProgramInfo(cl_program program, cl_program_info param_name, size_t param_value_size, void* param_value,
+                        size_t* param_value_size_ret) {
+  return forward<clGetProgramInfo>(__func__, program, param_name, param_value_size, param_value, param_value_size_ret);
+}
+cl_int clGetProgramBuildInfo(cl_program program, cl_device_id device, cl_program_build_info param_name,
+                             size_t param_value_size, void* param_value, size_t* param_value_size_ret) {
+  return forward<clGetProgramBuildInfo>(__func__, program, device, param_name, param_value_size, param_value,
+                                        param_value_size_ret);
 }
 cl_int clRetainProgram(cl_program program) {
   return forward<clRetainProgram>(__func__, program);
@@ -163,14 +170,15 @@ cl_int clReleaseProgram(cl_program program) {
   return forward<clReleaseProgram>(__func__, program);
 }
 
-cl_kernel clCreateKernel(cl_program program, const char* name, cl_int* error) {
-  return forward<clCreateKernel>(__func__, program, name, error);
+cl_kernel clCreateKernel(cl_program program, const char* kernel_name, cl_int* errcode_ret) {
+  return forward<clCreateKernel>(__func__, program, kernel_name, errcode_ret);
 }
-cl_int clGetKernelInfo(cl_kernel kernel, cl_kernel_info key, size_t capacity, void* value, size_t* size) {
-  return forward<clGetKernelInfo>(__func__, kernel, key, capacity, value, size);
+cl_int clGetKernelInfo(cl_kernel kernel, cl_kernel_info param_name, size_t param_value_size, void* param_value,
+                       size_t* param_value_size_ret) {
+  return forward<clGetKernelInfo>(__func__, kernel, param_name, param_value_size, param_value, param_value_size_ret);
 }
-cl_int clSetKernelArg(cl_kernel kernel, cl_uint index, size_t size, const void* value) {
-  return forward<clSetKernelArg>(__func__, kernel, index, size, value);
+cl_int clSetKernelArg(cl_kernel kernel, cl_uint arg_index, size_t arg_size, const void* arg_value) {
+  return forward<clSetKernelArg>(__func__, kernel, arg_index, arg_size, arg_value);
 }
 cl_int clRetainKernel(cl_kernel kernel) {
   return forward<clRetainKernel>(__func__, kernel);
@@ -179,28 +187,37 @@ cl_int clReleaseKernel(cl_kernel kernel) {
   return forward<clReleaseKernel>(__func__, kernel);
 }
 
-cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t size,
-                           void* target, cl_uint count, const cl_event* awaited, cl_event* event) {
-  return forward<clEnqueueReadBuffer>(__func__, queue, buffer, blocking, offset, size, target, count, awaited, event);
+cl_int clEnqueueReadBuffer(cl_command_queue command_queue, cl_mem buffer, cl_bool blocking_read, size_t offset,
+                           size_t size, void* ptr, cl_uint num_events_in_wait_list, const cl_event* event_wait_list,
+                           cl_event* event) {
+  return forward<clEnqueueReadBuffer>(__func__, command_queue, buffer, blocking_read, offset, size, ptr,
+                                      num_events_in_wait_list, event_wait_list, event);
 }
-cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t size,
-                            const void* source, cl_uint count, const cl_event* awaited, cl_event* event) {
-  return forward<clEnqueueWriteBuffer>(__func__, queue, buffer, blocking, offset, size, source, count, awaited, event);
+cl_int clEnqueueWriteBuffer(cl_command_queue command_queue, cl_mem buffer, cl_bool blocking_write, size_t offset,
+                            size_t size, const void* ptr, cl_uint num_events_in_wait_list,
+                            const cl_event* event_wait_list, cl_event* event) {
+  return forward<clEnqueueWriteBuffer>(__func__, command_queue, buffer, blocking_write, offset, size, ptr,
+                                       num_events_in_wait_list, event_wait_list, event);
 }
-cl_int clEnqueueFillBuffer(cl_command_queue queue, cl_mem buffer, const void* pattern, size_t pattern_size,
-                           size_t offset, size_t size, cl_uint count, const cl_event* awaited, cl_event* event) {
-  return forward<clEnqueueFillBuffer>(__func__, queue, buffer, pattern, pattern_size, offset, size, count, awaited,
-                                      event);
+cl_int clEnqueueFillBuffer(cl_command_queue command_queue, cl_mem buffer, const void* pattern, size_t pattern_size,
+                           size_t offset, size_t size, cl_uint num_events_in_wait_list, const cl_event* event_wait_list,
+                           cl_event* event) {
+  return forward<clEnqueueFillBuffer>(__func__, command_queue, buffer, pattern, pattern_size, offset, size,
+                                      num_events_in_wait_list, event_wait_list, event);
 }
-cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t* offset,
-                              const size_t* size, const size_t* group_size, cl_uint count, const cl_event* awaited,
-                              cl_event* event) {
-  return forward<clEnqueueNDRangeKernel>(__func__, queue, kernel, dimensions, offset, size, group_size, count, awaited,
+cl_int clEnqueueNDRangeKernel(cl_command_queue command_queue, cl_kernel kernel, cl_uint work_dim,
+                              const size_t* global_work_offset, const size_t* global_work_size,
+                              const size_t* local_work_size, cl_uint num_events_in_wait_list,
+                              const cl_event* event_wait_list, cl_event* event) {
+  return forward<clEnqueueNDRangeKernel>(__func__, command_queue, kernel, work_dim, global_work_offset,
+                                         global_work_size, local_work_size, num_events_in_wait_list, event_wait_list,
                                          event);
 }
 
-cl_int clGetEventProfilingInfo(cl_event event, cl_profiling_info key, size_t capacity, void* value, size_t* size) {
-  return forward<clGetEventProfilingInfo>(__func__, event, key, capacity, value, size);
+cl_int clGetEventProfilingInfo(cl_event event, cl_profiling_info param_name, size_t param_value_size, void* param_value,
+                               size_t* param_value_size_ret) {
+  return forward<clGetEventProfilingInfo>(__func__, event, param_name, param_value_size, param_value,
+                                          param_value_size_ret);
 }
 cl_int clRetainEvent(cl_event event) {
   return forward<clRetainEvent>(__func__, event);

@@ -8,7 +8,7 @@
 
 #include "host/report/colour_scale.hpp"
 
-struct _cairo_surface;
+struct _cairo_surface;  // NOLINT(bugprone-reserved-identifier): cairo's name
 
 namespace verisq::report {
 

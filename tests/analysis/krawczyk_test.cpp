@@ -154,7 +154,9 @@ TEST(KrawczykTest, NearlyAllPairsOfThePapersSolidsHaveSmallUniqueBoxes) {
       const double size = std::max(std::ranges::max(solid_a.semi_axes), std::ranges::max(solid_b.semi_axes));
       const PairDistance pair(Model{"", {{"a", solid_a, {}}}}, Model{"", {{"b", solid_b, {}}}});
       RandomPoses random(1000 * i + j);
-      std::size_t apart = 0, unique = 0, small = 0;
+      std::size_t apart = 0;
+      std::size_t unique = 0;
+      std::size_t small = 0;
       double largest = 0.0;
       for (std::size_t k = 0; k < requested_pairs(); ++k) {
         const Pose pose = random(0.5 * size, 6.0 * size);

@@ -28,7 +28,6 @@
 namespace verisq::device {
 namespace {
 
-using verify::Direction;
 using verify::Interval;
 
 constexpr double inf = infinity;
@@ -348,6 +347,7 @@ class KernelInterval : public testing::Test {
 TEST_F(KernelInterval, ContainsTheVectorsTightly) {
   const std::vector<Vector> all = with_signed_zeros();
   std::vector<IntervalOperands> operands;
+  operands.reserve(all.size());
   for (const Vector& v : all) operands.push_back({v.a, v.b});
   for_all_kernels([&](OperationKernels& kernels) {
     for (unsigned index = 0; index < interval_operations().size(); ++index) {

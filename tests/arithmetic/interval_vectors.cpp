@@ -115,7 +115,7 @@ class Reader {
 
   void expect(std::string_view expected) {
     const std::string found = advance();
-    if (found != expected) fail(fmt::format("\"{}\" expected, found \"{}\"", expected, found));
+    if (found != expected) fail(fmt::format(R"("{}" expected, found "{}")", expected, found));
   }
 
   [[nodiscard]] std::size_t length_of_token() const {

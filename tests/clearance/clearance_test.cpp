@@ -16,7 +16,8 @@
 namespace verisq {
 namespace {
 
-using Number = boost::multiprecision::mpfr_float_100;
+using Number =
+    boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<100>, boost::multiprecision::et_off>;
 
 const Sink<Point> nowhere = [](std::span<const Point>, std::span<const MapResult>, std::span<const Certificate>) {};
 
@@ -216,6 +217,7 @@ TEST(ClearanceSum, EnclosesSumsOfAnySignTightly) {
   // The terms are exact: 1 at the target, and 1/2 - 1 at -scale.
   const Fitness fitness{0.0, 1.0, {-1.0, 1.0}};
   std::vector<MapResult> rows;
+  rows.reserve(3000);
   for (int n = 0; n < 3000; ++n) rows.push_back(n % 3 == 0 ? row(0.0, 0.0) : row(-1.0, -1.0));
   const double weight = 0.1;
   const Clearance report = report_of(rows, fitness, 2.0, weight);

@@ -269,6 +269,7 @@ TEST(MeshClearance, IsNeverAboveTheDistanceOfAPoint) {
                    {}};
   for (int n = 0; n < 3; ++n) {
     std::vector<Triangle> triangles;
+    triangles.reserve(25);
     for (int k = 0; k < 25; ++k) triangles.push_back(random_triangle(random, 4.0, random.uniform(0.1, 6.0)));
     expect_sound_at_points(stem, soup(triangles), random.uniform(0.0, 0.8), 0.05, random);
   }
@@ -345,6 +346,7 @@ TEST(MeshClearance, OfAClosedSurfaceCountsEveryTriangleOnce) {
 TEST(MeshClearance, IsValidWhereverItIsInterrupted) {
   Random random(6);
   std::vector<Triangle> triangles;
+  triangles.reserve(40);
   for (int k = 0; k < 40; ++k) triangles.push_back(random_triangle(random, 2.0, 2.0));
   const Mesh mesh = soup(triangles);
   Real exact = infinity;

@@ -262,7 +262,7 @@ TEST_F(CommandLine, CountsWideEnclosuresInTheExitStatus) {
 
 TEST_F(CommandLine, WholeNumbersSayWhatTheyMayBe) {
   const std::string huge = "99999999999999999999";
-  const auto expect = [&](std::vector<std::string> arguments, const std::string& message) {
+  const auto expect = [&](const std::vector<std::string>& arguments, const std::string& message) {
     const auto outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2);
     EXPECT_EQ(outcome.err, "verisq: " + message + "\n");
@@ -282,7 +282,7 @@ TEST_F(CommandLine, ToleranceZeroAsksForTheTightest) {
     for (const bool certificates : {false, true}) {
       std::vector<std::string> arguments{"map", "--model", ball, "--points",      points,     "--tol",
                                          "0",   "--json",  "-o", path("map.csv"), "--device", device};
-      if (certificates) arguments.push_back("--certificates");
+      if (certificates) arguments.emplace_back("--certificates");
       const auto outcome = run(arguments);
       EXPECT_EQ(outcome.status, 0) << outcome.err;
       const auto summary = nlohmann::json::parse(outcome.out);
@@ -321,7 +321,7 @@ TEST_F(CommandLine, SaysWhyRowsWithCertificatesAreWideInOverlaps) {
   const std::vector<std::string> arguments{"--model", model, "--points", points, "-o", path("map.csv")};
   EXPECT_EQ(map(arguments).status, 0);
   auto certified = arguments;
-  certified.push_back("--certificates");
+  certified.emplace_back("--certificates");
   const auto outcome = map(certified);
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.err, HasSubstr("verisq: 1 row inside the model is wide: certificates prove a depth by one "
@@ -671,7 +671,7 @@ TEST_F(Check, ProvesAFinishedMap) {
 
 TEST_F(Check, ProvesAMapOfTheDefaultDevice) {
   const auto mesh = write("mesh.off", tetrahedron);
-  const auto model = VERISQ_EXAMPLES "/stem.json";  // a union
+  const std::string model = VERISQ_EXAMPLES "/stem.json";  // a union
   for (const std::string name : {"map.csv", "map.vtp"}) {
     EXPECT_EQ(run({"map", "--model", model, "--mesh", mesh, "--certificates", "-o", path(name)}).status, 0);
     const auto outcome = run({"check", "--model", model, "--mesh", mesh, "--map", path(name)});
@@ -760,7 +760,7 @@ TEST_F(Check, DoesNotProveWithoutThePrimitiveOfTheCertificate) {
 
 TEST_F(Check, DoesNotProveTheMapOfAnotherModel) {
   const auto map = certified_map("map.csv");
-  const auto outcome = run({"check", "--model", VERISQ_EXAMPLES "/gem.json", "--points", points_, "--map", map});
+  const auto outcome = run({"check", "--model", (VERISQ_EXAMPLES "/gem.json"), "--points", points_, "--map", map});
   EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
 }
 

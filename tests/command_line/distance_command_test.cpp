@@ -423,10 +423,10 @@ TEST_F(DistanceCommand, RefusesWhatUncertainModelsLack) {
 TEST_F(DistanceCommand, RefusesIntervalsBesideBendsAndSetOperations) {
   const auto uncertain = write("uncertain.json", uncertain_ball);
   for (const auto& other : {write("bent.json", bent_ball), write("bored.json", bored_ball)}) {
-    const std::string refusal = uncertain +
-                                ": intervals are only for pairs of models that are both unions of "
-                                "primitives without bends, which " +
-                                other + " is not";
+    const std::string refusal = fmt::format(
+        "{}: intervals are only for pairs of models that are both unions of primitives without bends, "
+        "which {} is not",
+        uncertain, other);
     expect_refused(distance({other, uncertain, "--tol", "1"}), refusal);
     expect_refused(distance({uncertain, other, "--tol", "1"}), refusal);
   }

@@ -146,7 +146,7 @@ TEST_F(InsertCommand, KeepsValidRowsWhenInterrupted) {
   const std::vector<Row> rows = rows_of(path("removal.csv.partial"));
   ASSERT_EQ(rows.size(), static_cast<std::size_t>(points));
   for (const Row& row : rows) {
-    const double z = static_cast<double>(row.index % 10);
+    const auto z = static_cast<double>(row.index % 10);
     const double nearest = std::hypot(static_cast<double>(row.index) * 1e-3, std::min(z - 1.0, 0.0)) - 2.0;
     EXPECT_LE(row.distance.lo, nearest + 1e-9);
     EXPECT_GE(row.distance.hi, nearest - 1e-9);

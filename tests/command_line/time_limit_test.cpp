@@ -91,7 +91,7 @@ TEST(CoarseProofTest, OfPointsIsWhatTheCertificateProves) {
     EXPECT_LE(found.lo, tight.hi);
     EXPECT_GE(found.hi, tight.lo);
     EXPECT_LE(found.width(), 8.0);
-    inside += tight.hi < 0.0;
+    inside += tight.hi < 0.0 ? 1 : 0;
   }
   EXPECT_GT(inside, 10U);
 }

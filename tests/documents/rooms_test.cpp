@@ -1,4 +1,5 @@
 /// What the rooms of host/ and verify/ include: the trusted ones nothing but each other, none of them in a circle.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -121,7 +122,7 @@ class Rooms {
           if (found == rooms_.end()) {
             open.push_back(included);
           } else if (found->second != room) {
-            result[room].try_emplace(found->second, file + " includes " + included);
+            result[room].try_emplace(found->second, fmt::format("{} includes {}", file, included));
           }
         }
       }

@@ -110,7 +110,7 @@ TEST(MapFile, OfPosesIsTextWithoutCertificates) {
 TEST(MapFile, CsvGivesBackEveryBit) {
   std::vector<MapResult> rows;
   for (std::uint64_t k = 0; k < 1000; ++k) {
-    const double lo = std::bit_cast<double>(0x9e3779b97f4a7c15U * (k + 1) >> 2U);  // positive and finite
+    const auto lo = std::bit_cast<double>(0x9e3779b97f4a7c15U * (k + 1) >> 2U);  // positive and finite
     rows.push_back({{lo, -lo}, Status::wide});
   }
   const TemporaryFolder folder;
@@ -216,8 +216,9 @@ TEST(MapFile, PlyFacesCarryTheEnclosuresOfTriangles) {
       "element face 4\nproperty list uchar uint vertex_indices\n"
       "property double dist_lo\nproperty double dist_hi\nproperty double dist_mid\nproperty uchar status\nend_header\n";
   ASSERT_THAT(contents, HasSubstr(end));
-  const std::string_view faces = std::string_view(contents).substr(contents.find(end) + end.size() + 4 * 24);
-  ASSERT_EQ(faces.size(), std::size_t{4 * 38});
+  const std::string_view faces =
+      std::string_view(contents).substr(contents.find(end) + end.size() + std::size_t{4} * 24);
+  ASSERT_EQ(faces.size(), std::size_t{4} * 38);
   const std::vector<double> middles{std::midpoint(0.1, 0.30000000000000004), 0.0, -2.0, -1e-310};
   for (std::size_t k = 0; k < 4; ++k) {
     const std::string_view face = faces.substr(k * 38, 38);
@@ -595,7 +596,7 @@ class RandomRows {
     if (below(8) == 0) return below(2) == 0 ? 0.0 : -0.0;
     // A zero exponent makes it subnormal.
     const std::uint64_t mask = below(4) == 0 ? 0x800fffffffffffffU : ~std::uint64_t{0};
-    const double value = std::bit_cast<double>(bits_() & mask);
+    const auto value = std::bit_cast<double>(bits_() & mask);
     return std::isfinite(value) ? value : finite();
   }
   double end() {
@@ -694,7 +695,7 @@ TEST(MapReader, RefusesCsvWithAnotherHeader) {
                                csv_triangle_header.substr(0, csv_triangle_header.size() - 1);
   for (const std::string header : {"", "index,lo,hi", "Index,lo"}) {
     expect_refused("map.csv", header + "\n" + csv_rows[0],
-                   "line 1: '" + header + "': not the header of a map: expected " + expected);
+                   fmt::format("line 1: '{}': not the header of a map: expected {}", header, expected));
   }
   expect_refused("map.csv", "", "the file is empty");
 }

@@ -511,7 +511,7 @@ class RandomModels {
   std::size_t pick(std::size_t count) { return generator_() % count; }
   /// Finite, with random bits.
   double number() {
-    const double any = std::bit_cast<double>(generator_());
+    const auto any = std::bit_cast<double>(generator_());
     return std::isfinite(any) ? any : 0.1;
   }
   double signed_number() { return pick(10) == 0 ? -0.0 : number(); }

@@ -149,8 +149,8 @@ TEST(Fit, PoseAndModelAgree) {
 Cavity cube_cavity(double half_side) {
   Cavity result{{}, {{"corners", 1.0}}, std::vector<std::uint32_t>(8, 0)};
   for (int i = 0; i < 8; ++i)
-    result.points.push_back(
-        {(i & 1) ? half_side : -half_side, (i & 2) ? half_side : -half_side, (i & 4) ? half_side : -half_side});
+    result.points.push_back({(i & 1) != 0 ? half_side : -half_side, (i & 2) != 0 ? half_side : -half_side,
+                             (i & 4) != 0 ? half_side : -half_side});
   result.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   return result;
@@ -540,6 +540,7 @@ TEST(HostEvaluator, AgreesWithTheDevice) {
   const auto host = fit_search::host_candidate_evaluator(points, weights);
   const auto device = device::device_candidate_evaluator(*selection.device, points, weights);
   std::vector<Candidate> candidates;
+  candidates.reserve(20);
   for (int i = 0; i < 20; ++i) candidates.push_back(scene.candidate(2));
   const Fitness fitness = cementless(3.0, 1.0);
   std::vector<Evaluation> by_host;

@@ -414,6 +414,7 @@ TEST_F(PoseObjectiveTest, CandidatesGetTheSameBitsAloneAndAmongOthers) {
   const auto evaluated = evaluator(points_about(implant(), 700, 0.9, 3.0));
   Random random;
   std::vector<Candidate> candidates;
+  candidates.reserve(1500);
   for (int n = 0; n < 1500; ++n) candidates.push_back(displaced(implant(), random.within(0.5), random.within(0.5)));
   std::vector<Evaluation> once;
   std::vector<Evaluation> again;

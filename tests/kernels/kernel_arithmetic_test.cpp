@@ -76,7 +76,8 @@ const Operation operations[] = {
 
 // atan(a)/a of |a|, or 1. The arc is rounded far beyond binary64, in the same direction.
 void divided_arc(mpfr_ptr result, double a, mpfr_rnd_t rounding) {
-  thread_local Number size, arc(256);
+  thread_local Number size;
+  thread_local Number arc(256);
   if (a == 0.0) {
     mpfr_set_ui(result, 1, rounding);
     return;
@@ -88,7 +89,10 @@ void divided_arc(mpfr_ptr result, double a, mpfr_rnd_t rounding) {
 
 // The exact value rounded down or up to a binary64 number: a binary64 bound is right exactly if it does not cross it.
 double reference(const Operation& operation, const Operands& o, mpfr_rnd_t rounding) {
-  thread_local Number a, b, c, result;
+  thread_local Number a;
+  thread_local Number b;
+  thread_local Number c;
+  thread_local Number result;
   a.set(o.a);
   b.set(o.b);
   c.set(o.c);

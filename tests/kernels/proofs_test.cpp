@@ -143,7 +143,8 @@ struct Bound {
 };
 
 struct Bounds {
-  std::vector<Bound> assumed, proven;
+  std::vector<Bound> assumed;
+  std::vector<Bound> proven;
 };
 
 void add(Bounds& bounds, const std::string& kind, const std::string& names, double value) {

@@ -291,9 +291,27 @@ TEST(SolidMapTest, MeetsTheHost) {
   const std::vector<Point> points = queries(model, 9, 2);
   const oracle::FinishedMap map = oracle::map_in_memory(model, points, {.tolerance = tolerance});
   std::vector<Enclosure> found;
+  found.reserve(map.rows.size());
   for (const MapResult& row : map.rows) found.push_back(row.distance);
   ASSERT_EQ(found.size(), points.size());
   expect_meeting(model, points, found, tolerance);
+}
+
+/// min and max of the balls' own distances: right of its sign, and of outer distances from below.
+double by_balls(const Model& model, const SetExpression& node, const Point& q) {
+  if (node.operands.empty()) {
+    const Primitive& ball = model.primitives[node.primitive];
+    const Point& c = ball.pose.translation;
+    return std::hypot(q[0] - c[0], q[1] - c[1], q[2] - c[2]) - ball.superquadric.semi_axes[0];
+  }
+  double result = by_balls(model, node.operands.front(), q);
+  for (std::size_t k = 1; k < node.operands.size(); ++k) {
+    const double other = by_balls(model, node.operands[k], q);
+    if (node.operation == SetOperation::unite) result = std::min(result, other);
+    if (node.operation == SetOperation::intersect) result = std::max(result, other);
+    if (node.operation == SetOperation::subtract) result = std::max(result, -other);
+  }
+  return result;
 }
 
 /// More leaves than kernels are compiled for: as fast by the host, and the same answers however they are nested.
@@ -311,22 +329,7 @@ TEST(SolidMapTest, TreesThatAreNotCompiledAreTheHosts) {
               "the model's tree has 1000 leaves, of which the device's kernels take 100: the host does all");
     EXPECT_EQ(map.summary.host_verified, points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      // min and max of the balls' own distances: right of its sign, and of outer distances from below.
-      const auto bound = [&](const auto& self, const SetExpression& node) -> double {
-        if (node.operands.empty()) {
-          const Point& c = model.primitives[node.primitive].pose.translation;
-          return std::hypot(points[i][0] - c[0], points[i][1] - c[1], points[i][2] - c[2]) - 0.6;
-        }
-        double result = self(self, node.operands.front());
-        for (std::size_t k = 1; k < node.operands.size(); ++k) {
-          const double other = self(self, node.operands[k]);
-          if (node.operation == SetOperation::unite) result = std::min(result, other);
-          if (node.operation == SetOperation::intersect) result = std::max(result, other);
-          if (node.operation == SetOperation::subtract) result = std::max(result, -other);
-        }
-        return result;
-      };
-      const double estimate = bound(bound, tree);
+      const double estimate = by_balls(model, tree, points[i]);
       const Enclosure& found = map.rows[i].distance;
       if (estimate > 0.0) {
         EXPECT_GE(found.hi, estimate - 1e-12) << i;

@@ -104,13 +104,13 @@ class KernelRun {
   void pose_objective() {
     const auto coordinates = point_columns();
     const cl::Buffer weights = written(std::vector<double>(queries_, 0.5));
-    const cl::Buffer pivots = written(std::vector<double>(3 * candidates, 0.25));
+    const cl::Buffer pivots = written(std::vector<double>(std::size_t{3} * candidates, 0.25));
     const cl::Buffer parameters = scaled_primitives();
-    const cl::Buffer partials = numbers(candidates * slices * columns_of_candidate);
+    const cl::Buffer partials = numbers(std::size_t{candidates} * slices * columns_of_candidate);
     launch("pose_objective", candidates, slices, cl_uint{groups}, coordinates, weights, parameters, count, pivots, 0.1,
            0.5, 0.01, 0.02, partials);
     launch("sum_slices", candidates, slices, columns_of_candidate, partials,
-           numbers(candidates * columns_of_candidate));
+           numbers(std::size_t{candidates} * columns_of_candidate));
     launch("pose_distance", cl_uint{groups}, cl_ulong{queries_}, coordinates, parameters, count, numbers(8 * queries_));
     queue_.finish();
   }
@@ -265,7 +265,7 @@ class KernelMemoryTest : public ::testing::TestWithParam<int> {
 
   /// What `use(context, device, program)` makes oclgrind report.
   template <class Use>
-  std::string reported(const std::string& sources, const Use& use) const {
+  [[nodiscard]] std::string reported(const std::string& sources, const Use& use) const {
     std::vector<cl::Platform> platforms;
     cl::Platform::get(&platforms);
     std::vector<cl::Device> devices;
@@ -298,7 +298,7 @@ class KernelMemoryTest : public ::testing::TestWithParam<int> {
   }
 
   /// Of one of the runs above.
-  std::string reported_of(void (KernelRun::*run)(), std::string_view sources) const {
+  [[nodiscard]] std::string reported_of(void (KernelRun::*run)(), std::string_view sources) const {
     return reported(std::string(sources),
                     [run](const cl::Context& context, const cl::Device& device, const cl::Program& program) {
                       (KernelRun(context, device, program, GetParam()).*run)();

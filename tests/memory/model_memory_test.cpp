@@ -189,13 +189,13 @@ TEST_F(ModelMemoryTest, CandidatesOfAFitGetTheSameBits) {
   };
   const std::vector<double> all_at_once = of(device_->constant_memory);
   EXPECT_GT(all_at_once.size(), asked.size());
-  EXPECT_EQ(all_at_once, of(2 * 3 * (sizeof(PrimitiveParameters) + sizeof(double)))) << "two candidates at a time";
+  EXPECT_EQ(all_at_once, of(2 * (3 * (sizeof(PrimitiveParameters) + sizeof(double))))) << "two candidates at a time";
   EXPECT_EQ(all_at_once, of(0)) << "in global memory";
 }
 
 /// A union of a thousand, more than any constant memory of 64 KiB holds: contains what the host proves.
 TEST_F(ModelMemoryTest, MapsAThousandPrimitives) {
-  small_->constant_memory = 64 * 1024;
+  small_->constant_memory = std::size_t{64} * 1024;
   Model model;
   for (int i = 0; i < 1000; ++i) {
     const double turn = 0.1 * i;

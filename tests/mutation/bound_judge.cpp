@@ -321,9 +321,19 @@ Columns called(const CompiledKernels& kernels, cl::Kernel kernel, cl_uint first,
   return results;
 }
 
+Columns columns_of(const std::vector<Operands>& operands) {
+  Columns columns(6);
+  for (const auto& [a, b] : operands)
+    for (std::size_t k = 0; k < 3; ++k) {
+      columns[k].push_back(a[k]);
+      columns[3 + k].push_back(b[k]);
+    }
+  return columns;
+}
+
 }  // namespace
 
-std::string with_bound_kernel(std::string sources) {
+std::string with_bound_kernel(const std::string& sources) {
   return sources + bound_kernel;
 }
 
@@ -358,14 +368,8 @@ std::string BoundJudge::operator()(const CompiledKernels& kernels) const {
   const cl::Kernel open_quarters(kernels.program, "open_quarters");
   for (const auto& [solid, operands, values, quarters] : samples_) {
     for (cl_uint index = 0; index < std::size(bounds); ++index) {
-      Columns columns(6);
-      for (const auto& [a, b] : operands[index])
-        for (std::size_t k = 0; k < 3; ++k) {
-          columns[k].push_back(a[k]);
-          columns[3 + k].push_back(b[k]);
-        }
       evaluate_bound.setArg(0, index);
-      const Columns results = called(kernels, evaluate_bound, 1, solid, columns, 3);
+      const Columns results = called(kernels, evaluate_bound, 1, solid, columns_of(operands[index]), 3);
       for (std::size_t i = 0; i < samples; ++i) {
         const Point result{results[0][i], results[1][i], results[2][i]};
         if (violated(bounds[index].side, result, values[index][i]))

@@ -9,7 +9,7 @@
 namespace verisq::mutation {
 
 /// Entry points for BoundJudge, to be appended to the kernels' sources before they are compiled.
-[[nodiscard]] std::string with_bound_kernel(std::string sources);
+[[nodiscard]] std::string with_bound_kernel(const std::string& sources);
 
 class BoundJudge {
  public:

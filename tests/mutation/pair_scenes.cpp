@@ -76,10 +76,10 @@ PairScene tip_to_tip(std::string name, const Superquadric& a, const Superquadric
   return scene;
 }
 
-std::vector<double> gaps(std::uint64_t seed, double least, double greatest, int count) {
+std::vector<double> gaps(std::uint64_t seed, double least, double greatest, std::size_t count) {
   RandomCases random(seed);
-  std::vector<double> all;
-  for (int i = 0; i < count; ++i) all.push_back(random.log_uniform(least, greatest));
+  std::vector<double> all(count);
+  for (double& gap : all) gap = random.log_uniform(least, greatest);
   return all;
 }
 

@@ -349,6 +349,7 @@ std::string described(const Point& x, const Enclosure& claimed, const Enclosure&
 /// A lower end of `bent_distance` beyond a point of the solid.
 std::string bent_fault(const Launcher& launcher, const std::vector<Witness>& witnesses) {
   std::vector<Point> queries;
+  queries.reserve(witnesses.size());
   for (const Witness& w : witnesses) queries.push_back(w.query);
   const Columns found = launcher.bent(queries);
   for (std::size_t n = 0; n < witnesses.size(); ++n) {
@@ -357,6 +358,17 @@ std::string bent_fault(const Launcher& launcher, const std::vector<Witness>& wit
       return fmt::format("bent, lower end: {}", described(queries[n], {found[0][n], found[1][n]}, {0.0, upper}));
   }
   return {};
+}
+
+/// Of the other primitive the host knows; it tells no normals. The last row fills the columns up.
+void append_known(Columns& parts, const std::vector<Enclosure>& distances) {
+  for (std::size_t c = 0; c < parts.size(); ++c) {
+    const std::size_t length = parts[c].size();
+    for (std::size_t n = 0; n < length; ++n) {
+      const Enclosure& other = distances[std::min(n, distances.size() - 1)];
+      parts[c].push_back(c == 0 ? other.lo : c == 1 ? other.hi : 0.0);
+    }
+  }
 }
 
 }  // namespace
@@ -403,14 +415,7 @@ std::string SolidJudge::false_claim(const CompiledKernels& kernels, bool with_se
                            described(known.scene.points[n], claimed, known.of_primitives[0][n]));
     }
     if (!with_searches) continue;
-    // Of the other primitive the host knows; it tells no normals.
-    for (std::size_t c = 0; c < parts.size(); ++c) {
-      const std::size_t length = parts[c].size();
-      for (std::size_t n = 0; n < length; ++n) {
-        const Enclosure& other = known.of_primitives[1][std::min(n, known.scene.points.size() - 1)];
-        parts[c].push_back(c == 0 ? other.lo : c == 1 ? other.hi : 0.0);
-      }
-    }
+    append_known(parts, known.of_primitives[1]);
     const std::vector<Enclosure> found = launcher.searched(known.scene.points, parts);
     for (std::size_t n = 0; n < found.size(); ++n)
       if (misses(found[n], known.distances[n]))

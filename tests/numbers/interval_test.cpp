@@ -99,7 +99,7 @@ class Operands {
   }
   double any() {
     for (;;) {
-      const double value = std::bit_cast<double>(random_());
+      const auto value = std::bit_cast<double>(random_());
       if (std::isfinite(value)) return value;
     }
   }
@@ -345,7 +345,9 @@ TEST(IntervalTest, RefusesWhatIsNoInterval) {
 TEST(PreciseIntervalTest, ContainsAndIsTight) {
   std::mt19937_64 random(45);
   std::uniform_real_distribution<double> uniform(0.001, 4.0);
-  mpfr_t a, b, exact;
+  mpfr_t a;
+  mpfr_t b;
+  mpfr_t exact;
   mpfr_inits2(400, a, b, exact, nullptr);
   const auto expect_contains = [&](const PreciseInterval& x) {
     ASSERT_LE(mpfr_cmp(x.lower().get(), exact), 0);

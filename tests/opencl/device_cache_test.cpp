@@ -52,7 +52,8 @@ class DeviceCacheTest : public ::testing::Test {
     std::vector<std::string> found;
     for (const std::filesystem::path& path : files()) {
       std::ifstream file(path, std::ios::binary);
-      std::string words, length;
+      std::string words;
+      std::string length;
       file >> words >> words >> words >> length;
       std::getline(file, words);
       std::string key(std::stoul(length), '\0');

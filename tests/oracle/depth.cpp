@@ -131,7 +131,7 @@ struct ProvenPoint {
 [[nodiscard]] std::optional<ProvenPoint> polished(const Stationarity& stationarity, const MixedNorm<Real>& norm,
                                                   const Vector& q, const Vector& x) {
   const std::array<bool, 3> present{x[0] > 0, x[1] > 0, x[2] > 0};
-  const int count = present[0] + present[1] + present[2];
+  const auto count = std::ranges::count(present, true);
   if (count == 0) return std::nullopt;
   if (count == 1) return ProvenPoint{x, x, bound(norm, q, x)};  // a tip: its normal is its axis
   const std::optional<Contact> contact = stationarity.solve(stationarity.contact_at(x, present), ldexp(Real(1), -60));

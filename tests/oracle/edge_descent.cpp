@@ -84,6 +84,15 @@ class Edge {
   return x;
 }
 
+/// By `offset` along each normal or, where its bit in `sides` is 0, against it.
+[[nodiscard]] Eigen::Vector3d off_boundaries(const Eigen::MatrixXd& normals, unsigned sides, double offset) {
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < normals.rows(); ++i) {
+    shift += ((sides >> i & 1) != 0 ? offset : -offset) * normals.row(i).transpose();
+  }
+  return shift;
+}
+
 }  // namespace
 
 Point slid_along_edges(const PlacedModel& model, Membership set, const Point& q, const Point& start) {
@@ -110,11 +119,7 @@ Point slid_along_edges(const PlacedModel& model, Membership set, const Point& q,
     // Off the boundaries, to either side of each.
     for (const double offset : {1e-10 * size, 1e-8 * size, 1e-6 * size}) {
       for (unsigned sides = 0; sides < 1U << chosen.size(); ++sides) {
-        Eigen::Vector3d shift = Eigen::Vector3d::Zero();
-        for (std::size_t i = 0; i < chosen.size(); ++i) {
-          shift += ((sides >> i & 1) != 0 ? offset : -offset) * normals.row(static_cast<Eigen::Index>(i)).transpose();
-        }
-        consider(x + shift);
+        consider(x + off_boundaries(normals, sides, offset));
       }
     }
   }

@@ -22,8 +22,8 @@ template <class Number>
   const Number angle = Number(bend.angle_degrees) * boost::math::constants::pi<Number>() / 180;
   const Number c = cos(angle);
   const Number s = sin(angle);
-  const Number x(bent[0]);
-  const Number y(bent[1]);
+  const Number& x = bent[0];
+  const Number& y = bent[1];
   const Number R = x * c + y * s;
   const Number across = y * c - x * s;
   const Number m = 1 - k * R;

@@ -67,7 +67,7 @@ class MixedNorm {
   [[nodiscard]] Triple<Number> gradient(const Triple<Number>& x, const Number& gauge) const {
     using std::pow;
     const Triple<Number> X{x[0] / axes_[0], x[1] / axes_[1], x[2] / axes_[2]};
-    const Number section = planar_norm<Number>(X[0], X[1], inner_.primal);
+    const auto section = planar_norm<Number>(X[0], X[1], inner_.primal);
     Triple<Number> n{Number(0), Number(0), pow(X[2] / gauge, outer_.primal_minus_one) / axes_[2]};
     if (section == 0) return n;
     const Number radial = pow(section / gauge, outer_.primal_minus_one);

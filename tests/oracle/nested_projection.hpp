@@ -102,8 +102,7 @@ class NestedProjection {
       return {Number(0), sigma_};
     }
     const Number start = log(q_[2] / a[2] / planar_norm<Number>(X, Y, norm_.inner().primal));
-    const Number tau =
-        decreasing_root<Number>([this](const Number& t) { return outer_equation(t); }, start, tolerance_);
+    const auto tau = decreasing_root<Number>([this](const Number& t) { return outer_equation(t); }, start, tolerance_);
     return {tau, sigma_};
   }
 

@@ -1,6 +1,8 @@
 /// The closest point by Newton's method at 200 bits, and the two evaluations that prove its distance.
 #include "tests/oracle/projection.hpp"
 
+#include <algorithm>
+
 #include "tests/oracle/nested_projection.hpp"
 #include "tests/oracle/stationarity.hpp"
 
@@ -52,7 +54,7 @@ void add_solution(DualityGap& gap, const Stationarity& stationarity, const Conta
 }
 
 [[nodiscard]] std::size_t count(const std::array<bool, 3>& present) {
-  return static_cast<std::size_t>(present[0]) + present[1] + present[2];
+  return static_cast<std::size_t>(std::ranges::count(present, true));
 }
 
 }  // namespace

@@ -16,6 +16,6 @@ struct SolidPairFacts {
 
 /// From above by points of both models that MPFR proves to be in them, found by alternating projections between dense
 /// samples; from below by pairs of octree cubes, best first, as many as `budget`.
-[[nodiscard]] SolidPairFacts pair_facts(const Model& a, const Model& b, std::size_t budget);
+[[nodiscard]] SolidPairFacts pair_facts(const Model& first, const Model& second, std::size_t budget);
 
 }  // namespace verisq::oracle

@@ -70,6 +70,7 @@ std::vector<Point> SolidReference::starts(const Point& q, Membership set) const 
     }
   }
   std::vector<std::pair<double, Point>> ranked;
+  ranked.reserve(nearest.size());
   for (const auto& [bin, candidate] : nearest) ranked.push_back(candidate);
   std::sort(ranked.begin(), ranked.end());
   std::vector<Point> result;

@@ -19,7 +19,7 @@ class SphereSolid {
   explicit SphereSolid(const Model& model);
 
   /// Nothing where stationary points are not isolated: at a centre, on the axis of a circle.
-  [[nodiscard]] std::optional<ReferenceDistance> signed_distance(const Point& q) const;
+  [[nodiscard]] std::optional<ReferenceDistance> signed_distance(const Point& point) const;
 
  private:
   struct Sphere {

@@ -35,8 +35,9 @@ class Stationarity {
   /// The contact at the angles tau = ln(Z/r), sigma = ln(Y/X); both may be +-2^250.
   [[nodiscard]] Contact contact_at(const Real& tau, const Real& sigma, const std::array<bool, 3>& present) const;
 
-  /// Newton until the largest residual is below `tolerance` before a step; empty when it does not get there.
-  [[nodiscard]] std::optional<Contact> solve(Contact start, const Real& tolerance) const;
+  /// Newton from `contact` until the largest residual is below `tolerance` before a step; empty when it does not get
+  /// there.
+  [[nodiscard]] std::optional<Contact> solve(Contact contact, const Real& tolerance) const;
 
   [[nodiscard]] Vector point(const Contact& contact) const;
 

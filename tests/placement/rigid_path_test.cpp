@@ -15,7 +15,8 @@ namespace verisq::verify {
 namespace {
 
 using oracle::RandomCases;
-using Number = boost::multiprecision::mpfr_float_100;
+using Number =
+    boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<100>, boost::multiprecision::et_off>;
 using Vector = std::array<Number, 3>;
 using Quaternion = std::array<Number, 4>;
 

@@ -155,7 +155,7 @@ TEST(CertificateTest, AnyDirectionBoundsFromBelow) {
   Random random(5);
   for (const long double distance : {-1.5L, -1e-9L, 1e-9L, 1.0L, 1e6L}) {
     const PreciseVector q = precise({0.0L, 2.0L + distance, 0.0L});
-    const double exact = static_cast<double>((2.0L + distance) - 2.0L);
+    const auto exact = static_cast<double>((2.0L + distance) - 2.0L);
     for (int i = 0; i < 100; ++i) EXPECT_LE(lower_bound(sphere, q, random.direction()), exact + 1e-15);
     EXPECT_NEAR(lower_bound(sphere, q, {0.0L, 7.0L, 0.0L}), exact, std::fabs(exact) * 3e-16);
   }

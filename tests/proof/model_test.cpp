@@ -11,8 +11,6 @@
 namespace verisq {
 namespace {
 
-using ::testing::StartsWith;
-
 Primitive ball(std::optional<Bend> bend = {}) {
   return {"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}, bend};
 }

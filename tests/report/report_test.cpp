@@ -390,6 +390,7 @@ TEST(ColourScale, IsThatOfThePage) {
 
 TEST(ColourScale, ShowsMostOfTheMap) {
   std::vector<MapResult> map;
+  map.reserve(1000);
   for (int k = 0; k < 1000; ++k) map.push_back({{k == 0 ? -infinity : 0.00731 * k, infinity}, Status::wide});
   map.back().distance.lo = 1e300;
   EXPECT_NEAR(report::scale_of(map).range(), 8.0, 1e-12);  // 98 % are below 7.2, in steps of 1
@@ -410,9 +411,9 @@ struct Picture {
   /// Red, green, blue in [0, 255].
   [[nodiscard]] std::array<int, 3> at(int x, int y) const {
     std::uint32_t rgb = 0;
-    std::memcpy(&rgb,
-                cairo_image_surface_get_data(surface.get()) + y * cairo_image_surface_get_stride(surface.get()) + 4 * x,
-                sizeof rgb);
+    const std::ptrdiff_t row_size = cairo_image_surface_get_stride(surface.get());
+    const std::ptrdiff_t offset = y * row_size + std::ptrdiff_t{4} * x;
+    std::memcpy(&rgb, cairo_image_surface_get_data(surface.get()) + offset, sizeof rgb);
     return {static_cast<int>(rgb >> 16U & 0xffU), static_cast<int>(rgb >> 8U & 0xffU), static_cast<int>(rgb & 0xffU)};
   }
   [[nodiscard]] int warmth(int x, int y) const { return at(x, y)[0] - at(x, y)[2]; }
@@ -427,10 +428,12 @@ Mesh box() {
     for (const double side : {-1.0, 1.0}) {
       const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
       for (int k = 0; k < (steps + 1) * (steps + 1); ++k) {
+        const int row = k / (steps + 1);
+        const int column = k % (steps + 1);
         Point p{};
         p[axis] = side * half[axis];
-        p[(axis + 1) % 3] = side * half[(axis + 1) % 3] * (2.0 * (k % (steps + 1)) / steps - 1.0);
-        p[(axis + 2) % 3] = half[(axis + 2) % 3] * (2.0 * (k / (steps + 1)) / steps - 1.0);
+        p[(axis + 1) % 3] = side * half[(axis + 1) % 3] * (2.0 * column / steps - 1.0);
+        p[(axis + 2) % 3] = half[(axis + 2) % 3] * (2.0 * row / steps - 1.0);
         mesh.vertices.push_back(p);
       }
       for (std::uint32_t row = 0; row < steps; ++row) {
@@ -531,7 +534,7 @@ TEST_F(PictureOfABox, IsDrawnWhateverItsTexts) {
   for (const std::string text : {"", "\xff\xfe", "\xc3", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\n\t\r\x7f"}) {
     Report report = this->report(text);
     report.units = text;
-    report.summary = {{text, text}, {text, text + " " + text}};
+    report.summary = {{text, text}, {text, fmt::format("{0} {0}", text)}};
     write_picture(folder_ / "text.png", report);
     EXPECT_GT(Picture(folder_ / "text.png").warmth(310 - 90, 130), 40);
   }
@@ -612,7 +615,7 @@ TEST_F(PictureOfABox, FailsWhereItCannotBeWritten) {
 class MapReportTest : public ProgramTest {
  protected:
   [[nodiscard]] Outcome map(Arguments arguments) const {
-    arguments.insert(arguments.begin(), {"map", "--device", "host", "--model", VERISQ_EXAMPLES "/capsule.json"});
+    arguments.insert(arguments.begin(), {"map", "--device", "host", "--model", (VERISQ_EXAMPLES "/capsule.json")});
     return run(arguments);
   }
 

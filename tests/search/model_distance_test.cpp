@@ -427,7 +427,9 @@ TEST(ModelDistanceTest, RandomPairsAreEnclosedTightly) {
     RandomPairs random(++seed);
     std::vector<double> widths;
     std::vector<double> microseconds;
-    std::size_t overlapping = 0, undecided = 0, tight = 0;
+    std::size_t overlapping = 0;
+    std::size_t undecided = 0;
+    std::size_t tight = 0;
     for (std::size_t k = 0; k < requested_pairs(); ++k) {
       const Superquadric solid_a = fixed_a ? *fixed_a : random.solid();
       const Superquadric solid_b = fixed_b ? *fixed_b : random.solid();

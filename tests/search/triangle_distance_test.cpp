@@ -175,7 +175,8 @@ long double distance_from_origin(const Triangle& t) {
   std::array<Vector, 3> corner;
   for (std::size_t i = 0; i < 3; ++i) corner[i] = {t[i][0], t[i][1], t[i][2]};
   const auto edge = [&](std::size_t i) {
-    const Vector &a = corner[i], &b = corner[(i + 1) % 3];
+    const Vector& a = corner[i];
+    const Vector& b = corner[(i + 1) % 3];
     return Vector{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   };
   const Vector normal = cross(edge(0), edge(1));

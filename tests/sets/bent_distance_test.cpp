@@ -178,7 +178,7 @@ TEST(BentDistanceTest, HoldsAgainstTheReference) {
       ++outside;
       EXPECT_TRUE(found.lo <= facts.upper) << i << ' ' << j;
       EXPECT_TRUE(found.hi >= facts.lower) << i << ' ' << j;
-      sharp += facts.upper - oracle::Real(found.lo) < 1e-6;
+      sharp += facts.upper - oracle::Real(found.lo) < 1e-6 ? 1 : 0;
       if (found.lo == 0.0) continue;
       ++certain;
       EXPECT_LE(found.width(), 1e-14 * found.hi + 1e-15) << i << ' ' << j;
@@ -214,7 +214,7 @@ TEST(BentDistanceTest, HoldsForAnyCandidate) {
       const Enclosure found = solid.proven(x, {point, direction}).distance;
       EXPECT_LE(found.lo, best.hi) << i << ' ' << j;
       EXPECT_GE(found.hi, best.lo) << i << ' ' << j;
-      bounds += found.lo > 0.0;
+      bounds += found.lo > 0.0 ? 1 : 0;
     }
   }
   EXPECT_GT(bounds, 500U);

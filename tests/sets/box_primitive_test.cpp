@@ -354,6 +354,10 @@ TEST(BentBoxPrimitiveTest, TheLargestCubesOfAColourStillHaveIt) {
   EXPECT_GT(colours[static_cast<std::size_t>(Colour::black)], 300);
 }
 
+Vector random_point_of(RandomCases& random, const Cube& cube, bool at_corner) {
+  return at_corner ? corner(cube, static_cast<int>(random.choice(8))) : random_point_in(random, cube);
+}
+
 TEST(BentBoxPrimitiveTest, HalfSpacesContainTheSurfaceInTheCube) {
   RandomCases random(12);
   int checked = 0;
@@ -365,8 +369,8 @@ TEST(BentBoxPrimitiveTest, HalfSpacesContainTheSurfaceInTheCube) {
     const HalfSpace inside = box.half_space(cube, Side::inside);
     const HalfSpace outside = box.half_space(cube, Side::outside);
     for (int k = 0; k < 6; ++k) {
-      Vector in = k % 2 == 0 ? corner(cube, static_cast<int>(random.choice(8))) : random_point_in(random, cube);
-      Vector out = k % 3 == 0 ? corner(cube, static_cast<int>(random.choice(8))) : random_point_in(random, cube);
+      Vector in = random_point_of(random, cube, k % 2 == 0);
+      Vector out = random_point_of(random, cube, k % 3 == 0);
       if (reference.gauge(in) > 1) std::swap(in, out);
       if (reference.gauge(in) > 1 || reference.gauge(out) <= 1) continue;
       for (int step = 0; step < 30; ++step) {

@@ -125,7 +125,7 @@ TEST(PolytopeDistanceTest, HoldsAndIsTightForRandomPolytopes) {
     EXPECT_GE(found.lower, exact - 1e-6) << "round " << round << " with " << count;
     EXPECT_GE(found.lower, without - 1e-14);
     EXPECT_NEAR(distance(found.nearest, x), found.lower, 1e-6);
-    cut += found.lower > without + 1e-3;
+    cut += found.lower > without + 1e-3 ? 1 : 0;
     for (int sample = 0; sample < 200; ++sample) {
       const Point e = random.point(cube.half_width);
       if (!contains(cube, half_spaces, e)) continue;

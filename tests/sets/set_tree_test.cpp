@@ -68,7 +68,7 @@ std::vector<std::vector<Value>> assignments(std::vector<Value> values) {
   for (std::uint32_t i = 0; i < primitive_count; ++i) {
     std::vector<std::vector<Value>> longer;
     for (const std::vector<Value>& start : result) {
-      for (const Value& value : values) {
+      for (const Value value : values) {
         longer.push_back(start);
         longer.back().push_back(value);
       }
@@ -130,7 +130,7 @@ TEST(SetTreeTest, ColoursHoldForEveryCompletion) {
   const auto colourings = assignments<Colour>({Colour::white, Colour::gray, Colour::black});
   for (int round = 0; round < 60; ++round) {
     const SetNode node =
-        normal_form(model_of(random_expression(random, 3)), random() % 2 ? Side::inside : Side::outside);
+        normal_form(model_of(random_expression(random, 3)), random() % 2 == 1 ? Side::inside : Side::outside);
     for (const Colours& colours : colourings) {
       const Colour said = colour(node, colours);
       const bool open = std::ranges::count(colours, Colour::gray) > 0;
@@ -155,7 +155,7 @@ TEST(SetTreeTest, SimplifiedTreesAreTheSameSetThere) {
       const SetNode shorter = simplified(node, colours);
       ASSERT_TRUE(is_normal(shorter));
       ASSERT_LE(size(shorter), size(node));
-      shortened += size(shorter) < size(node);
+      shortened += size(shorter) < size(node) ? 1 : 0;
       ASSERT_EQ(colour(shorter, colours), Colour::gray);
       for (const Membership& of : memberships) {
         ASSERT_TRUE(!completes(of, colours) || member(shorter, of) == member(node, of));

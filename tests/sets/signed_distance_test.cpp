@@ -296,6 +296,7 @@ TEST(SignedDistanceTest, ManyThreadsGetTheSameAnswer) {
     return found;
   };
   std::vector<std::future<std::vector<Enclosure>>> threads;
+  threads.reserve(4);
   for (int i = 0; i < 4; ++i) threads.push_back(std::async(std::launch::async, all));
   const std::vector<Enclosure> expected = all();
   for (auto& thread : threads) EXPECT_EQ(thread.get(), expected);

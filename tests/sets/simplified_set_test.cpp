@@ -73,7 +73,7 @@ TEST(SimplifiedSetTest, OnePrimitiveMayOccurTwice) {
       EXPECT_LE(found.lo, once.hi) << x[0] << ' ' << x[1] << ' ' << x[2];
       EXPECT_GE(found.hi, once.lo) << x[0] << ' ' << x[1] << ' ' << x[2];
     }
-    inside += once.hi < 0.0;
+    inside += once.hi < 0.0 ? 1 : 0;
   }
   EXPECT_GT(inside, 5);
 }

@@ -336,7 +336,7 @@ TEST(SolidDistanceTest, OverlapsNoLongerWidenUnions) {
     const Point x = random.point(0.8);
     const Enclosure found = search(x, 1e-6);
     EXPECT_LE(found.width(), 1e-6);
-    inside += found.hi < 0.0;
+    inside += found.hi < 0.0 ? 1 : 0;
     const CertifiedEnclosure certified = search.certified(x, 1e-6);
     EXPECT_LE(certified.distance.lo, found.hi);
     EXPECT_GE(certified.distance.hi, found.lo);

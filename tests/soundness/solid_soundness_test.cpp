@@ -84,7 +84,7 @@ class Tally {
     const std::lock_guard lock(mutex_);
     if (evidence && evidence_.size() < most_evidence) evidence_.push_back(*evidence);
     escapes_ += evidence ? 1 : 0;
-    const double clear = std::max(facts.lower, Real(-facts.upper)).convert_to<double>();
+    const auto clear = std::max(facts.lower, Real(-facts.upper)).convert_to<double>();
     const Real slack = facts.side == Membership::inside ? enclosure.hi - facts.lower : facts.upper - enclosure.lo;
     for (const std::string_view name : {models, points}) {
       FamilyTally& family = families_[std::string(name)];

@@ -73,7 +73,7 @@ class Tally {
     if (hopeless()) return;
     const Point& point = group.points[i];
     const ReferenceDistance reference = solid.signed_distance(point);
-    const double magnitude = solid.magnitude(point).convert_to<double>();
+    const auto magnitude = solid.magnitude(point).convert_to<double>();
     const std::array evidence{escape(tightest, group.primitive, point, reference),
                               escape(tolerant, group.primitive, point, reference)};
     const std::lock_guard lock(mutex_);
@@ -138,6 +138,7 @@ void expect_sound(std::string_view prover, std::size_t cases, const Prove& prove
     for (std::size_t k = first; k < std::min(solids, first + solids_a_batch); ++k) groups.emplace_back(k);
     std::vector<double> zero(groups.size(), 0.0);
     std::vector<double> usual;
+    usual.reserve(groups.size());
     for (const Group& group : groups) usual.push_back(1e-6 * group.size());
     const std::vector<Enclosures> tightest = prove(groups, zero);
     const std::vector<Enclosures> tolerant = prove(groups, usual);

@@ -220,6 +220,7 @@ TEST_P(TriangleSoundnessTest, HostAndDeviceContainTheReference) {
 
 [[nodiscard]] std::vector<Object> objects() {
   std::vector<Object> result;
+  result.reserve(published_solids.size() + 1);
   for (const PublishedSolid& solid : published_solids) result.push_back({solid.name, solid.superquadric});
   result.push_back({"random", std::nullopt});
   return result;

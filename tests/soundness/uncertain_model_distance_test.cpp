@@ -85,6 +85,7 @@ TEST_P(UncertainPairTest, MembersNeverLeaveTheEnclosure) {
   const std::vector<Pose> poses = poses_around(12);
   const PairDistance distance(a, b);
   std::vector<Enclosure> enclosures;
+  enclosures.reserve(poses.size());
   for (const Pose& pose : poses) enclosures.push_back(distance(pose).distance);
   const std::size_t count = member_count(100);
   const std::vector<Reach> reached = reach(members(a, count), other_members(b, count), poses, enclosures);

@@ -57,9 +57,8 @@ class ReferenceIntegration {
       : drop_(drop),
         sample_(sample),
         damping_(reference_damping(sample.restitution)),
-        speed_(std::sqrt(2.0L * drop.gravity * drop.height)) {
-    unit_ = std::pow(sample.mass / (drop.stiffness * std::pow(speed_, n() - 1)), 1 / (n() + 1));
-  }
+        speed_(std::sqrt(2.0L * drop.gravity * drop.height)),
+        unit_(std::pow(sample.mass / (drop.stiffness * std::pow(speed_, n() - 1)), 1 / (n() + 1))) {}
 
   [[nodiscard]] ReferenceBounce run(long double tolerance) const {
     State state{0, speed_};

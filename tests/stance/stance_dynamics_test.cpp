@@ -69,7 +69,7 @@ T kinetic_energy(const Model& model, std::span<const double> parameters, const s
   const auto bodies = placed_bodies(model, parameters, path);
   T energy(0);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const double mass = value_of<double>(model.bodies[i].mass, parameters);
+    const auto mass = value_of<double>(model.bodies[i].mass, parameters);
     const Vector3<double> moments = nominal(model.bodies[i].inertia, parameters);
     for (int k = 0; k < 3; ++k) {
       energy += 0.5 * mass * square(bodies[i].centre[k].partial[0]);
@@ -103,7 +103,8 @@ std::vector<double> generalised_forces(const Model& model, std::span<const doubl
   const std::size_t size = state.position.size();
   std::vector<double> result;
   for (std::size_t k = 0; k < size; ++k) {
-    std::vector<Second> q, velocity;
+    std::vector<Second> q;
+    std::vector<Second> velocity;
     for (std::size_t i = 0; i < size; ++i) {
       q.emplace_back(InTime(state.position[i], {state.velocity[i]}));
       velocity.emplace_back(InTime(state.velocity[i], {acceleration[i]}));
@@ -281,7 +282,7 @@ TEST_P(Dynamics, MassMatrixGivesTheBodiesKineticEnergy) {
     const Sample s = random_sample(model, random);
     const Eigen::MatrixXd mass = mass_matrix<double>(model, s.parameters, s.state);
     const Eigen::VectorXd velocity = vector(s.state.velocity);
-    const double energy = lagrangian::kinetic_energy<double>(model, s.parameters, s.state.position, s.state.velocity);
+    const auto energy = lagrangian::kinetic_energy<double>(model, s.parameters, s.state.position, s.state.velocity);
     EXPECT_NEAR(0.5 * velocity.dot(mass * velocity), energy, 1e-12 * energy);
     EXPECT_EQ(mass, mass.transpose());
     EXPECT_EQ(mass.llt().info(), Eigen::Success) << "positive definite";
@@ -300,7 +301,7 @@ TEST(MassMatrix, GivesTheMomentumOfTheWholeTree) {
     const auto bodies = lagrangian::placed_bodies(model, s.parameters, path);
     Vector3<double> momentum(0, 0, 0);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-      const double mass = value_of<double>(model.bodies[i].mass, s.parameters);
+      const auto mass = value_of<double>(model.bodies[i].mass, s.parameters);
       for (int axis = 0; axis < 3; ++axis) momentum[axis] += mass * bodies[i].centre[axis].partial[0];
     }
     const Eigen::MatrixXd mass = mass_matrix<double>(model, s.parameters, s.state);
@@ -311,7 +312,15 @@ TEST(MassMatrix, GivesTheMomentumOfTheWholeTree) {
 TEST(MassMatrix, OfADoublePendulumIsTheTextbooks) {
   using namespace example;
   Model model{9.81, {}, {}, {}, {}, {}};
-  const double m1 = 2, m2 = 3, l1 = 0.7, c1 = 0.3, c2 = 0.4, i1 = 0.05, i2 = 0.06, q1 = 0.4, q2 = -1.1;
+  const double m1 = 2;
+  const double m2 = 3;
+  const double l1 = 0.7;
+  const double c1 = 0.3;
+  const double c2 = 0.4;
+  const double i1 = 0.05;
+  const double i2 = 0.06;
+  const double q1 = 0.4;
+  const double q2 = -1.1;
   model.bodies.push_back(
       {"upper", {}, numbers(0, 0, 0), {rotation(2)}, number(m1), numbers(0, -c1, 0), numbers(1, 1, i1)});
   model.bodies.push_back(
@@ -377,7 +386,8 @@ TEST(IntervalDynamics, ContainsAllSampledStates) {
     const std::vector<Interval> acceleration(centre.acceleration.begin(), centre.acceleration.end());
     const auto around = [&](const std::vector<double>& values) {
       std::vector<Interval> ranges;
-      for (const double v : values) ranges.push_back(Interval(v - radius, v + radius));
+      ranges.reserve(values.size());
+      for (const double v : values) ranges.emplace_back(v - radius, v + radius);
       return ranges;
     };
     const State<Interval> box{around(centre.state.position), around(centre.state.velocity)};

@@ -22,7 +22,6 @@ using testing::expect_error;
 using testing::join;
 using testing::sphere_mesh;
 using testing::tetrahedron;
-using testing::torus_mesh;
 
 constexpr double ball_volume = 4.0 / 3.0 * std::numbers::pi;
 

@@ -108,7 +108,7 @@ class BasicInterval {
   friend BasicInterval pow(const BasicInterval& base, const BasicInterval& exponent) {
     const T zero(0);
     if (base.lower() >= zero) return power_of_nonnegative(base, exponent);
-    const T n = exponent.lower();
+    const T& n = exponent.lower();
     if (!(n == exponent.upper() && is_integer(n))) {
       throw std::domain_error("interval: a power of negative numbers whose exponent is not one integer");
     }

@@ -35,11 +35,12 @@ double one_norm(const Point& x) {
 
 /// The sign of the exact product of two quaternions as vectors: decides which way round is the shorter one.
 int sign_of_product(const std::array<double, 4>& a, const std::array<double, 4>& b) {
-  std::array<MpfrNumber<2 * DBL_MANT_DIG>, 4> products;
+  constexpr mpfr_prec_t exact = 2L * DBL_MANT_DIG;
+  std::array<MpfrNumber<exact>, 4> products;
   std::array<mpfr_ptr, 4> terms{};
   for (std::size_t i = 0; i < 4; ++i) {
-    products[i] = rounded_result<2 * DBL_MANT_DIG>(mpfr_mul, Direction::down, MpfrNumber<2 * DBL_MANT_DIG>(a[i]).get(),
-                                                   MpfrNumber<2 * DBL_MANT_DIG>(b[i]).get());  // exact
+    products[i] =
+        rounded_result<exact>(mpfr_mul, Direction::down, MpfrNumber<exact>(a[i]).get(), MpfrNumber<exact>(b[i]).get());
     terms[i] = products[i].get();
   }
   Real sum;

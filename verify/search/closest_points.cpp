@@ -65,7 +65,7 @@ struct SurfaceSystem {
 
   [[nodiscard]] SystemExpansion<4> operator()(const IntervalVector<4>& unknowns) const {
     const PreciseVector x = three_of(unknowns);
-    const PreciseInterval s = unknowns[3];
+    const PreciseInterval& s = unknowns[3];
     const PreciseMatrix& r = separation.relative->rotation;
     const NormExpansion<PreciseInterval> g = gauge_a(x);
     const PreciseVector v = g.gradient * s;
@@ -93,8 +93,8 @@ struct SurfacesSystem {
     const PreciseMatrix& r = relative->rotation;
     const PreciseVector x = three_of(unknowns);
     const PreciseVector y = three_of(unknowns, 3);
-    const PreciseInterval s = unknowns[6];
-    const PreciseInterval m = unknowns[7];
+    const PreciseInterval& s = unknowns[6];
+    const PreciseInterval& m = unknowns[7];
     const NormExpansion<PreciseInterval> a = gauge_a(x);
     const NormExpansion<PreciseInterval> b = gauge_b(y);
     const PreciseVector normal_b = r * b.gradient;

@@ -215,7 +215,7 @@ class ContactProblem {
 
   [[nodiscard]] Iterate solve_multiplier(const Float& log_gauge) const {
     Float lower = -infinity_as<Float>();
-    Float upper = infinity_as<Float>();
+    auto upper = infinity_as<Float>();
     // r is at most 1, and at most that of q itself.
     if (by_radius_) lower = -std::min<Float>(0, log_norm(log_target_[0], log_target_[1], k2_));
     Float expansion = 1;

@@ -126,7 +126,7 @@ Face<Float> closest_on_tetrahedron(const Vertices<Float>& vertices, Float scale)
 }  // namespace
 
 template <class Float>
-GjkSimplex<Float>::GjkSimplex(const GjkVertex<Float>& vertex) : vertices_{vertex}, weights_{1} {
+GjkSimplex<Float>::GjkSimplex(const GjkVertex<Float>& vertex) : vertices_{vertex} {
   measure(vertex);
 }
 

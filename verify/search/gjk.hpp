@@ -80,7 +80,7 @@ class GjkSimplex {
   void measure(const GjkVertex<Float>& vertex);
 
   std::array<GjkVertex<Float>, 4> vertices_;
-  std::array<Float, 4> weights_;
+  std::array<Float, 4> weights_{1};
   std::size_t size_ = 1;
   Float scale_ = 0;
 };

@@ -168,7 +168,8 @@ DistanceExpansion PairProjection::operator()(const Vector3d& q, const LogUnknown
   return expand(q, outside_logarithms(q), start);
 }
 
-DistanceExpansion PairProjection::expand(const Vector3d& q, const OutsideLogarithms& at, LogUnknowns start) const {
+DistanceExpansion PairProjection::expand(const Vector3d& q, const OutsideLogarithms& at,
+                                         const LogUnknowns& start) const {
   DistanceExpansion result{0.0, Vector3d::Zero(), Matrix3d::Zero(), at.inside, start};
   if (at.inside) return result;
   LogUnknowns& u = result.closest;

@@ -48,7 +48,7 @@ class PairProjection {
   [[nodiscard]] Step solve(const Equations& e, const Eigen::Array3d& of_coordinates, double of_section,
                            double of_surface) const;
   [[nodiscard]] DistanceExpansion expand(const Eigen::Vector3d& q, const OutsideLogarithms& at,
-                                         LogUnknowns start) const;
+                                         const LogUnknowns& start) const;
 
   Eigen::Array3d axes_;
   Eigen::Array3d log_axes_;

@@ -17,8 +17,8 @@ class WitnessEstimate {
 
   using Vector = std::array<long double, 3>;
 
-  /// |q - b| with b as Normal describes it, and some 2^-56 of the lengths at hand for rounding. Proves nothing.
-  [[nodiscard]] long double operator()(const Vector& q, const Normal& normal) const;
+  /// |point - b| with b as Normal describes it, and some 2^-56 of the lengths at hand for rounding. Proves nothing.
+  [[nodiscard]] long double operator()(const Vector& point, const Normal& normal) const;
 
  private:
   struct PosedBoundary {

@@ -79,7 +79,7 @@ class ActiveSet {
     }
     for (Eigen::Index i = 0; i < 3; ++i) {
       for (const double sign : {-1.0, 1.0}) {
-        normals_.push_back(sign * Vector::Unit(i));
+        normals_.emplace_back(sign * Vector::Unit(i));
         offsets_.push_back(problem.half_width);
       }
     }

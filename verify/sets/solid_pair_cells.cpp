@@ -109,6 +109,7 @@ CutCube relaxation(const SearchSolid& solid, const SetNode& set, const Cube& cub
 
 Cells::Cells(const SearchSolid& solid) : solid_(&solid), colours_(solid.primitives.size(), Colour::gray) {
   for (const SearchSolid::Part& part : solid.parts) evaluate(part.set, part.set, part.cube);
+  // NOLINTNEXTLINE(cppcoreguidelines-prefer-member-initializer): so many there are now
   roots_ = static_cast<std::uint32_t>(cells_.size());
 }
 

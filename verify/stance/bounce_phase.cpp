@@ -66,7 +66,7 @@ class Integration {
 
   /// An event is open as long as some states are before it and others behind: a step much shorter than the set takes to
   /// pass one place will not prove it.
-  double shortest_length() const {
+  [[nodiscard]] double shortest_length() const {
     constexpr double part = 0.01;
     const int event = returning_ ? BounceFlow::root_of_penetration : BounceFlow::velocity;
     const Interval& states = set_.hull[event];
@@ -94,24 +94,24 @@ class Integration {
     return true;
   }
 
-  ContactPhase lifted_off() const {
+  [[nodiscard]] ContactPhase lifted_off() const {
     ContactPhase phase = result(Outcome::lifts_off, max(Interval(-(*lift_off_)[BounceFlow::velocity]), Interval(0)));
     phase.lift_off = (*lift_off_)[BounceFlow::time];
     return phase;
   }
 
   /// On the way back with an energy about 0, it lifts off slowly or not at all.
-  ContactPhase stuck() const {
+  [[nodiscard]] ContactPhase stuck() const {
     const bool grazing = returning_ && flow_.energy(set_.hull).lower() <= 0.0;
     return result(grazing ? Outcome::either : Outcome::open, {0.0, greatest_rebound()});
   }
 
-  ContactPhase result(Outcome outcome, const Interval& rebound) const {
+  [[nodiscard]] ContactPhase result(Outcome outcome, const Interval& rebound) const {
     return {outcome, deepest_, {set_.hull[BounceFlow::time].lower(), infinity}, rebound, steps_};
   }
 
   /// The energy is w^2/2 at lift-off and never rises; it is 1/2 at touch-down.
-  double greatest_rebound() const {
+  [[nodiscard]] double greatest_rebound() const {
     const Interval energy = max(flow_.energy(set_.hull), Interval(0));
     return std::min(1.0, sqrt(Interval(2) * energy).upper());
   }

@@ -34,6 +34,7 @@ template <class T>
       link = &tree.links[*link->parent];
       if (link->joint == nullptr) continue;
       const auto column = static_cast<Eigen::Index>(link->degree_of_freedom);
+      // NOLINTNEXTLINE(readability-suspicious-call-argument): the matrix is symmetric
       matrix(row, column) = matrix(column, row) = link->joint_force(f);
     }
   }

@@ -110,7 +110,7 @@ std::optional<ParametricSolution> solve(const ParametricLinearSystem& system) {
   std::vector<IntervalMatrix> changes_of_c;
   for (const Variation& by : system.variations) {
     slopes_of_z.push_back(product(inverse, by.residual));
-    changes_of_c.push_back(matrix_product(inverse, by.matrix) * by.deviation);
+    changes_of_c.emplace_back(matrix_product(inverse, by.matrix) * by.deviation);
     z += slopes_of_z.back() * by.deviation;
     c -= changes_of_c.back();
   }
@@ -120,8 +120,8 @@ std::optional<ParametricSolution> solve(const ParametricLinearSystem& system) {
   ParametricSolution result{*errors, {}};
   for (Eigen::Index i = 0; i < errors->size(); ++i) result.solution[i] += Interval(system.approximation[i]);
   for (std::size_t k = 0; k < system.variations.size(); ++k) {
-    result.overestimation.push_back(magnitude(system.variations[k].deviation) * widths(slopes_of_z[k]) +
-                                    widths(product(changes_of_c[k], *errors)));
+    result.overestimation.emplace_back(magnitude(system.variations[k].deviation) * widths(slopes_of_z[k]) +
+                                       widths(product(changes_of_c[k], *errors)));
   }
   return result;
 }

@@ -21,7 +21,8 @@ template <class T>
   // A tree that accelerates upwards feels gravity.
   SpatialMotion<T> world;
   world.linear[1] = T(model.gravity);
-  std::vector<SpatialMotion<T>> v(count), a(count);
+  std::vector<SpatialMotion<T>> v(count);
+  std::vector<SpatialMotion<T>> a(count);
   std::vector<Force<T>> f(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Link<T>& link = tree.links[i];
@@ -65,7 +66,9 @@ template <class T>
     if (joints[j].kind == JointKind::translation) carried.position[j] = T(0);
   }
   const std::vector<BodyPose<T>> poses = forward_kinematics(tree_of(model, parameters, carried.position));
-  T mass(0), moment_x(0), moment_z(0);
+  T mass(0);
+  T moment_x(0);
+  T moment_z(0);
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Body& body = model.bodies[i];
     const T body_mass = value_of(body.mass, parameters);
