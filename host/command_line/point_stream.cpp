@@ -13,7 +13,8 @@ namespace verisq::command_line {
 void declare_inputs(Options& options, InputArguments& inputs) {
   require_model(options, "--model", inputs.model);
   options.add("--mesh", inputs.mesh, "FILE", "Mesh whose vertices or triangles are meant: .stl .obj .ply .off");
-  options.add("--points", inputs.points, "FILE", "Points instead of a mesh: .csv with x,y,z a line");
+  options.add("--points", inputs.points, "FILE",
+              "Points instead of a mesh: text with x,y,z a line, .npy of shape (N, 3), or - for the\nstandard input");
 }
 
 void check_usage(const InputArguments& inputs) {
