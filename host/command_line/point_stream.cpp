@@ -41,6 +41,10 @@ std::size_t PointStream::copy_vertices(std::span<Point> points) const {
   return count;
 }
 
+std::optional<std::uint64_t> PointStream::count() const {
+  return file_ ? file_->count() : mesh_.vertices.size();
+}
+
 double PointStream::fraction(std::uint64_t done) const {
   if (!file_) return static_cast<double>(done) / static_cast<double>(mesh_.vertices.size());
   return file_fraction(*file_, points_read_, done);

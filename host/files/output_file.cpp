@@ -64,6 +64,13 @@ OutputFile::OutputFile(std::filesystem::path name) : name_(std::move(name)), buf
   take_over_permissions(target_, fileno(file_.get()));
 }
 
+OutputFile::OutputFile() : name_("standard output"), buffer_(buffer_size) {
+  const int descriptor = dup(STDOUT_FILENO);  // whose end closes no other's
+  if (descriptor >= 0) file_.reset(fdopen(descriptor, "wb"));
+  if (!file_) fail_by_errno();
+  std::setvbuf(file_.get(), buffer_.data(), _IOFBF, buffer_.size());
+}
+
 OutputFile::~OutputFile() {
   if (temporary_.empty()) return;
   file_.reset();
@@ -86,6 +93,16 @@ void OutputFile::write(std::string_view bytes) {
 
 void OutputFile::flush() {
   if (file_ && std::fflush(file_.get()) != 0) fail_by_errno();
+}
+
+void OutputFile::rewrite_start(std::string_view bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t count =
+        pwrite(fileno(file_.get()), bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
+    if (count < 0) fail_by_errno();
+    done += static_cast<std::size_t>(count);
+  }
 }
 
 void OutputFile::finish() {

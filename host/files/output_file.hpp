@@ -21,6 +21,8 @@ namespace verisq {
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path name);
+  /// The standard output, written to directly whatever it is.
+  [[nodiscard]] static OutputFile standard_output() { return OutputFile(); }
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -33,6 +35,12 @@ class OutputFile {
 
   /// Hands on what the buffer holds: from then on it outlives even a killed process.
   void flush();
+
+  /// Whether `rewrite_start` may be called: not of what is written to directly.
+  [[nodiscard]] bool can_be_rewritten() const { return !temporary_.empty(); }
+
+  /// Replaces the first bytes, which must have been handed on by `flush`.
+  void rewrite_start(std::string_view bytes);
 
   void finish();
   /// Keeps a part under the target's name with `.partial` added; returns that name. What was written to directly is
@@ -47,13 +55,15 @@ class OutputFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
 
+  OutputFile();
+
   void open(const std::filesystem::path& path, const char* mode);
   void close();
   void rename_to(const std::filesystem::path& path);
   [[noreturn]] void fail_by_errno() const;
 
   std::filesystem::path name_;       // as given: what messages speak of
-  std::filesystem::path target_;     // where it leads to
+  std::filesystem::path target_;     // where it leads to; empty for the standard output
   std::filesystem::path temporary_;  // empty when nothing is to be renamed or removed
   std::vector<char> buffer_;         // outlives file_, which writes through it
   std::unique_ptr<std::FILE, Close> file_;

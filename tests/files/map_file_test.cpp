@@ -99,7 +99,7 @@ TEST(MapFile, OfPosesIsTextWithoutCertificates) {
             "{\"format\": \"verisq-map/1\",\n \"elements\": \"poses\",\n \"results\": [\n"
             "  {\"index\": 0, \"lo\": 0.10000000000000001, \"hi\": 0.30000000000000004, "
             "\"status\": \"device-verified\"}\n ]}\n");
-  const std::string formats = ": maps of poses are written to .csv and .json only";
+  const std::string formats = ": maps of poses are written to .csv, .npy and .json only";
   expect_input_error([&] { write_poses("map.vtp"); }, folder / "map.vtp", formats);
   expect_input_error([&] { write_poses("map.ply"); }, folder / "map.ply", formats);
   expect_input_error([&] { write_poses("certified.csv", MapContents::certified); }, folder / "certified.csv",
@@ -491,12 +491,12 @@ TEST(CertifiedMap, VtpArraysFillTheAppendedPart) {
 
 TEST(CertifiedMap, IsWrittenToCsvAndVtpOnly) {
   const TemporaryFolder folder;
-  for (const char* name : {"map.ply", "map.json", "map.PLY"}) {
+  for (const char* name : {"map.ply", "map.json", "map.PLY", "map.npy"}) {
     expect_input_error([&] { MapWriter writer(folder / name, &tetrahedron, MapContents::certified); }, folder / name,
                        ": certificates are written to .csv and .vtp only");
   }
   expect_input_error([&] { MapWriter writer(folder / "map.vtu", nullptr, MapContents::certified); }, folder / "map.vtu",
-                     ": unknown map format '.vtu': known are .csv, .vtp, .ply, .json");
+                     ": unknown map format '.vtu': known are .csv, .npy, .vtp, .ply, .json");
   EXPECT_THAT(folder.names(), IsEmpty());
 }
 
@@ -1177,7 +1177,7 @@ TEST(MapFile, RefusesUnknownExtensionsAtOnce) {
   for (const std::string extension : {".xyz", "", ".vtu"}) {
     const auto path = folder / ("map" + extension);
     expect_input_error([&] { MapWriter writer(path, nullptr); }, path,
-                       ": unknown map format '" + extension + "': known are .csv, .vtp, .ply, .json");
+                       ": unknown map format '" + extension + "': known are .csv, .npy, .vtp, .ply, .json");
   }
   EXPECT_THAT(folder.names(), IsEmpty());
 }
