@@ -46,6 +46,8 @@ class MapFormat {
 [[nodiscard]] std::unique_ptr<MapFormat> make_json_map(OutputFile& output, const MapKind& kind);
 [[nodiscard]] std::unique_ptr<MapFormat> make_npy_map(OutputFile& output, const MapKind& kind);
 [[nodiscard]] std::unique_ptr<MapFormat> make_vtp_map(OutputFile& output, const MapKind& kind);
+/// The same bytes. Precondition: a mesh, no certificates, an output that can be rewritten.
+[[nodiscard]] std::unique_ptr<MapFormat> make_streamed_vtp_map(OutputFile& output, const MapKind& kind);
 [[nodiscard]] std::unique_ptr<MapFormat> make_ply_map(OutputFile& output, const MapKind& kind);
 
 }  // namespace verisq

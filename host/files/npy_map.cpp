@@ -66,7 +66,7 @@ class NpyMap final : public MapFormat {
     count_ += rows.size();
     if (!output_.can_be_rewritten()) return;
     output_.flush();  // a killed run leaves an array of all rows that are finished
-    output_.rewrite_start(npy_header(descr_, count_));
+    output_.write_at(0, npy_header(descr_, count_));
   }
 
   void finish() override {

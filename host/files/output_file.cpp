@@ -95,13 +95,13 @@ void OutputFile::flush() {
   if (file_ && std::fflush(file_.get()) != 0) fail_by_errno();
 }
 
-void OutputFile::rewrite_start(std::string_view bytes) {
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t count =
-        pwrite(fileno(file_.get()), bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
+void OutputFile::write_at(std::uint64_t position, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = pwrite(fileno(file_.get()), bytes.data(), bytes.size(), static_cast<off_t>(position));
+    if (count < 0 && errno == EINTR) continue;
     if (count < 0) fail_by_errno();
-    done += static_cast<std::size_t>(count);
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+    position += static_cast<std::uint64_t>(count);
   }
 }
 

@@ -1,7 +1,10 @@
 /// A file that appears under its name only when it is complete.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -36,11 +39,13 @@ class OutputFile {
   /// Hands on what the buffer holds: from then on it outlives even a killed process.
   void flush();
 
-  /// Whether `rewrite_start` may be called: not of what is written to directly.
+  /// Whether `write_at` may be called: not of what is written to directly.
   [[nodiscard]] bool can_be_rewritten() const { return !temporary_.empty(); }
 
-  /// Replaces the first bytes, which must have been handed on by `flush`.
-  void rewrite_start(std::string_view bytes);
+  /// Writes at `position` of the file, wherever `write` goes on; before, `flush` must have handed on what is there.
+  void write_at(std::uint64_t position, std::string_view bytes);
+  template <class Number>
+  void write_little_endian_at(std::uint64_t position, std::span<const Number> numbers);
 
   void finish();
   /// Keeps a part under the target's name with `.partial` added; returns that name. What was written to directly is
@@ -69,16 +74,27 @@ class OutputFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
+/// The numbers' bytes in little-endian order; `swapped` holds them where this machine has another.
+template <class Number>
+[[nodiscard]] std::string_view little_endian_bytes(std::span<const Number> numbers, std::vector<Number>& swapped) {
+  if constexpr (std::endian::native != std::endian::little) {
+    swapped.resize(numbers.size());
+    std::ranges::transform(numbers, swapped.begin(), in_little_endian<Number>);
+    numbers = swapped;
+  }
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
+}
+
 template <class Number>
 void OutputFile::write_little_endian(std::span<const Number> numbers) {
-  if constexpr (std::endian::native == std::endian::little) {
-    write({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()});
-  } else {
-    for (const Number number : numbers) {
-      const Number swapped = in_little_endian(number);
-      write({reinterpret_cast<const char*>(&swapped), sizeof swapped});
-    }
-  }
+  std::vector<Number> swapped;
+  write(little_endian_bytes(numbers, swapped));
+}
+
+template <class Number>
+void OutputFile::write_little_endian_at(std::uint64_t position, std::span<const Number> numbers) {
+  std::vector<Number> swapped;
+  write_at(position, little_endian_bytes(numbers, swapped));
 }
 
 }  // namespace verisq

@@ -62,12 +62,13 @@ struct MapForm {
   std::optional<std::uint64_t> rows = {};
 };
 
-/// Rows arrive in order through `append`; `.csv`, `.npy` and `.json` stream them to the disk, the mesh formats (`.vtp`,
-/// `.ply`) keep them until `finish`. Everything goes to a temporary file beside the target (where `path` leads to
-/// through symbolic links), which `finish` renames: an interrupted run leaves no half-written map under the target's
-/// name. Without `finish` the destructor removes the temporary file. Of a `.csv` or `.npy`, a killed run leaves it:
-/// TARGET.*.partial, a name of its own for each run, with all rows that were appended. A `path` to something that is no
-/// regular file (a pipe, /dev/null) is written to directly, and so is `-`, the standard output.
+/// Rows arrive in order through `append`; `.csv`, `.npy`, `.json` and a `.vtp` of a mesh without certificates stream
+/// them to the disk, other maps in mesh formats (`.vtp`, `.ply`) keep them until `finish`. Everything goes to a
+/// temporary file beside the target (where `path` leads to through symbolic links), which `finish` renames: an
+/// interrupted run leaves no half-written map under the target's name. Without `finish` the destructor removes the
+/// temporary file. A killed run leaves it: TARGET.*.partial, a name of its own for each run; of a `.csv` or `.npy` it
+/// has all rows that were appended. A `path` to something that is no regular file (a pipe, /dev/null) is written to
+/// directly, and so is `-`, the standard output.
 class MapWriter {
  public:
   /// `mesh` supplies vertices and triangles to the mesh formats; it must outlive the writer. Null for a stream of
