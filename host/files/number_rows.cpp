@@ -110,7 +110,7 @@ void NumberRows::read_lines(Piece& piece) const {
   std::vector<double> row(form_.numbers());
   std::string_view rest = piece.lines;
   while (!rest.empty()) {
-    const char* after = form_.read_plain(rest, row.data());
+    const char* after = form_.read_plain(rest, row);
     if (after == nullptr) {
       const std::string_view line = rest.substr(0, rest.find('\n'));
       if (trimmed(line).empty()) break;

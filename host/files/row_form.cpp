@@ -50,6 +50,11 @@ const char* after_blanks(const char* at, const char* end) {
   return at;
 }
 
+const char* after_number(const char* at, const char* end, double& number) {
+  const auto [after, error] = std::from_chars(at, end, number);
+  return error == std::errc{} && std::isfinite(number) ? after : nullptr;
+}
+
 }  // namespace
 
 RowForm::RowForm(const RowKind& kind) : kind_(kind), names_(split_at_commas(kind.header)), fields_(names_.size()) {
@@ -90,33 +95,32 @@ bool RowForm::learn_names(const InputFile& file, std::span<const std::string_vie
   return named == fields_;
 }
 
-const char* RowForm::read_plain(std::string_view text, double* numbers) const {
+const char* RowForm::read_plain(std::string_view text, std::span<double> numbers) const {
   const char* at = text.data();
   const char* const end = at + text.size();
   for (std::size_t k = 0; k < fields_.size(); ++k) {
-    if (k > 0) {
-      if (separator_ == ',') {
-        if (at == end || *at != ',') return nullptr;
-        ++at;
-      } else if (!is_blank(at[-1])) {
-        return nullptr;
-      }
-    }
+    if (k > 0) at = after_separator(at, end);
+    if (at == nullptr) return nullptr;
     at = after_blanks(at, end);
-    if (fields_[k] == passed_over) {
-      const char* const start = at;
-      while (at != end && *at != '\n' && (separator_ == ',' ? *at != ',' : !is_blank(*at))) ++at;
-      if (at == start && separator_ != ',') return nullptr;
-    } else {
-      double& number = numbers[fields_[k]];
-      const auto [after, error] = std::from_chars(at, end, number);
-      if (error != std::errc{} || !std::isfinite(number)) return nullptr;
-      at = after;
-    }
+    at = fields_[k] == passed_over ? after_other(at, end) : after_number(at, end, numbers[fields_[k]]);
+    if (at == nullptr) return nullptr;
     at = after_blanks(at, end);
   }
   if (at == end) return at;
   return *at == '\n' ? at + 1 : nullptr;
+}
+
+/// Precondition: a field and the blanks behind it are before `at`.
+const char* RowForm::after_separator(const char* at, const char* end) const {
+  if (separator_ == ' ') return is_blank(at[-1]) ? at : nullptr;
+  return at != end && *at == ',' ? at + 1 : nullptr;
+}
+
+/// Behind a field that is passed over, which may be empty between commas.
+const char* RowForm::after_other(const char* at, const char* end) const {
+  const auto ends = [this](char c) { return c == '\n' || (separator_ == ' ' ? is_blank(c) : c == ','); };
+  const char* const after = std::find_if(at, end, ends);
+  return after == at && separator_ == ' ' ? nullptr : after;
 }
 
 void RowForm::read(const InputFile& file, std::string_view line, std::span<double> numbers) const {

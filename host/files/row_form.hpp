@@ -33,9 +33,9 @@ class RowForm {
   [[nodiscard]] std::size_t numbers() const { return names_.size(); }
 
   /// Reads the line that `text` begins with, if it is in the plainest form, and returns the text after it: the end of
-  /// the line is consumed, too. Null for any other line, be it sound or not: `read` knows. Precondition: `numbers()`
-  /// places in `numbers`.
-  [[nodiscard]] const char* read_plain(std::string_view text, double* numbers) const;
+  /// the line is consumed, too. Null for any other line, be it sound or not: `read` knows. Precondition: as
+  /// many numbers as a row has.
+  [[nodiscard]] const char* read_plain(std::string_view text, std::span<double> numbers) const;
 
   /// Reads a line, without its end. Throws Error(input) at the position of `file` for what is not as it should be.
   /// Precondition: as many numbers as a row has.
@@ -46,6 +46,8 @@ class RowForm {
   static constexpr std::size_t passed_over = static_cast<std::size_t>(-1);
 
   [[nodiscard]] std::vector<std::string_view> split(std::string_view line) const;
+  [[nodiscard]] const char* after_separator(const char* at, const char* end) const;
+  [[nodiscard]] const char* after_other(const char* at, const char* end) const;
   bool learn_names(const InputFile& file, std::span<const std::string_view> fields);
   [[noreturn]] void refuse(const InputFile& file, std::string_view line) const;
 
