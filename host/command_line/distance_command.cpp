@@ -41,7 +41,8 @@ constexpr const char* closing_words =
     "enclosure\n"
     "is at most the tolerance wide: without closest points. Ctrl-C and the --time-limit end the search with the best\n"
     "enclosure so far, which is valid.\n"
-    "With --poses, OUT has a row index,lo,hi,status for each pose. Ctrl-C keeps the finished rows of a .csv under\n"
+    "With --poses, OUT has a row index,lo,hi,status for each pose. Ctrl-C keeps the finished rows of a .csv or .npy "
+    "under\n"
     "OUT.partial; a second Ctrl-C stops at once.\n"
     "\n"
     "Exit status: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad usage or input, 130\n"
@@ -182,7 +183,7 @@ void declare_distance(Options& options, DistanceArguments& arguments) {
   options.add("--pose", arguments.pose, parse_pose, "tx,ty,tz,qw,qx,qy,qz",
               "Moves B: translation and quaternion of any length");
   options.add("--poses", arguments.poses, "FILE", "Many poses instead: .csv with tx,ty,tz,qw,qx,qy,qz a line");
-  options.add("-o,--output", arguments.output, "FILE", "The distances for --poses, by extension: .csv .json");
+  options.add("-o,--output", arguments.output, "FILE", "The distances for --poses, by extension: .csv .npy .json");
   options.add("--device", arguments.device, "DEVICE", fmt::format("For --poses: {}", device_explanation));
   options.add("--tol", arguments.tolerance, parse_length, "T",
               fmt::format("Width up to which the enclosure is called verified, in model units; 0 asks for the tightest "

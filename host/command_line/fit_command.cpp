@@ -249,7 +249,7 @@ void declare_fit(Options& options, FitArguments& arguments) {
   add_device(options, arguments.device);
   options.require("-o,--output", arguments.output, "FILE", "The fitted model: .json");
   options.add("--map", arguments.map, "FILE",
-              "The proven distance of every vertex, by extension: .csv .vtp .ply .json");
+              "The proven distance of every vertex, by extension: .csv .npy .vtp .ply .json");
   declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);

@@ -11,6 +11,7 @@
 #include <verisq/signed_distance.hpp>
 
 #include "host/command_line/choice.hpp"
+#include "host/command_line/columns_option.hpp"
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
@@ -34,8 +35,9 @@ constexpr const char* closing_words =
     "Where the model gives intervals [lo, hi] for semi-axes, exponents or translations, or points have a radius, each\n"
     "row contains the distances of all that they allow: give a --tol above that uncertainty to call rows verified.\n"
     "At the --time-limit running searches end and no other begins: every row is written all the same, and the rest is\n"
-    "valid, and wide. Ctrl-C, SIGTERM and SIGHUP keep the finished rows of a .csv under OUT.partial; a second Ctrl-C\n"
-    "stops at once, and a killed run leaves them under OUT.*.partial: `check` proves both.\n"
+    "valid, and wide. Ctrl-C, SIGTERM and SIGHUP keep the finished rows of a .csv or .npy under OUT.partial; a second\n"
+    "Ctrl-C stops at once, and a killed run leaves them under OUT.*.partial.\n"
+    "With -o - the rows go to the standard output and the summary to the standard error.\n"
     "--report and --png draw the mesh, coloured by the proven distances of its vertices, and the model (of intervals\n"
     "the largest); -o may be left out then.\n"
     "\n"
@@ -46,6 +48,8 @@ constexpr const char* closing_words =
     "  verisq map --model stem.json --mesh femur.off -o clearance.vtp\n"
     "  verisq map --model stem.json --mesh femur.off --report clearance.html --png clearance.png\n"
     "  verisq map --model stem.json --mesh femur.off --on triangles -o clearance.vtp\n"
+    "  verisq map --model stem.json --points samples.npy --columns x,y,z,lo,hi -o distances.npy\n"
+    "  sample | verisq map --model stem.json --points - -o - | plot\n"
     "  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json";
 
 constexpr const char* depth_of_overlaps =
@@ -84,6 +88,8 @@ void check_outputs(const MapArguments& arguments) {
   if (arguments.output.empty()) {
     if (!arguments.report.any()) refuse("give at least one of --output, --report, --png");
     if (arguments.certificates) refuse("--certificates: give the --output that keeps them");
+    if (arguments.format) refuse("--format: give the --output that has it");
+    if (!arguments.columns.empty()) refuse("--columns: give the --output that has them");
   } else {
     refuse_to_overwrite("-o", arguments.output, inputs);
   }
@@ -126,6 +132,11 @@ std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
+/// Empty: as the name of the output says.
+std::string format_of(const MapArguments& arguments) {
+  return arguments.format.value_or(arguments.output == "-" ? ".csv" : "");
+}
+
 /// Maps `elements`, which `Stream` delivers, and prints the summary. Starts the limit, which the options ask for, when
 /// the mapper is ready.
 template <typename Stream>
@@ -141,6 +152,9 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
   MapRequest request{.elements = elements,
                      .contents = arguments.certificates ? MapContents::certified : MapContents::enclosures,
                      .output = arguments.output,
+                     .format = format_of(arguments),
+                     .columns = arguments.columns,
+                     .rows = stream.count(),
                      .report = arguments.report,
                      .units = model.units,
                      .tolerance = options.tolerance,
@@ -184,7 +198,14 @@ void declare_map(Options& options, MapArguments& arguments) {
               choice<Method>({{"duality", Method::duality}, {"published", Method::published}}), "METHOD",
               "How the host proves points outside: duality (default), or published: the paper's bisected segment,\n"
               "to compare with (--device host)");
-  options.add("-o,--output", arguments.output, "FILE", map_explanation);
+  options.add("-o,--output", arguments.output, "FILE", fmt::format("{}; - is the standard output", map_explanation));
+  options.add(
+      "--format", arguments.format,
+      choice<std::string>({{"csv", ".csv"}, {"npy", ".npy"}, {"vtp", ".vtp"}, {"ply", ".ply"}, {"json", ".json"}}),
+      "FORMAT", "Instead of the extension of -o: csv (default of -o -), npy, vtp, ply, json");
+  options.add("--columns", arguments.columns, parse_columns, "NAMES",
+              "Of a .csv or .npy, in this order: index,x,y,z,lo,hi,mid,width,status. Default: index,lo,hi,status,\n"
+              "of a .npy lo,hi,status");
   declare_report_files(options, arguments.report);
   options.add_flag(
       "--certificates", arguments.certificates,

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
 
@@ -22,7 +23,9 @@ struct MapArguments {
   std::optional<double> time_limit;  ///< in seconds
   std::string device = "auto";
   Method method = Method::duality;
-  std::string output;  ///< empty when only a report is asked for
+  std::string output;                 ///< empty when only a report is asked for, `-` for the standard output
+  std::optional<std::string> format;  ///< an extension
+  std::vector<MapColumn> columns;     ///< empty: those that the format has by itself
   ReportFiles report;
   bool certificates = false;
   bool json = false;

@@ -30,7 +30,8 @@ std::string end_file(std::optional<MapWriter>& writer, const MapSummary& summary
   }
   const auto partial = writer->keep_partial().string();
   if (partial.empty()) {
-    tell(fmt::format("interrupted; {} is not written, because only .csv can hold a part of a map", output));
+    tell(fmt::format("interrupted; {} is not written, because only .csv and .npy files can hold a part of a map",
+                     output == "-" ? "the rest" : output));
   } else {
     tell(fmt::format("interrupted; the first {} rows are kept in {}", summary.points, partial));
   }
@@ -67,7 +68,8 @@ ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> 
                          .preparation_seconds = seconds_between(start, first_element),
                          .seconds = seconds_between(first_element, end)};
   if (request.show && !summary.interrupted) request.show(rows, report);
-  fmt::print("{}", request.json ? json(report) : readable(report));
+  // What else there is to say must not get between the rows.
+  fmt::print(request.output == "-" ? stderr : stdout, "{}", request.json ? json(report) : readable(report));
   return status_of(summary);
 }
 

@@ -18,13 +18,18 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/map_summary.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/threads/read_ahead.hpp"
+#include "host/threads/work_behind.hpp"
 
 namespace verisq::command_line {
 
 struct MapRequest {
   MapElements elements;
   MapContents contents;
-  std::string output;       ///< the file; empty for none
+  std::string output;       ///< the file, `-` for the standard output; empty for none
+  std::string format = {};  ///< as those of `MapForm`
+  std::vector<MapColumn> columns = {};
+  std::optional<std::uint64_t> rows = {};
   ReportFiles report = {};  ///< what `show` writes
   std::string units;        ///< of the model; empty when not given
   double tolerance;
@@ -42,13 +47,42 @@ using Clock = std::chrono::steady_clock;
 ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> rows, const MapSummary& summary,
                    const MapRequest& request, Clock::time_point start, Clock::time_point first_element);
 
+/// The rows of one call of a sink.
+template <class Element>
+struct FinishedRows {
+  std::vector<Element> elements;
+  std::vector<MapResult> results;
+  std::vector<Certificate> certificates;
+};
+
+template <class Element>
+void append(MapWriter& writer, const FinishedRows<Element>& rows) {
+  if constexpr (std::same_as<Element, Point>) {
+    writer.append(rows.elements, rows.results, rows.certificates);
+  } else {
+    writer.append(rows.results, rows.certificates);
+  }
+}
+
 /// Maps the elements that `stream` delivers by the mapper that `make_mapper()` returns.
 template <class Stream, class MakeMapper>
 ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_mapper, const MapRequest& request) {
   using Element = typename Stream::Element;
   watch_for_interruption();
   std::optional<MapWriter> writer;
-  if (!request.output.empty()) writer.emplace(request.output, mesh, request.contents, request.elements);
+  if (!request.output.empty()) {
+    writer.emplace(request.output, mesh,
+                   MapForm{.contents = request.contents,
+                           .elements = request.elements,
+                           .format = request.format,
+                           .columns = request.columns,
+                           .rows = request.rows});
+  }
+  // A file is read, and another written, by threads of their own, while kernels run; of a mesh there is nothing to
+  // read.
+  std::optional<ReadAhead<Stream>> ahead;
+  std::optional<WorkBehind<FinishedRows<Element>>> behind;
+  if (writer) behind.emplace([&](const FinishedRows<Element>& rows) { append(*writer, rows); });
   std::vector<MapResult> rows;
   const auto start = Clock::now();
   auto mapper = make_mapper();
@@ -58,22 +92,33 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
     if (!bar) {
       first_element = Clock::now();
       bar.emplace(request.show_progress, plural(request.elements));
+      if (mesh == nullptr) ahead.emplace(stream);
     }
-    return stream.read(elements);
+    return ahead ? ahead->read(elements) : stream.read(elements);
   };
   std::uint64_t done = 0;
   const auto sink = [&](std::span<const Element> elements, std::span<const MapResult> results,
                         std::span<const Certificate> certificates) {
-    if constexpr (std::same_as<Element, Point>) {
-      if (writer) writer->append(elements, results, certificates);
-    } else {
-      if (writer) writer->append(results, certificates);
+    if (behind) {
+      behind->add({{elements.begin(), elements.end()},
+                   {results.begin(), results.end()},
+                   {certificates.begin(), certificates.end()}});
     }
     if (request.show) rows.insert(rows.end(), results.begin(), results.end());
     done += elements.size();
-    bar->update(done, stream.fraction(done));
+    bar->update(done, ahead ? ahead->fraction(done) : stream.fraction(done));
   };
-  const MapSummary summary = mapper.map(source, sink);
+  // Rows that cannot be written are older than whatever else fails.
+  const auto map = [&] {
+    try {
+      return mapper.map(source, sink);
+    } catch (...) {
+      if (behind) behind->finish();
+      throw;
+    }
+  };
+  const MapSummary summary = map();
+  if (behind) behind->finish();
   bar.reset();  // the line is cleared before anything else is said
   return end_map(writer, rows, summary, request, start, first_element);
 }

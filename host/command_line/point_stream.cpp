@@ -13,7 +13,8 @@ namespace verisq::command_line {
 void declare_inputs(Options& options, InputArguments& inputs) {
   require_model(options, "--model", inputs.model);
   options.add("--mesh", inputs.mesh, "FILE", "Mesh whose vertices or triangles are meant: .stl .obj .ply .off");
-  options.add("--points", inputs.points, "FILE", "Points instead of a mesh: .csv with x,y,z a line");
+  options.add("--points", inputs.points, "FILE",
+              "Points instead of a mesh: text with x,y,z a line, .npy of shape (N, 3), or - for the\nstandard input");
 }
 
 void check_usage(const InputArguments& inputs) {
@@ -38,6 +39,10 @@ std::size_t PointStream::copy_vertices(std::span<Point> points) const {
   const auto count = std::min(points.size(), mesh_.vertices.size() - points_read_);
   std::copy_n(mesh_.vertices.begin() + static_cast<std::ptrdiff_t>(points_read_), count, points.begin());
   return count;
+}
+
+std::optional<std::uint64_t> PointStream::count() const {
+  return file_ ? file_->count() : mesh_.vertices.size();
 }
 
 double PointStream::fraction(std::uint64_t done) const {

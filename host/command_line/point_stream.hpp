@@ -39,6 +39,9 @@ class PointStream {
   /// The part of all points that `done` finished ones make up, about; 0 when unknown.
   [[nodiscard]] double fraction(std::uint64_t done) const;
 
+  /// How many points there are in all; nothing where that is not known before the last.
+  [[nodiscard]] std::optional<std::uint64_t> count() const;
+
   /// Null for a file of points.
   [[nodiscard]] const Mesh* mesh() const { return file_ ? nullptr : &mesh_; }
 

@@ -22,7 +22,7 @@ inline constexpr const char* device_explanation =
     "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`";
 
 /// What -o says of a map.
-inline constexpr const char* map_explanation = "The map, by extension: .csv .vtp .ply .json";
+inline constexpr const char* map_explanation = "The map, by extension: .csv .npy .vtp .ply .json";
 
 /// --json, of a summary.
 void add_json(Options& options, bool& json);

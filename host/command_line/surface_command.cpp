@@ -112,7 +112,7 @@ void explain(const SurfaceCheck& check, const std::string& output) {
 void declare_surface(Options& options, SurfaceArguments& arguments) {
   options.explain(closing_words);
   options.add("--points", arguments.points, "FILE",
-              "Point cloud: a CSV file x,y,z, or a mesh (.stl, .ply, .off, .obj), whose vertices count");
+              "Point cloud: text with x,y,z a line, .npy, or a mesh (.stl, .ply, .off, .obj), whose vertices count");
   options.add("--mesh", arguments.mesh, "FILE", "Instead of --points: a mesh, whose triangles count");
   options.require("-o,--output", arguments.output, "FILE",
                   "The surface: .ply, .stl (rounded to binary32), .off or .obj");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <verisq/mesh.hpp>
 
@@ -22,6 +23,8 @@ class TriangleStream {
 
   /// The part of all triangles that `done` finished ones make up.
   [[nodiscard]] double fraction(std::uint64_t done) const;
+
+  [[nodiscard]] std::optional<std::uint64_t> count() const { return mesh_.triangles.size(); }
 
   [[nodiscard]] const Mesh* mesh() const { return &mesh_; }
 

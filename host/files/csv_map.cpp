@@ -1,17 +1,26 @@
-/// Maps as CSV: a row "index,lo,hi,status" for each point, triangle or pose, and its certificate when asked for,
-/// streamed to the disk.
+/// Maps as CSV: a row "index,lo,hi,status", or of other columns, for each point, triangle or pose, and its certificate
+/// when asked for, streamed to the disk.
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <array>
 #include <iterator>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "host/files/csv_map_header.hpp"
+#include "host/files/map_columns.hpp"
 #include "host/files/map_format.hpp"
+#include "host/files/seventeen_digits.hpp"
+#include "host/threads/parallel.hpp"
+#include "host/threads/pieces.hpp"
 
 namespace verisq {
 namespace {
+
+/// Rows that are worth a thread.
+constexpr std::size_t fewest_rows = 4096;
 
 /// A field for each number, each after a comma; empty ones where there are none. "{}" is the shortest text that gives
 /// back the same binary64.
@@ -43,9 +52,33 @@ void append_certificate(fmt::memory_buffer& text, const Certificate& certificate
   }
 }
 
-std::string_view header(const MapKind& kind) {
-  if (kind.contents == MapContents::enclosures) return csv_map_header;
-  return kind.elements == MapElements::vertices ? csv_certified_map_header : csv_certified_triangle_map_header;
+std::string header(const MapKind& kind) {
+  if (kind.contents == MapContents::certified) {
+    return std::string(kind.elements == MapElements::vertices ? csv_certified_map_header
+                                                              : csv_certified_triangle_map_header);
+  }
+  if (kind.columns.empty()) return std::string(csv_map_header);
+  std::string names;
+  for (const MapColumn column : kind.columns) names += fmt::format("{}{}", names.empty() ? "" : ",", to_string(column));
+  return names;
+}
+
+void append_number(fmt::memory_buffer& text, double number) {
+  DigitBuffer digits;
+  const std::string_view number_text = seventeen_digits(number, digits);
+  text.append(number_text.begin(), number_text.end());
+}
+
+void append_field(fmt::memory_buffer& text, MapColumn column, const MapRow& row) {
+  switch (column) {
+    case MapColumn::index: fmt::format_to(std::back_inserter(text), FMT_COMPILE("{}"), row.index); break;
+    case MapColumn::status: {
+      const std::string_view status = to_string(row.result.status);
+      text.append(status.begin(), status.end());
+      break;
+    }
+    default: append_number(text, number_in(column, row));
+  }
 }
 
 class CsvMap final : public MapFormat {
@@ -54,20 +87,26 @@ class CsvMap final : public MapFormat {
     output_.write(header(kind));
     output_.write("\n");
     output_.flush();
+    if (kind_.columns.empty()) {
+      kind_.columns = {MapColumn::index, MapColumn::lo, MapColumn::hi, MapColumn::status};
+    }
   }
 
-  void append(std::span<const Point> /*not in this format*/, std::span<const MapResult> results,
+  void append(std::span<const Point> points, std::span<const MapResult> results,
               std::span<const Certificate> certificates) override {
-    rows_.clear();
-    for (std::size_t k = 0; k < results.size(); ++k) {
-      const auto& [distance, status] = results[k];
-      // 17 significant digits give back the same binary64; infinities are "inf" and "-inf".
-      fmt::format_to(std::back_inserter(rows_), FMT_COMPILE("{},{:.17g},{:.17g},{}"), index_++, distance.lo,
-                     distance.hi, to_string(status));
-      if (kind_.contents == MapContents::certified) append_certificate(rows_, certificates[k], kind_.elements);
-      rows_.push_back('\n');
-    }
-    output_.write({rows_.data(), rows_.size()});
+    const AppendedRows rows(kind_.mesh, kind_.elements, count_, points, results);
+    const std::vector<Piece> pieces = pieces_of(rows.size(), fewest_rows);
+    texts_.resize(pieces.size());
+    in_parallel(pieces.size(), [&](std::size_t p) {
+      texts_[p].clear();
+      for (std::size_t k = pieces[p].first; k < pieces[p].first + pieces[p].count; ++k) {
+        append_row(texts_[p], rows[k]);
+        if (kind_.contents == MapContents::certified) append_certificate(texts_[p], certificates[k], kind_.elements);
+        texts_[p].push_back('\n');
+      }
+    });
+    for (const fmt::memory_buffer& text : texts_) output_.write({text.data(), text.size()});
+    count_ += rows.size();
     output_.flush();  // a killed run leaves all rows that are finished
   }
 
@@ -75,10 +114,17 @@ class CsvMap final : public MapFormat {
   [[nodiscard]] bool valid_after_any_row() const override { return true; }
 
  private:
+  void append_row(fmt::memory_buffer& text, const MapRow& row) const {
+    for (std::size_t k = 0; k < kind_.columns.size(); ++k) {
+      if (k > 0) text.push_back(',');
+      append_field(text, kind_.columns[k], row);
+    }
+  }
+
   OutputFile& output_;
   MapKind kind_;
-  std::uint64_t index_ = 0;
-  fmt::memory_buffer rows_;  // of one call
+  std::uint64_t count_ = 0;
+  std::vector<fmt::memory_buffer> texts_;  // of the pieces of one call
 };
 
 }  // namespace

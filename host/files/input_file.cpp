@@ -2,6 +2,8 @@
 #include "host/files/input_file.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -32,9 +34,29 @@ InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
   if (std::filesystem::is_directory(status)) refuse_file(name_, "is a directory, not a file");
   file_.reset(std::fopen(name_.c_str(), "rb"));
   if (!file_) refuse_file(name_, fmt::format("cannot be read: {}", std::strerror(errno)));
-  std::setvbuf(file_.get(), nullptr, _IONBF, 0);  // the block is the buffer
   if (std::filesystem::is_regular_file(status)) size_ = std::filesystem::file_size(path, error);
   if (error) refuse_file(name_, fmt::format("cannot be read: {}", error.message()));
+  begin();
+}
+
+InputFile InputFile::standard_input() {
+  InputFile input(std::string("standard input"));
+  const int descriptor = dup(STDIN_FILENO);  // whose end closes no other's
+  if (descriptor >= 0) input.file_.reset(fdopen(descriptor, "rb"));
+  struct stat status = {};
+  if (!input.file_ || fstat(descriptor, &status) != 0) {
+    refuse_file(input.name_, fmt::format("cannot be read: {}", std::strerror(errno)));
+  }
+  const off_t start = lseek(descriptor, 0, SEEK_CUR);  // others may have read from it
+  if (S_ISREG(status.st_mode) && start >= 0 && start < status.st_size) {
+    input.size_ = static_cast<std::uint64_t>(status.st_size - start);
+  }
+  input.begin();
+  return input;
+}
+
+void InputFile::begin() {
+  std::setvbuf(file_.get(), nullptr, _IONBF, 0);  // the block is the buffer
   buffer_.resize(first_block(size_));
   if (!read_more()) refuse_file(name_, "the file is empty");
 }
@@ -82,6 +104,22 @@ std::optional<std::string_view> InputFile::next_line_with_text() {
   return std::nullopt;
 }
 
+std::string_view InputFile::peek_lines() {
+  if (unread().size() < buffer_.size() / 2) read_more();
+  std::size_t last_end = std::string_view::npos;
+  while ((last_end = unread().rfind('\n')) == std::string_view::npos) {
+    if (unread().size() > longest_line) next_line();  // which fails
+    if (!read_more()) return unread();
+  }
+  return unread().substr(0, last_end + 1);
+}
+
+void InputFile::pass_lines(std::size_t bytes, std::uint64_t count) {
+  next_ += bytes;
+  line_number_ += count;
+  last_read_ = Unit::line;
+}
+
 std::string_view InputFile::take(std::size_t count, std::string_view what) {
   bytes_start_ = position();
   last_read_ = Unit::bytes;
@@ -99,9 +137,22 @@ std::string_view InputFile::peek(std::size_t count) {
   return unread().substr(0, count);
 }
 
+void InputFile::go_to(std::uint64_t position) {
+  if (fseeko(file_.get(), static_cast<off_t>(position), SEEK_SET) != 0) {
+    throw Error(ErrorKind::failure,
+                fmt::format("{}: byte {}: cannot be read: {}", name_, position, std::strerror(errno)));
+  }
+  block_start_ = position;
+  next_ = end_ = 0;
+}
+
+void InputFile::fail_at_line(std::uint64_t line, std::string_view message) const {
+  refuse_file(name_, fmt::format("line {}: {}", line, message));
+}
+
 void InputFile::fail(std::string_view message) const {
   switch (last_read_) {
-    case Unit::line: refuse_file(name_, fmt::format("line {}: {}", line_number_, message));
+    case Unit::line: fail_at_line(line_number_, message);
     case Unit::bytes: refuse_file(name_, fmt::format("byte {}: {}", bytes_start_, message));
     case Unit::nothing: break;
   }

@@ -7,14 +7,17 @@
 #include <iterator>
 
 #include "host/files/map_format.hpp"
+#include "host/files/seventeen_digits.hpp"
 
 namespace verisq {
 namespace {
 
 /// JSON has no infinities: an infinite end is the string "inf" or "-inf", never null, which would say "no answer".
-void append_number(fmt::memory_buffer& text, double value) {
+void append_end(fmt::memory_buffer& text, double value) {
   if (std::isfinite(value)) {
-    fmt::format_to(std::back_inserter(text), FMT_COMPILE("{:.17g}"), value);
+    DigitBuffer digits;
+    const std::string_view number = seventeen_digits(value, digits);
+    text.append(number.begin(), number.end());
   } else {
     fmt::format_to(std::back_inserter(text), FMT_COMPILE("\"{}\""), value);
   }
@@ -35,9 +38,9 @@ class JsonMap final : public MapFormat {
     for (const MapResult& result : results) {
       fmt::format_to(std::back_inserter(rows_), FMT_COMPILE("{}\n  {{\"index\": {}, \"lo\": "), index_ == 0 ? "" : ",",
                      index_);
-      append_number(rows_, result.distance.lo);
+      append_end(rows_, result.distance.lo);
       fmt::format_to(std::back_inserter(rows_), FMT_COMPILE(", \"hi\": "));
-      append_number(rows_, result.distance.hi);
+      append_end(rows_, result.distance.hi);
       fmt::format_to(std::back_inserter(rows_), FMT_COMPILE(", \"status\": \"{}\"}}"), to_string(result.status));
       ++index_;
     }

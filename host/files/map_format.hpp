@@ -1,8 +1,11 @@
 /// The map formats: one class and one source file each.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 #include <verisq/certificate.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/map_result.hpp>
@@ -17,6 +20,8 @@ struct MapKind {
   const Mesh* mesh;  ///< must outlive the format; may be null for vertices: then the appended points are the vertices
   MapContents contents;
   MapElements elements;
+  std::vector<MapColumn> columns;     ///< of tables; empty: those that the format has by itself
+  std::optional<std::uint64_t> rows;  ///< how many there will be; nothing where that is not known
 };
 
 /// Writes one map to the output file it was made with. Throws Error(failure).
@@ -35,10 +40,14 @@ class MapFormat {
   [[nodiscard]] virtual bool valid_after_any_row() const { return false; }
 };
 
-// `output` must outlive the format. JSON and PLY have no place for certificates.
+// `output` must outlive the format. JSON, PLY and NPY have no place for certificates. NPY needs an output that
+// can be rewritten, or the number of rows.
 [[nodiscard]] std::unique_ptr<MapFormat> make_csv_map(OutputFile& output, const MapKind& kind);
 [[nodiscard]] std::unique_ptr<MapFormat> make_json_map(OutputFile& output, const MapKind& kind);
+[[nodiscard]] std::unique_ptr<MapFormat> make_npy_map(OutputFile& output, const MapKind& kind);
 [[nodiscard]] std::unique_ptr<MapFormat> make_vtp_map(OutputFile& output, const MapKind& kind);
+/// The same bytes. Precondition: a mesh, no certificates, an output that can be rewritten.
+[[nodiscard]] std::unique_ptr<MapFormat> make_streamed_vtp_map(OutputFile& output, const MapKind& kind);
 [[nodiscard]] std::unique_ptr<MapFormat> make_ply_map(OutputFile& output, const MapKind& kind);
 
 }  // namespace verisq

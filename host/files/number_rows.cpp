@@ -1,73 +1,140 @@
-/// Splits lines at their commas.
+/// Blocks of lines, split among processors.
 #include "host/files/number_rows.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <thread>
+#include <verisq/error.hpp>
 
 #include "host/files/words.hpp"
+#include "host/threads/parallel.hpp"
 
 namespace verisq {
 namespace {
 
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // some spreadsheets put it before the header
 
-/// Takes the first field from the front of `line`, and the comma after it.
-std::string_view take_field(std::string_view& line) {
-  const std::string_view field = line.substr(0, line.find(','));
-  line.remove_prefix(std::min(field.size() + 1, line.size()));
-  return field;
-}
+/// Fewer bytes are not worth a thread.
+constexpr std::size_t smallest_piece = std::size_t{1} << 17;
 
-std::size_t fields_of(std::string_view line) {
-  return static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
-}
-
-bool is_header(std::string_view line, std::string_view header) {
-  std::string text = lower_case(line);
-  std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '"'; });
-  return text == header;
+/// Cuts `lines` behind line ends into about equal pieces, as many as there are processors.
+std::vector<std::string_view> cut(std::string_view lines) {
+  const std::size_t most = std::max<std::size_t>(1, lines.size() / smallest_piece);
+  const std::size_t count = std::min<std::size_t>(most, std::max(1U, std::thread::hardware_concurrency()));
+  std::vector<std::string_view> pieces;
+  for (std::size_t k = count; k > 0; --k) {
+    const std::size_t end = k == 1 ? std::string_view::npos : lines.find('\n', lines.size() / k);
+    const std::size_t length = end == std::string_view::npos ? lines.size() : end + 1;
+    pieces.push_back(lines.substr(0, length));
+    lines.remove_prefix(length);
+  }
+  return pieces;
 }
 
 }  // namespace
 
-NumberRows::NumberRows(const std::filesystem::path& path, const RowKind& kind)
-    : file_(path), kind_(kind), names_(fields_of(kind.header)) {
-  std::string_view header = kind.header;
-  for (std::string_view& name : names_) name = take_field(header);
-}
-
-/// Without the byte order mark and the header.
-std::optional<std::string_view> NumberRows::next_line() {
-  std::optional<std::string_view> line = file_.next_line();
-  if (at_first_line_ && line) {
-    at_first_line_ = false;
-    if (line->starts_with(byte_order_mark)) line->remove_prefix(byte_order_mark.size());
-    if (is_header(*line, kind_.header)) line = file_.next_line();
-  }
-  if (line && trimmed(*line).empty()) {
-    if (file_.next_line_with_text()) {
-      fail(fmt::format("a {} after a blank line: blank lines are fine at the end only", kind_.item));
+std::size_t NumberRows::read(std::span<double> numbers) {
+  std::size_t count = 0;
+  while (count < numbers.size()) {
+    if (numbers_left_ == 0 && !read_more()) break;
+    const std::vector<double>& source = pieces_[piece_].numbers;
+    const std::size_t part = std::min(numbers.size() - count, source.size() - next_);
+    std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(next_), part,
+                numbers.begin() + static_cast<std::ptrdiff_t>(count));
+    count += part;
+    next_ += part;
+    numbers_left_ -= part;
+    if (next_ == source.size()) {
+      ++piece_;
+      next_ = 0;
     }
-    return std::nullopt;
   }
-  return line;
+  return count;
 }
 
-bool NumberRows::next(std::span<double> numbers) {
-  std::optional<std::string_view> line = next_line();
-  if (!line) {
-    if (!any_row_) file_.fail_whole(fmt::format("no {}s", kind_.item));
-    return false;
+/// Fills the pieces; false at the end of the file.
+bool NumberRows::read_more() {
+  block_start_ = file_.position();
+  piece_ = 0;
+  next_ = 0;
+  if (!at_first_line_) {
+    const std::vector<std::string_view> cuts = cut(file_.peek_lines());
+    pieces_.resize(cuts.size());
+    for (std::size_t k = 0; k < cuts.size(); ++k) pieces_[k].lines = cuts[k];
+    in_parallel(pieces_.size(), [&](std::size_t k) { read_lines(pieces_[k]); });
+    const auto stopped = std::ranges::find_if(pieces_, [](const Piece& p) { return p.bytes < p.lines.size(); });
+    if (stopped != pieces_.end()) pieces_.erase(stopped + 1, pieces_.end());
+    std::size_t bytes = 0;
+    for (const Piece& piece : pieces_) {
+      numbers_left_ += piece.numbers.size();
+      bytes += piece.bytes;
+    }
+    file_.pass_lines(bytes, numbers_left_ / form_.numbers());
+    std::erase_if(pieces_, [](const Piece& piece) { return piece.numbers.empty(); });
   }
-  if (fields_of(*line) != names_.size()) {
-    fail(fmt::format("{}: expected {} numbers {}", in_quotes(trimmed(*line)), kind_.count, kind_.header));
-  }
-  for (std::size_t k = 0; k < names_.size(); ++k) {
-    numbers[k] = finite_number(file_, trimmed(take_field(*line)), names_[k]);
+  if (numbers_left_ == 0) {  // the first line, one that needs a message, or the end
+    std::optional<std::string_view> line = file_.next_line();
+    if (at_first_line_ && line) {
+      at_first_line_ = false;
+      if (line->starts_with(byte_order_mark)) line->remove_prefix(byte_order_mark.size());
+      if (form_.learn(file_, *line)) line = file_.next_line();
+    }
+    if (!line || !read_line(*line)) {
+      if (!any_row_) file_.fail_whole(fmt::format("no {}s", form_.kind().item));
+      return false;
+    }
   }
   any_row_ = true;
+  block_numbers_ = numbers_left_;
   return true;
+}
+
+/// Makes the line the only row at hand; false for the blank lines at the end of the file.
+bool NumberRows::read_line(std::string_view line) {
+  if (trimmed(line).empty()) {
+    if (file_.next_line_with_text()) {
+      file_.fail(fmt::format("a {} after a blank line: blank lines are fine at the end only", form_.kind().item));
+    }
+    return false;
+  }
+  pieces_.resize(1);
+  pieces_[0].numbers.resize(form_.numbers());
+  form_.read(file_, line, pieces_[0].numbers);
+  numbers_left_ = form_.numbers();
+  return true;
+}
+
+void NumberRows::read_lines(Piece& piece) const {
+  piece.numbers.clear();
+  std::vector<double> row(form_.numbers());
+  std::string_view rest = piece.lines;
+  while (!rest.empty()) {
+    const char* after = form_.read_plain(rest, row);
+    if (after == nullptr) {
+      const std::string_view line = rest.substr(0, rest.find('\n'));
+      if (trimmed(line).empty()) break;
+      try {
+        form_.read(file_, line.ends_with('\r') ? line.substr(0, line.size() - 1) : line, row);
+      } catch (const Error&) {
+        break;  // to be read again, for a message with the number of the line
+      }
+      after = line.data() + std::min(line.size() + 1, rest.size());
+    }
+    piece.numbers.insert(piece.numbers.end(), row.begin(), row.end());
+    rest.remove_prefix(static_cast<std::size_t>(after - rest.data()));
+  }
+  piece.bytes = piece.lines.size() - rest.size();
+}
+
+std::uint64_t NumberRows::rows_left() const {
+  return numbers_left_ / form_.numbers();
+}
+
+std::uint64_t NumberRows::bytes_read() const {
+  const std::uint64_t bytes = file_.position() - block_start_;
+  if (block_numbers_ == 0) return file_.position();
+  return block_start_ + bytes * (block_numbers_ - numbers_left_) / block_numbers_;
 }
 
 }  // namespace verisq

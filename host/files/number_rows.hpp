@@ -1,4 +1,4 @@
-/// A text file with the same few numbers on every line, separated by commas (CSV): the lines' form and its errors.
+/// A text file with the same few numbers on every line: the file as a whole, read by all processors, and its errors.
 #pragma once
 
 #include <cstdint>
@@ -9,39 +9,50 @@
 #include <vector>
 
 #include "host/files/input_file.hpp"
+#include "host/files/row_form.hpp"
 
 namespace verisq {
-
-/// What the lines of a file hold, in the words of its messages.
-struct RowKind {
-  std::string_view item;    ///< what a line describes: "point"
-  std::string_view count;   ///< of the numbers on a line: "three"
-  std::string_view header;  ///< the numbers' names, lower case: "x,y,z"
-};
 
 /// A header line is optional; blank lines are fine at the end of the file only.
 class NumberRows {
  public:
-  /// What `kind` views must outlive this. Throws Error(input) for a file that cannot be read.
-  NumberRows(const std::filesystem::path& path, const RowKind& kind);
+  /// What `kind` views must outlive this.
+  NumberRows(InputFile file, const RowKind& kind) : file_(std::move(file)), form_(kind) {}
 
-  /// Fills `numbers` from the next line; false at the end of the file. Throws Error(input) naming file, line and value
-  /// for anything but that many finite numbers a line, and for a file without rows. Precondition: as many numbers as
-  /// the header has names.
-  bool next(std::span<double> numbers);
+  /// Fills `numbers` row by row from the front; returns how many of them, fewer than asked only at the end of the file.
+  /// Throws Error(input) naming file, line and value for anything but rows of `kind`, and for a file without rows.
+  /// Precondition: a multiple of the numbers in a row.
+  std::size_t read(std::span<double> numbers);
 
-  /// Throws Error(input) naming file and the line read last.
-  [[noreturn]] void fail(std::string_view message) const { file_.fail(message); }
+  /// Throws Error(input) naming file and the line of the row read last.
+  [[noreturn]] void fail(std::string_view message) const {
+    file_.fail_at_line(file_.lines_read() - rows_left(), message);
+  }
 
-  [[nodiscard]] std::uint64_t bytes_read() const { return file_.position(); }
+  [[nodiscard]] std::uint64_t bytes_read() const;  ///< about, for progress
   [[nodiscard]] std::uint64_t bytes_total() const { return file_.size(); }
 
  private:
-  std::optional<std::string_view> next_line();
+  /// What one processor reads of a block, and how far it came: to the first line that needs a message.
+  struct Piece {
+    std::string_view lines;
+    std::vector<double> numbers;
+    std::size_t bytes = 0;  ///< of the lines that were read
+  };
+
+  bool read_more();
+  bool read_line(std::string_view line);
+  void read_lines(Piece& piece) const;
+  [[nodiscard]] std::uint64_t rows_left() const;
 
   InputFile file_;
-  RowKind kind_;
-  std::vector<std::string_view> names_;
+  RowForm form_;
+  std::vector<Piece> pieces_;  // of the block read last
+  std::size_t piece_ = 0;      // the next number is [next_] of this one
+  std::size_t next_ = 0;
+  std::size_t numbers_left_ = 0;   // in the pieces
+  std::uint64_t block_start_ = 0;  // where they begin in the file
+  std::size_t block_numbers_ = 0;
   bool at_first_line_ = true;
   bool any_row_ = false;
 };

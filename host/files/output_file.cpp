@@ -64,6 +64,13 @@ OutputFile::OutputFile(std::filesystem::path name) : name_(std::move(name)), buf
   take_over_permissions(target_, fileno(file_.get()));
 }
 
+OutputFile::OutputFile() : name_("standard output"), buffer_(buffer_size) {
+  const int descriptor = dup(STDOUT_FILENO);  // whose end closes no other's
+  if (descriptor >= 0) file_.reset(fdopen(descriptor, "wb"));
+  if (!file_) fail_by_errno();
+  std::setvbuf(file_.get(), buffer_.data(), _IOFBF, buffer_.size());
+}
+
 OutputFile::~OutputFile() {
   if (temporary_.empty()) return;
   file_.reset();
@@ -86,6 +93,16 @@ void OutputFile::write(std::string_view bytes) {
 
 void OutputFile::flush() {
   if (file_ && std::fflush(file_.get()) != 0) fail_by_errno();
+}
+
+void OutputFile::write_at(std::uint64_t position, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = pwrite(fileno(file_.get()), bytes.data(), bytes.size(), static_cast<off_t>(position));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail_by_errno();
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+    position += static_cast<std::uint64_t>(count);
+  }
 }
 
 void OutputFile::finish() {

@@ -1,7 +1,10 @@
 /// A file that appears under its name only when it is complete.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -21,6 +24,8 @@ namespace verisq {
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path name);
+  /// The standard output, written to directly whatever it is.
+  [[nodiscard]] static OutputFile standard_output() { return OutputFile(); }
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -33,6 +38,14 @@ class OutputFile {
 
   /// Hands on what the buffer holds: from then on it outlives even a killed process.
   void flush();
+
+  /// Whether `write_at` may be called: not of what is written to directly.
+  [[nodiscard]] bool can_be_rewritten() const { return !temporary_.empty(); }
+
+  /// Writes at `position` of the file, wherever `write` goes on; before, `flush` must have handed on what is there.
+  void write_at(std::uint64_t position, std::string_view bytes);
+  template <class Number>
+  void write_little_endian_at(std::uint64_t position, std::span<const Number> numbers);
 
   void finish();
   /// Keeps a part under the target's name with `.partial` added; returns that name. What was written to directly is
@@ -47,28 +60,41 @@ class OutputFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
 
+  OutputFile();
+
   void open(const std::filesystem::path& path, const char* mode);
   void close();
   void rename_to(const std::filesystem::path& path);
   [[noreturn]] void fail_by_errno() const;
 
   std::filesystem::path name_;       // as given: what messages speak of
-  std::filesystem::path target_;     // where it leads to
+  std::filesystem::path target_;     // where it leads to; empty for the standard output
   std::filesystem::path temporary_;  // empty when nothing is to be renamed or removed
   std::vector<char> buffer_;         // outlives file_, which writes through it
   std::unique_ptr<std::FILE, Close> file_;
 };
 
+/// The numbers' bytes in little-endian order; `swapped` holds them where this machine has another.
+template <class Number>
+[[nodiscard]] std::string_view little_endian_bytes(std::span<const Number> numbers, std::vector<Number>& swapped) {
+  if constexpr (std::endian::native != std::endian::little) {
+    swapped.resize(numbers.size());
+    std::ranges::transform(numbers, swapped.begin(), in_little_endian<Number>);
+    numbers = swapped;
+  }
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
+}
+
 template <class Number>
 void OutputFile::write_little_endian(std::span<const Number> numbers) {
-  if constexpr (std::endian::native == std::endian::little) {
-    write({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()});
-  } else {
-    for (const Number number : numbers) {
-      const Number swapped = in_little_endian(number);
-      write({reinterpret_cast<const char*>(&swapped), sizeof swapped});
-    }
-  }
+  std::vector<Number> swapped;
+  write(little_endian_bytes(numbers, swapped));
+}
+
+template <class Number>
+void OutputFile::write_little_endian_at(std::uint64_t position, std::span<const Number> numbers) {
+  std::vector<Number> swapped;
+  write_at(position, little_endian_bytes(numbers, swapped));
 }
 
 }  // namespace verisq

@@ -15,7 +15,7 @@ struct PoseFile::State {
 
 std::optional<Pose> PoseFile::State::next_pose() {
   std::array<double, 7> numbers{};
-  if (!rows.next(numbers)) return std::nullopt;
+  if (rows.read(numbers) == 0) return std::nullopt;
   const auto [tx, ty, tz, qw, qx, qy, qz] = numbers;
   // Also where the text is another number that rounds to zero: the nearest binary64 is the exact input.
   if (qw == 0.0 && qx == 0.0 && qy == 0.0 && qz == 0.0) rows.fail("quaternion = 0,0,0,0: must not be zero");
@@ -23,7 +23,7 @@ std::optional<Pose> PoseFile::State::next_pose() {
 }
 
 PoseFile::PoseFile(const std::filesystem::path& path)
-    : state_(new State{{path, {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}}) {}
+    : state_(new State{{InputFile(path), {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}}) {}
 PoseFile::~PoseFile() = default;
 PoseFile::PoseFile(PoseFile&&) noexcept = default;
 PoseFile& PoseFile::operator=(PoseFile&&) noexcept = default;

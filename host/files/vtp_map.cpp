@@ -1,4 +1,5 @@
-/// Maps as VTK XML PolyData with appended raw arrays: what ParaView opens.
+/// Maps as VTK XML PolyData with appended raw arrays: what ParaView opens. Those of a mesh without certificates are
+/// streamed (streamed_vtp_map.cpp), the others are kept in memory.
 #include <array>
 #include <optional>
 
@@ -78,7 +79,7 @@ class VtpMap final : public MapFormat {
   template <std::size_t N>
   void write_tuples(std::span<const std::array<double, N>> tuples) {
     write_number<std::uint64_t>(tuples.size_bytes());
-    for (const auto& tuple : tuples) output_.write_little_endian<double>(tuple);
+    output_.write_little_endian(std::span(reinterpret_cast<const double*>(tuples.data()), N * tuples.size()));
   }
 
   void write_cells() {
@@ -109,6 +110,8 @@ class VtpMap final : public MapFormat {
 }  // namespace
 
 std::unique_ptr<MapFormat> make_vtp_map(OutputFile& output, const MapKind& kind) {
+  const bool has_places = kind.mesh != nullptr && kind.contents == MapContents::enclosures;
+  if (has_places && output.can_be_rewritten()) return make_streamed_vtp_map(output, kind);
   return std::make_unique<VtpMap>(output, kind);
 }
 

@@ -1,4 +1,5 @@
-/// Writes a finished map by the extension of the file (`.csv`, `.vtp`, `.ply`, `.json`) and reads certified maps back.
+/// Writes a finished map by the extension of the file (`.csv`, `.npy`, `.vtp`, `.ply`, `.json`) and reads certified
+/// maps back.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 #include <verisq/certificate.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
@@ -22,15 +25,50 @@ enum class MapContents {
 enum class MapElements {
   vertices,   ///< of a mesh, or points of a stream: `.vtp` has point data, `.ply` properties of the vertices
   triangles,  ///< of a mesh: `.vtp` has cell data, `.ply` properties of the faces
-  poses,      ///< of a model: `.csv` and `.json` only, without certificates
+  poses,      ///< of a model: `.csv`, `.npy` and `.json` only, without certificates
 };
 
-/// Rows arrive in order through `append`; `.csv` and `.json` stream them to the disk, the mesh formats (`.vtp`, `.ply`)
-/// keep them until `finish`. Everything goes to a temporary file beside the target (where `path` leads to through
-/// symbolic links), which `finish` renames: an interrupted run leaves no half-written map under the target's name.
-/// Without `finish` the destructor removes the temporary file. Of a `.csv`, a killed run leaves it: TARGET.*.partial, a
-/// name of its own for each run, with all rows that were appended. A `path` to something that is no regular file (a
-/// pipe, /dev/null) is written to directly.
+/// What `.csv` and `.npy` may have in a row.
+enum class MapColumn { index, x, y, z, lo, hi, mid, width, status };
+
+/// The name in the first line of a `.csv`, and of the field in a `.npy`.
+[[nodiscard]] constexpr std::string_view to_string(MapColumn column) {
+  switch (column) {
+    case MapColumn::index: return "index";
+    case MapColumn::x: return "x";
+    case MapColumn::y: return "y";
+    case MapColumn::z: return "z";
+    case MapColumn::lo: return "lo";
+    case MapColumn::hi: return "hi";
+    case MapColumn::mid: return "mid";
+    case MapColumn::width: return "width";
+    case MapColumn::status: break;
+  }
+  return "status";
+}
+
+/// What a map holds and in which form.
+struct MapForm {
+  MapContents contents = MapContents::enclosures;
+  MapElements elements = MapElements::vertices;
+  /// One of the extensions above, with its dot, for a path that has none; empty: that of the path.
+  std::string format = {};
+  /// Of a `.csv` or `.npy` without certificates, in this order: `mid` is the middle of an enclosure, or its finite end,
+  /// `width` is rounded upward, `x`, `y`, `z` are of vertices only. Empty: index, lo, hi, status; of a `.npy` lo, hi,
+  /// status.
+  std::vector<MapColumn> columns = {};
+  /// How many rows there will be, where that is known: what a `.npy` says at its beginning. Only needed where the file
+  /// cannot be rewritten there.
+  std::optional<std::uint64_t> rows = {};
+};
+
+/// Rows arrive in order through `append`; `.csv`, `.npy`, `.json` and a `.vtp` of a mesh without certificates stream
+/// them to the disk, other maps in mesh formats (`.vtp`, `.ply`) keep them until `finish`. Everything goes to a
+/// temporary file beside the target (where `path` leads to through symbolic links), which `finish` renames: an
+/// interrupted run leaves no half-written map under the target's name. Without `finish` the destructor removes the
+/// temporary file. A killed run leaves it: TARGET.*.partial, a name of its own for each run; of a `.csv` or `.npy` it
+/// has all rows that were appended. A `path` to something that is no regular file (a pipe, /dev/null) is written to
+/// directly, and so is `-`, the standard output.
 class MapWriter {
  public:
   /// `mesh` supplies vertices and triangles to the mesh formats; it must outlive the writer. Null for a stream of
@@ -39,6 +77,9 @@ class MapWriter {
   /// Error(failure) when the file cannot be written.
   MapWriter(const std::filesystem::path& path, const Mesh* mesh, MapContents contents = MapContents::enclosures,
             MapElements elements = MapElements::vertices);
+  /// Likewise, in a form. Throws Error(input) also for columns that there are not, or in a format without columns, and
+  /// for a `.npy` of unknown length that is written to directly.
+  MapWriter(const std::filesystem::path& path, const Mesh* mesh, const MapForm& form);
   ~MapWriter();
   MapWriter(MapWriter&&) noexcept;
   MapWriter& operator=(MapWriter&&) noexcept;
@@ -52,8 +93,9 @@ class MapWriter {
   void append(std::span<const MapResult> results, std::span<const Certificate> certificates = {});
   /// Throws Error(failure) when the file cannot be written, or when a mesh format has not one row for each element.
   void finish();
-  /// Ends an interrupted map instead of `finish`: `.csv` keeps the rows appended so far under the target's name with
-  /// `.partial` added and returns the name that has them; the other formats keep nothing and return an empty path.
+  /// Ends an interrupted map instead of `finish`: `.csv` and `.npy` keep the rows appended so far under the target's
+  /// name with `.partial` added and return the name that has them; the other formats, and a `.npy` that is written to
+  /// directly, keep nothing and return an empty path.
   [[nodiscard]] std::filesystem::path keep_partial();
 
  private:

@@ -1436,18 +1436,18 @@ INSTANTIATE_TEST_SUITE_P(
                 {"byte", "nan"}}),
     name_of);
 
-INSTANTIATE_TEST_SUITE_P(Points, BadFileTest,
-                         ::testing::Values(BadFile{"Empty", "points.csv", "", {"empty"}},
-                                           BadFile{"OnlyAHeader", "points.csv", "x,y,z\n", {"no points"}},
-                                           BadFile{"Nan", "points.csv", "0,0,3\n0,nan,3\n", {"line 2", "nan"}},
-                                           BadFile{
-                                               "Infinity", "points.csv", "x,y,z\n0,0,3\ninf,0,3\n", {"line 3", "inf"}},
-                                           BadFile{"Overflow", "points.csv", "0,0,1e999\n", {"line 1", "1e999"}},
-                                           BadFile{"Text", "points.csv", "0,0,3\n0,zero,3\n", {"line 2", "zero"}},
-                                           BadFile{"TwoNumbers", "points.csv", "0,0,3\n1,2\n", {"line 2", "1,2"}},
-                                           BadFile{"FourNumbers", "points.csv", "0,0,3,4\n", {"line 1", "0,0,3,4"}},
-                                           BadFile{"MissingNumber", "points.csv", "0,,3\n", {"line 1", "y"}}),
-                         name_of);
+INSTANTIATE_TEST_SUITE_P(
+    Points, BadFileTest,
+    ::testing::Values(BadFile{"Empty", "points.csv", "", {"empty"}},
+                      BadFile{"OnlyAHeader", "points.csv", "x,y,z\n", {"no points"}},
+                      BadFile{"Nan", "points.csv", "0,0,3\n0,nan,3\n", {"line 2", "nan"}},
+                      BadFile{"Infinity", "points.csv", "x,y,z\n0,0,3\ninf,0,3\n", {"line 3", "inf"}},
+                      BadFile{"Overflow", "points.csv", "0,0,1e999\n", {"line 1", "1e999"}},
+                      BadFile{"Text", "points.csv", "0,0,3\n0,zero,3\n", {"line 2", "zero"}},
+                      BadFile{"TwoNumbers", "points.csv", "0,0,3\n1,2\n", {"line 2", "1,2"}},
+                      BadFile{"FourNumbers", "points.csv", "0,0,3\n0,0,3,4\n", {"line 2", "0,0,3,4"}},
+                      BadFile{"MissingNumber", "points.csv", "0,,3\n", {"line 1", "y"}}),
+    name_of);
 
 TEST_F(CommandLine, MissingFilesAreRefused) {
   expect_refused(map({"--model", ball, "--mesh", path("none.off"), "-o", path("map.csv")}), {"none.off"});

@@ -350,7 +350,7 @@ TEST_F(DistanceCommand, InterruptionKeepsFinishedPoses) {
     EXPECT_LT(summary["poses"].get<std::size_t>(), count);
     EXPECT_FALSE(std::filesystem::exists(path(name)));
     if (name == "map.json") {
-      EXPECT_THAT(outcome.err, HasSubstr("only .csv can hold a part of a map"));
+      EXPECT_THAT(outcome.err, HasSubstr("only .csv and .npy files can hold a part of a map"));
       EXPECT_EQ(summary["output"], "");
     } else {
       EXPECT_EQ(rows_of(path("map.csv.partial")).size(), summary["poses"]);
@@ -374,8 +374,8 @@ TEST_F(DistanceCommand, RefusesBadUsageOfManyPoses) {
   expect_refused(distance({a, b, "--poses", file, "-o", b}), "would overwrite an input");
   expect_refused(distance({a, b, "--poses", file, "-o", out, "--device", "no such device"}), "no such device");
   expect_refused(distance({a, b, "--poses", file, "-o", path("map.vtp")}),
-                 path("map.vtp") + ": maps of poses are written to .csv and .json only");
-  expect_refused(distance({a, b, "--poses", file, "-o", path("map.ply")}), ".csv and .json only");
+                 path("map.vtp") + ": maps of poses are written to .csv, .npy and .json only");
+  expect_refused(distance({a, b, "--poses", file, "-o", path("map.ply")}), ".csv, .npy and .json only");
   expect_refused(distance({a, b, "--poses", file, "-o", path("map.txt")}), "unknown map format");
   expect_refused(distance({a, b, "--poses", path("none.csv"), "-o", out}), "none.csv");
   for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <array>
 #include <bit>
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <future>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -99,7 +101,7 @@ TEST(MapFile, OfPosesIsTextWithoutCertificates) {
             "{\"format\": \"verisq-map/1\",\n \"elements\": \"poses\",\n \"results\": [\n"
             "  {\"index\": 0, \"lo\": 0.10000000000000001, \"hi\": 0.30000000000000004, "
             "\"status\": \"device-verified\"}\n ]}\n");
-  const std::string formats = ": maps of poses are written to .csv and .json only";
+  const std::string formats = ": maps of poses are written to .csv, .npy and .json only";
   expect_input_error([&] { write_poses("map.vtp"); }, folder / "map.vtp", formats);
   expect_input_error([&] { write_poses("map.ply"); }, folder / "map.ply", formats);
   expect_input_error([&] { write_poses("certified.csv", MapContents::certified); }, folder / "certified.csv",
@@ -274,6 +276,32 @@ TEST(MapFile, VtpOfAMesh) {
               ElementsAre(std::midpoint(0.1, 0.30000000000000004), 0.0, -2.0, -1e-310));
   EXPECT_THAT(file.array<std::uint8_t>("UInt8", "status"), ElementsAre(0, 2, 2, 1));
   EXPECT_TRUE(file.contents().ends_with(std::string("\0\2\2\1", 4) + "\n  </AppendedData>\n</VTKFile>\n"));
+}
+
+/// Where the file cannot be rewritten, as a pipe, all is kept in memory and written in order.
+TEST(MapFile, VtpIsTheSameInPlaceAndInOrder) {
+  const TemporaryFolder folder;
+  const Mesh points_alone{tetrahedron.vertices, {}};
+  const Mesh bow_tie{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}};
+  for (const Mesh& mesh : {tetrahedron, points_alone, bow_tie}) {
+    for (const MapElements elements : {MapElements::vertices, MapElements::triangles}) {
+      const std::size_t rows = elements == MapElements::vertices ? mesh.vertices.size() : mesh.triangles.size();
+      std::vector<MapResult> all(rows, {{-1.0, 2.0}, Status::wide});
+      for (std::size_t k = 0; k < rows; ++k) all[k].distance.hi += static_cast<double>(k);
+      const auto write_to = [&](const std::filesystem::path& path) {
+        MapWriter writer(path, &mesh, MapContents::enclosures, elements);
+        for (const MapResult& row : all) writer.append(std::span(&row, 1));
+        writer.finish();
+      };
+      const auto pipe = folder / "pipe.vtp";
+      ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+      auto reader = std::async(std::launch::async, [&] { return folder.contents("pipe.vtp"); });
+      write_to(pipe);
+      write_to(folder / "map.vtp");
+      EXPECT_EQ(folder.contents("map.vtp"), reader.get());
+      std::filesystem::remove(pipe);
+    }
+  }
 }
 
 TEST(MapFile, VtpOfPointsHasAVertexCellEach) {
@@ -492,12 +520,12 @@ TEST(CertifiedMap, VtpArraysFillTheAppendedPart) {
 
 TEST(CertifiedMap, IsWrittenToCsvAndVtpOnly) {
   const TemporaryFolder folder;
-  for (const char* name : {"map.ply", "map.json", "map.PLY"}) {
+  for (const char* name : {"map.ply", "map.json", "map.PLY", "map.npy"}) {
     expect_input_error([&] { MapWriter writer(folder / name, &tetrahedron, MapContents::certified); }, folder / name,
                        ": certificates are written to .csv and .vtp only");
   }
   expect_input_error([&] { MapWriter writer(folder / "map.vtu", nullptr, MapContents::certified); }, folder / "map.vtu",
-                     ": unknown map format '.vtu': known are .csv, .vtp, .ply, .json");
+                     ": unknown map format '.vtu': known are .csv, .npy, .vtp, .ply, .json");
   EXPECT_THAT(folder.names(), IsEmpty());
 }
 
@@ -1178,7 +1206,7 @@ TEST(MapFile, RefusesUnknownExtensionsAtOnce) {
   for (const std::string extension : {".xyz", "", ".vtu"}) {
     const auto path = folder / ("map" + extension);
     expect_input_error([&] { MapWriter writer(path, nullptr); }, path,
-                       ": unknown map format '" + extension + "': known are .csv, .vtp, .ply, .json");
+                       ": unknown map format '" + extension + "': known are .csv, .npy, .vtp, .ply, .json");
   }
   EXPECT_THAT(folder.names(), IsEmpty());
 }

@@ -1,4 +1,5 @@
-/// Streaming of points from CSV: forms of lines, chunks, blocks, and the message for everything refused.
+/// Streaming of points from text: forms of lines, chunks, blocks, and the message for everything refused. Those of
+/// arrays stand in npy_points_test.cpp.
 #include <gmock/gmock.h>
 
 #include <limits>
@@ -50,6 +51,32 @@ TEST(PointFile, FormsOfLines) {
               expected);
 }
 
+TEST(PointFile, SeparatorsAreThoseOfTheFirstLine) {
+  const auto expected = ElementsAre(Point{1, -2.5, 3e2}, Point{0.1, 0, -0.0}, Point{7, 8, 9});
+  EXPECT_THAT(read_text("1 -2.5 3e2\n0.1 0 -0\n7 8 9\n"), expected);
+  EXPECT_THAT(read_text("X\tY\tZ\r\n  1\t -2.5 +3e2 \r\n.1 0. -0\r\n7  8  9\r\n \r\n"), expected);
+  EXPECT_THAT(read_text("\xEF\xBB\xBFx y z\n1 -2.5 3e2\n0.1 1e-400 -0\n7 8 9"), expected);
+}
+
+TEST(PointFile, PassesOverOtherColumns) {
+  const auto expected = ElementsAre(Point{1, 2, 3}, Point{4, 5, 6});
+  EXPECT_THAT(read_text("1,2,3,red\n4,5,6,nan\n"), expected);
+  EXPECT_THAT(read_text("1,2,3,,\n4,5,6,7,\n"), expected);
+  EXPECT_THAT(read_text("1 2 3 0.5 0.25\n4 5 6 x y\n"), expected);
+  EXPECT_THAT(read_text("id,\"Z\",name, x ,y\nfirst,3,,1,2\n,6,a b,4,5\n"), expected);
+  EXPECT_THAT(read_text("normal z y x\n0 3 2 1\r\n0 6 5 4\r\n"), expected);
+}
+
+TEST(PointFile, RefusesOtherColumnsThatComeAndGo) {
+  expect_refusal("1,2,3,4\n1,2,3\n", ": line 2: '1,2,3': expected 4 fields as in the first line, found 3");
+  expect_refusal("x y z w\n1 2 3 4 5\n", ": line 2: '1 2 3 4 5': expected 4 fields as in the first line, found 5");
+  expect_refusal("x,y,z,w\n1 2 3 4\n", ": line 2: '1 2 3 4': expected 4 fields as in the first line, found 1");
+  expect_refusal("w,x,y,z,x\n1,2,3,4,5\n", ": line 1: column x is there 2 times");
+  expect_refusal("w,x,y,z\n1,2,3,\n", ": line 2: z is missing");
+  expect_refusal("w,y,z,x\n1,2,3,4\n1,2,inf,4\n", ": line 3: z = 'inf': not a finite number");
+  expect_refusal("w,y,z\n1,2,3\n", ": line 1: x = 'w': not a number");
+}
+
 TEST(PointFile, ReadsToTheNearestBinary64) {
   EXPECT_THAT(
       read_text("1.00000000000000011102230246251565404,1.00000000000000011102230246251565405,4e-324\n"),
@@ -71,6 +98,23 @@ TEST(PointFile, StreamsAcrossChunksAndBlocks) {
       ASSERT_EQ(points[k], (Point{value + 0.25, -value, 1e-3}));
     }
   }
+}
+
+/// The rows before the one that is refused arrive, and its number counts all lines.
+TEST(PointFile, RefusesFarIntoAFile) {
+  constexpr std::size_t good = 120000;
+  std::string text = "x,y,z\n";
+  for (std::size_t k = 0; k < good; ++k) text += k % 1000 == 0 ? "+0.125,1e-400,-3\n" : "0.125,0,-3\n";
+  const TemporaryFolder folder;
+  const auto path = folder.file("p.csv", text + "1,2,three\n" + text);
+  PointFile file(path);
+  std::vector<Point> points(good);
+  EXPECT_EQ(file.read(points), good);
+  EXPECT_THAT(points, ::testing::Each(Point{0.125, 0.0, -3.0}));
+  expect_input_error([&] { file.read(points); }, path, ": line 120002: z = 'three': not a number");
+  const auto blank = folder.file("blank.csv", text + "\n \n" + text);
+  expect_input_error([&] { (void)read_all(blank, 1000); }, blank,
+                     ": line 120004: a point after a blank line: blank lines are fine at the end only");
 }
 
 TEST(PointFile, EndsWithoutPointsAgainAndAgain) {
@@ -112,7 +156,8 @@ TEST(PointFile, RefusesValues) {
 TEST(PointFile, RefusesLines) {
   expect_refusal("1,2\n", ": line 1: '1,2': expected three numbers x,y,z");
   expect_refusal("1,2,3\n1,2,3,4\n", ": line 2: '1,2,3,4': expected three numbers x,y,z");
-  expect_refusal("1 2 3\n", ": line 1: '1 2 3': expected three numbers x,y,z");
+  expect_refusal("1 2\n", ": line 1: '1 2': expected three numbers x,y,z");
+  expect_refusal("1,2,3\n1 2 3\n", ": line 2: '1 2 3': expected three numbers x,y,z");
   expect_refusal("1;2;3\n", ": line 1: '1;2;3': expected three numbers x,y,z");
   expect_refusal("x,y,z\n# comment\n", ": line 2: '# comment': expected three numbers x,y,z");
   expect_refusal("a,b,c\n1,2,3\n", ": line 1: x = 'a': not a number");

@@ -18,6 +18,7 @@ void ply(Bytes bytes);
 void off(Bytes bytes);
 void model(Bytes bytes);
 void points(Bytes bytes);
+void points_npy(Bytes bytes);
 void poses(Bytes bytes);
 void map_csv(Bytes bytes);
 void map_vtp(Bytes bytes);
@@ -29,11 +30,17 @@ struct Target {
 };
 
 inline constexpr std::array targets{
-    Target{"stl", stl},         Target{"obj", obj},
-    Target{"ply", ply},         Target{"off", off},
-    Target{"model", model},     Target{"points", points},
-    Target{"poses", poses},     Target{"map_csv", map_csv},
-    Target{"map_vtp", map_vtp}, Target{"stance_model", stance_model},
+    Target{"stl", stl},
+    Target{"obj", obj},
+    Target{"ply", ply},
+    Target{"off", off},
+    Target{"model", model},
+    Target{"points", points},
+    Target{"poses", poses},
+    Target{"points_npy", points_npy},
+    Target{"map_csv", map_csv},
+    Target{"map_vtp", map_vtp},
+    Target{"stance_model", stance_model},
 };
 
 }  // namespace verisq::fuzz

@@ -1,0 +1,52 @@
+/// Work that is left to another thread is done in order, and its errors come back.
+#include "host/threads/work_behind.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <vector>
+
+namespace verisq {
+namespace {
+
+TEST(WorkBehind, DoesAllInOrder) {
+  std::vector<int> done;
+  WorkBehind<int> behind([&](int item) { done.push_back(item); });
+  for (int k = 0; k < 1000; ++k) behind.add(k);
+  behind.finish();
+  ASSERT_EQ(done.size(), 1000U);
+  for (int k = 0; k < 1000; ++k) EXPECT_EQ(done[static_cast<std::size_t>(k)], k);
+}
+
+TEST(WorkBehind, SaysWhatFailed) {
+  int done = 0;
+  WorkBehind<int> behind([&](int item) {
+    if (item == 3) throw std::runtime_error("the item that fails");
+    ++done;
+  });
+  const auto add_many = [&] {
+    for (int k = 0; k < 1000; ++k) behind.add(k);
+  };
+  EXPECT_THROW(add_many(), std::runtime_error);
+  behind.finish();  // it is said once
+  EXPECT_EQ(done, 3);
+}
+
+TEST(WorkBehind, SaysAtTheEndWhatFailedLast) {
+  WorkBehind<int> behind([](int) { throw std::runtime_error("the only item"); });
+  behind.add(1);
+  EXPECT_THROW(behind.finish(), std::runtime_error);
+}
+
+TEST(WorkBehind, DoesWhatIsLeftWithoutFinish) {
+  int done = 0;
+  {
+    WorkBehind<int> behind([&](int) { ++done; });
+    behind.add(1);
+    behind.add(2);
+  }
+  EXPECT_EQ(done, 2);
+}
+
+}  // namespace
+}  // namespace verisq
