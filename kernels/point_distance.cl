@@ -20,7 +20,7 @@ ALWAYS_INLINE proven_distance distance_by_contact(vector3 q, vector3 v, vector3 
 }
 
 // By Newton's method in binary64, where binary32 went astray: exponents near 2, coordinates that vanish.
-NEVER_INLINE proven_distance distance_by_projection(vector3 q, MODEL_SPACE const superquadric* s) {
+ALWAYS_INLINE proven_distance distance_by_projection(vector3 q, MODEL_SPACE const superquadric* s) {
   const vector3 log_q = {log_or_lowest(q.x), log_or_lowest(q.y), log_or_lowest(q.z)};
   const radial_start start = start_radially(log_q, s);
   const double enough = TIGHT_STEP / fmax(s->p[0], s->p[1]);

@@ -102,6 +102,18 @@ Scene shared_face() {
   return scene;
 }
 
+/// A solid in one that is hardly larger: what lies just beyond the one is still in the other.
+Scene hardly_larger() {
+  oracle::RandomCases random(6);
+  const Superquadric inner{{1.3, 1.2, 1.1}, {1.0, 0.8}};
+  Superquadric outer = inner;
+  for (double& axis : outer.semi_axes) axis *= 1.0 + 0x1p-21;
+  Scene scene{"in one hardly larger", {"", {{"inner", inner, {}}, {"outer", outer, {}}}}, 1e-8, {}};
+  for (int i = 0; i < 40; ++i)
+    scene.points.push_back({random.uniform(-0.7, 0.7), random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5)});
+  return scene;
+}
+
 /// The sphere about the box touches its corner, behind which the points lie, as far from the box as from the ball: an
 /// error in the sphere's bound passes over the nearer of the two.
 Scene equally_far() {
@@ -153,6 +165,7 @@ std::vector<Scene> scenes() {
   all.push_back(between_faces());
   all.push_back(far_away());
   all.push_back(shared_face());
+  all.push_back(hardly_larger());
   all.push_back(equally_far());
   all.push_back(beyond_the_range(1.0, {{1.0, 2.0, 3.0}, {1.0, 2.0, 3.0, 4.0}}));
   all.push_back(beyond_the_range(1e-3, {}));
