@@ -23,14 +23,15 @@ Enclosure Scale::to_model(const Enclosure& e) const {
 }
 
 void Scale::to_model(std::span<const double> los, std::span<const double> his, std::span<Enclosure> enclosures) const {
-  bool exact = true;
+  std::size_t inexact = 0;
   for (std::size_t n = 0; n < enclosures.size(); ++n) {
     const Enclosure e{los[n] * inverse_, his[n] * inverse_};
     // A product with a power of two is exact unless it under- or overflows, and then it does not lead back.
-    exact &= (e.lo * factor_ == los[n]) & (e.hi * factor_ == his[n]);
+    inexact += static_cast<std::size_t>(e.lo * factor_ != los[n]);
+    inexact += static_cast<std::size_t>(e.hi * factor_ != his[n]);
     enclosures[n] = e;
   }
-  if (exact) return;
+  if (inexact == 0) return;
   for (std::size_t n = 0; n < enclosures.size(); ++n) enclosures[n] = to_model(Enclosure{los[n], his[n]});
 }
 
