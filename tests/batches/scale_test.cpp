@@ -64,6 +64,7 @@ TEST(Scale, TreatsAllAtOnceAsEachAlone) {
   std::mt19937_64 generator(1);
   for (const int exponent : {-1000, -40, 0, 1, 700, 1000}) {
     std::vector<Enclosure> any;
+    any.reserve(1000);
     for (int i = 0; i < 1000; ++i) {
       any.push_back(
           {std::bit_cast<double>(std::uint64_t{generator()}), std::bit_cast<double>(std::uint64_t{generator()})});
