@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,16 +48,16 @@ struct SolidModel {
   SolidModel(const Device& device, const Model& model)
       : size(device, model),
         program(solid_program(device, model)),
-        convex_program(point_program(device, "")),
         box_primitives(uploaded_box_primitives(device, model, size.scale_exponent)),
         root(root_cube(model, size.scale_exponent)) {
     for (const Primitive& primitive : model.primitives)
       parts.push_back({is_bent(primitive), uploaded_alone(device, primitive, size.scale_exponent)});
+    if (!std::ranges::all_of(parts, &Part::bent)) convex_program = point_program(device, "");
   }
 
   DeviceModel size;
   cl::Program program;
-  cl::Program convex_program;
+  std::optional<cl::Program> convex_program;  // nothing where all are bent
   cl::Buffer box_primitives;
   RootCube root;
   std::vector<Part> parts;
@@ -71,9 +72,12 @@ class SolidSlot : public ChunkSlot {
         parts_(model.parts),
         box_primitives_(model.box_primitives),
         coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
-        convex_distance_(device, model.convex_program, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
         bent_distance_(model.program, kernels::embedded_solid_distance(), "bent_distance"),
         solid_distance_(model.program, kernels::embedded_solid_distance(), "solid_distance") {
+    if (model.convex_program) {
+      convex_distance_.emplace(device, *model.convex_program, queue_, coordinates_, capacity_,
+                               scale_.to_device(tolerance));
+    }
     for (cl::Buffer& evidence : per_primitive_) evidence = queue_.numbers(capacity_ * count_);
     views_ = views_of_primitives(per_primitive_, count_, capacity_);
     for (cl::Buffer& end : result_) end = queue_.numbers(capacity_);
@@ -111,7 +115,7 @@ class SolidSlot : public ChunkSlot {
   static constexpr std::size_t searches_per_group = 16;  // long work-items: small groups keep cores busy
 
   // On its own: what was found for other primitives says nothing about a tree of set operations.
-  void enqueue_convex(std::size_t i) { convex_distance_.enqueue(queue_, parts_[i].convex, 0, groups(), views_[i]); }
+  void enqueue_convex(std::size_t i) { convex_distance_->enqueue(queue_, parts_[i].convex, 0, groups(), views_[i]); }
 
   void enqueue_bent(std::size_t i) {
     bent_distance_.set("groups", groups(solid_width_));
@@ -125,7 +129,7 @@ class SolidSlot : public ChunkSlot {
   std::vector<Part> parts_;
   cl::Buffer box_primitives_;
   std::array<cl::Buffer, 3> coordinates_;
-  ConvexDistance convex_distance_;
+  std::optional<ConvexDistance> convex_distance_;  // nothing where all are bent
   NamedKernel bent_distance_;
   NamedKernel solid_distance_;
   EvidenceBuffers per_primitive_;  // primitive by primitive

@@ -108,6 +108,7 @@ class MapRun {
     open_inside_ += open.size();
     if (open.empty() || open_inside_ < worth_a_search) return;
     device::Batch<Query>& search = search_();
+    search.discard();  // what an earlier run left when it failed
     const double earlier_seconds = search.device_seconds();
     const std::size_t most = std::min(searches_at_a_time, search.capacity());
     std::vector<Query> searched;
@@ -117,7 +118,6 @@ class MapRun {
       const auto slice = std::span(open).subspan(first, std::min(most, open.size() - first));
       searched.clear();
       for (const std::size_t i : slice) searched.push_back(queries[i]);
-      search.discard();  // what an earlier run left when it failed
       search.submit(searched);
       search.collect(narrowed, none);
       for (std::size_t n = 0; n < slice.size(); ++n) {

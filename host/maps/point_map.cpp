@@ -144,24 +144,26 @@ class PointProver {
 }  // namespace
 
 std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options) {
-  const auto make_batch = [&](const device::Device& device) {
-    return is_union_of_convex(model) ? device::point_batch(device, model, options.tolerance, options.certificates)
-                                     : device::solid_batch(device, model, options.tolerance);
-  };
+  using Map = PreparedMap<Point, PointProver>;
   const std::string unsuited = device::why_not_compiled(model);
   if (!is_union_of_convex(model)) {
-    return std::make_unique<PreparedMap<Point, PointProver>>(PointProver(model, options), options, model, make_batch,
-                                                             unsuited);
+    const auto make_batch = [&](const device::Device& device) {
+      return device::solid_batch(device, model, options.tolerance);
+    };
+    return std::make_unique<Map>(PointProver(model, options), options, model, make_batch, unsuited);
   }
-  // Where primitives overlap a depth is that of no single one: it takes a search over cubes, which has no certificates.
-  const bool searched = model.primitives.size() > 1 && !options.certificates && unsuited.empty();
-  const double tolerance = std::max(options.tolerance, tightest_inside * bounding_radius(model));
-  const auto make_search = [model, tolerance](const device::Device& device) {
-    return device::solid_batch(device, model, tolerance);
+  const auto make_batch = [&](const device::Device& device) {
+    return device::point_batch(device, model, options.tolerance, options.certificates);
   };
-  return std::make_unique<PreparedMap<Point, PointProver>>(
-      PointProver(model, options), options, model, make_batch, std::string(),
-      searched ? PreparedMap<Point, PointProver>::MakeBatch(make_search) : nullptr);
+  // Where primitives overlap a depth is that of no single one: it takes a search over cubes, which has no certificates.
+  Map::MakeBatch make_search;
+  if (model.primitives.size() > 1 && !options.certificates && unsuited.empty()) {
+    const double tolerance = std::max(options.tolerance, tightest_inside * bounding_radius(model));
+    make_search = [model, tolerance](const device::Device& device) {
+      return device::solid_batch(device, model, tolerance);
+    };
+  }
+  return std::make_unique<Map>(PointProver(model, options), options, model, make_batch, std::string(), make_search);
 }
 
 }  // namespace verisq

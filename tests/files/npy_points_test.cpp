@@ -12,6 +12,7 @@
 
 #include "host/files/byte_order.hpp"
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/read_all.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
 namespace verisq {
@@ -63,14 +64,7 @@ std::string doubles(const std::vector<Point>& points) {
 }
 
 std::vector<Point> read_all(const std::filesystem::path& path, std::size_t chunk) {
-  PointFile file(path);
-  std::vector<Point> result;
-  std::vector<Point> points(chunk);
-  while (true) {
-    const std::size_t count = file.read(points);
-    result.insert(result.end(), points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count));
-    if (count < chunk) return result;
-  }
+  return testing::read_all<Point>(PointFile(path), chunk);
 }
 
 void expect_refusal(const std::string& contents, const std::string& rest) {

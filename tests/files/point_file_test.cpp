@@ -8,6 +8,7 @@
 #include <verisq/point_file.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/read_all.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
 namespace verisq {
@@ -19,14 +20,7 @@ using testing::TemporaryFolder;
 
 /// All points of the file, read `chunk` at a time.
 std::vector<Point> read_all(const std::filesystem::path& path, std::size_t chunk) {
-  PointFile file(path);
-  std::vector<Point> result;
-  std::vector<Point> points(chunk);
-  while (true) {
-    const std::size_t count = file.read(points);
-    result.insert(result.end(), points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count));
-    if (count < chunk) return result;
-  }
+  return testing::read_all<Point>(PointFile(path), chunk);
 }
 
 std::vector<Point> read_text(std::string_view text) {

@@ -6,6 +6,7 @@
 #include <verisq/pose_file.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/read_all.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
 namespace verisq {
@@ -16,14 +17,7 @@ using testing::TemporaryFolder;
 
 /// All poses of the file, read `chunk` at a time.
 std::vector<Pose> read_all(const std::filesystem::path& path, std::size_t chunk) {
-  PoseFile file(path);
-  std::vector<Pose> result;
-  std::vector<Pose> poses(chunk);
-  while (true) {
-    const std::size_t count = file.read(poses);
-    result.insert(result.end(), poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(count));
-    if (count < chunk) return result;
-  }
+  return testing::read_all<Pose>(PoseFile(path), chunk);
 }
 
 void expect_refusal(std::string_view text, const std::string& rest) {

@@ -54,15 +54,21 @@ class FakeBatch final : public device::Batch<double> {
   std::vector<std::vector<double>> in_flight_;
 };
 
-/// Of `count` queries 3, which the device leaves open.
-MapSummary mapped(std::size_t count, FakeBatch& search) {
-  std::size_t left = count;
-  const Source<double> source = [&](std::span<double> queries) {
-    const std::size_t size = std::min(left, queries.size());
-    std::fill_n(queries.begin(), size, 3.0);
-    left -= size;
+/// Delivers `all`, which must outlive it, once.
+template <class Query>
+Source<Query> source_of(const std::vector<Query>& all) {
+  return [rest = std::span(all)](std::span<Query> queries) mutable {
+    const std::size_t size = std::min(queries.size(), rest.size());
+    std::copy_n(rest.begin(), size, queries.begin());
+    rest = rest.subspan(size);
     return size;
   };
+}
+
+/// Of `count` queries 3, which the device leaves open.
+MapSummary mapped(std::size_t count, FakeBatch& search) {
+  const std::vector<double> queries(count, 3.0);
+  const Source<double> source = source_of(queries);
   FakeBatch rough(1.0, 0.0);
   const InsideProver prover;
   const MapOptions options{.tolerance = 0.1};
@@ -110,15 +116,9 @@ Model overlapping() {
 std::vector<MapResult> mapped(const std::vector<Point>& points, const MapOptions& options, MapSummary& summary) {
   PointMapper mapper(overlapping(), options);
   std::vector<MapResult> results;
-  std::size_t next = 0;
-  summary = mapper.map(
-      [&](std::span<Point> queries) {
-        const std::size_t size = std::min(queries.size(), points.size() - next);
-        std::copy_n(points.begin() + static_cast<std::ptrdiff_t>(next), size, queries.begin());
-        next += size;
-        return size;
-      },
-      [&](auto, std::span<const MapResult> rows, auto) { results.insert(results.end(), rows.begin(), rows.end()); });
+  summary = mapper.map(source_of(points), [&](auto, std::span<const MapResult> rows, auto) {
+    results.insert(results.end(), rows.begin(), rows.end());
+  });
   return results;
 }
 
