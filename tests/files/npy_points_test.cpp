@@ -135,15 +135,18 @@ TEST(NpyPoints, RefusesNumbersThatAreNotFinite) {
   points[1][2] = std::numeric_limits<double>::quiet_NaN();
   const std::string c_order = literal("<f8", false, "(3, 3)");
   const std::string fortran_order = literal("<f8", true, "(3, 3)");
-  const auto byte = [](std::size_t at) { return ": byte " + std::to_string(at); };
+  constexpr std::size_t preamble = 10;  // magic, version and the literal's length
+  const auto byte = [](const std::string& header, std::size_t number, std::size_t size) {
+    return ": byte " + std::to_string(preamble + header.size() + number * size);
+  };
   expect_refusal(array(c_order, doubles(points)),
-                 byte(10 + c_order.size() + 5 * 8) + ": z of point 1 = nan: not a finite number");
+                 byte(c_order, 5, sizeof(double)) + ": z of point 1 = nan: not a finite number");
   expect_refusal(array(fortran_order, numbers<double>(points, std::endian::little, true)),
-                 byte(10 + fortran_order.size() + 7 * 8) + ": z of point 1 = nan: not a finite number");
+                 byte(fortran_order, 7, sizeof(double)) + ": z of point 1 = nan: not a finite number");
   points[1][2] = -std::numeric_limits<double>::infinity();
   const std::string single = literal(">f4", false, "(3, 3)");
   expect_refusal(array(single, numbers<float>(points, std::endian::big, false)),
-                 byte(10 + single.size() + 5 * 4) + ": z of point 1 = -inf: not a finite number");
+                 byte(single, 5, sizeof(float)) + ": z of point 1 = -inf: not a finite number");
 }
 
 TEST(NpyPoints, RefusesOtherArrays) {
