@@ -19,6 +19,15 @@ ALWAYS_INLINE proven_distance distance_by_contact(vector3 q, vector3 v, vector3 
   return proven;
 }
 
+// Both bounds by what one evaluation tells.
+ALWAYS_INLINE proven_distance distance_by_evaluation(vector3 q, contact c, MODEL_SPACE const superquadric* s) {
+  const contact_bounds bounds = bounds_of_contact(c, s);
+  const vector3 v = normal_of_contact(c);
+  const proven_distance proven = {distance_by_support_down(q, v, bounds.support),
+                                  distance_by_scale_up(q, c.point, scale_into_solid(bounds)), v};
+  return proven;
+}
+
 // By Newton's method in binary64, where binary32 went astray: exponents near 2, coordinates that vanish.
 ALWAYS_INLINE proven_distance distance_by_projection(vector3 q, MODEL_SPACE const superquadric* s) {
   const vector3 log_q = {log_or_lowest(q.x), log_or_lowest(q.y), log_or_lowest(q.z)};
@@ -60,15 +69,16 @@ kernel void point_distance(ulong groups, global const double* xs, global const d
     return;
   }
 
-  const proposed_contact proposed = propose_contact(q.point, s);
+  const single_projection found = project_in_single(q.point, s);
+  const contact proposed = propose_contact(q.point, found, s);
 #ifdef SOLVER_ONLY // for the benchmark that shows what the proof costs
   const vector3 v = proposed.normal;
   const real lo = v.x + v.y + v.z;
   const real hi = proposed.point.x + proposed.point.y + proposed.point.z;
 #else
-  proven_distance proven = distance_by_contact(q.point, proposed.normal, proposed.point, s);
+  proven_distance proven = distance_by_evaluation(q.point, proposed, s);
   const real wide = LOOSE * fmax(REAL(s->circumradius_up), fmax(q.point.x, fmax(q.point.y, q.point.z)));
-  if (any(MASK(!(proven.hi - proven.lo <= wide)) & ~proposed.inside)) {
+  if (any(MASK(!(proven.hi - proven.lo <= wide)) & ~SINGLE_MASK_TO_MASK(found.inside))) {
     proven = tighter(proven, distance_by_projection(q.point, s));
   }
   const vector3 v = proven.normal;

@@ -31,6 +31,18 @@ void set_exponents(PrimitiveParameters& out, const std::array<double, 2>& expone
   }
 }
 
+// Norms of two numbers fall with the exponent, ||w||_p <= ||w||_p_down <= 2^(1/p_down - 1/p) ||w||_p, so the gauge with
+// p_down is at most 2^d times the exact one, d = sum of 1/p_down - 1/p over both exponents, and 1/p = e/2. And
+// 2^d <= 1 + d for d in [0, 1].
+void set_containment(PrimitiveParameters& out, const std::array<double, 2>& exponents) {
+  Extended d = 0;
+  for (int i = 0; i < 2; ++i) {
+    const Extended difference = (2 - Extended(exponents[i]) * out.p_down[i]) / (2 * Extended(out.p_down[i]));
+    if (difference > 0) d += difference;
+  }
+  out.containment_up = d == 0 ? 1.0 : round_up(1 + d * (1 + Extended(0x1p-100)));  // quotients are rounded
+}
+
 // Each entry is the exact one rounded once.
 void set_rotation(PrimitiveParameters& out, const std::array<double, 4>& quaternion) {
   const std::array<Extended, 9> rotation = rotation_to_local(quaternion);
@@ -90,6 +102,7 @@ PrimitiveParameters primitive_parameters(const Primitive& primitive, int scale_e
   }
   out.pose_error = pose_error(out);
   set_exponents(out, primitive.superquadric.exponents);
+  set_containment(out, primitive.superquadric.exponents);
   set_radii(out, primitive.superquadric.exponents);
   return out;
 }

@@ -25,6 +25,7 @@ struct PrimitiveParameters {
   double inverse_conjugate_up[2];
   double inradius_down;
   double circumradius_up;
+  double containment_up;
 };
 
 /// Parameters of a primitive in a frame whose unit is 2^-scale_exponent model units, which keeps the numbers of the

@@ -43,6 +43,17 @@ class PrimitiveParametersTest : public testing::Test {
   }
 };
 
+TEST_F(PrimitiveParametersTest, SolidLiesInTheScaledOneOfTheExponentsRoundedDown) {
+  for_many_solids([](const Primitive& primitive, const PrimitiveParameters& parameters) {
+    Real d = 0;
+    for (std::size_t i = 0; i < 2; ++i)
+      d += 1 / Real(parameters.p_down[i]) - Real(primitive.superquadric.exponents[i]) / 2;
+    EXPECT_GE(d, 0);
+    expect_above(parameters.containment_up, pow(Real(2), d));
+  });
+  EXPECT_EQ(primitive_parameters({"", {{1.0, 1.0, 1.0}, {1.0, 0.5}}, {}}, 0).containment_up, 1.0);
+}
+
 TEST_F(PrimitiveParametersTest, ExponentsAreBounded) {
   for_many_solids([](const Primitive& primitive, const PrimitiveParameters& parameters) {
     for (std::size_t i = 0; i < 2; ++i) {

@@ -237,7 +237,7 @@ std::vector<std::string> gappa_operations(const std::string& text) {
   static const std::regex operation(R"(\n(\w+ = rnd\(.*\));)");
   std::vector<std::string> operations;
   for (const auto& match : matches(text, operation))
-    if (match[1].str().find("rnd(any)") == std::string::npos) operations.push_back(match[1]);
+    if (match[1].str().find("rnd(any") == std::string::npos) operations.push_back(match[1]);
   return operations;
 }
 
@@ -252,23 +252,29 @@ std::string inverse_tangent() {
 std::string rounding() {
   return contents(kernels / "rounding.clh");
 }
+std::string contact() {
+  return contents(kernels / "contact.clh");
+}
 
 /// Of the layers whose constants Sollya computes.
 Constants computed_kernel_constants() {
   Constants constants = kernel_constants(elementary());
   constants.merge(kernel_constants(inverse_tangent()));
+  for (const auto& [name, value] : kernel_constants(contact()))
+    if (name.starts_with("CHANGE_P")) constants.emplace(name, value);
   return constants;
 }
 
 Constants all_kernel_constants() {
   Constants constants = computed_kernel_constants();
   constants.merge(kernel_constants(rounding()));
+  constants.merge(kernel_constants(contact()));
   return constants;
 }
 
 Constants sollya_constants() {
   Constants constants;
-  for (const char* const script : {"exp.sollya", "log.sollya", "atan.sollya"})
+  for (const char* const script : {"exp.sollya", "log.sollya", "atan.sollya", "contact.sollya"})
     constants.merge(defined_constants(sollya(proof(script))));
   return constants;
 }
@@ -372,6 +378,29 @@ TEST(Proofs, GappaSpeaksOfTheOperationsOfAtan) {
   EXPECT_EQ(operations, gappa_operations(proof("atan_beyond_one.gappa")));
 }
 
+TEST(Proofs, GappaSpeaksOfTheOperationsOfContacts) {
+  EXPECT_EQ(kernel_operations(contact(), "moved", "m"), gappa_operations(proof("contact_change.gappa")));
+  std::vector<std::string> operations = kernel_operations(contact(), "excess_up", "selected");
+  const std::string selected = "selected = rnd(select(INFINITY, up, MASK(fabs(excess) <= LARGEST_EXCESS)))";
+  ASSERT_THAT(operations, IsSupersetOf({selected}));
+  std::erase(operations, selected);
+  EXPECT_EQ(operations, gappa_operations(proof("contact_excess.gappa")));
+}
+
+TEST(Proofs, GappaSpeaksOfTheRangesOfContacts) {
+  const Constants in_kernel = kernel_constants(contact());
+  const Bounds bounds = all_bounds();
+  EXPECT_EQ(in_kernel.at("LARGEST_EXCESS"), 0x1p-6);
+  EXPECT_THAT(proof("contact_excess.gappa"), HasSubstr("|excess| <= 0x1p-6 ->"));
+  EXPECT_EQ(in_kernel.at("LARGEST_CHANGE"), 0x1p-8);
+  EXPECT_THAT(proof("contact.sollya"), HasSubstr("b = 2^-8;"));
+  EXPECT_GE(in_kernel.at("POINT_MARGIN"), 1.25 * proven_bound(bounds, "POINT_ERROR"));
+  EXPECT_GE(in_kernel.at("NORMAL_MARGIN"), proven_bound(bounds, "CHANGED_ERROR") + 2.03 * 0x1p-53);
+  EXPECT_GT(in_kernel.at("NORMAL_UNDERFLOW"), 0x1p-1020);
+  // a semi-axis is at least 2^-300 (host/batches/device_model.cpp)
+  EXPECT_GT(std::ldexp(std::exp(-in_kernel.at("LARGEST_LOG")), -300), 0x1p-900);
+}
+
 TEST(Proofs, GappaSpeaksOfTheStepsOutward) {
   EXPECT_THAT(rounding(), HasSubstr("step_down(real c) { return c - fma(REAL(ROUNDING_PHI), fabs(c), "
                                     "REAL(ROUNDING_ETA)); }"));
@@ -454,6 +483,12 @@ INSTANTIATE_TEST_SUITE_P(
                       "rnd(ATAN_R4 * z + 0x1.c71c71bd7d43ap-4)"},
         Falsification{"HalfOfPi", "atan_beyond_one.gappa", "near + PI_HALF);", "near + 0x1.921fb54442d1ap0);"},
         Falsification{"BoundOfAtanBeyondOne", "atan_beyond_one.gappa", "<= 0x1.5p-51", "<= 0x1.4p-51"},
+        Falsification{"DigitOfChange", "contact_change.gappa", "rnd(CHANGE_P3 * t + CHANGE_P2)",
+                      "rnd(CHANGE_P3 * t + 0x1.0000001p-1)"},
+        Falsification{"BoundOfChange", "contact_change.gappa", "<= 0x1.78p-52", "<= 0x1.7p-52"},
+        Falsification{"BoundOfPoint", "contact_change.gappa", "<= 0x1p-51 ", "<= 0x1.fp-52 "},
+        Falsification{"ErrorOfSumsTooSmall", "contact_excess.gappa", "0x1.8p-51", "0x1.4p-51"},
+        Falsification{"RangeOfSumsTooLarge", "contact_excess.gappa", "<= 0x1p-6 ", "<= 0x1p-1 "},
         Falsification{"WideningOfAtanTooSmall", "atan_widening.gappa", "0x1.ap-51", "0x1.8p-51"}),
     [](const auto& test) { return test.param.name; });
 

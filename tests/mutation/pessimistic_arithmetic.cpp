@@ -150,6 +150,32 @@ ALWAYS_INLINE local_map posed_map(cube x)"},
            "  const unbent u"},
 };
 
+// What contact.clh evaluates: a point beyond the exact one, a normal longer, sums too small.
+constexpr std::array evaluation{
+    Mutant{"error of sums", "#define EXCESS_ERROR ",
+           "#define EVALUATION_MAGNIFICATION 0x1p30\n#define EXCESS_ERROR EVALUATION_MAGNIFICATION * "},
+    Mutant{"margin of points", "#define POINT_MARGIN ", "#define POINT_MARGIN EVALUATION_MAGNIFICATION * "},
+    Mutant{"margin of normals", "#define NORMAL_MARGIN ", "#define NORMAL_MARGIN EVALUATION_MAGNIFICATION * "},
+    Mutant{"sums", "  return m;\n}\n\nALWAYS_INLINE single relative_residual", R"(
+  const double less = 1.0 - 0.96 * 0x1.8p-51 * EVALUATION_MAGNIFICATION;
+  m.section_x *= less;
+  m.section_y *= less;
+  m.gauge_r *= less;
+  m.gauge_z *= less;
+  const double farther = 1.0 + 0.78 * 0x1.4p-51 * EVALUATION_MAGNIFICATION;
+  m.point.x *= farther;
+  m.point.y *= farther;
+  m.point.z *= farther;
+  return m;
+}
+
+ALWAYS_INLINE single relative_residual)"},
+    Mutant{"normal", "  return exp_within_range(fma(REAL(p - 1.0), log_x, in_section - log_axis));", R"(
+  const real terms = 1.0 + fabs((p - 1.0) * log_x) + fabs(in_section) + fabs(log_axis);
+  return exp_within_range(fma(REAL(p - 1.0), log_x, in_section - log_axis)) *
+         fma(terms, REAL(0.98 * 0x1.4p-51 * EVALUATION_MAGNIFICATION), REAL(1.0));)"},
+};
+
 // Any multipliers that are not negative prove something, and any point near a bent solid.
 constexpr std::array solid_proposals{
     Mutant{"multiplier", "return select(REAL(0.0), root, MASK(below_value > 0.0)",
@@ -167,9 +193,14 @@ constexpr std::array solid_proposals{
 
 // Normals turned, so that lower ends are loose; planes too far away; searches cut short.
 constexpr std::array search{
-    Mutant{"normals", "  found.normal = select_vector(moved_normal, start_normal, found.inside);\n",
-           "  found.normal = select_vector(moved_normal, start_normal, found.inside);\n"
-           "  found.normal.x *= 1.0 + TO_REAL((BITS(q.y) >> 8) & INTEGER(255L)) * 0x1p-8;\n"},
+    Mutant{"contact", "  const contact c = contact_at(u, s);\n", R"(
+  const double most = 0x1p-8 / fmax(s->p[0], s->p[1]);
+  const real amiss = (TO_REAL((BITS(q.y) >> 8) & INTEGER(255L)) * 0x1p-7 - 1.0) * most;
+  const real amiss_too = (TO_REAL((BITS(q.z) >> 8) & INTEGER(255L)) * 0x1p-7 - 1.0) * most;
+  const log_unknowns spoilt = {u.x + amiss, u.y, u.z + amiss_too, u.r - amiss_too, u.lambda};
+  const contact c = contact_at(spoilt, s);
+)"},
+    Mutant{"last step", "SINGLE_TO_REAL(select(limited(d, largest), SINGLE(0.0f), none))", "REAL(0.0)"},
     Mutant{"normals in binary64",
            "const vector3 v = select_vector(vector_from_closest_point(q, found), start.normal, start.inside);",
            "vector3 v = select_vector(vector_from_closest_point(q, found), start.normal, start.inside);\n"
@@ -228,6 +259,7 @@ std::span<const Mutant> displacement(Arithmetic arithmetic, Program program) {
 std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
   if (program == Program::pairs && arithmetic != Arithmetic::usual && arithmetic != Arithmetic::poor_search)
     return common_point;
+  if (arithmetic == Arithmetic::evaluated) return evaluation;
   if (arithmetic != Arithmetic::poor_search) return {};
   switch (program) {
     case Program::points: return search;
@@ -239,7 +271,8 @@ std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
 }
 
 constexpr std::array of_points{Arithmetic::usual,          Arithmetic::loose_below, Arithmetic::loose_above,
-                               Arithmetic::loose_products, Arithmetic::loose_dot,   Arithmetic::poor_search};
+                               Arithmetic::loose_products, Arithmetic::loose_dot,   Arithmetic::evaluated,
+                               Arithmetic::poor_search};
 constexpr std::array of_convex_sets{Arithmetic::usual,   Arithmetic::loose_below, Arithmetic::loose_above,
                                     Arithmetic::erratic, Arithmetic::displaced,   Arithmetic::poor_search};
 
@@ -259,6 +292,7 @@ std::string_view name_of(Arithmetic arithmetic) {
     case Arithmetic::loose_dot: return "loose dot";
     case Arithmetic::erratic: return "erratic";
     case Arithmetic::displaced: return "displaced";
+    case Arithmetic::evaluated: return "evaluated";
     case Arithmetic::poor_search: break;
   }
   return "poor search";

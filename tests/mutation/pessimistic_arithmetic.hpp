@@ -19,6 +19,7 @@ enum class Arithmetic {
   loose_dot,       ///< dot_up is
   erratic,         ///< one result in sixteen is, whatever side it is rounded to
   displaced,       ///< what is moved by a pose is off by most of what its error bound allows
+  evaluated,       ///< likewise what is evaluated at a contact of points
   poor_search,     ///< proposals are spoilt
 };
 
