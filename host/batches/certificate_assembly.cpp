@@ -13,6 +13,14 @@ bool usable(const Point& v) {
          std::any_of(v.begin(), v.end(), [](double c) { return c != 0.0; });
 }
 
+/// A vector along `v` whose length is the distance: the point less it is the closest one (see Certificate). Kernels
+/// give normals any length.
+Point as_long_as(double distance, const Point& v) {
+  const double scale = distance / std::hypot(v[0], v[1], v[2]);
+  const Point scaled{scale * v[0], scale * v[1], scale * v[2]};
+  return distance > 0.0 && usable(scaled) ? scaled : v;
+}
+
 }  // namespace
 
 CertificateAssembly::CertificateAssembly(const Model& model) {
@@ -35,7 +43,8 @@ Certificate CertificateAssembly::operator()(const Point& point, const Enclosure&
   const auto nearest =
       std::min_element(primitives.begin(), primitives.end(), [](const auto& a, const auto& b) { return a.hi < b.hi; });
   const auto first = static_cast<std::uint32_t>(nearest - primitives.begin());
-  Certificate certificate{{{first, usable(nearest->normal) ? nearest->normal : Point{}}}, {}};
+  const Point normal = usable(nearest->normal) ? as_long_as(nearest->hi, nearest->normal) : Point{};
+  Certificate certificate{{{first, normal}}, {}};
   if (distance.lo > 0.0) {
     for (std::uint32_t i = 0; i < primitives.size(); ++i) {
       if (i == first || !usable(primitives[i].normal) || clear_of_sphere(point, distance.lo, spheres_[i])) continue;

@@ -286,7 +286,6 @@ constexpr std::array contact{
     Mutant{"sums too small", "const real excess = sum - 1.0;", "const real excess = sum - (1.0 + 0x1p-40);"},
     Mutant{"e^(c s) by its first terms alone", "fma(cs, s, s), MASK(cs <= 1.0)", "s, MASK(cs <= 1.0)",
            Arithmetic::poor_search},
-    Mutant{"e^(c s) for any c s", "MASK(cs <= 1.0)", "MASK(cs <= INFINITY)", Arithmetic::poor_search},
     Mutant{"point without the gauge's sum", "fma(REAL(1.0 / p1), gauge, (1.0 / p2) * of_point) + slack",
            "(1.0 / p2) * of_point + slack"},
     Mutant{"point without the section's sum", "fma(REAL(1.0 / p1), gauge, (1.0 / p2) * of_point) + slack",
