@@ -66,12 +66,14 @@ PointDistanceKernel::PointDistanceKernel(const DeviceReport& device, KernelVaria
   const std::size_t bytes = coordinates.size() * sizeof(double);
 
   state_->add_value(static_cast<cl_ulong>(state_->groups));
+  state_->add_value(cl_uint{1});  // a block
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < coordinates.size(); ++i) coordinates[i] = std::ldexp(points[i][axis], scale);
     state_->add_array(bytes, coordinates.data());
   }
   state_->add_array(sizeof parameters, &parameters);
   state_->add_value(cl_uint{0});                         // the only primitive
+  state_->add_array(sizeof(cl_uint));                    // lists are of further primitives
   for (int i = 0; i < 6; ++i) state_->add_array(bytes);  // nearest, lo, hi, and the direction's x, y, z
   run();  // OpenCL may put off the uploads and the end of the build to the first launch
 }

@@ -168,54 +168,57 @@ ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real 
   return test;
 }
 
-// `scratch` holds eight numbers a point: its local coordinates, the unit normal of the nearest tangent plane, the gauge
-// (afterwards the proven radius), and the distance of that plane, or one of two marks.
-#define SCRATCH_SIZE 8
-#define COORDINATES 0
-#define NORMAL 3
-#define GAUGE 6
-#define RADIUS 6
-#define DISTANCE 7
+// `scratch` holds nine numbers for each open point of a block, one after the other from the block's start: which one of
+// all it is, its local coordinates, the unit normal of the nearest tangent plane, the gauge (afterwards the proven
+// radius), and the distance of that plane, or one of two marks.
+#define SCRATCH_SIZE 9
+#define INDEX 0
+#define COORDINATES 1
+#define NORMAL 4
+#define GAUGE 7
+#define RADIUS 7
+#define DISTANCE 8
 #define NOT_OPEN -1.0
 #define SEARCHED -2.0
 
-// Vectors as arrays, for what is done lane by lane.
-typedef struct {
-  double x[VECTOR_WIDTH], y[VECTOR_WIDTH], z[VECTOR_WIDTH];
-} lanes3;
-
-ALWAYS_INLINE void store3(vector3 v, lanes3* lanes) {
-  STORE(v.x, 0, lanes->x);
-  STORE(v.y, 0, lanes->y);
-  STORE(v.z, 0, lanes->z);
+// Lists the points from group `first` to before `last` that may lie inside and whose enclosure is wider than the
+// tolerance; returns how many.
+ALWAYS_INLINE uint list_open_points(ulong first, ulong last, global const double* los, global const double* his,
+                                    double tolerance, global double* block) {
+  uint count = 0;
+  for (ulong group = first; group < last; ++group) {
+    const real lo = LOAD(group, los);
+    const real hi = LOAD(group, his);
+    const integer open = MASK(lo < 0.0) & MASK(!(hi - lo <= tolerance));
+    if (!any(open)) continue;
+    long is_open[VECTOR_WIDTH];
+    STORE(open, 0, is_open);
+    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane)
+      if (is_open[lane] != 0) block[count++ * SCRATCH_SIZE + INDEX] = (double)(group * VECTOR_WIDTH + lane);
+  }
+  return count;
 }
 
-ALWAYS_INLINE vector3 load3(const lanes3* lanes) {
-  const vector3 v = {LOAD(0, lanes->x), LOAD(0, lanes->y), LOAD(0, lanes->z)};
-  return v;
+// Of the listed points from `start` on; lanes beyond the last repeat it.
+ALWAYS_INLINE void take_listed(uint start, uint count, global const double* block, lane_indices* indices) {
+  for (uint lane = 0; lane < VECTOR_WIDTH; ++lane)
+    indices->of_lane[lane] = (ulong)block[min(start + lane, count - 1) * SCRATCH_SIZE + INDEX];
 }
 
-// Points that may lie inside and whose enclosure is wider than the tolerance.
-ALWAYS_INLINE integer open_points(ulong group, global const double* los, global const double* his, double tolerance) {
-  const real lo = LOAD(group, los);
-  const real hi = LOAD(group, his);
-  return MASK(lo < 0.0) & MASK(!(hi - lo <= tolerance));
-}
-
-// Which of a group's open points are proven inside; a first tangent plane for each.
-ALWAYS_INLINE void prepare_group(ulong group, local_point q, integer open, MODEL_SPACE const superquadric* s,
-                                 global double* scratch) {
-  const gauge_terms g = gauge_terms_up(q.point, s);
-  const integer inside = open & MASK(g.power <= 1.0) & MASK(q.point.x + q.point.y + q.point.z < INFINITY);
-  const tangent_plane plane = descend(q.point, g, s);
+// Which of a vector of listed points are proven inside; a first tangent plane for each.
+ALWAYS_INLINE void prepare_points(uint start, uint count, vector3 q, MODEL_SPACE const superquadric* s,
+                                  global double* block) {
+  const gauge_terms g = gauge_terms_up(q, s);
+  const integer inside = MASK(g.power <= 1.0) & MASK(q.x + q.y + q.z < INFINITY);
+  const tangent_plane plane = descend(q, g, s);
   lanes3 coordinates, normals;
   double gauges[VECTOR_WIDTH], distances[VECTOR_WIDTH];
-  store3(q.point, &coordinates);
+  store3(q, &coordinates);
   store3(plane.unit_normal, &normals);
-  STORE(exp_up(log_gauge_up(q.point, s)), 0, gauges);
+  STORE(exp_up(log_gauge_up(q, s)), 0, gauges);
   STORE(select(REAL(NOT_OPEN), fmax(plane.distance, REAL(0.0)), inside), 0, distances);
-  for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
-    global double* state = scratch + (group * VECTOR_WIDTH + lane) * SCRATCH_SIZE;
+  for (uint lane = 0; lane < min(count - start, (uint)VECTOR_WIDTH); ++lane) {
+    global double* state = block + (start + lane) * SCRATCH_SIZE;
     state[COORDINATES] = coordinates.x[lane];
     state[COORDINATES + 1] = coordinates.y[lane];
     state[COORDINATES + 2] = coordinates.z[lane];
@@ -229,7 +232,7 @@ ALWAYS_INLINE void prepare_group(ulong group, local_point q, integer open, MODEL
 
 // One point in the hands of a lane.
 typedef struct {
-  ulong point;          // index; NO_POINT when idle
+  uint point;           // its place in the block's list; NO_POINT when idle
   double depth;         // distance of the nearest tangent plane known: at least the depth, up to rounding
   double target;        // the radius to prove
   double gauge;         // of the point, for the lowering of the target
@@ -239,22 +242,22 @@ typedef struct {
   ulong stack[STACK_SIZE];
 } search;
 
-#define NO_POINT (~0UL)
+#define NO_POINT (~0U)
 
 ALWAYS_INLINE double target_of(double depth, double allowance) { return fmax(depth - allowance, 0.0); }
 
-ALWAYS_INLINE void finish(search* own, double radius, global double* scratch) {
-  global double* state = scratch + own->point * SCRATCH_SIZE;
+ALWAYS_INLINE void finish(search* own, double radius, global double* block) {
+  global double* state = block + own->point * SCRATCH_SIZE;
   state[RADIUS] = radius;
   state[DISTANCE] = SEARCHED;
   own->point = NO_POINT;
 }
 
 // Gives an idle lane the next open point from `next` on; returns where to go on.
-ALWAYS_INLINE ulong take_point(search* own, ulong next, ulong end, double allowance, MODEL_SPACE const superquadric* s,
-                               global double* scratch) {
-  for (; own->point == NO_POINT && next < end; ++next) {
-    global const double* state = scratch + next * SCRATCH_SIZE;
+ALWAYS_INLINE uint take_point(search* own, uint next, uint count, double allowance, MODEL_SPACE const superquadric* s,
+                               global double* block) {
+  for (; own->point == NO_POINT && next < count; ++next) {
+    global const double* state = block + next * SCRATCH_SIZE;
     if (!(state[DISTANCE] >= 0.0)) continue;
     own->point = next;
     own->depth = state[DISTANCE];
@@ -265,7 +268,7 @@ ALWAYS_INLINE ulong take_point(search* own, ulong next, ulong end, double allowa
     own->cell = WHOLE_OCTANT;
     // A ball about the origin lies in K, so the one of radius (1 - g) inradius about q does; three roundings.
     const double known = fmax((1.0 - own->gauge) * s->inradius_down * (1.0 - 0x1p-50), 0.0);
-    if (known >= own->target) finish(own, known, scratch);
+    if (known >= own->target) finish(own, known, block);
   }
   return next;
 }
@@ -288,10 +291,11 @@ ALWAYS_INLINE void split(search* own, long open, double worst) {
   if (!(own->target > 0x1p-100)) own->target = 0.0;
 }
 
-// Branch and bound over the points of a block, a point a lane.
-ALWAYS_INLINE void search_block(ulong next, ulong end, double allowance, MODEL_SPACE const superquadric* s,
-                                global double* scratch) {
+// Branch and bound over the listed points of a block, a point a lane.
+ALWAYS_INLINE void search_block(uint count, double allowance, MODEL_SPACE const superquadric* s,
+                                global double* block) {
   search searches[VECTOR_WIDTH];
+  uint next = 0;
   lanes3 q, base, normal;
   double target[VECTOR_WIDTH], inverted[VECTOR_WIDTH], worst[VECTOR_WIDTH], distance[VECTOR_WIDTH];
   long open[VECTOR_WIDTH];
@@ -304,10 +308,10 @@ ALWAYS_INLINE void search_block(ulong next, ulong end, double allowance, MODEL_S
     bool busy = false;
     for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
       search* own = &searches[lane];
-      next = take_point(own, next, end, allowance, s, scratch);
+      next = take_point(own, next, count, allowance, s, block);
       if (own->point == NO_POINT) continue;
       busy = true;
-      global const double* state = scratch + own->point * SCRATCH_SIZE;
+      global const double* state = block + own->point * SCRATCH_SIZE;
       const spherical_cell cell = unpack_cell(own->cell);
       q.x[lane] = state[COORDINATES];
       q.y[lane] = state[COORDINATES + 1];
@@ -330,7 +334,7 @@ ALWAYS_INLINE void search_block(ulong next, ulong end, double allowance, MODEL_S
       search* own = &searches[lane];
       if (own->point == NO_POINT) continue;
       if (open[lane] != 0 && distance[lane] < own->depth) {
-        global double* state = scratch + own->point * SCRATCH_SIZE;
+        global double* state = block + own->point * SCRATCH_SIZE;
         own->depth = fmax(distance[lane], 0.0);
         own->target = fmin(own->target, target_of(own->depth, allowance));
         state[NORMAL] = normal.x[lane];
@@ -339,11 +343,42 @@ ALWAYS_INLINE void search_block(ulong next, ulong end, double allowance, MODEL_S
       }
       if (open[lane] != 0) split(own, open[lane], worst[lane]);
       else if (own->stacked > 0) own->cell = own->stack[--own->stacked];
-      else finish(own, own->target, scratch);
+      else finish(own, own->target, block);
       // With target 0 nothing is left to prove but that q lies in K, which it does.
-      if (own->point != NO_POINT && own->target == 0.0) finish(own, 0.0, scratch);
+      if (own->point != NO_POINT && own->target == 0.0) finish(own, 0.0, block);
     }
   }
+}
+
+// Writes what was found of a vector of listed points, where it is better than what was known.
+ALWAYS_INLINE void deliver_points(uint start, uint count, const lane_indices* indices, local_point q,
+                                  MODEL_SPACE const superquadric* s, global const double* block, global double* los,
+                                  global double* his, global double* normal_xs, global double* normal_ys,
+                                  global double* normal_zs) {
+  lanes3 normals;
+  double radii[VECTOR_WIDTH], marks[VECTOR_WIDTH];
+  for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
+    global const double* state = block + min(start + lane, count - 1) * SCRATCH_SIZE;
+    normals.x[lane] = state[NORMAL];
+    normals.y[lane] = state[NORMAL + 1];
+    normals.z[lane] = state[NORMAL + 2];
+    radii[lane] = state[RADIUS];
+    marks[lane] = state[DISTANCE];
+  }
+  const integer searched = MASK(LOAD(0, marks) == SEARCHED);
+  const vector3 v = load3(&normals);
+  const real lo = sub_down(distance_down(q.point, v, s), q.error);
+  const real hi = add_up(-LOAD(0, radii), q.error);
+  const real known_lo = gathered(los, indices);
+  const real known_hi = gathered(his, indices);
+  const integer better = searched & MASK(lo > known_lo);
+  const uint size = min(count - start, (uint)VECTOR_WIDTH);
+  scatter(select(known_lo, lo, better), size, indices, los);
+  scatter(select(known_hi, fmin(known_hi, hi), searched), size, indices, his);
+  const vector3 normal = out_of_octant(v, q.sign);
+  scatter(select(gathered(normal_xs, indices), normal.x, better), size, indices, normal_xs);
+  scatter(select(gathered(normal_ys, indices), normal.y, better), size, indices, normal_ys);
+  scatter(select(gathered(normal_zs, indices), normal.z, better), size, indices, normal_zs);
 }
 
 kernel void interior_depth(ulong groups, uint groups_per_block, global const double* xs, global const double* ys,
@@ -353,43 +388,22 @@ kernel void interior_depth(ulong groups, uint groups_per_block, global const dou
   MODEL_SPACE const superquadric* s = primitives + index;
   const ulong first = get_global_id(0) * groups_per_block;
   const ulong last = min(first + groups_per_block, groups);
-  bool any_open = false;
-  for (ulong group = first; group < last; ++group) any_open |= any(open_points(group, los, his, tolerance));
-  if (!any_open) return;
+  global double* block = scratch + first * VECTOR_WIDTH * SCRATCH_SIZE;
+  const uint count = list_open_points(first, last, los, his, tolerance, block);
+  if (count == 0) return;
 
-  for (ulong group = first; group < last; ++group) {
-    const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
-    prepare_group(group, to_local(x, s), open_points(group, los, his, tolerance), s, scratch);
+  for (uint start = 0; start < count; start += VECTOR_WIDTH) {
+    lane_indices indices;
+    take_listed(start, count, block, &indices);
+    prepare_points(start, count, to_local(gathered_point(&indices, xs, ys, zs), s).point, s, block);
   }
   const double allowance = 0.95 * tolerance; // leaves room for rounding
-  search_block(first * VECTOR_WIDTH, last * VECTOR_WIDTH, allowance, s, scratch);
+  search_block(count, allowance, s, block);
 
-  for (ulong group = first; group < last; ++group) {
-    lanes3 normals;
-    double radii[VECTOR_WIDTH], marks[VECTOR_WIDTH];
-    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
-      global const double* state = scratch + (group * VECTOR_WIDTH + lane) * SCRATCH_SIZE;
-      normals.x[lane] = state[NORMAL];
-      normals.y[lane] = state[NORMAL + 1];
-      normals.z[lane] = state[NORMAL + 2];
-      radii[lane] = state[RADIUS];
-      marks[lane] = state[DISTANCE];
-    }
-    const integer searched = MASK(LOAD(0, marks) == SEARCHED);
-    if (!any(searched)) continue;
-    const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
-    const local_point q = to_local(x, s);
-    const vector3 v = load3(&normals);
-    const real lo = sub_down(distance_down(q.point, v, s), q.error);
-    const real hi = add_up(-LOAD(0, radii), q.error);
-    const real known_lo = LOAD(group, los);
-    const real known_hi = LOAD(group, his);
-    const integer better = searched & MASK(lo > known_lo);
-    STORE(select(known_lo, lo, better), group, los);
-    STORE(select(known_hi, fmin(known_hi, hi), searched), group, his);
-    const vector3 normal = out_of_octant(v, q.sign);
-    STORE(select(LOAD(group, normal_xs), normal.x, better), group, normal_xs);
-    STORE(select(LOAD(group, normal_ys), normal.y, better), group, normal_ys);
-    STORE(select(LOAD(group, normal_zs), normal.z, better), group, normal_zs);
+  for (uint start = 0; start < count; start += VECTOR_WIDTH) {
+    lane_indices indices;
+    take_listed(start, count, block, &indices);
+    const local_point q = to_local(gathered_point(&indices, xs, ys, zs), s);
+    deliver_points(start, count, &indices, q, s, block, los, his, normal_xs, normal_ys, normal_zs);
   }
 }

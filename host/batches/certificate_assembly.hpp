@@ -13,7 +13,7 @@ namespace verisq::device {
 struct Evidence {
   struct OfPrimitive {
     double hi;     ///< upper end for this primitive alone; infinite where it was passed over
-    Point normal;  ///< of the lower end, of any length; zero where the bounding sphere proved enough
+    Point normal;  ///< of the lower end, of any length
   };
   std::vector<OfPrimitive> primitives;
   Point escape;  ///< meaningful where the union's lower end is finite and not positive

@@ -10,11 +10,11 @@
 namespace verisq::device {
 namespace {
 
-constexpr std::size_t scratch_per_point = 8;  // SCRATCH_SIZE in kernels/interior_depth.cl
+constexpr std::size_t scratch_per_point = 9;  // SCRATCH_SIZE in kernels/interior_depth.cl
 
-// Interior search: lanes of a processor's work-item share a block of points, so that none idles; a graphics
+// Lanes of a processor's work-item share a block of points where only some need work, so that none idles; a graphics
 // processor's work-item owns one point.
-constexpr std::size_t block_points_of_vector_work_item = 512;
+constexpr std::size_t block_points_of_vector_work_item = 2048;
 
 // The branch and bound's limit: below this width, relative to the largest semi-axis, it would take ever more cells.
 constexpr double smallest_interior_tolerance = 0x1p-30;
@@ -37,13 +37,14 @@ cl::Program point_program(const Device& device, const std::string& memory) {
 ConvexDistance::ConvexDistance(const Device& device, const cl::Program& program, ChunkQueue& queue,
                                const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance)
     : groups_per_block_(device.vector_width > 1 ? block_points_of_vector_work_item / device.vector_width : 1),
-      vectors_(device.vector_width > 1),
       coordinates_(coordinates),
       nearest_(queue.numbers(capacity)),
+      listed_(queue.numbers(capacity / 2 + 1)),  // as 32-bit numbers
       scratch_(queue.numbers(capacity * scratch_per_point)),
       point_distance_(program, kernels::embedded_point_sources(), "point_distance"),
       interior_depth_(program, kernels::embedded_point_sources(), "interior_depth") {
   point_distance_.set(coordinate_arguments, coordinates_);
+  point_distance_.set("listed", listed_);
   point_distance_.set("nearest", nearest_);
   interior_depth_.set("groups_per_block", groups_per_block_);
   interior_depth_.set(coordinate_arguments, coordinates_);
@@ -60,9 +61,17 @@ void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, st
     kernel->set("index", index);
     kernel->set(evidence_arguments, evidence);
   }
-  queue.launch(point_distance_, groups);
-  // A vector work-item is long here: one a work-group lets the cores share them evenly.
-  queue.launch(interior_depth_, (groups + groups_per_block_ - 1) / groups_per_block_, vectors_ ? 1 : usual_group_size);
+  // All points of the first primitive are searched for, so that nothing is to be shared.
+  const std::size_t groups_per_block = index == 0 ? 1 : groups_per_block_;
+  point_distance_.set("groups_per_block", groups_per_block);
+  launch_blocks(queue, point_distance_, groups, groups_per_block);
+  launch_blocks(queue, interior_depth_, groups, groups_per_block_);
+}
+
+// A vector work-item with a block is long: one a work-group lets the cores share them evenly.
+void ConvexDistance::launch_blocks(ChunkQueue& queue, const NamedKernel& kernel, std::size_t groups,
+                                   std::size_t groups_per_block) {
+  queue.launch(kernel, (groups + groups_per_block - 1) / groups_per_block, groups_per_block > 1 ? 1 : usual_group_size);
 }
 
 }  // namespace verisq::device

@@ -30,17 +30,21 @@ class ConvexDistance {
                  const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance);
 
   /// Enqueues the primitive `index` of `primitives` for the first `groups` vectors of points. With index 0 nothing is
-  /// known yet about the points; a later one is passed over where a sphere about it is farther than what was found.
+  /// known yet about the points; a later one is passed over where a sphere or a box about it is farther than what was
+  /// found.
   void enqueue(ChunkQueue& queue, const cl::Buffer& primitives, std::size_t index, std::size_t groups,
                const EvidenceBuffers& evidence);
 
  private:
+  static void launch_blocks(ChunkQueue& queue, const NamedKernel& kernel, std::size_t groups,
+                            std::size_t groups_per_block);
+
   std::size_t groups_per_block_;
-  bool vectors_;  // work-items work on vectors of points
   // Kernels do not keep the buffers that they are given.
   std::array<cl::Buffer, 3> coordinates_;
   cl::Buffer primitives_;
   cl::Buffer nearest_;
+  cl::Buffer listed_;
   cl::Buffer scratch_;
   NamedKernel point_distance_;
   NamedKernel interior_depth_;

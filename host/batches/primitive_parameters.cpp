@@ -76,6 +76,21 @@ void set_radii(PrimitiveParameters& out, const std::array<double, 2>& exponents)
   out.circumradius_up = round_up(sqrt(squares) * (1 + Extended(0x1p-100)));
 }
 
+// The greatest |(x, y)| with ||(x/a, y/b)||_p <= 1, p = 2/e: by Hoelder's inequality for squares, whose exponent is
+// p/2, the norm of (a, b) with exponent 2 p/(p - 2) = 2/(1 - e); for p <= 2 the greater of both.
+Extended reach(const Extended& a, const Extended& b, double e) {
+  const Extended greater = std::max(a, b);
+  if (e >= 1.0) return greater;
+  const Extended half = (1 - Extended(e)) / 2;
+  return greater * pow(1 + pow(std::min(a, b) / greater, 1 / half), half);
+}
+
+// |(x, y)| is at most the section's reach times its norm.
+void set_reach(PrimitiveParameters& out, const std::array<double, 2>& exponents) {
+  const Extended section = reach(out.semi_axes[0], out.semi_axes[1], exponents[1]);
+  out.reach_up = round_up(reach(section, out.semi_axes[2], exponents[0]) * (1 + Extended(0x1p-100)));
+}
+
 }  // namespace
 
 std::array<Extended, 9> rotation_to_local(const std::array<double, 4>& quaternion) {
@@ -104,6 +119,7 @@ PrimitiveParameters primitive_parameters(const Primitive& primitive, int scale_e
   set_exponents(out, primitive.superquadric.exponents);
   set_containment(out, primitive.superquadric.exponents);
   set_radii(out, primitive.superquadric.exponents);
+  set_reach(out, primitive.superquadric.exponents);
   return out;
 }
 

@@ -25,6 +25,7 @@ struct PrimitiveParameters {
   double inverse_conjugate_up[2];
   double inradius_down;
   double circumradius_up;
+  double reach_up;
   double containment_up;
 };
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "tests/oracle/mixed_norm.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/real.hpp"
 
@@ -52,6 +53,32 @@ TEST_F(PrimitiveParametersTest, SolidLiesInTheScaledOneOfTheExponentsRoundedDown
     expect_above(parameters.containment_up, pow(Real(2), d));
   });
   EXPECT_EQ(primitive_parameters({"", {{1.0, 1.0, 1.0}, {1.0, 0.5}}, {}}, 0).containment_up, 1.0);
+}
+
+/// The greatest length of boundary points in directions (a1, s a2, t a3), s and t of all orders of magnitude.
+long double farthest_point(const Superquadric& solid) {
+  const oracle::MixedNorm<long double> norm(solid);
+  long double farthest = 0.0L;
+  for (int i = -40; i <= 40; ++i) {
+    for (int k = -40; k <= 40; ++k) {
+      const std::array<long double, 3> x{solid.semi_axes[0], std::pow(1.3L, i) * solid.semi_axes[1],
+                                         std::pow(1.3L, k) * solid.semi_axes[2]};
+      farthest = std::max(farthest, std::hypot(x[0], x[1], x[2]) / norm.gauge(x));
+    }
+  }
+  return farthest;
+}
+
+TEST_F(PrimitiveParametersTest, ReachIsThatOfTheFarthestPoint) {
+  oracle::RandomCases random(21);
+  for (int i = 0; i < 20; ++i) {
+    const Superquadric solid = random.solid().superquadric;
+    const PrimitiveParameters parameters = primitive_parameters({"", solid, {}}, 0);
+    const auto farthest = static_cast<double>(farthest_point(solid));
+    EXPECT_GE(parameters.reach_up, farthest * (1.0 - 1e-15));
+    EXPECT_LE(parameters.reach_up, farthest * 1.02);
+    EXPECT_LE(parameters.reach_up, parameters.circumradius_up);
+  }
 }
 
 TEST_F(PrimitiveParametersTest, ExponentsAreBounded) {

@@ -23,6 +23,12 @@ using Vector = std::array<Extended, 3>;
 using Norm = oracle::MixedNorm<Extended>;
 
 constexpr const char* bound_kernel = R"(
+ALWAYS_INLINE real lower_end_from_afar(vector3 q, constant const superquadric* s) {
+  const vector3 octant = {REAL(1.0), REAL(1.0), REAL(1.0)};
+  const local_point exact = {q, octant, REAL(0.0)};
+  return enclosure_from_afar(exact, s).lo;
+}
+
 kernel void evaluate_bound(uint bound, ulong groups, global const double* operands, ulong stride,
                            constant const superquadric* s, global double* results) {
   const ulong group = get_global_id(0);
@@ -47,6 +53,7 @@ kernel void evaluate_bound(uint bound, ulong groups, global const double* operan
     case 12: result = direction_down(a); break;
     case 13: result = test_point(a, b.x, b, b.y, s).position; break;
     case 14: result.x = separation_down(a, s); break;
+    case 15: result.x = lower_end_from_afar(b, s); break;
     default: break;
   }
   STORE(result.x, group, results);
@@ -137,6 +144,21 @@ Operands just_inside(oracle::RandomCases& random, const Norm& norm) {
   return {{x[0] + centre[0], x[1] + centre[1], x[2] + centre[2]}, {}};
 }
 
+/// The greatest |(x, y)| in the section with the semi-axes a and b.
+Extended reach(Extended a, Extended b, Extended exponent) {
+  if (exponent <= 2.0L) return std::max(a, b);
+  return oracle::planar_norm<Extended>(a, b, 2.0L * exponent / (exponent - 2.0L));
+}
+
+/// The farther of the sphere and the box about the solid.
+Extended from_afar(const Vector& q, const Norm& norm) {
+  const auto& a = norm.semi_axes();
+  const Extended radius = reach(reach(a[0], a[1], norm.inner().primal), a[2], norm.outer().primal);
+  Vector beyond{};
+  for (std::size_t k = 0; k < 3; ++k) beyond[k] = std::max(q[k] - a[k], 0.0L);
+  return std::max(length(q) - radius, length(beyond));
+}
+
 /// In the order of `evaluate_bound`.
 const Bound bounds[] = {
     {"dot_down", Side::below, two_points,
@@ -181,6 +203,8 @@ const Bound bounds[] = {
        return Vector{o.a[0] + reach * o.b[0], o.a[1] + reach * o.b[1], o.a[2] + reach * o.b[2]};
      }},
     {"separation_down, inside,", Side::below, just_inside, [](const Operands&, const Norm&) { return Vector{0.0L}; }},
+    {"enclosure_from_afar", Side::below, direction_and_far_point,
+     [](const Operands& o, const Norm& norm) { return Vector{from_afar(extended(o.b), norm)}; }},
 };
 
 constexpr std::size_t samples = 512;  // of each bound and solid
