@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <span>
 #include <verisq/error.hpp>
@@ -27,9 +28,9 @@ struct Column {
 /// Points wherever their coordinates lie.
 class PointColumns {
  public:
-  /// Points as they are, of stride 3.
-  PointColumns(std::span<const Point> points)
-      : PointColumns(points.size(), coordinate(points, 0), coordinate(points, 1), coordinate(points, 2)) {}
+  /// Points as they are, of stride 3: a vector or span of them.
+  template <std::convertible_to<std::span<const Point>> Points>
+  PointColumns(const Points& points) : PointColumns(of_points(points)) {}
 
   /// One column for each coordinate. Throws Error(input) unless they have one length.
   PointColumns(std::span<const double> x, std::span<const double> y, std::span<const double> z)
@@ -53,8 +54,10 @@ class PointColumns {
   }
 
  private:
-  static Column<const double> coordinate(std::span<const Point> points, std::size_t i) {
-    return {points.empty() ? nullptr : points.front().data() + i, 3};
+  static PointColumns of_points(std::span<const Point> points) {
+    if (points.empty()) return {0, {}, {}, {}};
+    const double* const first = points.front().data();
+    return {points.size(), {first, 3}, {first + 1, 3}, {first + 2, 3}};
   }
 
   std::size_t size_;
@@ -64,11 +67,9 @@ class PointColumns {
 /// Where rows of a map go. No two of their values may share memory.
 class ResultColumns {
  public:
-  /// Rows as they are.
-  ResultColumns(std::span<MapResult> rows)
-      : ResultColumns(rows.size(), rows.empty() ? ends() : ends(&rows.front().distance.lo),
-                      rows.empty() ? ends() : ends(&rows.front().distance.hi),
-                      rows.empty() ? Column<Status>() : Column<Status>{&rows.front().status, sizeof(MapResult)}) {}
+  /// Rows as they are: a vector or span of them.
+  template <std::convertible_to<std::span<MapResult>> Rows>
+  ResultColumns(Rows&& rows) : ResultColumns(of_rows(rows)) {}
 
   /// One column each. Throws Error(input) unless they have one length.
   ResultColumns(std::span<double> lo, std::span<double> hi, std::span<Status> status)
@@ -97,6 +98,12 @@ class ResultColumns {
   }
 
  private:
+  static ResultColumns of_rows(std::span<MapResult> rows) {
+    if (rows.empty()) return {0, ends(), ends(), {}};
+    MapResult& first = rows.front();
+    return {rows.size(), ends(&first.distance.lo), ends(&first.distance.hi), {&first.status, sizeof(MapResult)}};
+  }
+
   static_assert(sizeof(MapResult) % sizeof(double) == 0);
   static Column<double> ends(double* first = nullptr) { return {first, sizeof(MapResult) / sizeof(double)}; }
 

@@ -30,7 +30,7 @@ using Exact = long double;  // holds every product of a binary64 number and a po
 constexpr double tiniest = std::numeric_limits<double>::denorm_min();
 constexpr double largest = std::numeric_limits<double>::max();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array exponents{-1000, -300, -3, 0, 1, 3, 52, 300, 1000};
+constexpr std::array exponents{-1000, -300, -3, 0, 1, 3, 52, 300, 301, 1000};
 constexpr std::array<std::size_t, 6> sizes{1, 3, 4, 5, 67, 150};
 
 /// As a device multiplies: a column in memory, read or written from the first of its bytes on.
@@ -108,6 +108,9 @@ class Numbers {
     }
   }
 
+  /// Positive; its product with 2^-exponent is not a number where that is below 1.
+  double below_all(int exponent) { return near(exponent - 1076, 1.0 + unit_(generator_)); }
+
   double unit() { return unit_(generator_); }
   bool one_in(std::uint64_t count) { return generator_() % count == 0; }
 
@@ -130,13 +133,17 @@ std::string judged_columns(const Device& device, const cl::Program& program, int
   const Scale scale(exponent);
   std::size_t length = 0;
   for (const Layout& layout : layouts) length = std::max(length, extent(layout, size));
-  std::vector<double> memory(length);
-  for (double& x : memory) x = numbers.usual();
-  if (!finite) memory[place(layouts[size % 3], size / 2)] = size % 2 == 0 ? infinity : nan;
+  std::array<std::vector<double>, 3> memories;
+  for (std::vector<double>& memory : memories) {
+    memory.resize(length);
+    for (double& x : memory) x = numbers.usual();
+  }
+  if (!finite) memories[size % 3][place(layouts[size % 3], size / 2)] = size % 2 == 0 ? infinity : nan;
 
   const Launcher launcher(device);
   NamedKernel kernel(program, kernels::embedded_point_sources(), "point_columns");
-  const cl::Buffer input = launcher.uploaded(memory);
+  std::array<cl::Buffer, 3> inputs;
+  for (std::size_t i = 0; i < 3; ++i) inputs[i] = launcher.uploaded(memories[i]);
   std::array<cl::Buffer, 3> outputs;
   for (cl::Buffer& output : outputs) output = launcher.uploaded(std::vector<double>(padded + 1, -7.0));
   std::vector<cl_uint> refused{0};
@@ -146,7 +153,7 @@ std::string judged_columns(const Device& device, const cl::Program& program, int
   kernel.set("vectors", vectors);
   kernel.set("factor", scale.factor());
   constexpr std::array axes{"x", "y", "z"};
-  for (std::size_t i = 0; i < 3; ++i) set(kernel, axes[i], input, layouts[i]);
+  for (std::size_t i = 0; i < 3; ++i) set(kernel, axes[i], inputs[i], layouts[i]);
   kernel.set(coordinate_arguments, outputs);
   kernel.set("refused", flag);
   launcher.launch(kernel, (padded / width + vectors - 1) / vectors + 1, 1);
@@ -162,9 +169,10 @@ std::string judged_columns(const Device& device, const cl::Program& program, int
   for (std::size_t n = 0; n < padded; ++n) {
     const std::size_t known = std::min(n, size - 1);
     bool known_finite = true;
-    for (std::size_t i = 0; i < 3; ++i) known_finite = known_finite && std::isfinite(memory[place(layouts[i], known)]);
+    for (std::size_t i = 0; i < 3; ++i)
+      known_finite = known_finite && std::isfinite(memories[i][place(layouts[i], known)]);
     for (std::size_t i = 0; i < 3; ++i) {
-      const double expected = known_finite ? scale.to_device(memory[place(layouts[i], known)]) : far_away;
+      const double expected = known_finite ? scale.to_device(memories[i][place(layouts[i], known)]) : far_away;
       if (columns[i][n] != expected)
         return fmt::format("{} points, scale {}: coordinate {} of {} is {:.17g}, not {:.17g}", size, exponent, i, n,
                            columns[i][n], expected);
@@ -209,7 +217,24 @@ bool is_tightest(const RowScene& scene, const Point& point, const Enclosure& row
   return held && verified(row, tightest_width(point, row, scene.criterion.radius));
 }
 
-std::string judged_rows(const Device& device, const cl::Program& program, const RowScene& scene, bool extremes,
+enum class Ends { usual, extreme, one_inexact };
+
+/// In the device's numbers, where the radius is about 1.
+Enclosure ends_of_row(Ends kind, int exponent, Numbers& numbers) {
+  // As narrow as can be: only one of the ends is not exact in model units.
+  if (kind == Ends::one_inexact) {
+    const double tiny = numbers.below_all(exponent);
+    return exponent % 2 == 0 ? Enclosure{-tiny, 0.0} : Enclosure{0.0, tiny};
+  }
+  constexpr std::array widths{0.0, 1e-15, 5e-13, 1e-11, 1.5e-9, 3e-9, 1e-6, 1e-3, -1e-10};
+  double lo = numbers.one_in(3) ? -numbers.unit() : 3.0 * numbers.unit();
+  double hi = lo + widths[static_cast<std::size_t>(numbers.unit() * widths.size())];
+  if (kind == Ends::extreme && numbers.one_in(2)) lo = numbers.extreme(exponent);
+  if (kind == Ends::extreme && numbers.one_in(2)) hi = numbers.one_in(2) ? lo : numbers.extreme(exponent);
+  return {lo, hi};
+}
+
+std::string judged_rows(const Device& device, const cl::Program& program, const RowScene& scene, Ends kind,
                         Numbers& numbers) {
   const auto width = static_cast<std::size_t>(device.vector_width);
   const std::size_t padded = (scene.size + width - 1) / width * width;
@@ -224,14 +249,9 @@ std::string judged_rows(const Device& device, const cl::Program& program, const 
       point[i] = (2.0 * numbers.unit() - 1.0) * unit;
       coordinates[i].push_back(scale.to_device(point[i]));
     }
-    // In the device's numbers, where the radius is about 1.
-    double lo = numbers.one_in(3) ? -numbers.unit() : 3.0 * numbers.unit();
-    constexpr std::array widths{0.0, 1e-15, 5e-13, 1e-11, 1.5e-9, 3e-9, 1e-6, 1e-3, -1e-10};
-    double hi = lo + widths[static_cast<std::size_t>(numbers.unit() * widths.size())];
-    if (extremes && numbers.one_in(2)) lo = numbers.extreme(scene.exponent);
-    if (extremes && numbers.one_in(2)) hi = numbers.one_in(2) ? lo : numbers.extreme(scene.exponent);
-    los.push_back(lo);
-    his.push_back(hi);
+    const Enclosure ends = ends_of_row(kind, scene.exponent, numbers);
+    los.push_back(ends.lo);
+    his.push_back(ends.hi);
   }
 
   const Launcher launcher(device);
@@ -339,12 +359,12 @@ std::string false_rows(const Device& device, const cl::Program& program) {
       const std::array<std::array<Layout, 3>, 3> all{
           {{{{0, 1}, {size, 1}, {0, 1}}}, {{{0, 3}, {1, 3}, {16, 24}}}, {{{2 * last, -2}, {1, 2}, {3 * last, -3}}}}};
       for (const double tolerance : {0.0, 1e-12 * radius, 1e-5 * radius}) {
-        for (const bool extremes : {false, true}) {
+        for (const Ends kind : {Ends::usual, Ends::extreme, Ends::one_inexact}) {
           const auto& [lo, hi, status] = all[turn % all.size()];
           const double inside = tolerance > 0.0 && turn % 2 == 0 ? -1.0 : tightest_inside * radius;
           const RowScene scene{exponent, size,   {tolerance, inside, tightest_outside, radius},
                                {lo, hi}, status, turn % 5 == 0 ? std::size_t{1} : std::size_t{4}};
-          std::string found = judged_rows(device, program, scene, extremes, numbers);
+          std::string found = judged_rows(device, program, scene, kind, numbers);
           if (!found.empty()) return found;
           ++turn;
         }
