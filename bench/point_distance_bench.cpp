@@ -1,7 +1,6 @@
 /// Distance of points to the objects of Table 5: verisq on each device, on the host, and FCL's libccd GJK, in one
 /// process on the same points. Prints the paper's Table 6 beside ours.
 #include <fmt/format.h>
-
 #include <time.h>
 
 #include <algorithm>

@@ -34,10 +34,10 @@ class PointColumns {
 
   /// One column for each coordinate. Throws Error(input) unless they have one length.
   PointColumns(std::span<const double> x, std::span<const double> y, std::span<const double> z)
-      : PointColumns(x.size(), {x.data()}, {y.data()}, {z.data()}) {
-    if (y.size() != x.size() || z.size() != x.size())
-      throw Error(ErrorKind::input, "the columns of the coordinates have different lengths");
-  }
+      : PointColumns(y.size() == x.size() && z.size() == x.size()
+                         ? x.size()
+                         : throw Error(ErrorKind::input, "the columns of the coordinates have different lengths"),
+                     {x.data()}, {y.data()}, {z.data()}) {}
 
   PointColumns(std::size_t size, Column<const double> x, Column<const double> y, Column<const double> z)
       : size_(size), coordinates_{x, y, z} {}
@@ -73,10 +73,10 @@ class ResultColumns {
 
   /// One column each. Throws Error(input) unless they have one length.
   ResultColumns(std::span<double> lo, std::span<double> hi, std::span<Status> status)
-      : ResultColumns(lo.size(), {lo.data()}, {hi.data()}, {status.data()}) {
-    if (hi.size() != lo.size() || status.size() != lo.size())
-      throw Error(ErrorKind::input, "the columns of the rows have different lengths");
-  }
+      : ResultColumns(hi.size() == lo.size() && status.size() == lo.size()
+                          ? lo.size()
+                          : throw Error(ErrorKind::input, "the columns of the rows have different lengths"),
+                      {lo.data()}, {hi.data()}, {status.data()}) {}
 
   ResultColumns(std::size_t size, Column<double> lo, Column<double> hi, Column<Status> status)
       : size_(size), lo_(lo), hi_(hi), status_(status) {}
