@@ -356,8 +356,8 @@ TEST_P(KernelMemoryTest, FindsNothingInColumnsOfPoints) {
 }
 
 TEST_P(KernelMemoryTest, FindsARowBeyondTheEnd) {
-  EXPECT_THAT(reported_of(&KernelRun::map,
-                          broken(kernels::embedded_point_sources(), "if (count < VECTOR_WIDTH) {", "if (count < 0) {")),
+  constexpr std::string_view guard = "if (first >= size) break;\n    const uint count";
+  EXPECT_THAT(reported_of(&KernelRun::map, broken(kernels::embedded_point_sources(), guard, "const uint count")),
               HasSubstr("Invalid write"));
 }
 
