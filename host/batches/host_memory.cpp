@@ -12,26 +12,21 @@ namespace {
 
 // Where a column's values lie.
 struct Extent {
-  std::uintptr_t first;
-  std::uintptr_t end;
+  const std::byte* first;
+  std::size_t bytes;
+
+  [[nodiscard]] const std::byte* end() const { return first + bytes; }
 };
 
+// From a whole number on, so that offsets of numbers are whole.
 template <class Value>
 Extent extent_of(const Column<Value>& column, std::size_t size) {
   const Value* const one = &column[0];
   const Value* const other = &column[size - 1];
-  return {reinterpret_cast<std::uintptr_t>(std::min(one, other)),
-          reinterpret_cast<std::uintptr_t>(std::max(one, other) + 1)};
-}
-
-// Whole numbers, so that offsets of numbers are.
-Extent aligned(const Extent& extent) {
-  constexpr std::uintptr_t alignment = sizeof(double);
-  return {extent.first / alignment * alignment, (extent.end + alignment - 1) / alignment * alignment};
-}
-
-std::size_t bytes(const Extent& extent) {
-  return extent.end - extent.first;
+  const auto* const first = reinterpret_cast<const std::byte*>(std::min(one, other));
+  const auto* const end = reinterpret_cast<const std::byte*>(std::max(one, other) + 1);
+  const std::size_t beyond = reinterpret_cast<std::uintptr_t>(first) % sizeof(double);
+  return {first - beyond, static_cast<std::size_t>(end - first) + beyond};
 }
 
 // Those that overlap in one: buffers must not share memory.
@@ -39,8 +34,8 @@ std::vector<Extent> united(std::vector<Extent> all) {
   std::ranges::sort(all, {}, &Extent::first);
   std::vector<Extent> apart;
   for (const Extent& next : all) {
-    if (!apart.empty() && next.first < apart.back().end)
-      apart.back().end = std::max(apart.back().end, next.end);
+    if (!apart.empty() && next.first < apart.back().end())
+      apart.back().bytes = static_cast<std::size_t>(std::max(apart.back().end(), next.end()) - apart.back().first);
     else
       apart.push_back(next);
   }
@@ -54,40 +49,42 @@ class SharedMemory final : public HostMemory {
   BoundChunk bind(ChunkQueue& /*queue*/, const PointColumns& points, const ResultColumns& rows) override {
     const std::size_t size = points.size();
     const auto& [x, y, z] = points.coordinates();
-    extents_ = united({aligned(extent_of(x, size)), aligned(extent_of(y, size)), aligned(extent_of(z, size)),
-                       aligned(extent_of(rows.lo(), size)), aligned(extent_of(rows.hi(), size)),
-                       aligned(extent_of(rows.status(), size))});
+    extents_ = united({extent_of(x, size), extent_of(y, size), extent_of(z, size), extent_of(rows.lo(), size),
+                       extent_of(rows.hi(), size), extent_of(rows.status(), size)});
     results_ = {index_of(rows.lo().first), index_of(rows.hi().first), index_of(rows.status().first)};
     buffers_.clear();
     for (std::size_t i = 0; i < extents_.size(); ++i) {
-      const cl_mem_flags access =
-          std::ranges::find(results_, i) == results_.end() ? CL_MEM_READ_ONLY : CL_MEM_READ_WRITE;
-      buffers_.emplace_back(context_, access | CL_MEM_USE_HOST_PTR, bytes(extents_[i]),
-                            reinterpret_cast<void*>(extents_[i].first));
+      const cl_mem_flags access = takes_results(i) ? CL_MEM_READ_WRITE : CL_MEM_READ_ONLY;
+      buffers_.emplace_back(context_, access | CL_MEM_USE_HOST_PTR, extents_[i].bytes,
+                            const_cast<std::byte*>(extents_[i].first));
     }
     return {{bound(x), bound(y), bound(z)}, {bound(rows.lo()), bound(rows.hi())}, bound(rows.status())};
   }
 
   void fetch(ChunkQueue& queue) override {
-    std::ranges::sort(results_);
-    const auto end = std::ranges::unique(results_).begin();
-    for (auto index = results_.begin(); index != end; ++index) queue.show(buffers_[*index], bytes(extents_[*index]));
+    for (std::size_t i = 0; i < buffers_.size(); ++i)
+      if (takes_results(i)) queue.show(buffers_[i], extents_[i].bytes);
   }
 
   void deliver() override {}
 
  private:
   [[nodiscard]] std::size_t index_of(const void* value) const {
-    const auto at = reinterpret_cast<std::uintptr_t>(value);
-    const auto beyond = std::ranges::upper_bound(extents_, at, {}, &Extent::first);
+    const auto beyond =
+        std::ranges::upper_bound(extents_, static_cast<const std::byte*>(value), std::ranges::less(), &Extent::first);
     return static_cast<std::size_t>(beyond - extents_.begin()) - 1;
+  }
+
+  [[nodiscard]] bool takes_results(std::size_t index) const {
+    return std::ranges::find(results_, index) != results_.end();
   }
 
   template <class Value>
   [[nodiscard]] BoundColumn bound(const Column<Value>& column) const {
     const std::size_t index = index_of(column.first);
-    const std::uintptr_t offset = reinterpret_cast<std::uintptr_t>(column.first) - extents_[index].first;
-    return {buffers_[index], offset / sizeof(Value), static_cast<std::uint64_t>(column.stride)};
+    const auto offset = reinterpret_cast<const std::byte*>(column.first) - extents_[index].first;
+    return {buffers_[index], static_cast<std::size_t>(offset) / sizeof(Value),
+            static_cast<std::uint64_t>(column.stride)};
   }
 
   cl::Context context_;

@@ -5,6 +5,7 @@
 #include <concepts>
 #include <cstddef>
 #include <span>
+#include <vector>
 #include <verisq/error.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/model.hpp>
@@ -67,9 +68,9 @@ class PointColumns {
 /// Where rows of a map go. No two of their values may share memory.
 class ResultColumns {
  public:
-  /// Rows as they are: a vector or span of them.
-  template <std::convertible_to<std::span<MapResult>> Rows>
-  ResultColumns(Rows&& rows) : ResultColumns(of_rows(rows)) {}
+  /// Rows as they are.
+  ResultColumns(std::span<MapResult> rows) : ResultColumns(of_rows(rows)) {}
+  ResultColumns(std::vector<MapResult>& rows) : ResultColumns(of_rows(rows)) {}
 
   /// One column each. Throws Error(input) unless they have one length.
   ResultColumns(std::span<double> lo, std::span<double> hi, std::span<Status> status)
