@@ -10,6 +10,8 @@
 namespace verisq::device {
 namespace {
 
+static_assert(sizeof(MapResult) % sizeof(double) == 0, "the stride of its ends is a whole one");
+
 // Where a column's values lie.
 struct Extent {
   const std::byte* first;
@@ -55,8 +57,9 @@ class SharedMemory final : public HostMemory {
     buffers_.clear();
     for (std::size_t i = 0; i < extents_.size(); ++i) {
       const cl_mem_flags access = takes_results(i) ? CL_MEM_READ_WRITE : CL_MEM_READ_ONLY;
-      buffers_.emplace_back(context_, access | CL_MEM_USE_HOST_PTR, extents_[i].bytes,
-                            const_cast<std::byte*>(extents_[i].first));
+      // Of memory that is only read, too, OpenCL asks for a pointer that may write.
+      auto* const memory = const_cast<std::byte*>(extents_[i].first);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+      buffers_.emplace_back(context_, access | CL_MEM_USE_HOST_PTR, extents_[i].bytes, memory);
     }
     return {{bound(x), bound(y), bound(z)}, {bound(rows.lo()), bound(rows.hi())}, bound(rows.status())};
   }

@@ -105,7 +105,6 @@ class ResultColumns {
     return {rows.size(), ends(&first.distance.lo), ends(&first.distance.hi), {&first.status, sizeof(MapResult)}};
   }
 
-  static_assert(sizeof(MapResult) % sizeof(double) == 0);
   static Column<double> ends(double* first = nullptr) { return {first, sizeof(MapResult) / sizeof(double)}; }
 
   std::size_t size_;
