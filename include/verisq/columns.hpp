@@ -57,7 +57,7 @@ class PointColumns {
  private:
   static PointColumns of_points(std::span<const Point> points) {
     if (points.empty()) return {0, {}, {}, {}};
-    const double* const first = points.front().data();
+    const double* const first = &points[0][0];
     return {points.size(), {first, 3}, {first + 1, 3}, {first + 2, 3}};
   }
 
@@ -101,7 +101,7 @@ class ResultColumns {
  private:
   static ResultColumns of_rows(std::span<MapResult> rows) {
     if (rows.empty()) return {0, ends(), ends(), {}};
-    MapResult& first = rows.front();
+    MapResult& first = rows[0];
     return {rows.size(), ends(&first.distance.lo), ends(&first.distance.hi), {&first.status, sizeof(MapResult)}};
   }
 
