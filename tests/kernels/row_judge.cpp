@@ -126,6 +126,13 @@ class Numbers {
 
 constexpr double far_away = 0x1p20;  // FAR_AWAY in kernels/point_columns.cl
 
+bool is_finite(const std::array<std::vector<double>, 3>& memories, const std::array<Layout, 3>& layouts,
+               std::size_t n) {
+  bool finite = true;
+  for (std::size_t i = 0; i < 3; ++i) finite = finite && std::isfinite(memories[i][place(layouts[i], n)]);
+  return finite;
+}
+
 std::string judged_columns(const Device& device, const cl::Program& program, int exponent, std::size_t size,
                            const std::array<Layout, 3>& layouts, bool finite, Numbers& numbers) {
   const auto width = static_cast<std::size_t>(device.vector_width);
@@ -168,9 +175,7 @@ std::string judged_columns(const Device& device, const cl::Program& program, int
   }
   for (std::size_t n = 0; n < padded; ++n) {
     const std::size_t known = std::min(n, size - 1);
-    bool known_finite = true;
-    for (std::size_t i = 0; i < 3; ++i)
-      known_finite = known_finite && std::isfinite(memories[i][place(layouts[i], known)]);
+    const bool known_finite = is_finite(memories, layouts, known);
     for (std::size_t i = 0; i < 3; ++i) {
       const double expected = known_finite ? scale.to_device(memories[i][place(layouts[i], known)]) : far_away;
       if (columns[i][n] != expected)
@@ -350,6 +355,7 @@ std::string false_columns(const Device& device, const cl::Program& program) {
 }
 
 std::string false_rows(const Device& device, const cl::Program& program) {
+  constexpr std::array<std::size_t, 5> work_items{1, 4, 4, 4, 4};  // a work-group
   Numbers numbers;
   std::size_t turn = 0;
   for (const int exponent : exponents) {
@@ -363,7 +369,7 @@ std::string false_rows(const Device& device, const cl::Program& program) {
           const auto& [lo, hi, status] = all[turn % all.size()];
           const double inside = tolerance > 0.0 && turn % 2 == 0 ? -1.0 : tightest_inside * radius;
           const RowScene scene{exponent, size,   {tolerance, inside, tightest_outside, radius},
-                               {lo, hi}, status, turn % 5 == 0 ? std::size_t{1} : std::size_t{4}};
+                               {lo, hi}, status, work_items[turn % work_items.size()]};
           std::string found = judged_rows(device, program, scene, kind, numbers);
           if (!found.empty()) return found;
           ++turn;
