@@ -48,6 +48,8 @@ std::string costs(const Rows& rows, std::string_view tool) {
   };
   const auto peer = [&](std::string_view object) { return rate(rows, "fcl_libccd", "point_outside", object); };
   line("outside, verified, map (M points/s)", [&](auto object) { return 1e-6 * of("point_outside")(object); });
+  line("outside, verified, map of a stream (M points/s)",
+       [&](auto object) { return 1e-6 * of("point_outside_stream")(object); });
   line("outside, verified, kernel (M points/s)",
        [&](auto object) { return 1e-6 * of("point_outside_kernel")(object); });
   line("outside, solver only, kernel (M points/s)",
@@ -59,6 +61,9 @@ std::string costs(const Rows& rows, std::string_view tool) {
   line("verification costs, % over the solver", [&](auto object) {
     return 100.0 * (of("point_outside_solver_only")(object) / of("point_outside_kernel")(object) - 1.0);
   });
+  line("map / kernel", [&](auto object) { return of("point_outside")(object) / of("point_outside_kernel")(object); });
+  line("the host's own time in the map (ns/point)",
+       [&](auto object) { return counter(rows, row_name(tool, "point_outside", object), "host_ns_a_point"); });
   line("peak fraction, kernel",
        [&](auto object) { return counter(rows, row_name(tool, "point_outside_kernel", object), "peak_fraction"); });
   return text;

@@ -40,16 +40,29 @@ ChunkQueue::ChunkQueue(const Device& device)
 
 cl::Buffer ChunkQueue::numbers(std::size_t count) {
   const cl::Buffer buffer(context_, CL_MEM_READ_WRITE, count * sizeof(double));
-  queue_.enqueueFillBuffer(buffer, 0.0, 0, count * sizeof(double));
+  clear(buffer, count * sizeof(double));
   return buffer;
 }
 
-void ChunkQueue::write(const cl::Buffer& buffer, std::span<const double> column) {
-  queue_.enqueueWriteBuffer(buffer, CL_FALSE, 0, column.size_bytes(), column.data());
+void ChunkQueue::write(const cl::Buffer& buffer, std::span<const double> column, std::size_t offset) {
+  queue_.enqueueWriteBuffer(buffer, CL_FALSE, offset * sizeof(double), column.size_bytes(), column.data());
 }
 
 void ChunkQueue::read(const cl::Buffer& buffer, std::span<double> column) {
-  queue_.enqueueReadBuffer(buffer, CL_FALSE, 0, column.size_bytes(), column.data());
+  read_bytes(buffer, std::as_writable_bytes(column));
+}
+
+void ChunkQueue::read_bytes(const cl::Buffer& buffer, std::span<std::byte> bytes) {
+  queue_.enqueueReadBuffer(buffer, CL_FALSE, 0, bytes.size(), bytes.data());
+}
+
+void ChunkQueue::clear(const cl::Buffer& buffer, std::size_t bytes) {
+  queue_.enqueueFillBuffer(buffer, cl_uchar{0}, 0, bytes);
+}
+
+void ChunkQueue::show(const cl::Buffer& buffer, std::size_t bytes) {
+  void* const memory = queue_.enqueueMapBuffer(buffer, CL_FALSE, CL_MAP_READ, 0, bytes);
+  queue_.enqueueUnmapMemObject(buffer, memory);
 }
 
 void ChunkQueue::launch(const NamedKernel& kernel, std::size_t work_items, std::size_t local) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,8 @@ class Scale {
  public:
   explicit Scale(int exponent) : factor_(std::ldexp(1.0, exponent)), inverse_(std::ldexp(1.0, -exponent)) {}
 
+  [[nodiscard]] double factor() const { return factor_; }    ///< 2^scale
+  [[nodiscard]] double inverse() const { return inverse_; }  ///< 2^-scale
   [[nodiscard]] double to_device(double x) const { return x * factor_; }
   [[nodiscard]] double to_model(double x) const { return x / factor_; }  ///< for what proves nothing
   /// Rounded outward where it underflows or overflows.
@@ -40,10 +43,16 @@ class ChunkQueue {
   /// A buffer of `count` numbers, zero: filled at once, otherwise the first launches would wait for memory.
   [[nodiscard]] cl::Buffer numbers(std::size_t count);
 
-  /// Uploads `column`, which must stay until `finish`.
-  void write(const cl::Buffer& buffer, std::span<const double> column);
+  /// Uploads `column`, which must stay until `finish`, to the buffer's number `offset` and those after it.
+  void write(const cl::Buffer& buffer, std::span<const double> column, std::size_t offset = 0);
   /// Downloads into `column`, which must stay until `finish`.
   void read(const cl::Buffer& buffer, std::span<double> column);
+  void read_bytes(const cl::Buffer& buffer, std::span<std::byte> bytes);
+  /// Fills the first `bytes` of the buffer with zeros.
+  void clear(const cl::Buffer& buffer, std::size_t bytes);
+  /// What kernels write into a buffer of so many `bytes` of the host's memory (CL_MEM_USE_HOST_PTR) is there after
+  /// `finish`.
+  void show(const cl::Buffer& buffer, std::size_t bytes);
   /// Enough work-groups of `local` for `work_items`.
   void launch(const NamedKernel& kernel, std::size_t work_items, std::size_t local = usual_group_size);
   void flush() { queue_.flush(); }

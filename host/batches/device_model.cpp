@@ -11,9 +11,7 @@
 namespace verisq::device {
 namespace {
 
-// Long against a launch, short against a mesh, so that work overlaps; other devices want more work-items at a time.
-constexpr std::size_t queries_per_processor_chunk = 1U << 14U;
-constexpr std::size_t queries_per_chunk = 1U << 18U;
+constexpr std::size_t queries_per_chunk = 1U << 18U;  // of devices that want more work-items at a time than processors
 constexpr std::size_t primitives_per_full_chunk = 8;  // larger models take smaller chunks: memory stays bounded
 constexpr std::size_t smallest_chunk = 1U << 10U;
 constexpr std::size_t chunk_alignment = 1U << 10U;  // keeps windows of device buffers aligned for any device
@@ -21,8 +19,8 @@ constexpr std::size_t chunk_alignment = 1U << 10U;  // keeps windows of device b
 constexpr int largest_scaled_exponent = 300;
 constexpr double far_from_unit_model = 0x1p20;
 
-std::size_t chunk_size(std::size_t primitives, int vector_width) {
-  const std::size_t full = vector_width > 1 ? queries_per_processor_chunk : queries_per_chunk;
+std::size_t chunk_size(std::size_t primitives, int vector_width, std::size_t processor_chunk) {
+  const std::size_t full = vector_width > 1 ? processor_chunk : queries_per_chunk;
   const std::size_t wanted =
       std::max(smallest_chunk, full * primitives_per_full_chunk / std::max(primitives, primitives_per_full_chunk));
   return wanted - wanted % chunk_alignment;
@@ -59,12 +57,12 @@ Model joined(const Model& a, const Model& b) {
   return both;
 }
 
-DeviceModel::DeviceModel(const Device& device, const Model& model)
+DeviceModel::DeviceModel(const Device& device, const Model& model, std::size_t processor_chunk)
     : scale_exponent(device::scale_exponent(model)),
       primitives(uploaded(device, model, scale_exponent)),
       count(model.primitives.size()),
       memory(model_memory_option(device, count * sizeof(PrimitiveParameters))),
-      chunk_size(device::chunk_size(count, device.vector_width)) {}
+      chunk_size(device::chunk_size(count, device.vector_width, processor_chunk)) {}
 
 double far_away(const DeviceModel& model) {
   return std::ldexp(far_from_unit_model, -model.scale_exponent);

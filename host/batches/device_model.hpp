@@ -1,6 +1,7 @@
 /// A model in the memory of a device, and how large its chunks are.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "host/device/device.hpp"
@@ -15,8 +16,11 @@ namespace verisq::device {
 /// The primitives of both models, those of `a` first: a device holds them under one scale.
 [[nodiscard]] Model joined(const Model& a, const Model& b);
 
+/// What a processor's chunk holds of a small model. Long against a launch, short against a mesh, so that work overlaps.
+inline constexpr std::size_t usual_processor_chunk = std::size_t{1} << 14U;
+
 struct DeviceModel {
-  DeviceModel(const Device& device, const Model& model);
+  DeviceModel(const Device& device, const Model& model, std::size_t processor_chunk = usual_processor_chunk);
 
   int scale_exponent;      ///< numbers of the device are model units times 2^scale_exponent
   cl::Buffer primitives;   ///< PrimitiveParameters of each

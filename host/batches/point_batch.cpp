@@ -10,16 +10,13 @@
 #include "host/batches/certificate_assembly.hpp"
 #include "host/batches/chunk_pipeline.hpp"
 #include "host/batches/chunk_slot.hpp"
-#include "host/batches/convex_distance.hpp"
 #include "host/batches/device_model.hpp"
-#include "host/batches/kernel_arguments.hpp"
-#include "kernels/embedded_sources.hpp"
+#include "host/batches/point_kernels.hpp"
 
 namespace verisq::device {
 namespace {
 
 constexpr std::size_t numbers_per_primitive = 4;  // of its evidence: upper end and normal
-constexpr std::array<std::string_view, 3> escape_arguments{"escape_xs", "escape_ys", "escape_zs"};
 
 // One chunk on its way through the device.
 class PointSlot : public ChunkSlot {
@@ -29,40 +26,19 @@ class PointSlot : public ChunkSlot {
             std::optional<CertificateAssembly> assembly)
       : ChunkSlot(device, model),
         assembly_(std::move(assembly)),
-        primitives_(model.primitives),
-        coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
-        convex_distance_(device, program, queue_, coordinates_, capacity_, scale_.to_device(tolerance)),
-        union_distance_(program, kernels::embedded_point_sources(), "union_distance") {
-    for (cl::Buffer& evidence : per_primitive_) evidence = queue_.numbers(capacity_ * count_);
-    result_[0] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[0];
-    result_[1] = count_ > 1 ? queue_.numbers(capacity_) : per_primitive_[1];
-    for (cl::Buffer& escape : escape_) escape = queue_.numbers(count_ > 1 ? capacity_ : 1);
-
-    union_distance_.set("stride", capacity_);
-    union_distance_.set(coordinate_arguments, coordinates_);
-    union_distance_.set("primitives", primitives_);
-    union_distance_.set("count", count_);
-    union_distance_.set(evidence_arguments, per_primitive_);
-    union_distance_.set(union_arguments, result_);
-    union_distance_.set(escape_arguments, escape_);
+        kernels_(device, program, model, queue_, scale_.to_device(tolerance)) {
     for (auto& column : columns_) column.resize(capacity_);
     if (assembly_) evidence_.resize(capacity_ * (numbers_per_primitive * count_ + 3));
-    views_ = views_of_primitives(per_primitive_, count_, capacity_);
   }
 
   void start(std::span<const Point> points) {
     size_ = points.size();
     for (std::size_t i = 0; i < 3; ++i) {
       fill(columns_[i], [&](std::size_t n) { return scale_.to_device(points[n][i]); });
-      queue_.write(coordinates_[i], std::span(columns_[i]).first(padded()));
+      queue_.write(kernels_.coordinates()[i], std::span(columns_[i]).first(padded()));
     }
-    for (std::size_t index = 0; index < count_; ++index)
-      convex_distance_.enqueue(queue_, primitives_, index, groups(), views_[index]);
-    if (count_ > 1) {
-      union_distance_.set("groups", groups());
-      queue_.launch(union_distance_, groups());
-    }
-    enclosures_.read(queue_, result_, size_);
+    kernels_.enqueue(queue_, groups());
+    enclosures_.read(queue_, kernels_.ends(), size_);
     if (!evidence_.empty()) read_evidence();
     queue_.flush();
   }
@@ -92,10 +68,10 @@ class PointSlot : public ChunkSlot {
       queue_.read(buffer, {column, size_});
       column += capacity_;
     };
-    for (std::size_t index = 0; index < count_; ++index)
-      for (std::size_t i = 1; i < views_[index].size(); ++i) read(views_[index][i]);
+    for (const EvidenceBuffers& evidence : kernels_.evidence())
+      for (std::size_t i = 1; i < evidence.size(); ++i) read(evidence[i]);
     if (count_ > 1)
-      for (const cl::Buffer& escape : escape_) read(escape);
+      for (const cl::Buffer& escape : kernels_.escapes()) read(escape);
   }
 
   [[nodiscard]] Point in_model_units(const double* x) const {
@@ -103,15 +79,7 @@ class PointSlot : public ChunkSlot {
   }
 
   std::optional<CertificateAssembly> assembly_;
-  // Kernels do not keep the buffers that they are given.
-  cl::Buffer primitives_;
-  std::array<cl::Buffer, 3> coordinates_;
-  ConvexDistance convex_distance_;
-  NamedKernel union_distance_;
-  EvidenceBuffers per_primitive_;  // primitive by primitive
-  std::array<cl::Buffer, 2> result_;
-  std::array<cl::Buffer, 3> escape_;
-  std::vector<EvidenceBuffers> views_;  // windows of those, one for each primitive
+  PointKernels kernels_;
   std::array<std::vector<double>, 3> columns_;
   std::vector<double> evidence_;  // columns of `capacity` numbers; empty unless certificates are asked for
 };

@@ -12,6 +12,7 @@
 
 #include "host/maps/chunk_pace.hpp"
 #include "host/maps/exact_map.hpp"
+#include "host/maps/map_copies.hpp"
 #include "host/maps/summary_count.hpp"
 #include "verify/proof/bracketed.hpp"
 #include "verify/proof/intersection.hpp"
@@ -131,6 +132,13 @@ class BracketMap {
     } while (!queries.empty() && !summary.interrupted);
     return summary;
   }
+
+  MapSummary map_in_memory(const typename QueriesInMemory<Query>::type& queries, const ResultColumns& rows) {
+    if (bounds_.exact()) return maps_.smallest->map_in_memory(queries, rows);
+    return map_copies<Query>(queries, rows, [this](const auto& source, const auto& sink) { return map(source, sink); });
+  }
+
+  [[nodiscard]] const MapOptions& options() const { return options_; }
 
  private:
   [[nodiscard]] BracketRows map_bracket(std::span<const Query> queries) {

@@ -3,11 +3,12 @@
 
 #include <memory>
 
+#include "host/maps/map_copies.hpp"
 #include "verisq/map.hpp"
 
 namespace verisq {
 
-/// As Mapper.
+/// As Mapper, whose two kinds of maps have names of their own here.
 template <class Query>
 class ExactMap {
  public:
@@ -17,6 +18,9 @@ class ExactMap {
   ExactMap& operator=(const ExactMap&) = delete;
 
   virtual MapSummary map(const Source<Query>& source, const Sink<Query>& sink) = 0;
+  virtual MapSummary map_in_memory(const typename QueriesInMemory<Query>::type& queries, const ResultColumns& rows) {
+    return map_copies<Query>(queries, rows, [this](const auto& source, const auto& sink) { return map(source, sink); });
+  }
 };
 
 /// Throw as the constructors of Mapper. Points and triangles are exact, whatever radius the options give.

@@ -1,10 +1,13 @@
 /// The public class: the map of an ordinary model, or those of the models that bracket an uncertain one.
 #include "verisq/map.hpp"
 
+#include <fmt/format.h>
+
 #include "host/maps/bracket_map.hpp"
 #include "host/maps/exact_map.hpp"
 #include "verify/proof/bracketed.hpp"
 #include "verify/proof/uncertain_distance.hpp"
+#include "verisq/error.hpp"
 
 namespace verisq {
 namespace {
@@ -92,6 +95,16 @@ Mapper<Query>& Mapper<Query>::operator=(Mapper&&) noexcept = default;
 template <class Query>
 MapSummary Mapper<Query>::map(const Source<Query>& source, const Sink<Query>& sink) {
   return state_->map.map(source, sink);
+}
+
+template <class Query>
+MapSummary Mapper<Query>::map(const Queries& queries, const ResultColumns& rows) {
+  if (rows.size() != queries.size())
+    throw Error(ErrorKind::input,
+                fmt::format("there is memory for {} rows, not for those of {} queries", rows.size(), queries.size()));
+  if (state_->map.options().certificates)
+    throw Error(ErrorKind::input, "certificates need a sink: columns of rows have no place for them");
+  return state_->map.map_in_memory(queries, rows);
 }
 
 template class Mapper<Point>;

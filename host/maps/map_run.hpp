@@ -86,6 +86,14 @@ class MapRun {
     return all_read || summary_.interrupted ? summary_ : on_host();
   }
 
+  /// Searches and proves what enclosures that a device `found` leave open; hands all of the rows on.
+  void settle(std::span<const Query> queries, std::span<Enclosure> found) {
+    search_inside(queries, found);
+    finish(queries, found, {});
+  }
+
+  [[nodiscard]] const MapSummary& summary() const { return summary_; }
+
  private:
   // What `queries` held before is overwritten: a full vector is not filled with zeros first.
   void read_chunk(std::size_t capacity, std::vector<Query>& queries) const {

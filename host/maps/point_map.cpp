@@ -9,6 +9,7 @@
 #include "host/batches/point_batch.hpp"
 #include "host/batches/solid_batch.hpp"
 #include "host/maps/exact_map.hpp"
+#include "host/maps/piped_map.hpp"
 #include "host/maps/prepared_map.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "verify/proof/convex_union.hpp"
@@ -141,6 +142,13 @@ class PointProver {
   std::unique_ptr<verify::CoarseProof> coarse_proof_;        // with certificates
 };
 
+/// Rows as tight as the device's proofs get may still be narrowed by a search, which is told their tolerance: with one
+/// of 0 there is no more to ask for.
+device::RowCriterion criterion(const MapOptions& options, double radius, bool searched) {
+  const bool open_inside = searched && options.tolerance > 0.0;
+  return {options.tolerance, open_inside ? -1.0 : tightest_inside * radius, tightest_outside, radius};
+}
+
 }  // namespace
 
 std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options) {
@@ -152,18 +160,23 @@ std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions&
     };
     return std::make_unique<Map>(PointProver(model, options), options, model, make_batch, unsuited);
   }
-  const auto make_batch = [&](const device::Device& device) {
-    return device::point_batch(device, model, options.tolerance, options.certificates);
-  };
+  if (options.certificates) {
+    const auto make_batch = [&](const device::Device& device) {
+      return device::point_batch(device, model, options.tolerance, true);
+    };
+    return std::make_unique<Map>(PointProver(model, options), options, model, make_batch);
+  }
   // Where primitives overlap a depth is that of no single one: it takes a search over cubes, which has no certificates.
   Map::MakeBatch make_search;
-  if (model.primitives.size() > 1 && !options.certificates && unsuited.empty()) {
-    const double tolerance = std::max(options.tolerance, tightest_inside * bounding_radius(model));
+  const double radius = bounding_radius(model);
+  if (model.primitives.size() > 1 && unsuited.empty()) {
+    const double tolerance = std::max(options.tolerance, tightest_inside * radius);
     make_search = [model, tolerance](const device::Device& device) {
       return device::solid_batch(device, model, tolerance);
     };
   }
-  return std::make_unique<Map>(PointProver(model, options), options, model, make_batch, std::string(), make_search);
+  return std::make_unique<PipedMap<PointProver>>(PointProver(model, options), options, model,
+                                                 criterion(options, radius, make_search != nullptr), make_search);
 }
 
 }  // namespace verisq

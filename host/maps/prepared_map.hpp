@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "host/batches/batch.hpp"
-#include "host/batches/device_model.hpp"
 #include "host/device/device.hpp"
+#include "host/maps/chosen_device.hpp"
 #include "host/maps/exact_map.hpp"
 #include "host/maps/map_run.hpp"
 
@@ -25,22 +25,10 @@ class PreparedMap final : public ExactMap<Query> {
   /// `unsuited` says why no device is to be used; `make_search`, where there is one, for MapRun::Search.
   PreparedMap(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch,
               const std::string& unsuited = {}, const MakeBatch& make_search = {})
-      : options_(options), prover_(std::move(prover)) {
-    if (options.device == "host") return;
-    const device::Selection selection = device::select_device(options.device);
-    notice_ = selection.notice;
-    if (!selection.device) return;
-    if (!device::within_device_range(primitives)) {
-      notice_ = "the model's sizes span more than the device's kernels are made for";
-      return;
-    }
-    if (!unsuited.empty()) {
-      notice_ = unsuited;
-      return;
-    }
-    name_ = selection.device->name;
-    batch_ = make_batch(*selection.device);
-    if (make_search) make_search_ = [make_search, device = *selection.device] { return make_search(device); };
+      : options_(options), prover_(std::move(prover)), chosen_(chosen_device(options, primitives, unsuited)) {
+    if (!chosen_.device) return;
+    batch_ = make_batch(*chosen_.device);
+    if (make_search) make_search_ = [make_search, device = *chosen_.device] { return make_search(device); };
   }
 
   MapSummary map(const Source<Query>& source, const Sink<Query>& sink) override {
@@ -48,8 +36,8 @@ class PreparedMap final : public ExactMap<Query> {
     if (make_search_) search = [this]() -> device::Batch<Query>& { return ready_search(); };
     MapRun<Query, Prover> run(prover_, options_, source, sink, search);
     MapSummary summary = batch_ ? run.on_device(*batch_) : run.on_host();
-    summary.device = name_;
-    summary.notice = notice_;
+    summary.device = chosen_.name();
+    summary.notice = chosen_.notice;
     return summary;
   }
 
@@ -61,8 +49,7 @@ class PreparedMap final : public ExactMap<Query> {
 
   MapOptions options_;
   Prover prover_;
-  std::string name_ = "host";
-  std::string notice_;
+  ChosenDevice chosen_;
   std::unique_ptr<device::Batch<Query>> batch_;                         // nothing: the host does all
   std::function<std::unique_ptr<device::Batch<Query>>()> make_search_;  // empty: the host searches
   std::unique_ptr<device::Batch<Query>> search_;                        // nothing until it is asked for

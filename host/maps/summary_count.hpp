@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <span>
 
+#include "host/batches/row_sums.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/map.hpp"
 
@@ -31,18 +32,34 @@ inline void count(MapSummary& summary, const MapResult& row) {
   summary.largest_width = std::max(summary.largest_width, row.distance.width());
 }
 
+/// Likewise what another summary counts.
+inline void add(MapSummary& summary, const MapSummary& other) {
+  summary.points += other.points;
+  summary.device_verified += other.device_verified;
+  summary.host_verified += other.host_verified;
+  summary.wide += other.wide;
+  summary.wide_inside += other.wide_inside;
+  summary.minimum_lo = std::min(summary.minimum_lo, other.minimum_lo);
+  summary.minimum_hi = std::min(summary.minimum_hi, other.minimum_hi);
+  summary.largest_width = std::max(summary.largest_width, other.largest_width);
+}
+
 /// Likewise all of these, without a write to the summary for each.
 inline void count(MapSummary& summary, std::span<const MapResult> rows) {
   MapSummary of_rows = empty_summary();
   for (const MapResult& row : rows) count(of_rows, row);
-  summary.points += of_rows.points;
-  summary.device_verified += of_rows.device_verified;
-  summary.host_verified += of_rows.host_verified;
-  summary.wide += of_rows.wide;
-  summary.wide_inside += of_rows.wide_inside;
-  summary.minimum_lo = std::min(summary.minimum_lo, of_rows.minimum_lo);
-  summary.minimum_hi = std::min(summary.minimum_hi, of_rows.minimum_hi);
-  summary.largest_width = std::max(summary.largest_width, of_rows.largest_width);
+  add(summary, of_rows);
+}
+
+/// Likewise what a device has summed up.
+inline void count(MapSummary& summary, const device::RowSums& sums) {
+  summary.points += std::uint64_t{sums.verified} + sums.wide;
+  summary.device_verified += sums.verified;
+  summary.wide += sums.wide;
+  summary.wide_inside += sums.wide_inside;
+  summary.minimum_lo = std::min(summary.minimum_lo, sums.minimum_lo);
+  summary.minimum_hi = std::min(summary.minimum_hi, sums.minimum_hi);
+  summary.largest_width = std::max(summary.largest_width, sums.largest_width);
 }
 
 }  // namespace verisq

@@ -205,6 +205,17 @@ cl_int clEnqueueFillBuffer(cl_command_queue command_queue, cl_mem buffer, const 
   return forward<clEnqueueFillBuffer>(__func__, command_queue, buffer, pattern, pattern_size, offset, size,
                                       num_events_in_wait_list, event_wait_list, event);
 }
+void* clEnqueueMapBuffer(cl_command_queue command_queue, cl_mem buffer, cl_bool blocking_map, cl_map_flags map_flags,
+                         size_t offset, size_t size, cl_uint num_events_in_wait_list, const cl_event* event_wait_list,
+                         cl_event* event, cl_int* errcode_ret) {
+  return forward<clEnqueueMapBuffer>(__func__, command_queue, buffer, blocking_map, map_flags, offset, size,
+                                     num_events_in_wait_list, event_wait_list, event, errcode_ret);
+}
+cl_int clEnqueueUnmapMemObject(cl_command_queue command_queue, cl_mem memobj, void* mapped_ptr,
+                               cl_uint num_events_in_wait_list, const cl_event* event_wait_list, cl_event* event) {
+  return forward<clEnqueueUnmapMemObject>(__func__, command_queue, memobj, mapped_ptr, num_events_in_wait_list,
+                                          event_wait_list, event);
+}
 cl_int clEnqueueNDRangeKernel(cl_command_queue command_queue, cl_kernel kernel, cl_uint work_dim,
                               const size_t* global_work_offset, const size_t* global_work_size,
                               const size_t* local_work_size, cl_uint num_events_in_wait_list,

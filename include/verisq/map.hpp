@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <verisq/certificate.hpp>
+#include <verisq/columns.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
@@ -92,6 +93,17 @@ class Mapper {
   /// work. Throws Error(input) for a query that is not finite or a pose whose quaternion is zero, and what source and
   /// sink throw. One call at a time.
   MapSummary map(const Source<Query>& source, const Sink<Query>& sink);
+
+  /// Of points PointColumns, which a span of them or three spans of coordinates converts to; of others a span.
+  using Queries = typename QueriesInMemory<Query>::type;
+
+  /// Maps `queries` and writes the row of each into the caller's memory, where nothing else may write meanwhile. Exact
+  /// unions of convex primitives take the shortest way: kernels read the coordinates and write the rows where they are
+  /// (of a device that computes in the host's memory; others copy), and the host sees only rows that are left open.
+  /// Rows up to the summary's `points` are written; where a map was interrupted or threw, what the others hold is not
+  /// specified. Throws Error(input) unless there are as many rows as queries, and where the options ask for
+  /// certificates, which have no column; otherwise as the other.
+  MapSummary map(const Queries& queries, const ResultColumns& rows);
 
  private:
   struct State;

@@ -59,8 +59,25 @@ class KernelRun {
       launch("interior_depth", cl_ulong{groups}, groups_per_block, coordinates, primitives_, index, tolerance, scratch,
              own);
     }
+    const auto of_union = outputs<5>(queries_);  // ends and escape
     launch("union_distance", cl_ulong{groups}, cl_ulong{queries_}, coordinates, primitives_, count, of_primitives,
-           outputs<5>(queries_));  // union's ends and escape
+           of_union);
+    rows_of(coordinates, {of_union[0], of_union[1]});
+    queue_.finish();
+  }
+
+  /// Points on their way from the caller's memory, as host/batches/point_pipe.cpp has them read: one fewer than fill
+  /// the vectors.
+  void columns() {
+    const cl_ulong size = queries_ - 1;
+    const cl_ulong stride = 3;
+    const cl::Buffer memory = written(std::vector<double>(3 * size, 0.5));
+    const std::vector<cl_uint> none{0};
+    const cl::Buffer refused(context_, CL_MEM_READ_WRITE, sizeof(cl_uint));
+    queue_.enqueueWriteBuffer(refused, CL_TRUE, 0, sizeof(cl_uint), none.data());
+    const auto coordinates = outputs<3>(queries_);
+    launch("point_columns", size, cl_uint{2}, 0.25, memory, memory, memory, cl_ulong{0}, cl_ulong{1}, cl_ulong{2},
+           stride, stride, stride, coordinates, refused);
     queue_.finish();
   }
 
@@ -169,6 +186,19 @@ class KernelRun {
     cl::Buffer buffer = numbers(values.size());
     queue_.enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size() * sizeof(double), values.data());
     return buffer;
+  }
+
+  /// As host/batches/point_pipe.cpp has them written: as std::vector<MapResult> lies in memory.
+  void rows_of(const std::array<cl::Buffer, 3>& coordinates, const std::array<cl::Buffer, 2>& ends) {
+    constexpr std::size_t row_bytes = 24;
+    constexpr std::size_t sums_bytes = 40;
+    const cl_ulong size = queries_ - 1;
+    const cl_ulong stride = row_bytes / sizeof(double);
+    const cl::Buffer memory(context_, CL_MEM_READ_WRITE, row_bytes * size);
+    const cl::Buffer sums(context_, CL_MEM_READ_WRITE, sums_bytes * work_items / work_group);
+    launch("point_rows", size, cl_uint{1}, 0.25, 4.0, tolerance, 1e-9, 1e-12, 1.0, coordinates, ends, memory, memory,
+           memory, cl_ulong{0}, cl_ulong{1}, cl_ulong{2 * sizeof(double)}, stride, stride, cl_ulong{row_bytes}, sums,
+           cl::Local(work_group * sums_bytes));
   }
 
   [[nodiscard]] cl::Buffer box_primitives() const {
@@ -321,6 +351,16 @@ class KernelMemoryTest : public ::testing::TestWithParam<int> {
 
 TEST_P(KernelMemoryTest, FindsNothingInAMap) {
   EXPECT_EQ(reported_of(&KernelRun::map, kernels::embedded_point_sources()), "");
+}
+
+TEST_P(KernelMemoryTest, FindsNothingInColumnsOfPoints) {
+  EXPECT_EQ(reported_of(&KernelRun::columns, kernels::embedded_point_sources()), "");
+}
+
+TEST_P(KernelMemoryTest, FindsARowBeyondTheEnd) {
+  constexpr std::string_view guard = "if (first >= size) break;\n    const uint count";
+  EXPECT_THAT(reported_of(&KernelRun::map, broken(kernels::embedded_point_sources(), guard, "const uint count")),
+              HasSubstr("Invalid write"));
 }
 
 TEST_P(KernelMemoryTest, FindsNothingInAMapOfTriangles) {

@@ -35,4 +35,8 @@ struct Layer {
 [[nodiscard]] std::span<const Mutant> pair_mutants();
 [[nodiscard]] std::span<const Mutant> solid_mutants();
 
+/// Those of the kernels between the caller's memory and those of distances, in the program of points; likewise, but
+/// that a false status, a false sum or a number in the wrong place counts as a false proof.
+[[nodiscard]] std::span<const Mutant> row_mutants();
+
 }  // namespace verisq::mutation

@@ -12,6 +12,7 @@
 
 #include "host/arithmetic/self_test.hpp"
 #include "kernels/embedded_sources.hpp"
+#include "tests/kernels/row_judge.hpp"
 #include "tests/mutation/bound_judge.hpp"
 #include "tests/mutation/map_judge.hpp"
 #include "tests/mutation/mutant.hpp"
@@ -175,6 +176,17 @@ class ConvexMutationTest : public MutationTest {
   const std::string triangle_sources{kernels::embedded_triangle_sources()};
   const std::string pair_sources{kernels::embedded_pair_sources()};
 };
+
+TEST_F(ConvexMutationTest, AllOfRowsAreKilled) {
+  const std::string sources(kernels::embedded_point_sources());
+  const Find find = [this](const std::string& text, Arithmetic /*any*/) {
+    const CompiledKernels kernels = compiled(*selection.device, text);
+    const std::string found = device::false_columns(kernels, kernels.program);
+    return found.empty() ? device::false_rows(kernels, kernels.program) : found;
+  };
+  EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
+  expect_all_killed("point_columns.cl, point_rows.cl", row_mutants(), sources, find);
+}
 
 TEST_F(ConvexMutationTest, AllOfTrianglesAreKilled) {
   const TriangleJudge judge(triangle_scenes());

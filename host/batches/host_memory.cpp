@@ -1,0 +1,216 @@
+/// This file implements both ways of kernels to the host's memory.
+#include "host/batches/host_memory.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace verisq::device {
+namespace {
+
+static_assert(sizeof(MapResult) % sizeof(double) == 0, "the stride of its ends is a whole one");
+
+// Where a column's values lie.
+struct Extent {
+  const std::byte* first;
+  std::size_t bytes;
+
+  [[nodiscard]] const std::byte* end() const { return first + bytes; }
+};
+
+// From a whole number on, so that offsets of numbers are whole.
+template <class Value>
+Extent extent_of(const Column<Value>& column, std::size_t size) {
+  const Value* const one = &column[0];
+  const Value* const other = &column[size - 1];
+  const auto* const first = reinterpret_cast<const std::byte*>(std::min(one, other));
+  const auto* const end = reinterpret_cast<const std::byte*>(std::max(one, other) + 1);
+  const std::size_t beyond = reinterpret_cast<std::uintptr_t>(first) % sizeof(double);
+  return {first - beyond, static_cast<std::size_t>(end - first) + beyond};
+}
+
+// Those that overlap in one: buffers must not share memory.
+std::vector<Extent> united(std::vector<Extent> all) {
+  std::ranges::sort(all, {}, &Extent::first);
+  std::vector<Extent> apart;
+  for (const Extent& next : all) {
+    if (!apart.empty() && next.first < apart.back().end())
+      apart.back().bytes = static_cast<std::size_t>(std::max(apart.back().end(), next.end()) - apart.back().first);
+    else
+      apart.push_back(next);
+  }
+  return apart;
+}
+
+class SharedMemory final : public HostMemory {
+ public:
+  explicit SharedMemory(const Device& device) : context_(device.context) {}
+
+  BoundChunk bind(ChunkQueue& /*queue*/, const PointColumns& points, const ResultColumns& rows) override {
+    const std::size_t size = points.size();
+    const auto& [x, y, z] = points.coordinates();
+    extents_ = united({extent_of(x, size), extent_of(y, size), extent_of(z, size), extent_of(rows.lo(), size),
+                       extent_of(rows.hi(), size), extent_of(rows.status(), size)});
+    results_ = {index_of(rows.lo().first), index_of(rows.hi().first), index_of(rows.status().first)};
+    buffers_.clear();
+    for (std::size_t i = 0; i < extents_.size(); ++i) {
+      const cl_mem_flags access = takes_results(i) ? CL_MEM_READ_WRITE : CL_MEM_READ_ONLY;
+      // Of memory that is only read, too, OpenCL asks for a pointer that may write.
+      auto* const memory = const_cast<std::byte*>(extents_[i].first);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+      buffers_.emplace_back(context_, access | CL_MEM_USE_HOST_PTR, extents_[i].bytes, memory);
+    }
+    return {{bound(x), bound(y), bound(z)}, {bound(rows.lo()), bound(rows.hi())}, bound(rows.status())};
+  }
+
+  void fetch(ChunkQueue& queue) override {
+    for (std::size_t i = 0; i < buffers_.size(); ++i)
+      if (takes_results(i)) queue.show(buffers_[i], extents_[i].bytes);
+  }
+
+  void deliver() override {}
+
+ private:
+  [[nodiscard]] std::size_t index_of(const void* value) const {
+    const auto beyond =
+        std::ranges::upper_bound(extents_, static_cast<const std::byte*>(value), std::ranges::less(), &Extent::first);
+    return static_cast<std::size_t>(beyond - extents_.begin()) - 1;
+  }
+
+  [[nodiscard]] bool takes_results(std::size_t index) const {
+    return std::ranges::find(results_, index) != results_.end();
+  }
+
+  template <class Value>
+  [[nodiscard]] BoundColumn bound(const Column<Value>& column) const {
+    const std::size_t index = index_of(column.first);
+    const auto offset = reinterpret_cast<const std::byte*>(column.first) - extents_[index].first;
+    return {buffers_[index], static_cast<std::size_t>(offset) / sizeof(Value),
+            static_cast<std::uint64_t>(column.stride)};
+  }
+
+  cl::Context context_;
+  std::vector<Extent> extents_;  // of the chunk, in order
+  std::vector<cl::Buffer> buffers_;
+  std::array<std::size_t, 3> results_{};  // buffers that rows go to
+};
+
+// Memory of the host that a device reads and writes by itself.
+template <class Value>
+class PinnedColumn {
+ public:
+  PinnedColumn(const Device& device, std::size_t size)
+      : queue_(device.context, device.device),
+        buffer_(device.context, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, size * sizeof(Value)),
+        values_(static_cast<Value*>(
+            queue_.enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, size * sizeof(Value)))) {}
+  ~PinnedColumn() { clEnqueueUnmapMemObject(queue_(), buffer_(), values_, 0, nullptr, nullptr); }
+  PinnedColumn(const PinnedColumn&) = delete;
+  PinnedColumn& operator=(const PinnedColumn&) = delete;
+
+  [[nodiscard]] Value* values() const { return values_; }
+
+ private:
+  cl::CommandQueue queue_;
+  cl::Buffer buffer_;
+  Value* values_;
+};
+
+// A column of results on its way: directly where the caller's values follow each other.
+template <class Value>
+class CopiedColumn {
+ public:
+  CopiedColumn(const Device& device, std::size_t capacity)
+      : buffer_(device.context, CL_MEM_READ_WRITE, capacity * sizeof(Value)), pinned_(device, capacity) {}
+
+  [[nodiscard]] BoundColumn bind(const Column<Value>& column, std::size_t size) {
+    column_ = column;
+    size_ = size;
+    return {buffer_, 0, 1};
+  }
+  void fetch(ChunkQueue& queue) {
+    Value* const to = column_.stride == 1 ? column_.first : pinned_.values();
+    queue.read_bytes(buffer_, std::as_writable_bytes(std::span(to, size_)));
+  }
+  void deliver() const {
+    if (column_.stride == 1) return;
+    for (std::size_t n = 0; n < size_; ++n) column_[n] = pinned_.values()[n];
+  }
+
+ private:
+  cl::Buffer buffer_;
+  PinnedColumn<Value> pinned_;
+  Column<Value> column_;
+  std::size_t size_ = 0;
+};
+
+class CopiedMemory final : public HostMemory {
+ public:
+  CopiedMemory(const Device& device, ChunkQueue& queue, std::size_t capacity)
+      : capacity_(capacity),
+        points_(queue.numbers(3 * capacity)),
+        pinned_(device, 3 * capacity),
+        lo_(device, capacity),
+        hi_(device, capacity),
+        status_(device, capacity) {}
+
+  BoundChunk bind(ChunkQueue& queue, const PointColumns& points, const ResultColumns& rows) override {
+    const std::size_t size = points.size();
+    return {upload(queue, points),
+            {lo_.bind(rows.lo(), size), hi_.bind(rows.hi(), size)},
+            status_.bind(rows.status(), size)};
+  }
+
+  void fetch(ChunkQueue& queue) override {
+    lo_.fetch(queue);
+    hi_.fetch(queue);
+    status_.fetch(queue);
+  }
+
+  void deliver() override {
+    lo_.deliver();
+    hi_.deliver();
+    status_.deliver();
+  }
+
+ private:
+  [[nodiscard]] std::array<BoundColumn, 3> upload(ChunkQueue& queue, const PointColumns& points) const {
+    const auto& [x, y, z] = points.coordinates();
+    if (x.stride == 1 && y.stride == 1 && z.stride == 1) {
+      std::uint64_t offset = 0;
+      for (const Column<const double>& column : points.coordinates()) {
+        queue.write(points_, {column.first, points.size()}, offset);
+        offset += capacity_;
+      }
+      return {{{points_, 0, 1}, {points_, capacity_, 1}, {points_, 2 * capacity_, 1}}};
+    }
+    const bool as_they_are =
+        x.stride == 3 && y.stride == 3 && z.stride == 3 && y.first == x.first + 1 && z.first == x.first + 2;
+    if (!as_they_are) {
+      double* to = pinned_.values();
+      for (std::size_t n = 0; n < points.size(); ++n) to = std::ranges::copy(points[n], to).out;
+    }
+    queue.write(points_, {as_they_are ? x.first : pinned_.values(), 3 * points.size()});
+    return {{{points_, 0, 3}, {points_, 1, 3}, {points_, 2, 3}}};
+  }
+
+  std::size_t capacity_;
+  cl::Buffer points_;
+  PinnedColumn<double> pinned_;
+  CopiedColumn<double> lo_;
+  CopiedColumn<double> hi_;
+  CopiedColumn<Status> status_;
+};
+
+}  // namespace
+
+std::unique_ptr<HostMemory> shared_memory(const Device& device) {
+  return std::make_unique<SharedMemory>(device);
+}
+
+std::unique_ptr<HostMemory> copied_memory(const Device& device, ChunkQueue& queue, std::size_t capacity) {
+  return std::make_unique<CopiedMemory>(device, queue, capacity);
+}
+
+}  // namespace verisq::device

@@ -1,0 +1,49 @@
+/// How kernels reach what lies in the host's memory: points wherever their coordinates are, rows wherever they go.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <verisq/columns.hpp>
+
+#include "host/batches/chunk_queue.hpp"
+#include "host/device/device.hpp"
+
+namespace verisq::device {
+
+/// A column as kernels see it: value n is buffer[offset + n * stride], in sums that wrap.
+struct BoundColumn {
+  cl::Buffer buffer;
+  std::uint64_t offset;
+  std::uint64_t stride;
+};
+
+struct BoundChunk {
+  std::array<BoundColumn, 3> coordinates;
+  std::array<BoundColumn, 2> ends;
+  BoundColumn status;
+};
+
+/// One chunk at a time: `bind`, kernels, `fetch`, the queue's finish, `deliver`; all on one queue.
+class HostMemory {
+ public:
+  HostMemory() = default;
+  virtual ~HostMemory() = default;
+  HostMemory(const HostMemory&) = delete;
+  HostMemory& operator=(const HostMemory&) = delete;
+
+  /// Precondition: as many rows as points, at least one; they stay until `deliver`.
+  [[nodiscard]] virtual BoundChunk bind(ChunkQueue& queue, const PointColumns& points, const ResultColumns& rows) = 0;
+  virtual void fetch(ChunkQueue& queue) = 0;
+  virtual void deliver() = 0;
+};
+
+/// The memory itself: of a device that computes in it, where nothing is copied.
+[[nodiscard]] std::unique_ptr<HostMemory> shared_memory(const Device& device);
+
+/// Buffers of the device and copies, of chunks of at most `capacity` points. Columns whose values follow each other,
+/// and points as they are, need no work on the host; others pass through memory that the device can copy from by
+/// itself.
+[[nodiscard]] std::unique_ptr<HostMemory> copied_memory(const Device& device, ChunkQueue& queue, std::size_t capacity);
+
+}  // namespace verisq::device

@@ -1,0 +1,75 @@
+/// A prover and a device's pipe made ready: a map of points to a union of convex primitives.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "host/batches/batch.hpp"
+#include "host/batches/point_pipe.hpp"
+#include "host/device/device.hpp"
+#include "host/maps/chosen_device.hpp"
+#include "host/maps/exact_map.hpp"
+#include "host/maps/map_run.hpp"
+#include "host/maps/piped_run.hpp"
+
+namespace verisq {
+
+/// `Prover` as MapRun asks for it. Without certificates.
+template <class Prover>
+class PipedMap final : public ExactMap<Point> {
+ public:
+  using MakeSearch = std::function<std::unique_ptr<device::Batch<Point>>(const device::Device&)>;
+
+  /// `make_search`, where there is one, for MapRun::Search. Precondition: `model` is a union of convex primitives.
+  PipedMap(Prover prover, const MapOptions& options, const Model& model, const device::RowCriterion& criterion,
+           MakeSearch make_search)
+      : options_(options),
+        prover_(std::move(prover)),
+        chosen_(chosen_device(options, model, {})),
+        make_search_(std::move(make_search)) {
+    if (chosen_.device) pipe_ = device::point_pipe(*chosen_.device, model, criterion);
+  }
+
+  MapSummary map(const Source<Point>& source, const Sink<Point>& sink) override {
+    if (!pipe_) return signed_by_device(MapRun<Point, Prover>(prover_, options_, source, sink).on_host());
+    StreamFeed feed(source, sink, memories_);
+    return mapped(feed);
+  }
+
+  MapSummary map_in_memory(const PointColumns& points, const ResultColumns& rows) override {
+    if (!pipe_) return ExactMap<Point>::map_in_memory(points, rows);
+    MemoryFeed feed(points, rows);
+    return mapped(feed);
+  }
+
+ private:
+  template <class Feed>
+  MapSummary mapped(Feed& feed) {
+    typename PipedRun<Prover, Feed>::Search search;
+    if (make_search_) search = [this]() -> device::Batch<Point>& { return ready_search(); };
+    return signed_by_device(PipedRun<Prover, Feed>(prover_, options_, *pipe_, feed, std::move(search))());
+  }
+
+  [[nodiscard]] MapSummary signed_by_device(MapSummary summary) const {
+    summary.device = chosen_.name();
+    summary.notice = chosen_.notice;
+    return summary;
+  }
+
+  device::Batch<Point>& ready_search() {
+    if (!search_) search_ = make_search_(*chosen_.device);
+    return *search_;
+  }
+
+  MapOptions options_;
+  Prover prover_;
+  ChosenDevice chosen_;
+  MakeSearch make_search_;                        // empty: the host searches
+  std::unique_ptr<device::Batch<Point>> search_;  // nothing until it is asked for
+  std::array<ChunkMemory, 2> memories_;           // of streams; kept to spare allocations
+  std::unique_ptr<device::PointPipe> pipe_;       // nothing: the host does all
+};
+
+}  // namespace verisq

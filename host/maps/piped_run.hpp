@@ -1,0 +1,169 @@
+/// A map of points through a device's pipe: the host sees only what the device leaves open.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "host/batches/point_pipe.hpp"
+#include "host/maps/chunk_pace.hpp"
+#include "host/maps/map_run.hpp"
+#include "host/maps/point_feed.hpp"
+#include "host/maps/summary_count.hpp"
+#include "verisq/error.hpp"
+
+namespace verisq {
+
+/// `Prover` as MapRun asks for it, `Feed` as point_feed.hpp has them.
+template <class Prover, class Feed>
+class PipedRun {
+ public:
+  using Search = typename MapRun<Point, Prover>::Search;
+
+  /// All must outlive this.
+  PipedRun(const Prover& prover, const MapOptions& options, device::PointPipe& pipe, Feed& feed, Search search)
+      : prover_(prover),
+        options_(options),
+        pipe_(pipe),
+        feed_(feed),
+        pace_(options.out_of_time ? ChunkPace() : ChunkPace(pipe.capacity())),
+        open_(prover, options, no_source_, write_settled_, std::move(search)) {}
+
+  /// While the device works on one chunk, the last is finished and delivered.
+  MapSummary operator()() {
+    const Ending ending(pipe_);
+    const double earlier_seconds = pipe_.device_seconds();
+    PointChunk current = submitted();
+    while (current.points.size() > 0) {
+      summary_.interrupted = options_.interrupted();
+      const PointChunk next = summary_.interrupted ? nothing() : submitted();
+      const auto start = std::chrono::steady_clock::now();
+      const device::ChunkOutcome outcome = pipe_.collect();
+      if (outcome.refused) refuse(current.points);
+      finish(current, outcome.blocks);
+      pace_.took(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      current = next;
+    }
+    summary_.device_seconds = pipe_.device_seconds() - earlier_seconds;
+    add_of(open_.summary());
+    if (out_of_time_ && !summary_.interrupted) add_of(on_host());
+    return summary_;
+  }
+
+ private:
+  /// The device writes into the caller's memory until it has ended, whatever happens.
+  class Ending {
+   public:
+    explicit Ending(device::PointPipe& pipe) : pipe_(pipe) { pipe.discard(); }
+    ~Ending() {
+      try {
+        pipe_.discard();
+      } catch (const Error&) {  // NOLINT(bugprone-empty-catch): another one is on its way
+      }
+    }
+    Ending(const Ending&) = delete;
+    Ending& operator=(const Ending&) = delete;
+
+   private:
+    device::PointPipe& pipe_;
+  };
+
+  static PointChunk nothing() { return {std::span<const Point>(), std::span<MapResult>()}; }
+
+  // Nothing at the end, or when the time is up.
+  PointChunk submitted() {
+    out_of_time_ = options_.out_of_time && options_.out_of_time();
+    if (out_of_time_) return nothing();
+    PointChunk chunk = feed_.next(std::min(pace_.size(), pipe_.capacity()));
+    if (chunk.points.size() > 0) pipe_.submit(chunk.points, chunk.rows);
+    return chunk;
+  }
+
+  [[noreturn]] void refuse(const PointColumns& points) const {
+    for (std::size_t i = 0; i < points.size(); ++i) prover_.check(points[i]);
+    throw Error(ErrorKind::failure, "the device refused points that are finite");
+  }
+
+  // Neighbours that are all proven, or not, at once.
+  void finish(const PointChunk& chunk, std::span<const device::RowBlock> blocks) {
+    const auto differ = [](const device::RowBlock& a, const device::RowBlock& b) {
+      return (a.sums.open > 0) != (b.sums.open > 0);
+    };
+    while (!blocks.empty()) {
+      const auto end = std::ranges::adjacent_find(blocks, differ);
+      const std::size_t count =
+          end == blocks.end() ? blocks.size() : static_cast<std::size_t>(end - blocks.begin()) + 1;
+      const std::span<const device::RowBlock> alike = blocks.first(count);
+      if (alike.front().sums.open > 0)
+        settle(chunk, alike);
+      else
+        take(chunk, alike);
+      blocks = blocks.subspan(count);
+    }
+  }
+
+  void take(const PointChunk& chunk, std::span<const device::RowBlock> blocks) {
+    for (const device::RowBlock& block : blocks) count(summary_, block.sums);
+    feed_.deliver(chunk, blocks.front().first, rows_of(blocks));
+  }
+
+  // The host judges and counts all rows of blocks with open ones by itself.
+  void settle(const PointChunk& chunk, std::span<const device::RowBlock> blocks) {
+    queries_.resize(rows_of(blocks));
+    found_.resize(queries_.size());
+    for (std::size_t i = 0; i < queries_.size(); ++i) {
+      queries_[i] = chunk.points[blocks.front().first + i];
+      found_[i] = chunk.rows[blocks.front().first + i].distance;
+    }
+    settled_chunk_ = &chunk;
+    settled_row_ = blocks.front().first;
+    open_.settle(queries_, found_);
+  }
+
+  static std::size_t rows_of(std::span<const device::RowBlock> blocks) {
+    return blocks.back().first + blocks.back().count - blocks.front().first;
+  }
+
+  MapSummary on_host() {
+    const Source<Point>& source = feed_.rest();
+    const Sink<Point>& sink = feed_.sink();
+    return MapRun<Point, Prover>(prover_, options_, source, sink).on_host();
+  }
+
+  void add_of(const MapSummary& run) {
+    add(summary_, run);
+    summary_.device_seconds += run.device_seconds;
+    summary_.host_seconds += run.host_seconds;
+    summary_.interrupted = summary_.interrupted || run.interrupted;
+    summary_.out_of_time = summary_.out_of_time || run.out_of_time;
+  }
+
+  const Prover& prover_;
+  const MapOptions& options_;
+  device::PointPipe& pipe_;
+  Feed& feed_;
+  ChunkPace pace_;
+  bool out_of_time_ = false;  // when the next chunk was asked for
+  MapSummary summary_ = empty_summary();
+
+  // What is open.
+  std::vector<Point> queries_;
+  std::vector<Enclosure> found_;
+  const PointChunk* settled_chunk_ = nullptr;
+  std::size_t settled_row_ = 0;
+  const Source<Point> no_source_;
+  const Sink<Point> write_settled_ = [this](std::span<const Point>, std::span<const MapResult> rows,
+                                            std::span<const Certificate>) {
+    for (std::size_t i = 0; i < rows.size(); ++i) settled_chunk_->rows.set(settled_row_ + i, rows[i]);
+    feed_.deliver(*settled_chunk_, settled_row_, rows.size());
+    settled_row_ += rows.size();
+  };
+  MapRun<Point, Prover> open_;
+};
+
+}  // namespace verisq
