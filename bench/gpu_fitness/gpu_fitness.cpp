@@ -74,9 +74,11 @@ std::vector<MeasuredKernel> limits_in(const std::string& path) {
 }
 
 // What the compilers here cannot say stays.
-void replace_limits(const std::string& path, std::vector<MeasuredKernel> kernels) {
-  for (const MeasuredKernel& limit : limits_in(path))
-    if (std::ranges::find(kernels, limit.target, &MeasuredKernel::target) == kernels.end()) kernels.push_back(limit);
+void replace_limits(const std::string& path, const std::vector<MeasuredKernel>& measured) {
+  std::vector<MeasuredKernel> kernels = measured;
+  std::ranges::copy_if(limits_in(path), std::back_inserter(kernels), [&](const MeasuredKernel& limit) {
+    return std::ranges::find(measured, limit.target, &MeasuredKernel::target) == measured.end();
+  });
   std::ofstream file(path);
   file << "# target, kernel, registers, spilled bytes, bytes of stack: written by `./run gpu-fitness --write`\n";
   write_limits(file, kernels);
