@@ -59,6 +59,7 @@ unsigned number_in(std::string_view text) {
 
 std::vector<KernelResources> values(const std::map<std::string, KernelResources>& kernels) {
   std::vector<KernelResources> result;
+  result.reserve(kernels.size());
   for (const auto& [name, resources] : kernels) result.push_back(resources);
   return result;
 }
@@ -70,7 +71,7 @@ KernelResources& named(std::map<std::string, KernelResources>& kernels, std::str
 }
 
 double occupancy_of(unsigned registers) {
-  const unsigned granted = (registers + granularity_of_registers - 1) / granularity_of_registers;
+  const unsigned granted = std::max(1U, (registers + granularity_of_registers - 1) / granularity_of_registers);
   const unsigned warps = registers_of_processor / (threads_of_warp * granularity_of_registers * granted);
   return static_cast<double>(std::min(warps, warps_of_processor)) / warps_of_processor;
 }
