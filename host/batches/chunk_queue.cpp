@@ -36,7 +36,9 @@ void Scale::to_model(std::span<const double> los, std::span<const double> his, s
 }
 
 ChunkQueue::ChunkQueue(const Device& device)
-    : context_(device.context), queue_(device.context, device.device, CL_QUEUE_PROFILING_ENABLE) {}
+    : context_(device.context),
+      queue_(device.context, device.device, CL_QUEUE_PROFILING_ENABLE),
+      usual_group_size_(usual_group_size(device)) {}
 
 cl::Buffer ChunkQueue::numbers(std::size_t count) {
   const cl::Buffer buffer(context_, CL_MEM_READ_WRITE, count * sizeof(double));
@@ -44,8 +46,8 @@ cl::Buffer ChunkQueue::numbers(std::size_t count) {
   return buffer;
 }
 
-void ChunkQueue::write(const cl::Buffer& buffer, std::span<const double> column) {
-  queue_.enqueueWriteBuffer(buffer, CL_FALSE, 0, column.size_bytes(), column.data());
+void ChunkQueue::write(const cl::Buffer& buffer, std::span<const double> column, std::size_t first) {
+  queue_.enqueueWriteBuffer(buffer, CL_FALSE, first * sizeof(double), column.size_bytes(), column.data());
 }
 
 void ChunkQueue::read(const cl::Buffer& buffer, std::span<double> column) {

@@ -62,7 +62,8 @@ void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, st
   }
   queue.launch(point_distance_, groups);
   // A vector work-item is long here: one a work-group lets the cores share them evenly.
-  queue.launch(interior_depth_, (groups + groups_per_block_ - 1) / groups_per_block_, vectors_ ? 1 : usual_group_size);
+  const std::size_t blocks = (groups + groups_per_block_ - 1) / groups_per_block_;
+  vectors_ ? queue.launch(interior_depth_, blocks, 1) : queue.launch(interior_depth_, blocks);
 }
 
 }  // namespace verisq::device
