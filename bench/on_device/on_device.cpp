@@ -42,6 +42,7 @@ JsonObject described(const DeviceReport& report, const cl::Device& device) {
 
 std::vector<JsonValue> rows_of(const std::vector<SoundnessSample>& samples) {
   std::vector<JsonValue> rows;
+  rows.reserve(samples.size());
   for (const SoundnessSample& sample : samples)
     rows.push_back(JsonObject{{"queries", sample.queries},
                               {"judge", sample.judge},
@@ -53,6 +54,7 @@ std::vector<JsonValue> rows_of(const std::vector<SoundnessSample>& samples) {
 
 std::vector<JsonValue> rows_of(const std::vector<MeasuredRate>& rates) {
   std::vector<JsonValue> rows;
+  rows.reserve(rates.size());
   for (const MeasuredRate& rate : rates)
     rows.push_back(JsonObject{{"what", rate.what},
                               {"object", rate.object},

@@ -134,7 +134,7 @@ class KernelRun {
   static constexpr cl_uint rounds = 6;                 // each takes a simulator tens of milliseconds
   static constexpr std::size_t groups = 13;
   static constexpr cl_uint groups_per_block = 4;
-  static constexpr std::size_t work_items = 16;  // more than there are groups: some have nothing to do
+  static constexpr std::size_t work_items = 80;  // more than there is work: some have nothing to do
   static constexpr std::size_t work_group = 8;
   static constexpr std::size_t scratch_per_point = 8;  // SCRATCH_SIZE in kernels/interior_depth.cl
   static constexpr double tolerance = 1e-3;
