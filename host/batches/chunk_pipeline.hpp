@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <deque>
 #include <span>
 #include <string>
@@ -37,10 +38,10 @@ class ChunkPipeline final : public Batch<Query> {
   ChunkPipeline(std::string device, std::size_t capacity, std::vector<Slot> slots)
       : device_(std::move(device)), pace_(capacity), slots_(std::move(slots)) {}
 
-  /// OpenCL implementations put off the end of compilation and the allocation of buffers to the first launch: a chunk
-  /// of copies of `query` in each slot makes them do it now.
+  /// OpenCL implementations put off the end of compilation to the first launch: a few copies of `query` in each slot
+  /// make them do it now. Buffers are there already, because they were filled.
   void warm_up(const Query& query) {
-    const std::vector<Query> queries(pace_.size(), query);
+    const std::vector<Query> queries(std::min(pace_.size(), queries_of_warm_up), query);
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) submit(queries);
     discard();
     busy_ = {};
@@ -73,6 +74,8 @@ class ChunkPipeline final : public Batch<Query> {
   }
 
  private:
+  static constexpr std::size_t queries_of_warm_up = 256;
+
   std::string device_;
   LaunchPace pace_;
   std::vector<Slot> slots_;
