@@ -271,7 +271,8 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
   }
 
   [[nodiscard]] std::size_t candidates_of_launch() const {
-    return std::clamp<std::size_t>(pace_.size() / distances_of_candidate(), 1, chunk_->capacity);
+    return std::clamp<std::size_t>(pace_.size() / std::max<std::size_t>(1, distances_of_candidate()), 1,
+                                   chunk_->capacity);
   }
 
   // At least one, however many points there are.

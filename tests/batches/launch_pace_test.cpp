@@ -51,8 +51,9 @@ TEST(LaunchPaceTest, NeverShrinksToNothing) {
 }
 
 TEST(LaunchPaceTest, KeepsVectorsWhole) {
-  LaunchPace pace(5 * 1024);
-  pace.took(5 * 1024, 1.0);
+  constexpr std::size_t vectors = 5 * std::size_t{1024};
+  LaunchPace pace(vectors);
+  pace.took(vectors, 1.0);
   EXPECT_EQ(pace.size(), 2048U);
 }
 
