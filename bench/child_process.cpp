@@ -11,8 +11,6 @@
 #include <chrono>
 #include <stdexcept>
 
-extern char** environ;
-
 namespace verisq::bench {
 namespace {
 
@@ -35,13 +33,16 @@ struct Pipe {
   std::array<int, 2> ends{};
 };
 
-pid_t start(const std::vector<std::string>& command, int standard_output) {
+// The words are a copy, because posix_spawn takes what it might change.
+pid_t start(std::vector<std::string> command, int pipe, Captured captured) {
   std::vector<char*> arguments;
-  for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
+  arguments.reserve(command.size() + 1);
+  for (std::string& argument : command) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, standard_output, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, pipe, STDOUT_FILENO);
+  if (captured == Captured::output_and_errors) posix_spawn_file_actions_adddup2(&actions, pipe, STDERR_FILENO);
   pid_t child = 0;
   const int failed = posix_spawn(&child, arguments.front(), &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
@@ -59,10 +60,10 @@ std::string read_all(int descriptor) {
 
 }  // namespace
 
-ChildReport run_child(const std::vector<std::string>& command) {
+ChildReport run_child(const std::vector<std::string>& command, Captured captured) {
   Pipe pipe;
   const auto begin = std::chrono::steady_clock::now();
-  const pid_t child = start(command, pipe.ends[1]);
+  const pid_t child = start(command, pipe.ends[1], captured);
   pipe.close_writing_end();
   std::string output = read_all(pipe.ends[0]);
   int status = 0;
@@ -70,7 +71,9 @@ ChildReport run_child(const std::vector<std::string>& command) {
   if (wait4(child, &status, 0, &usage) != child || !WIFEXITED(status))
     throw std::runtime_error(command.front() + " did not end by itself");
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  return {WEXITSTATUS(status), elapsed.count(), 1024.0 * static_cast<double>(usage.ru_maxrss), std::move(output)};
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-union-access): glibc's way to keep the size of the number
+  const auto peak_kibibytes = static_cast<double>(usage.ru_maxrss);
+  return {WEXITSTATUS(status), elapsed.count(), 1024.0 * peak_kibibytes, std::move(output)};
 }
 
 }  // namespace verisq::bench

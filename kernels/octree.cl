@@ -128,27 +128,108 @@ ALWAYS_INLINE colour siblings_colour(parent_cube parent, MODEL_SPACE const box_p
   return c;
 }
 
+#endif
+
+#if VECTOR_WIDTH == 1
+// The same, number by number, for work-items that take the children one after the other: the colours of all of them, a
+// bit each. `far` are bounds of farthest corners from above, the others of nearest corners from below.
+typedef struct {
+  bool shared; // the primitive's planes are parallel to the cube's
+  uint black, white;
+} siblings;
+
+ALWAYS_INLINE double step_towards(bool far, double c) { return far ? step_up(c) : step_down(c); }
+
+// A positive power of x, by bounds of the exponent.
+ALWAYS_INLINE double power_towards(bool far, double x, double down, double up) {
+  const double l = far ? log_up(x) : log_down(x);
+  const double y = step_towards(far, l * ((far ? l : -l) >= 0.0 ? up : down));
+  return far ? exp_up(y) : exp_down(y);
+}
+
+// Of a coordinate's bound, for the lower or the upper child.
+ALWAYS_INLINE double coordinate_power(bool far, double x, double t, double h, double inverse_axis, double down,
+                                      double up) {
+  const double d = fabs(x - t);
+  const double slack = fma(0x1p-51, d + h, 2.0 * ROUNDING_ETA);
+  const double reached = far ? (d + h) + slack : (d - h) - slack;
+  return power_towards(far, step_towards(far, fmax(reached, 0.0) * inverse_axis), down, up);
+}
+
+ALWAYS_INLINE siblings siblings_of(parent_cube parent, MODEL_SPACE const box_primitive* p) {
+  MODEL_SPACE const superquadric* s = &p->solid;
+  MODEL_SPACE const double* t = s->translation;
+  const double h = parent.child_half_width;
+  siblings found = {true, 0, 0};
+#pragma nounroll
+  for (int side = 0; side < 2; ++side) {
+    const bool far = side == 1;
+    MODEL_SPACE const double* inverse = far ? s->inverse_axes_up : p->inverse_axes_down;
+    double x[2], y[2], z[2];
+    for (int child = 0; child < 2; ++child) {
+      const double towards = child == 0 ? -h : h;
+      x[child] = coordinate_power(far, parent.x + towards, t[0], h, inverse[0], s->p_down[1], p->p_up[1]);
+      y[child] = coordinate_power(far, parent.y + towards, t[1], h, inverse[1], s->p_down[1], p->p_up[1]);
+      z[child] = coordinate_power(far, parent.z + towards, t[2], h, inverse[2], s->p_down[0], p->p_up[0]);
+    }
+    for (int pair = 0; pair < 4; ++pair) {
+      const double section = step_towards(far, x[pair & 1] + y[pair >> 1]);
+      const double l = far ? log_up(section) : log_down(section);
+      const double log_r =
+          step_towards(far, l * ((far ? l : -l) >= 0.0 ? s->inverse_p_up[1] : p->inverse_p_down[1]));
+      const double log_power =
+          step_towards(far, log_r * ((far ? log_r : -log_r) >= 0.0 ? p->p_up[0] : s->p_down[0]));
+      const double r = far ? exp_up(log_power) : exp_down(log_power);
+      for (int child = 0; child < 2; ++child) {
+        const double sum = step_towards(far, r + z[child]);
+        const uint bit = 1U << (pair + 4 * child);
+        if (far && sum < 1.0) found.black |= bit;
+        if (!far && sum > 1.0) found.white |= bit;
+      }
+    }
+  }
+  return found;
+}
+#else
+typedef struct {
+  bool shared;
+} siblings;
+#endif
+
 ALWAYS_INLINE bool is_axis_parallel(MODEL_SPACE const box_primitive* p) {
   MODEL_SPACE const double* r = p->solid.rotation;
   return p->curvature == 0.0 &&
          fabs(r[1]) + fabs(r[2]) + fabs(r[3]) + fabs(r[5]) + fabs(r[6]) + fabs(r[7]) == 0.0;
 }
-#endif
 
-ALWAYS_INLINE colour children_colour(parent_cube parent, uint pass, MODEL_SPACE const box_primitive* p) {
+// What is found out once for all passes.
+ALWAYS_INLINE siblings known_siblings(parent_cube parent, MODEL_SPACE const box_primitive* p) {
+#if VECTOR_WIDTH == 1 && !defined(NO_SIBLINGS)
+  if (is_axis_parallel(p)) return siblings_of(parent, p);
+#endif
+  siblings none;
+  none.shared = false;
+  return none;
+}
+
+ALWAYS_INLINE colour children_colour(parent_cube parent, uint pass, siblings all,
+                                     MODEL_SPACE const box_primitive* p) {
 #if VECTOR_WIDTH == 8 && !defined(NO_SIBLINGS)
   if (is_axis_parallel(p)) return siblings_colour(parent, p);
+#elif VECTOR_WIDTH == 1
+  const colour own = {MASK(all.black >> pass & 1U), MASK(all.white >> pass & 1U)};
+  if (all.shared) return own;
 #endif
   return primitive_colour(children_of(parent, pass), p);
 }
 
 // Colours of the children of one pass, and what is decided in each of them about the primitives.
-ALWAYS_INLINE colour pass_colour(parent_cube parent, uint pass, MODEL_SPACE const box_primitive* primitives,
-                                 decided known, decided_lanes* found) {
+ALWAYS_INLINE colour pass_colour(parent_cube parent, uint pass, const siblings* all,
+                                 MODEL_SPACE const box_primitive* primitives, decided known, decided_lanes* found) {
   colour c[PRIMITIVES];
   integer matters[PRIMITIVES];
   for (uint i = 0; i < PRIMITIVES; ++i)
-    c[i] = is_known(known, i) ? known_colour(known, i) : children_colour(parent, pass, primitives + i);
+    c[i] = is_known(known, i) ? known_colour(known, i) : children_colour(parent, pass, all[i], primitives + i);
   none_matter(matters);
   const colour solid = solid_colour(c, matters);
 #ifndef NO_SIMPLIFICATION
@@ -198,9 +279,12 @@ kernel void split_cubes(uint count, ulong begin, double corner_x, double corner_
 #else
     const decided known = decisions[begin + item];
 #endif
+    siblings all[PRIMITIVES];
+    for (uint i = 0; i < PRIMITIVES; ++i)
+      if (!is_known(known, i)) all[i] = known_siblings(parent, primitives + i);
     for (uint pass = 0; pass < CHILDREN / VECTOR_WIDTH; ++pass) {
       decided_lanes found;
-      const colour c = pass_colour(parent, pass, primitives, known, &found);
+      const colour c = pass_colour(parent, pass, all, primitives, known, &found);
       black |= bits_of(c.black) << (pass * VECTOR_WIDTH);
       white |= bits_of(c.white) << (pass * VECTOR_WIDTH);
 #ifndef NO_SIMPLIFICATION

@@ -195,16 +195,20 @@ kernel void pose_objective(uint candidates, uint slices, uint groups, global con
   sums[SMALLEST_DISTANCE] = least_of_lanes(smallest_distance);
 }
 
-// A work-item sums one column of one candidate over the slices, always in the same order.
-kernel void sum_slices(uint candidates, uint slices, uint columns, global const double* partials,
+// A work-item sums one column of one candidate over a block of its slices, always in the same order: `sums` is laid out
+// as `partials`, each block a slice, so that sums of sums follow until one is left.
+kernel void sum_slices(uint candidates, uint slices, uint columns, uint block, global const double* partials,
                        global double* sums) {
   const ulong item = get_global_id(0);
-  if (item >= (ulong)candidates * columns) return;
-  const ulong candidate = item / columns;
-  const uint column = (uint)(item - candidate * columns);
-  global const double* own = partials + candidate * slices * columns + column;
+  const uint blocks = (slices + block - 1) / block;
+  if (item >= (ulong)candidates * blocks * columns) return;
+  const ulong row = item / columns;
+  const uint column = (uint)(item - row * columns);
+  const ulong candidate = row / blocks;
+  const uint first = (uint)(row - candidate * blocks) * block;
+  global const double* own = partials + (candidate * slices + first) * columns + column;
   double sum = own[0];
-  for (uint slice = 1; slice < slices; ++slice) {
+  for (uint slice = 1; slice < block && slice < slices - first; ++slice) {
     const double next = own[(ulong)slice * columns];
     sum = column == SMALLEST_DISTANCE ? fmin(sum, next) : sum + next;
   }

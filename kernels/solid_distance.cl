@@ -11,6 +11,7 @@
 // The functions of the model's own tree (host/batches/model_source) come after this file.
 
 #define CHILDREN 8
+#define CHILD_BITS 3
 #define DEEPEST_CUBE 40
 #define CUBE_STACK (7 * DEEPEST_CUBE + 8)
 
@@ -20,7 +21,25 @@ typedef struct {
   uint level;
   decided known;
   double lower;
-} waiting_cube;
+} octree_cube;
+
+// Bits of `decided` as they wait on the stack: no more than there are primitives.
+#if PRIMITIVES <= 8
+typedef uchar remembered_bits;
+#elif PRIMITIVES <= 16
+typedef ushort remembered_bits;
+#else
+typedef uint remembered_bits;
+#endif
+
+// Cubes that wait, the last to be searched first. Each is a child of the cube that was taken last, or of one that
+// contains it: which child, and at which level, says where it lies. Small, because a graphics processor keeps as much
+// memory as this takes for every work-item that it could run.
+typedef struct {
+  double lower[CUBE_STACK];
+  ushort place[CUBE_STACK]; // level, then CHILD_BITS
+  remembered_bits black[CUBE_STACK], white[CUBE_STACK];
+} cube_stack;
 
 typedef struct {
   double x, y, z;
@@ -36,7 +55,7 @@ typedef struct {
   double given_up;                     // least lower bound of the cubes that were given up
   double allowance;                    // how far above a lower bound the upper may stay
   uint stacked;
-  waiting_cube stack[CUBE_STACK];
+  cube_stack stack;
 } search;
 
 ALWAYS_INLINE vector3 broadcast(point p) {
@@ -106,7 +125,7 @@ typedef struct {
   long black[CHILDREN], white[CHILDREN];
 } children;
 
-NEVER_INLINE void evaluate_children(search* own, waiting_cube parent, point corner, double half_width,
+NEVER_INLINE void evaluate_children(search* own, octree_cube parent, point corner, double half_width,
                                     MODEL_SPACE const box_primitive* primitives, children* found) {
   for (uint part = 0; part < CHILDREN; part += VECTOR_WIDTH) {
     double xs[VECTOR_WIDTH], ys[VECTOR_WIDTH], zs[VECTOR_WIDTH];
@@ -146,8 +165,32 @@ NEVER_INLINE void evaluate_children(search* own, waiting_cube parent, point corn
 
 ALWAYS_INLINE void give_up(search* own, double lower) { own->given_up = fmin(own->given_up, lower); }
 
+ALWAYS_INLINE void push(search* own, uint level, uint child, decided known, double lower) {
+  const uint at = own->stacked++;
+  own->stack.place[at] = (ushort)(level << CHILD_BITS | child);
+  own->stack.lower[at] = lower;
+  own->stack.black[at] = (remembered_bits)known.black;
+  own->stack.white[at] = (remembered_bits)known.white;
+}
+
+// `last` is the cube that was popped before this one.
+ALWAYS_INLINE octree_cube pop(search* own, octree_cube last) {
+  const uint at = --own->stacked;
+  const uint place = own->stack.place[at];
+  octree_cube next;
+  next.level = place >> CHILD_BITS;
+  const uint up = last.level + 1 - next.level; // from `last` to the parent
+  next.x = 2 * (last.x >> up) + (place & 1);
+  next.y = 2 * (last.y >> up) + ((place >> 1) & 1);
+  next.z = 2 * (last.z >> up) + ((place >> 2) & 1);
+  next.known.black = own->stack.black[at];
+  next.known.white = own->stack.white[at];
+  next.lower = own->stack.lower[at];
+  return next;
+}
+
 // Pushes the children that may hold the nearest point, the most promising last.
-ALWAYS_INLINE void push_children(search* own, waiting_cube parent, const children* found) {
+ALWAYS_INLINE void push_children(search* own, octree_cube parent, const children* found) {
   double lower[CHILDREN];
   for (uint i = 0; i < CHILDREN; ++i) {
     lower[i] = found->lower[i];
@@ -161,10 +204,8 @@ ALWAYS_INLINE void push_children(search* own, waiting_cube parent, const childre
     for (uint i = 0; i < CHILDREN; ++i)
       if (lower[i] < INFINITY && (farthest == CHILDREN || found->promise[i] > found->promise[farthest])) farthest = i;
     if (farthest == CHILDREN) return;
-    const waiting_cube child = {2 * parent.x + (farthest & 1), 2 * parent.y + ((farthest >> 1) & 1),
-                                2 * parent.z + (farthest >> 2), parent.level + 1,
-                                {(uint)found->black[farthest], (uint)found->white[farthest]}, lower[farthest]};
-    own->stack[own->stacked++] = child;
+    const decided known = {(uint)found->black[farthest], (uint)found->white[farthest]};
+    push(own, parent.level + 1, farthest, known, lower[farthest]);
     lower[farthest] = INFINITY;
   }
 }
@@ -182,13 +223,14 @@ ALWAYS_INLINE uint most_promising(const children* found) {
 ALWAYS_INLINE double searched_lower(search* own, point root, double root_half_width, uint round_limit,
                                     MODEL_SPACE const box_primitive* primitives) {
   const point corner = {root.x - root_half_width, root.y - root_half_width, root.z - root_half_width};
-  const waiting_cube whole = {0, 0, 0, 0, {0, 0}, 0.0};
-  own->stack[0] = whole;
-  own->stacked = 1;
+  const decided nothing = {0, 0};
+  own->stacked = 0;
+  push(own, 0, 0, nothing, 0.0);
   own->given_up = INFINITY;
+  octree_cube parent = {0, 0, 0, 0, nothing, 0.0};
   uint idle = 0; // proposals in a row that did not help
   for (uint round = 0; own->stacked > 0 && round < round_limit; ++round) {
-    const waiting_cube parent = own->stack[--own->stacked];
+    parent = pop(own, parent);
     if (!(parent.lower < own->upper - own->allowance) || parent.level >= DEEPEST_CUBE) {
       give_up(own, parent.lower);
       continue;
@@ -207,7 +249,7 @@ ALWAYS_INLINE double searched_lower(search* own, point root, double root_half_wi
     }
     push_children(own, parent, &found);
   }
-  while (own->stacked > 0) give_up(own, own->stack[--own->stacked].lower);
+  while (own->stacked > 0) give_up(own, own->stack.lower[--own->stacked]);
   return fmin(own->given_up, own->upper);
 }
 

@@ -56,7 +56,9 @@ std::vector<OperationKernels::Column> OperationKernels::run(cl::Kernel& kernel, 
     buffers.emplace_back(context_, CL_MEM_WRITE_ONLY, bytes);
     kernel.setArg(argument++, buffers.back());
   }
-  queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups));
+  // PoCL compiles a kernel again for each size of work-groups; for groups of one work-item that takes it least time.
+  queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups),
+                              vector_width_ > 1 ? cl::NDRange(1) : cl::NullRange);
   std::vector<Column> results(outputs, Column(groups * vector_width_));
   for (std::size_t i = 0; i < outputs; ++i) {
     queue_.enqueueReadBuffer(buffers[inputs.size() + i], CL_TRUE, 0, bytes, results[i].data());

@@ -27,6 +27,10 @@ std::uint64_t total(std::span<const Running> apart) {
 
 }  // namespace
 
+double seconds_of(std::span<const Running> kernels) {
+  return 1e-9 * static_cast<double>(total(kernels));
+}
+
 void BusyTime::add(std::span<const Running> chunk) {
   open_.insert(open_.end(), chunk.begin(), chunk.end());
   open_ = united(std::move(open_));

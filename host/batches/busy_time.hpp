@@ -12,6 +12,9 @@ struct Running {
   std::uint64_t start, end;
 };
 
+/// How long kernels that ran one after the other took.
+[[nodiscard]] double seconds_of(std::span<const Running> kernels);
+
 /// The time during which at least one kernel ran: queues of one device work at the same time, and moments that they
 /// share count once. Never more than the time by the clock.
 class BusyTime {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <deque>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "host/batches/batch.hpp"
 #include "host/batches/busy_time.hpp"
+#include "host/batches/launch_pace.hpp"
 #include "host/device/device.hpp"
 #include "verisq/error.hpp"
 
@@ -34,18 +36,19 @@ class ChunkPipeline final : public Batch<Query> {
  public:
   /// `capacity` is that of each of the slots; `device` names it in errors.
   ChunkPipeline(std::string device, std::size_t capacity, std::vector<Slot> slots)
-      : device_(std::move(device)), capacity_(capacity), slots_(std::move(slots)) {}
+      : device_(std::move(device)), pace_(capacity), slots_(std::move(slots)) {}
 
-  /// OpenCL implementations put off the end of compilation and the allocation of buffers to the first launch: a chunk
-  /// of copies of `query` in each slot makes them do it now.
+  /// OpenCL implementations put off the end of compilation to the first launch: a few copies of `query` in each slot
+  /// make them do it now. Buffers are there already, because they were filled.
   void warm_up(const Query& query) {
-    const std::vector<Query> queries(capacity_, query);
+    const std::vector<Query> queries(std::min(pace_.size(), queries_of_warm_up), query);
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) submit(queries);
     discard();
     busy_ = {};
   }
 
-  [[nodiscard]] std::size_t capacity() const override { return capacity_; }
+  /// What a chunk is to hold now; it follows the time that chunks take.
+  [[nodiscard]] std::size_t capacity() const override { return pace_.size(); }
   [[nodiscard]] double device_seconds() const override { return busy_.seconds(); }
 
   void submit(std::span<const Query> queries) override {
@@ -57,7 +60,9 @@ class ChunkPipeline final : public Batch<Query> {
   void collect(std::vector<Enclosure>& enclosures, std::vector<Certificate>& certificates) override {
     Slot& oldest = slots_[in_flight_.front()];
     in_flight_.pop_front();
-    busy_.add(reporting_failures(device_, [&] { return oldest.finish(enclosures); }));
+    const std::vector<Running> kernels = reporting_failures(device_, [&] { return oldest.finish(enclosures); });
+    busy_.add(kernels);
+    pace_.took(enclosures.size(), seconds_of(kernels));
     certificates.clear();
     oldest.certify(enclosures, certificates);
   }
@@ -69,8 +74,10 @@ class ChunkPipeline final : public Batch<Query> {
   }
 
  private:
+  static constexpr std::size_t queries_of_warm_up = 256;
+
   std::string device_;
-  std::size_t capacity_;
+  LaunchPace pace_;
   std::vector<Slot> slots_;
   std::deque<std::size_t> in_flight_;
   std::size_t next_ = 0;

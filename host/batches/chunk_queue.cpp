@@ -36,7 +36,9 @@ void Scale::to_model(std::span<const double> los, std::span<const double> his, s
 }
 
 ChunkQueue::ChunkQueue(const Device& device)
-    : context_(device.context), queue_(device.context, device.device, CL_QUEUE_PROFILING_ENABLE) {}
+    : context_(device.context),
+      queue_(device.context, device.device, CL_QUEUE_PROFILING_ENABLE),
+      usual_group_size_(usual_group_size(device)) {}
 
 cl::Buffer ChunkQueue::numbers(std::size_t count) {
   const cl::Buffer buffer(context_, CL_MEM_READ_WRITE, count * sizeof(double));

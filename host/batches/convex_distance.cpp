@@ -71,7 +71,8 @@ void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, st
 // A vector work-item with a block is long: one a work-group lets the cores share them evenly.
 void ConvexDistance::launch_blocks(ChunkQueue& queue, const NamedKernel& kernel, std::size_t groups,
                                    std::size_t groups_per_block) {
-  queue.launch(kernel, (groups + groups_per_block - 1) / groups_per_block, groups_per_block > 1 ? 1 : usual_group_size);
+  const std::size_t blocks = (groups + groups_per_block - 1) / groups_per_block;
+  groups_per_block > 1 ? queue.launch(kernel, blocks, 1) : queue.launch(kernel, blocks);
 }
 
 }  // namespace verisq::device

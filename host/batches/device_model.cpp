@@ -2,6 +2,7 @@
 #include "host/batches/device_model.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -11,7 +12,10 @@
 namespace verisq::device {
 namespace {
 
-constexpr std::size_t queries_per_chunk = 1U << 18U;  // of devices that want more work-items at a time than processors
+constexpr std::size_t queries_per_chunk = 1U << 20U;  // of devices that want more work-items at a time than processors
+constexpr std::size_t smallest_full_chunk = 1U << 16U;
+constexpr std::size_t bytes_per_query = 2048;  // two chunks of points around eight primitives, rounded up
+constexpr std::size_t part_of_memory = 8;
 constexpr std::size_t primitives_per_full_chunk = 8;  // larger models take smaller chunks: memory stays bounded
 constexpr std::size_t smallest_chunk = 1U << 10U;
 constexpr std::size_t chunk_alignment = 1U << 10U;  // keeps windows of device buffers aligned for any device
@@ -19,8 +23,14 @@ constexpr std::size_t chunk_alignment = 1U << 10U;  // keeps windows of device b
 constexpr int largest_scaled_exponent = 300;
 constexpr double far_from_unit_model = 0x1p20;
 
-std::size_t chunk_size(std::size_t primitives, int vector_width, std::size_t processor_chunk) {
-  const std::size_t full = vector_width > 1 ? processor_chunk : queries_per_chunk;
+// Of a graphics processor: as much as its memory takes with ease.
+std::size_t full_chunk(const Device& device) {
+  const std::size_t memory = device.device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>() / part_of_memory;
+  return std::clamp(std::bit_floor(memory / bytes_per_query), smallest_full_chunk, queries_per_chunk);
+}
+
+std::size_t chunk_size(const Device& device, std::size_t primitives, std::size_t processor_chunk) {
+  const std::size_t full = device.vector_width > 1 ? processor_chunk : full_chunk(device);
   const std::size_t wanted =
       std::max(smallest_chunk, full * primitives_per_full_chunk / std::max(primitives, primitives_per_full_chunk));
   return wanted - wanted % chunk_alignment;
@@ -62,7 +72,7 @@ DeviceModel::DeviceModel(const Device& device, const Model& model, std::size_t p
       primitives(uploaded(device, model, scale_exponent)),
       count(model.primitives.size()),
       memory(model_memory_option(device, count * sizeof(PrimitiveParameters))),
-      chunk_size(device::chunk_size(count, device.vector_width, processor_chunk)) {}
+      chunk_size(device::chunk_size(device, count, processor_chunk)) {}
 
 double far_away(const DeviceModel& model) {
   return std::ldexp(far_from_unit_model, -model.scale_exponent);

@@ -86,8 +86,8 @@ class PipeSlot {
     set(point_rows_, "status", bound_.status);
 
     const std::size_t groups = (size_ + width_ - 1) / width_;
-    queue_.launch(point_columns_, (groups + vectors_of_columns() - 1) / vectors_of_columns(),
-                  group_size_ == 1 ? 1 : usual_group_size);
+    const std::size_t column_items = (groups + vectors_of_columns() - 1) / vectors_of_columns();
+    group_size_ == 1 ? queue_.launch(point_columns_, column_items, 1) : queue_.launch(point_columns_, column_items);
     kernels_.enqueue(queue_, groups);
     queue_.launch(point_rows_, blocks_of(size_) * group_size_, group_size_);
     memory_->fetch(queue_);

@@ -55,14 +55,14 @@ class PoseSlot : public ChunkSlot {
     std::vector<std::array<double, 9>> rotations;
     for (const Pose& pose : poses) rotations.push_back(rotation_matrix(pose.quaternion));
     for (std::size_t i = 0; i < numbers_per_pose; ++i) {
-      const std::span column = std::span(columns_).subspan(i * capacity_, capacity_);
+      const std::span column = std::span(columns_).subspan(i * capacity_, padded());
       if (i < 9) {
         fill(column, [&](std::size_t n) { return rotations[n][i]; });
       } else {
         fill(column, [&](std::size_t n) { return scale_.to_device(poses[n].translation[i - 9]); });
       }
+      queue_.write(poses_, column, i * capacity_);
     }
-    queue_.write(poses_, columns_);
   }
 
   std::size_t primitives_of_a_;

@@ -22,8 +22,11 @@
 namespace verisq::device {
 namespace {
 
-// Cubes that are split for a query; then it is left to the host. The hardest that still pay take some hundreds.
-constexpr cl_uint round_limit = 4096;
+// Cubes that are split for a query; then it is left to the host. The hardest that still pay take some hundreds. A
+// graphics processor takes a tenth of a millisecond and more for each, and is not to be occupied by one launch for
+// long.
+constexpr cl_uint round_limit_of_processor = 4096;
+constexpr cl_uint round_limit = 512;
 
 // What is known of each primitive on its own.
 constexpr std::array<std::string_view, 5> part_arguments{"part_los", "part_his", "normal_xs", "normal_ys", "normal_zs"};
@@ -91,7 +94,7 @@ class SolidSlot : public ChunkSlot {
     solid_distance_.set("root_z", model.root.centre[2]);
     solid_distance_.set("root_half_width", model.root.half_width);
     solid_distance_.set("tolerance", std::max(scale_.to_device(tolerance), smallest_tolerance));
-    solid_distance_.set("round_limit", round_limit);
+    solid_distance_.set("round_limit", width_ > 1 ? round_limit_of_processor : round_limit);
     solid_distance_.set(part_arguments, per_primitive_);
     solid_distance_.set(enclosure_arguments, result_);
     for (auto& column : columns_) column.resize(capacity_);
@@ -105,7 +108,7 @@ class SolidSlot : public ChunkSlot {
     }
     for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].bent ? enqueue_bent(i) : enqueue_convex(i);
     solid_distance_.set("count", size_);
-    queue_.launch(solid_distance_, size_, width_ > 1 ? searches_per_group : usual_group_size);
+    width_ > 1 ? queue_.launch(solid_distance_, size_, searches_per_group) : queue_.launch(solid_distance_, size_);
     enclosures_.read(queue_, result_, size_);
     queue_.flush();
   }

@@ -83,10 +83,10 @@ class TriangleSlot : public ChunkSlot {
  private:
   void upload(std::span<const Triangle> triangles) {
     for (std::size_t c = 0; c < coordinates; ++c) {
-      fill(std::span(columns_).subspan(c * capacity_, capacity_),
-           [&](std::size_t n) { return scale_.to_device(triangles[n][c / 3][c % 3]); });
+      const std::span column = std::span(columns_).subspan(c * capacity_, padded());
+      fill(column, [&](std::size_t n) { return scale_.to_device(triangles[n][c / 3][c % 3]); });
+      queue_.write(corners_, column, c * capacity_);
     }
-    queue_.write(corners_, columns_);
   }
 
   void launch_primitive(std::size_t index) {

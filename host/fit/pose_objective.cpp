@@ -12,6 +12,7 @@
 #include "host/batches/chunk_pipeline.hpp"
 #include "host/batches/chunk_queue.hpp"
 #include "host/batches/kernel_arguments.hpp"
+#include "host/batches/launch_pace.hpp"
 #include "host/batches/model_memory.hpp"
 #include "host/batches/primitive_parameters.hpp"
 #include "host/batches/rotation.hpp"
@@ -46,11 +47,15 @@ constexpr std::size_t distance_columns = 8;  // distance, normal, primitive, siz
 // hundred times that on a graphics processor.
 constexpr std::size_t distances_of_processor_launch = 2'000'000;
 constexpr std::size_t distances_of_launch = 100'000'000;
+constexpr std::size_t distances_of_first_launch = 1'000'000;
 constexpr std::size_t partial_numbers_of_launch = std::size_t{1} << 23U;  // 64 MiB
 
 // Vectors of points a work-item: many for a processor, which has few cores; still enough work-items for one candidate.
 constexpr std::size_t vectors_of_processor_slice = 8;
 constexpr std::size_t points_of_slice = 2;
+
+// Slices that a graphics processor's work-item sums: sums of sums follow. A processor's sums all, which are few.
+constexpr std::size_t slices_of_block = 64;
 
 // Beyond, Newton's method often fails. A smaller exponent gives a larger solid: penetrations are overestimated.
 constexpr double largest_exponent = 1.95;
@@ -129,14 +134,15 @@ struct DevicePoints {
 
 // Room for the candidates of one launch, and their sums.
 struct Chunk {
-  Chunk(ChunkQueue& queue, std::size_t launch_capacity, std::size_t primitives_of_candidate, std::size_t slices)
+  Chunk(ChunkQueue& queue, std::size_t launch_capacity, std::size_t primitives_of_candidate, std::size_t slices,
+        std::size_t blocks)
       : capacity(launch_capacity),
         primitives_of_each(primitives_of_candidate),
         columns(columns_of_pose + 3 * primitives_of_candidate),
         primitives(queue.numbers(capacity * primitives_of_each * sizeof(ScaledPrimitive) / sizeof(double))),
         pivots(queue.numbers(capacity * 3)),
         partials(queue.numbers(capacity * slices * columns)),
-        sums(queue.numbers(capacity * columns)),
+        sums(queue.numbers(capacity * blocks * columns)),
         pivot_column(capacity * 3),
         sum_column(capacity * columns) {}
 
@@ -185,6 +191,8 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
       : device_(device),
         points_(points.begin(), points.end()),
         weights_(weights.begin(), weights.end()),
+        pace_(is_processor() ? LaunchPace(distances_of_processor_launch, distances_of_processor_launch)
+                             : LaunchPace(distances_of_launch, distances_of_first_launch)),
         queue_(device),
         kernels_(device, "") {}
 
@@ -196,10 +204,13 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     reporting_failures(device_.name, [&] {
       prepare(stride, candidates.front().primitives.size());
       set_arguments(fitness, cell);
-      for (std::size_t first = 0; first < candidates.size(); first += chunk_->capacity) {
-        const auto part = candidates.subspan(first, std::min(chunk_->capacity, candidates.size() - first));
+      for (std::size_t first = 0; first < candidates.size();) {
+        const std::size_t most = candidates_of_launch();
+        const auto part = candidates.subspan(first, std::min(most, candidates.size() - first));
+        first += part.size();
         upload(part);
-        launch(part.size());
+        const double seconds = launch(part.size());
+        pace_.took(part.size() == most ? pace_.size() : part.size() * distances_of_candidate(), seconds);
         const std::span<const double> sums = chunk_->sum_column;
         for (std::size_t n = 0; n < part.size(); ++n) {
           evaluations.push_back(
@@ -238,7 +249,8 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     slices_ = (selected_->groups + vectors_of_slice - 1) / vectors_of_slice;
     const std::string memory = model_memory_option(device_, primitives * sizeof(ScaledPrimitive));
     if (memory != kernels_.memory) kernels_ = Kernels(device_, memory);
-    chunk_.emplace(queue_, chunk_capacity(primitives), primitives, slices_);
+    block_ = is_processor() ? slices_ : slices_of_block;
+    chunk_.emplace(queue_, chunk_capacity(primitives), primitives, slices_, blocks_of(slices_));
     NamedKernel& objective = kernels_.pose_objective;
     objective.set("slices", slices_);
     objective.set("groups", selected_->groups);
@@ -248,10 +260,19 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     objective.set("count", primitives);
     objective.set("pivots", chunk_->pivots);
     objective.set("partials", chunk_->partials);
-    kernels_.sum_slices.set("slices", slices_);
     kernels_.sum_slices.set("columns", chunk_->columns);
-    kernels_.sum_slices.set("partials", chunk_->partials);
-    kernels_.sum_slices.set("sums", chunk_->sums);
+    kernels_.sum_slices.set("block", block_);
+  }
+
+  [[nodiscard]] std::size_t blocks_of(std::size_t slices) const { return (slices + block_ - 1) / block_; }
+
+  [[nodiscard]] std::size_t distances_of_candidate() const {
+    return selected_->order.size() * chunk_->primitives_of_each;
+  }
+
+  [[nodiscard]] std::size_t candidates_of_launch() const {
+    return std::clamp<std::size_t>(pace_.size() / std::max<std::size_t>(1, distances_of_candidate()), 1,
+                                   chunk_->capacity);
   }
 
   // At least one, however many points there are.
@@ -286,15 +307,30 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     queue_.write(chunk.pivots, std::span(chunk.pivot_column).first(3 * candidates.size()));
   }
 
-  void launch(std::size_t candidates) {
+  // Returns the seconds that the kernels took.
+  double launch(std::size_t candidates) {
     Chunk& chunk = *chunk_;
     kernels_.pose_objective.set("candidates", candidates);
     kernels_.sum_slices.set("candidates", candidates);
     // A vector work-item is long: one a work-group lets the cores share them evenly.
-    queue_.launch(kernels_.pose_objective, candidates * slices_, is_processor() ? 1 : usual_group_size);
-    queue_.launch(kernels_.sum_slices, candidates * chunk.columns);
-    queue_.read(chunk.sums, std::span(chunk.sum_column).first(candidates * chunk.columns));
-    queue_.finish();
+    const std::size_t work_items = candidates * slices_;
+    is_processor() ? queue_.launch(kernels_.pose_objective, work_items, 1)
+                   : queue_.launch(kernels_.pose_objective, work_items);
+    queue_.read(enqueue_sums(candidates), std::span(chunk.sum_column).first(candidates * chunk.columns));
+    return seconds_of(queue_.finish());
+  }
+
+  // Returns where the sums over all slices will be: each pass overwrites what the pass before has read.
+  const cl::Buffer& enqueue_sums(std::size_t candidates) {
+    std::array<const cl::Buffer*, 2> buffers{&chunk_->partials, &chunk_->sums};
+    for (std::size_t slices = slices_;; slices = blocks_of(slices)) {
+      kernels_.sum_slices.set("slices", slices);
+      kernels_.sum_slices.set("partials", *buffers[0]);
+      kernels_.sum_slices.set("sums", *buffers[1]);
+      queue_.launch(kernels_.sum_slices, candidates * blocks_of(slices) * chunk_->columns);
+      if (blocks_of(slices) == 1) return *buffers[1];
+      std::swap(buffers[0], buffers[1]);
+    }
   }
 
   std::vector<double> launch_distances() {
@@ -316,10 +352,12 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
   Device device_;
   std::vector<Point> points_;
   std::vector<double> weights_;
+  LaunchPace pace_;  // in distances
   ChunkQueue queue_;
   Kernels kernels_;
   std::optional<DevicePoints> selected_;
   std::size_t slices_ = 0;
+  std::size_t block_ = 1;  // slices that a work-item sums
   std::optional<Chunk> chunk_;
 };
 

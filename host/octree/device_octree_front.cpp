@@ -78,6 +78,7 @@ class DeviceFront final : public OctreeFront {
       : name_(device.name),
         context_(device.context),
         queue_(device.context, device.device, CL_QUEUE_PROFILING_ENABLE),
+        group_size_(usual_group_size(device)),
         split_cubes_(octree_program(device, model, extra_options), kernels::embedded_octree(), "split_cubes"),
         root_(root),
         scale_(scale_exponent(model)),
@@ -158,14 +159,14 @@ class DeviceFront final : public OctreeFront {
     split_cubes_.set("next_decisions", next_.decisions);
     split_cubes_.set("counts", counts_);
     split_cubes_.set("colours", colours_);
-    split_cubes_.set("sums", cl::Local((usual_group_size + 1) * sizeof(cl_uint)));
+    split_cubes_.set("sums", cl::Local((group_size_ + 1) * sizeof(cl_uint)));
 
     std::array<cl_uint, 3> counts{};
     queue_.enqueueFillBuffer(counts_, cl_uint{0}, 0, sizeof counts);
-    const std::size_t work_items = (count + usual_group_size - 1) / usual_group_size * usual_group_size;
+    const std::size_t work_items = (count + group_size_ - 1) / group_size_ * group_size_;
     cl::Event event;
-    queue_.enqueueNDRangeKernel(split_cubes_.kernel(), cl::NullRange, cl::NDRange(work_items),
-                                cl::NDRange(usual_group_size), nullptr, &event);
+    queue_.enqueueNDRangeKernel(split_cubes_.kernel(), cl::NullRange, cl::NDRange(work_items), cl::NDRange(group_size_),
+                                nullptr, &event);
     queue_.enqueueReadBuffer(counts_, CL_TRUE, 0, sizeof counts, counts.data());
     seconds_ += 1e-9 * static_cast<double>(event.getProfilingInfo<CL_PROFILING_COMMAND_END>() -
                                            event.getProfilingInfo<CL_PROFILING_COMMAND_START>());
@@ -210,6 +211,7 @@ class DeviceFront final : public OctreeFront {
   std::string name_;
   cl::Context context_;
   cl::CommandQueue queue_;
+  std::size_t group_size_;
   NamedKernel split_cubes_;
   OctreeRoot root_;
   int scale_;  // numbers of the device are model units times 2^scale_: exact, as the model is within its range

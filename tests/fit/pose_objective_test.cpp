@@ -321,6 +321,32 @@ TEST_F(PoseObjectiveTest, PointsOnAxesHaveDistances) {
   }
 }
 
+// Work-items of one point, as graphics processors get them, have so many slices that sums of sums are summed again.
+TEST_F(PoseObjectiveTest, SumsByOnePointAWorkItemAreThoseByVectors) {
+  Device scalar = device();
+  scalar.vector_width = 1;
+  Candidate moved_one = implant();
+  moved_one.primitives[0].pose.translation[2] -= 0.2;
+  const std::vector<Candidate> candidates{implant(), moved_one};
+  const std::vector<Point> points = points_about(implant(), 9001, 0.9, 3.0);
+  std::vector<Evaluation> by_vectors;
+  std::vector<Evaluation> by_points;
+  evaluator(points)->evaluate(candidates, fitness, {0.01, 0.02}, 1, by_vectors);
+  device_candidate_evaluator(scalar, points, weights(points.size()))
+      ->evaluate(candidates, fitness, {0.01, 0.02}, 1, by_points);
+  ASSERT_EQ(by_points.size(), candidates.size());
+  for (std::size_t n = 0; n < candidates.size(); ++n) {
+    EXPECT_NEAR(by_points[n].objective, by_vectors[n].objective, 1e-9);
+    EXPECT_NEAR(by_points[n].objective_bound, by_vectors[n].objective_bound, 1e-9);
+    EXPECT_NEAR(by_points[n].smallest_distance, by_vectors[n].smallest_distance, 1e-12);
+    for (std::size_t i = 0; i < 6; ++i)
+      EXPECT_NEAR(by_points[n].pose_gradient[i], by_vectors[n].pose_gradient[i], 1e-7);
+    for (std::size_t i = 0; i < implant().primitives.size(); ++i)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(by_points[n].size_gradient[i][axis], by_vectors[n].size_gradient[i][axis], 1e-7);
+  }
+}
+
 TEST_F(PoseObjectiveTest, SumsAreThoseOfTheDistances) {
   const Candidate candidate = implant();
   const std::vector<Point> points = points_about(candidate, 333, 0.9, 3.0);  // no multiple of a vector

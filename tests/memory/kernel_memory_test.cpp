@@ -128,8 +128,9 @@ class KernelRun {
     const cl::Buffer partials = numbers(std::size_t{candidates} * slices * columns_of_candidate);
     launch("pose_objective", candidates, slices, cl_uint{groups}, coordinates, weights, parameters, count, pivots, 0.1,
            0.5, 0.01, 0.02, partials);
-    launch("sum_slices", candidates, slices, columns_of_candidate, partials,
-           numbers(std::size_t{candidates} * columns_of_candidate));
+    const cl::Buffer sums = numbers(std::size_t{candidates} * blocks * columns_of_candidate);
+    launch("sum_slices", candidates, slices, columns_of_candidate, slices_of_block, partials, sums);
+    launch("sum_slices", candidates, blocks, columns_of_candidate, slices_of_block, sums, partials);
     launch("pose_distance", cl_uint{groups}, cl_ulong{queries_}, coordinates, parameters, count, numbers(8 * queries_));
     queue_.finish();
   }
@@ -146,11 +147,13 @@ class KernelRun {
   static constexpr std::size_t searches = 5;
   static constexpr cl_uint candidates = 2;
   static constexpr cl_uint slices = 3;
+  static constexpr cl_uint slices_of_block = 2;
+  static constexpr cl_uint blocks = 2;
   static constexpr cl_uint columns_of_candidate = 18;  // 9 and three a primitive
   static constexpr cl_uint rounds = 6;                 // each takes a simulator tens of milliseconds
   static constexpr std::size_t groups = 13;
   static constexpr cl_uint groups_per_block = 4;
-  static constexpr std::size_t work_items = 16;  // more than there are groups: some have nothing to do
+  static constexpr std::size_t work_items = 80;  // more than there is work: some have nothing to do
   static constexpr std::size_t work_group = 8;
   static constexpr std::size_t scratch_per_point = 9;  // SCRATCH_SIZE in kernels/interior_depth.cl
   static constexpr double tolerance = 1e-3;

@@ -389,6 +389,20 @@ TEST(OctreeColours, DoNotDependOnTheVectorWidth) {
         << width;
 }
 
+// Eight siblings share powers where the cubes lie along a primitive's axes: by vectors and number by number the same.
+TEST(OctreeColours, OfSiblingsDoNotDependOnTheVectorWidth) {
+  const auto selection = device::select_device("auto");
+  if (!selection.device) GTEST_SKIP() << selection.notice;
+  const auto leaf = [](std::uint32_t n) { return SetExpression{{}, SetOperation::unite, n}; };
+  Model model;
+  model.primitives = {{"block", {{2.0, 1.5, 1.0}, {0.2, 0.3}}, {{0.1, -0.2, 0.05}, {1.0, 0.0, 0.0, 0.0}}},
+                      {"bore", {{0.4, 0.3, 2.0}, {0.6, 1.3}}, {{0.5, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}},
+                      {"stud", {{0.3, 0.6, 0.5}, {1.7, 0.9}}, {{-0.6, 0.7, 0.8}, {1.0, 0.1, 0.2, 0.0}}}};
+  model.csg = SetExpression{{SetExpression{{leaf(0), leaf(2)}, SetOperation::unite}, leaf(1)}, SetOperation::subtract};
+  const auto eight = cubes_by(*selection.device, 8, model, "", 6);
+  EXPECT_TRUE(std::ranges::equal(eight, cubes_by(*selection.device, 1, model, "", 6), same));
+}
+
 // What the parent knows of a primitive is true of its children: without it there is no more decided.
 TEST(OctreeColours, AreAsManyWithoutSimplification) {
   const auto selection = device::select_device("auto");

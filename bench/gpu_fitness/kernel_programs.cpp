@@ -1,0 +1,21 @@
+/// This file lists the programs as host/batches, host/fit and host/octree build them.
+#include "bench/gpu_fitness/kernel_programs.hpp"
+
+#include <verisq/model_file.hpp>
+
+#include "host/batches/model_source.hpp"
+#include "kernels/embedded_sources.hpp"
+
+namespace verisq::bench {
+
+std::vector<KernelProgram> kernel_programs(const std::string& examples) {
+  const Model solid = read_model(examples + "/bent_stem.json");
+  return {{"points", std::string(kernels::embedded_point_sources()), ""},
+          {"triangles", std::string(kernels::embedded_triangle_sources()), ""},
+          {"pairs", std::string(kernels::embedded_pair_sources()), ""},
+          {"fit", std::string(kernels::embedded_pose_objective_sources()), ""},
+          {"solid", device::model_source(solid, kernels::embedded_solid_distance()), ""},
+          {"octree", device::model_source(solid, kernels::embedded_octree()), ""}};
+}
+
+}  // namespace verisq::bench
