@@ -14,7 +14,9 @@
 namespace verisq::bench {
 namespace {
 
-constexpr std::size_t group_size = 32;  // as host/batches/convex_distance.cpp launches it
+// As host/batches/convex_distance.cpp launches it.
+constexpr std::size_t points_of_vector_work_item = 2048;
+constexpr std::size_t scalar_group_size = 32;
 
 device::Device selected(const DeviceReport& report) {
   auto selection = device::select_device(std::to_string(report.index));
@@ -35,7 +37,8 @@ struct PointDistanceKernel::State {
         queue(device.context, device.device),
         kernel(program_of(device, variant), "point_distance"),
         vector_width(static_cast<std::size_t>(device.vector_width)),
-        groups(points / vector_width) {}
+        groups(points / vector_width),
+        groups_per_block(vector_width > 1 ? points_of_vector_work_item / vector_width : 1) {}
 
   template <class Value>
   void add_value(Value value) {
@@ -53,6 +56,7 @@ struct PointDistanceKernel::State {
   cl::Kernel kernel;
   std::size_t vector_width;
   std::size_t groups;
+  std::size_t groups_per_block;
   cl_uint next_argument = 0;
   std::vector<cl::Buffer> buffers;  // a kernel does not keep its arguments alive
 };
@@ -66,7 +70,7 @@ PointDistanceKernel::PointDistanceKernel(const DeviceReport& device, KernelVaria
   const std::size_t bytes = coordinates.size() * sizeof(double);
 
   state_->add_value(static_cast<cl_ulong>(state_->groups));
-  state_->add_value(cl_uint{1});  // a block
+  state_->add_value(static_cast<cl_uint>(state_->groups_per_block));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < coordinates.size(); ++i) coordinates[i] = std::ldexp(points[i][axis], scale);
     state_->add_array(bytes, coordinates.data());
@@ -87,7 +91,9 @@ std::size_t PointDistanceKernel::points() const {
 }
 
 void PointDistanceKernel::run() {
-  const std::size_t work_items = (state_->groups + group_size - 1) / group_size * group_size;
+  const std::size_t blocks = (state_->groups + state_->groups_per_block - 1) / state_->groups_per_block;
+  const std::size_t group_size = state_->vector_width > 1 ? 1 : scalar_group_size;
+  const std::size_t work_items = (blocks + group_size - 1) / group_size * group_size;
   state_->queue.enqueueNDRangeKernel(state_->kernel, cl::NullRange, cl::NDRange(work_items), cl::NDRange(group_size));
   state_->queue.finish();
 }

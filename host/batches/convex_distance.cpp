@@ -46,7 +46,8 @@ ConvexDistance::ConvexDistance(const Device& device, const cl::Program& program,
   point_distance_.set(coordinate_arguments, coordinates_);
   point_distance_.set("listed", listed_);
   point_distance_.set("nearest", nearest_);
-  interior_depth_.set("groups_per_block", groups_per_block_);
+  for (NamedKernel* const kernel : {&point_distance_, &interior_depth_})
+    kernel->set("groups_per_block", groups_per_block_);
   interior_depth_.set(coordinate_arguments, coordinates_);
   interior_depth_.set("tolerance", std::max(tolerance, smallest_interior_tolerance));
   interior_depth_.set("scratch", scratch_);
@@ -61,18 +62,10 @@ void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, st
     kernel->set("index", index);
     kernel->set(evidence_arguments, evidence);
   }
-  // All points of the first primitive are searched for, so that nothing is to be shared.
-  const std::size_t groups_per_block = index == 0 ? 1 : groups_per_block_;
-  point_distance_.set("groups_per_block", groups_per_block);
-  launch_blocks(queue, point_distance_, groups, groups_per_block);
-  launch_blocks(queue, interior_depth_, groups, groups_per_block_);
-}
-
-// A vector work-item with a block is long: one a work-group lets the cores share them evenly.
-void ConvexDistance::launch_blocks(ChunkQueue& queue, const NamedKernel& kernel, std::size_t groups,
-                                   std::size_t groups_per_block) {
-  const std::size_t blocks = (groups + groups_per_block - 1) / groups_per_block;
-  groups_per_block > 1 ? queue.launch(kernel, blocks, 1) : queue.launch(kernel, blocks);
+  // A vector work-item with a block is long: one a work-group lets the cores share them evenly.
+  const std::size_t blocks = (groups + groups_per_block_ - 1) / groups_per_block_;
+  for (const NamedKernel* const kernel : {&point_distance_, &interior_depth_})
+    groups_per_block_ > 1 ? queue.launch(*kernel, blocks, 1) : queue.launch(*kernel, blocks);
 }
 
 }  // namespace verisq::device

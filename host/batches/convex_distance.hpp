@@ -36,9 +36,6 @@ class ConvexDistance {
                const EvidenceBuffers& evidence);
 
  private:
-  static void launch_blocks(ChunkQueue& queue, const NamedKernel& kernel, std::size_t groups,
-                            std::size_t groups_per_block);
-
   std::size_t groups_per_block_;
   // Kernels do not keep the buffers that they are given.
   std::array<cl::Buffer, 3> coordinates_;

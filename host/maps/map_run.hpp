@@ -102,8 +102,9 @@ class MapRun {
     for (const Query& query : queries) prover_.check(query);
   }
 
-  // A search of this many takes the host about as long as the device takes to be made ready for it.
-  static constexpr std::size_t worth_a_search = 64;
+  // A search of this many takes the host about as long as a device takes to be made ready for it: a tenth of a second,
+  // or the first time a second.
+  static constexpr std::size_t worth_a_search = 16;
   static constexpr std::size_t searches_at_a_time = 256;  // a fraction of a second: limits are felt between
 
   // Tightens what is open and not proven to lie outside by the device's search.

@@ -86,9 +86,9 @@ TEST(DeviceSearchTest, ProvesWhatIsOpenInside) {
 
 TEST(DeviceSearchTest, IsNotMadeReadyForAFew) {
   FakeBatch search(0.04, 0.0);
-  const MapSummary summary = mapped(20, search);
+  const MapSummary summary = mapped(10, search);
   EXPECT_EQ(search.submitted, 0U);
-  EXPECT_EQ(summary.host_verified, 20U);
+  EXPECT_EQ(summary.host_verified, 10U);
 }
 
 TEST(DeviceSearchTest, LeavesToTheHostWhatItCannotNarrow) {

@@ -54,8 +54,8 @@ class KernelRun {
     const auto of_primitives = outputs<5>(queries_ * model.primitives.size());
     for (cl_uint index = 0; index < model.primitives.size(); ++index) {
       const auto own = views(of_primitives, index);
-      launch("point_distance", cl_ulong{groups}, index == 0 ? cl_uint{1} : groups_per_block, coordinates, primitives_,
-             index, listed, nearest, own);
+      launch("point_distance", cl_ulong{groups}, groups_per_block, coordinates, primitives_, index, listed, nearest,
+             own);
       launch("interior_depth", cl_ulong{groups}, groups_per_block, coordinates, primitives_, index, tolerance, scratch,
              own);
     }
