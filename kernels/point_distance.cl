@@ -72,14 +72,15 @@ ALWAYS_INLINE proven_distance enclosure_at(local_point q, MODEL_SPACE const supe
 }
 
 // A lower bound without a search: the farther of a sphere and of the box about the solid. h(q) <= reach |q|, so that q
-// is the normal which proves the sphere's; h(v) <= v.a, a the box's corner, so that v = max(q - a, 0) proves the box's.
+// is the normal which proves the sphere's, for points inside, too; h(v) <= v.a, a the box's corner, so that v = max(q -
+// a, 0) proves the box's where it is not 0.
 ALWAYS_INLINE proven_distance enclosure_from_afar(local_point q, MODEL_SPACE const superquadric* s) {
   const real sphere = sub_down(length_down(q.point), REAL(s->reach_up));
   const vector3 v = {positive_part(sub_down(q.point.x, REAL(s->semi_axes[0]))),
                      positive_part(sub_down(q.point.y, REAL(s->semi_axes[1]))),
                      positive_part(sub_down(q.point.z, REAL(s->semi_axes[2])))};
   const real box = length_down(v); // |v|^2 <= v.(q - a), v rounded down
-  const integer by_box = MASK(box > sphere);
+  const integer by_box = MASK(box > sphere) & MASK(box > 0.0);
   const proven_distance known = {sub_down(select(sphere, box, by_box), q.error), REAL(INFINITY),
                                  out_of_octant(select_vector(q.point, v, by_box), q.sign)};
   return known;

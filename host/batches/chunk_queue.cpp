@@ -2,6 +2,7 @@
 #include "host/batches/chunk_queue.hpp"
 
 #include <limits>
+#include <utility>
 
 #include "verisq/enclosure.hpp"
 
@@ -75,13 +76,13 @@ void ChunkQueue::launch(const NamedKernel& kernel, std::size_t work_items, std::
 }
 
 std::vector<Running> ChunkQueue::finish() {
+  const std::vector<cl::Event> kernels = std::exchange(kernels_, {});  // those of a failure are not asked again
   queue_.finish();
   std::vector<Running> times;
-  for (const cl::Event& kernel : kernels_) {
+  for (const cl::Event& kernel : kernels) {
     times.push_back(
         {kernel.getProfilingInfo<CL_PROFILING_COMMAND_START>(), kernel.getProfilingInfo<CL_PROFILING_COMMAND_END>()});
   }
-  kernels_.clear();
   return times;
 }
 

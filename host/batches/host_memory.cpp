@@ -2,8 +2,10 @@
 #include "host/batches/host_memory.hpp"
 
 #include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -16,19 +18,24 @@ static_assert(sizeof(MapResult) % sizeof(double) == 0, "the stride of its ends i
 struct Extent {
   const std::byte* first;
   std::size_t bytes;
+  bool has_numbers;
 
   [[nodiscard]] const std::byte* end() const { return first + bytes; }
 };
 
-// From a whole number on, so that offsets of numbers are whole.
 template <class Value>
 Extent extent_of(const Column<Value>& column, std::size_t size) {
   const Value* const one = &column[0];
   const Value* const other = &column[size - 1];
   const auto* const first = reinterpret_cast<const std::byte*>(std::min(one, other));
   const auto* const end = reinterpret_cast<const std::byte*>(std::max(one, other) + 1);
-  const std::size_t beyond = reinterpret_cast<std::uintptr_t>(first) % sizeof(double);
-  return {first - beyond, static_cast<std::size_t>(end - first) + beyond};
+  return {first, static_cast<std::size_t>(end - first), std::same_as<std::remove_const_t<Value>, double>};
+}
+
+// From a whole number on where there are numbers, so that their offsets are whole.
+Extent aligned(const Extent& extent) {
+  const std::size_t beyond = extent.has_numbers ? reinterpret_cast<std::uintptr_t>(extent.first) % sizeof(double) : 0;
+  return {extent.first - beyond, extent.bytes + beyond, extent.has_numbers};
 }
 
 // Those that overlap in one: buffers must not share memory.
@@ -36,11 +43,15 @@ std::vector<Extent> united(std::vector<Extent> all) {
   std::ranges::sort(all, {}, &Extent::first);
   std::vector<Extent> apart;
   for (const Extent& next : all) {
-    if (!apart.empty() && next.first < apart.back().end())
-      apart.back().bytes = static_cast<std::size_t>(std::max(apart.back().end(), next.end()) - apart.back().first);
-    else
+    if (apart.empty() || next.first >= apart.back().end()) {
       apart.push_back(next);
+      continue;
+    }
+    Extent& last = apart.back();
+    last.bytes = static_cast<std::size_t>(std::max(last.end(), next.end()) - last.first);
+    last.has_numbers = last.has_numbers || next.has_numbers;
   }
+  std::ranges::transform(apart, apart.begin(), aligned);
   return apart;
 }
 
@@ -70,6 +81,11 @@ class SharedMemory final : public HostMemory {
   }
 
   void deliver() override {}
+
+  void release() override {
+    buffers_.clear();
+    extents_.clear();
+  }
 
  private:
   [[nodiscard]] std::size_t index_of(const void* value) const {
@@ -137,6 +153,7 @@ class CopiedColumn {
     if (column_.stride == 1) return;
     for (std::size_t n = 0; n < size_; ++n) column_[n] = pinned_.values()[n];
   }
+  void release() { size_ = 0; }
 
  private:
   cl::Buffer buffer_;
@@ -172,6 +189,12 @@ class CopiedMemory final : public HostMemory {
     lo_.deliver();
     hi_.deliver();
     status_.deliver();
+  }
+
+  void release() override {
+    lo_.release();
+    hi_.release();
+    status_.release();
   }
 
  private:

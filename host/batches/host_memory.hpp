@@ -36,6 +36,8 @@ class HostMemory {
   [[nodiscard]] virtual BoundChunk bind(ChunkQueue& queue, const PointColumns& points, const ResultColumns& rows) = 0;
   virtual void fetch(ChunkQueue& queue) = 0;
   virtual void deliver() = 0;
+  /// Lets go of the caller's memory: after `deliver`, or when anything failed.
+  virtual void release() = 0;
 };
 
 /// The memory itself: of a device that computes in it, where nothing is copied.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <exception>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -98,6 +99,7 @@ class PipeSlot {
   }
 
   std::vector<Running> finish() {
+    const Release release(*this);
     std::vector<Running> times = queue_.finish();
     memory_->deliver();
     if (is_refused_ != 0) forget_refused();
@@ -116,6 +118,21 @@ class PipeSlot {
 
  private:
   static constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
+
+  // Whatever happens, nothing is kept of the caller's memory.
+  class Release {
+   public:
+    explicit Release(PipeSlot& slot) : slot_(slot) {}
+    ~Release() {
+      slot_.bound_ = {};
+      slot_.memory_->release();
+    }
+    Release(const Release&) = delete;
+    Release& operator=(const Release&) = delete;
+
+   private:
+    PipeSlot& slot_;
+  };
 
   static std::size_t blocks_of(std::size_t size) { return (size + rows_of_block - 1) / rows_of_block; }
   // A graphics processor's work-item takes one point, next to those of its neighbours.
@@ -170,7 +187,15 @@ class DevicePipe final : public PointPipe {
   }
 
   void discard() override {
-    while (!in_flight_.empty()) (void)DevicePipe::collect();
+    std::exception_ptr failure;
+    while (!in_flight_.empty()) {
+      try {
+        (void)DevicePipe::collect();
+      } catch (const Error&) {
+        failure = std::current_exception();  // the other chunk must end, too
+      }
+    }
+    if (failure) std::rethrow_exception(failure);
   }
 
  private:

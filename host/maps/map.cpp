@@ -5,6 +5,7 @@
 
 #include "host/maps/bracket_map.hpp"
 #include "host/maps/exact_map.hpp"
+#include "host/maps/separate_columns.hpp"
 #include "verify/proof/bracketed.hpp"
 #include "verify/proof/uncertain_distance.hpp"
 #include "verisq/error.hpp"
@@ -104,6 +105,7 @@ MapSummary Mapper<Query>::map(const Queries& queries, const ResultColumns& rows)
                 fmt::format("there is memory for {} rows, not for those of {} queries", rows.size(), queries.size()));
   if (state_->map.options().certificates)
     throw Error(ErrorKind::input, "certificates need a sink: columns of rows have no place for them");
+  if constexpr (std::same_as<Query, Point>) require_apart(queries, rows);
   return state_->map.map_in_memory(queries, rows);
 }
 

@@ -1,7 +1,9 @@
 /// A prover and a device's pipe made ready: a map of points to a union of convex primitives.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -39,12 +41,24 @@ class PipedMap final : public ExactMap<Point> {
   }
 
   MapSummary map_in_memory(const PointColumns& points, const ResultColumns& rows) override {
-    if (!pipe_) return ExactMap<Point>::map_in_memory(points, rows);
+    if (!pipe_ || !lies_close(points, rows)) return ExactMap<Point>::map_in_memory(points, rows);
     MemoryFeed feed(points, rows);
     return mapped(feed);
   }
 
  private:
+  // Of memory that is wider spread a chunk may span more than a device takes for one buffer.
+  static constexpr std::ptrdiff_t most_bytes_to_the_next = 4096;
+
+  template <class Value>
+  static bool lies_close(const Column<Value>& column) {
+    return std::abs(column.stride) <= most_bytes_to_the_next / static_cast<std::ptrdiff_t>(sizeof(Value));
+  }
+  static bool lies_close(const PointColumns& points, const ResultColumns& rows) {
+    return std::ranges::all_of(points.coordinates(), [](const auto& column) { return lies_close(column); }) &&
+           lies_close(rows.lo()) && lies_close(rows.hi()) && lies_close(rows.status());
+  }
+
   template <class Feed>
   MapSummary mapped(Feed& feed) {
     typename PipedRun<Prover, Feed>::Search search;

@@ -65,7 +65,8 @@ class PointColumns {
   std::array<Column<const double>, 3> coordinates_;
 };
 
-/// Where rows of a map go. No two of their values may share memory.
+/// Where rows of a map go. Their values share memory neither with each other nor with the queries; columns that
+/// interleave, like those of one record, are apart where their strides in bytes are the same.
 class ResultColumns {
  public:
   /// Rows as they are.

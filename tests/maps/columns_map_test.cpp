@@ -140,6 +140,59 @@ TEST(ColumnsMapTest, RefuseColumnsThatDoNotFit) {
               ThrowsMessage<Error>(HasSubstr("certificates")));
 }
 
+/// Rows are written while points are read.
+TEST(ColumnsMapTest, RefuseRowsInTheMemoryOfPointsOrOfEachOther) {
+  PointMapper mapper(ball(), {.tolerance = 1e-6, .device = "host"});
+  std::vector<double> x(4, 2.0);
+  std::vector<double> y(4, 0.0);
+  std::vector<double> z(4, 0.0);
+  std::vector<double> ends(8);
+  std::vector<Status> status(4);
+  const std::span lo = std::span(ends).first(4);
+  const auto refused = ThrowsMessage<Error>(HasSubstr("share memory"));
+  EXPECT_THAT([&] { (void)mapper.map(PointColumns(x, y, z), ResultColumns(lo, x, status)); }, refused);
+  EXPECT_THAT([&] { (void)mapper.map(PointColumns(x, y, z), ResultColumns(lo, lo, status)); }, refused);
+  const ResultColumns shifted(4, {ends.data()}, {ends.data() + 3}, {status.data()});
+  EXPECT_THAT([&] { (void)mapper.map(PointColumns(x, y, z), shifted); }, refused);
+  const ResultColumns unlike(2, {ends.data(), 3}, {ends.data() + 1, 2}, {status.data()});
+  EXPECT_THAT([&] { (void)mapper.map(PointColumns(x, y, z).subspan(0, 2), unlike); }, refused);
+  EXPECT_EQ(mapper.map(PointColumns(x, y, z), ResultColumns(lo, std::span(ends).last(4), status)).points, 4U);
+}
+
+/// One record a point, also from the last to the first.
+TEST(ColumnsMapTest, PointsAndRowsInterleave) {
+  struct Record {
+    Point point;
+    MapResult row;
+  };
+  const std::vector<Point> points = random_points(3000, 2.0);
+  std::vector<Record> records;
+  for (const Point& point : points) records.push_back({point, {}});
+  constexpr auto stride = static_cast<std::ptrdiff_t>(sizeof(Record) / sizeof(double));
+  for (const std::ptrdiff_t direction : {1, -1}) {
+    Record& first = direction > 0 ? records.front() : records.back();
+    const std::ptrdiff_t step = direction * stride;
+    double* const at = first.point.data();
+    const PointColumns queries(records.size(), {at, step}, {at + 1, step}, {at + 2, step});
+    const ResultColumns rows(records.size(), {&first.row.distance.lo, step}, {&first.row.distance.hi, step},
+                             {&first.row.status, direction * static_cast<std::ptrdiff_t>(sizeof(Record))});
+    PointMapper mapper(ball(), {.tolerance = 1e-9});
+    EXPECT_EQ(mapper.map(queries, rows).wide, 0U);
+    for (std::size_t i = 0; i < records.size(); i += 500) EXPECT_TRUE(verified(rows[i].distance, 1e-9)) << i;
+  }
+}
+
+/// Too far apart for one buffer of a device.
+TEST(ColumnsMapTest, ColumnsMayBeSpreadWidely) {
+  constexpr std::ptrdiff_t stride = 5000;
+  std::vector<double> spread(200 * stride, 0.0);
+  for (std::size_t i = 0; i < 200; ++i) spread[i * stride] = 2.0 + static_cast<double>(i);
+  std::vector<MapResult> rows(200);
+  const PointColumns queries(200, {spread.data(), stride}, {spread.data() + 1, stride}, {spread.data() + 2, stride});
+  PointMapper mapper(ball(), {.tolerance = 1e-9});
+  EXPECT_EQ(mapper.map(queries, rows).wide, 0U);
+}
+
 /// Interrupted between two chunks: those before are there, and counted.
 TEST(ColumnsMapTest, TellHowFarAnInterruptedMapCame) {
   int polls = 0;

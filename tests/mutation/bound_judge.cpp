@@ -54,6 +54,7 @@ kernel void evaluate_bound(uint bound, ulong groups, global const double* operan
     case 13: result = test_point(a, b.x, b, b.y, s).position; break;
     case 14: result.x = separation_down(a, s); break;
     case 15: result.x = lower_end_from_afar(b, s); break;
+    case 16: result.x = lower_end_from_afar(a, s); break;
     default: break;
   }
   STORE(result.x, group, results);
@@ -159,6 +160,13 @@ Extended from_afar(const Vector& q, const Norm& norm) {
   return std::max(length(q) - radius, length(beyond));
 }
 
+/// Of a point inside, an upper bound of the signed distance: balls about the centre lie in the solid, for it contains
+/// the octahedron of its semi-axes.
+Extended least_depth(const Vector& q, const Norm& norm) {
+  const auto& a = norm.semi_axes();
+  return (norm.gauge(q) - 1.0L) / length({1.0L / a[0], 1.0L / a[1], 1.0L / a[2]});
+}
+
 /// In the order of `evaluate_bound`.
 const Bound bounds[] = {
     {"dot_down", Side::below, two_points,
@@ -205,6 +213,11 @@ const Bound bounds[] = {
     {"separation_down, inside,", Side::below, just_inside, [](const Operands&, const Norm&) { return Vector{0.0L}; }},
     {"enclosure_from_afar", Side::below, direction_and_far_point,
      [](const Operands& o, const Norm& norm) { return Vector{from_afar(extended(o.b), norm)}; }},
+    {"enclosure_from_afar, inside,", Side::below,
+     [](oracle::RandomCases& random, const Norm& norm) {
+       return Operands{with_gauge(random.uniform(0.0, 0.9), random, norm), {}};
+     },
+     [](const Operands& o, const Norm& norm) { return Vector{least_depth(extended(o.a), norm)}; }},
 };
 
 constexpr std::size_t samples = 512;  // of each bound and solid

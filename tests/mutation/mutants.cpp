@@ -363,6 +363,7 @@ constexpr std::array point_distance{
            "sub_down(q.point.y, REAL(s->semi_axes[0]))"},
     Mutant{"distance from the box's far side", "positive_part(sub_down(q.point.z, REAL(s->semi_axes[2])))",
            "fabs(sub_down(q.point.z, REAL(s->semi_axes[2])))"},
+    Mutant{"box of a point within it", "MASK(box > sphere) & MASK(box > 0.0)", "MASK(box > sphere)"},
     Mutant{"box's difference rounded up", "sub_down(q.point.z, REAL(s->semi_axes[2]))",
            "sub_up(q.point.z, REAL(s->semi_axes[2]))", Arithmetic::loose_products},
     Mutant{"box's length rounded up", "const real box = length_down(v);", "const real box = length_up(v);",
