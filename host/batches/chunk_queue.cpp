@@ -79,6 +79,7 @@ std::vector<Running> ChunkQueue::finish() {
   const std::vector<cl::Event> kernels = std::exchange(kernels_, {});  // those of a failure are not asked again
   queue_.finish();
   std::vector<Running> times;
+  times.reserve(kernels.size());
   for (const cl::Event& kernel : kernels) {
     times.push_back(
         {kernel.getProfilingInfo<CL_PROFILING_COMMAND_START>(), kernel.getProfilingInfo<CL_PROFILING_COMMAND_END>()});

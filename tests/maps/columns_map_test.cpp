@@ -167,6 +167,7 @@ TEST(ColumnsMapTest, PointsAndRowsInterleave) {
   };
   const std::vector<Point> points = random_points(3000, 2.0);
   std::vector<Record> records;
+  records.reserve(points.size());
   for (const Point& point : points) records.push_back({point, {}});
   constexpr auto stride = static_cast<std::ptrdiff_t>(sizeof(Record) / sizeof(double));
   for (const std::ptrdiff_t direction : {1, -1}) {
