@@ -5,9 +5,9 @@
 
 namespace verisq::bench {
 
-/// Counted along kernels/proposal.clh, contact.clh and superquadric.clh: + - * / sqrt are one operation, fma two; those of
-/// binary32 count half, because a register holds twice as many; comparisons, min, max, selections and integer work are
-/// none. Change these when the kernels change.
+/// Counted along kernels/proposal.clh, contact.clh and superquadric.clh: + - * / sqrt are one operation, fma two; those
+/// of binary32 count half, because a register holds twice as many; comparisons, min, max, selections and integer work
+/// are none. Change these when the kernels change.
 namespace operations {
 inline constexpr double a_newton_step = 150;  ///< in binary32: 5 log-sum-exp of 34 (of which exp 15), the linear system
 /// Pose 60, start in binary32 105, the contact 358 (11 exp of 30), its residuals 38, its move by the last step 122.

@@ -57,7 +57,7 @@ class PointColumns {
  private:
   static PointColumns of_points(std::span<const Point> points) {
     if (points.empty()) return {0, {}, {}, {}};
-    const double* const first = points.front().data();
+    const double* const first{points.front().data()};
     return {points.size(), {first, 3}, {first + 1, 3}, {first + 2, 3}};
   }
 

@@ -101,8 +101,8 @@ class Mapper {
   /// unions of convex primitives take the shortest way: kernels read the coordinates and write the rows where they are
   /// (of a device that computes in the host's memory; others copy), and the host sees only rows that are left open.
   /// Rows up to the summary's `points` are written; where a map was interrupted or threw, what the others hold is not
-  /// specified. Throws Error(input) unless there are as many rows as queries, where columns of points and rows may share
-  /// memory, and where the options ask for certificates, which have no column; otherwise as the other.
+  /// specified. Throws Error(input) unless there are as many rows as queries, where columns of points and rows may
+  /// share memory, and where the options ask for certificates, which have no column; otherwise as the other.
   MapSummary map(const Queries& queries, const ResultColumns& rows);
 
  private:
