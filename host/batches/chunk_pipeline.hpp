@@ -12,6 +12,7 @@
 
 #include "host/batches/batch.hpp"
 #include "host/batches/busy_time.hpp"
+#include "host/batches/device_model.hpp"
 #include "host/batches/launch_pace.hpp"
 #include "host/device/device.hpp"
 #include "verisq/error.hpp"
@@ -38,8 +39,7 @@ class ChunkPipeline final : public Batch<Query> {
   ChunkPipeline(std::string device, std::size_t capacity, std::vector<Slot> slots)
       : device_(std::move(device)), pace_(capacity), slots_(std::move(slots)) {}
 
-  /// OpenCL implementations put off the end of compilation to the first launch: a few copies of `query` in each slot
-  /// make them do it now. Buffers are there already, because they were filled.
+  /// A chunk of copies of `query` in each slot (see queries_of_warm_up). Buffers are there already: they were filled.
   void warm_up(const Query& query) {
     const std::vector<Query> queries(std::min(pace_.size(), queries_of_warm_up), query);
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) submit(queries);
@@ -74,8 +74,6 @@ class ChunkPipeline final : public Batch<Query> {
   }
 
  private:
-  static constexpr std::size_t queries_of_warm_up = 256;
-
   std::string device_;
   LaunchPace pace_;
   std::vector<Slot> slots_;

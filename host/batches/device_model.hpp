@@ -29,7 +29,11 @@ struct DeviceModel {
   std::size_t chunk_size;  ///< queries a chunk may hold: memory stays bounded however large the model
 };
 
-/// A coordinate far from every model, in model units: what a chunk that only warms up is filled with.
+/// OpenCL implementations put off the end of compilation to the first launch: a chunk of so many queries makes them do
+/// it before the first one of a map.
+inline constexpr std::size_t queries_of_warm_up = 256;
+
+/// A coordinate far from every model, in model units: what that chunk is filled with.
 [[nodiscard]] double far_away(const DeviceModel& model);
 
 }  // namespace verisq::device

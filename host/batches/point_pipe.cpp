@@ -199,10 +199,9 @@ class DevicePipe final : public PointPipe {
   }
 
  private:
-  // OpenCL implementations put off the end of compilation and the allocation of buffers to the first launch.
   void warm_up(const Point& point) {
-    const std::vector<Point> points(capacity_, point);
-    std::vector<MapResult> rows(capacity_);
+    const std::vector<Point> points(std::min(capacity_, queries_of_warm_up), point);
+    std::vector<MapResult> rows(points.size());
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
       DevicePipe::submit(std::span(points), std::span(rows));
       (void)DevicePipe::collect();

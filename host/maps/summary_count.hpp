@@ -17,6 +17,13 @@ namespace verisq {
   return summary;
 }
 
+/// What rows with these extremes add to those of the summary.
+inline void extend(MapSummary& summary, double minimum_lo, double minimum_hi, double largest_width) {
+  summary.minimum_lo = std::min(summary.minimum_lo, minimum_lo);
+  summary.minimum_hi = std::min(summary.minimum_hi, minimum_hi);
+  summary.largest_width = std::max(summary.largest_width, largest_width);
+}
+
 inline void count(MapSummary& summary, const MapResult& row) {
   ++summary.points;
   switch (row.status) {
@@ -27,9 +34,7 @@ inline void count(MapSummary& summary, const MapResult& row) {
       if (row.distance.lo < 0.0) ++summary.wide_inside;
       break;
   }
-  summary.minimum_lo = std::min(summary.minimum_lo, row.distance.lo);
-  summary.minimum_hi = std::min(summary.minimum_hi, row.distance.hi);
-  summary.largest_width = std::max(summary.largest_width, row.distance.width());
+  extend(summary, row.distance.lo, row.distance.hi, row.distance.width());
 }
 
 /// Likewise what another summary counts.
@@ -39,9 +44,7 @@ inline void add(MapSummary& summary, const MapSummary& other) {
   summary.host_verified += other.host_verified;
   summary.wide += other.wide;
   summary.wide_inside += other.wide_inside;
-  summary.minimum_lo = std::min(summary.minimum_lo, other.minimum_lo);
-  summary.minimum_hi = std::min(summary.minimum_hi, other.minimum_hi);
-  summary.largest_width = std::max(summary.largest_width, other.largest_width);
+  extend(summary, other.minimum_lo, other.minimum_hi, other.largest_width);
 }
 
 /// Likewise all of these, without a write to the summary for each.
@@ -57,9 +60,7 @@ inline void count(MapSummary& summary, const device::RowSums& sums) {
   summary.device_verified += sums.verified;
   summary.wide += sums.wide;
   summary.wide_inside += sums.wide_inside;
-  summary.minimum_lo = std::min(summary.minimum_lo, sums.minimum_lo);
-  summary.minimum_hi = std::min(summary.minimum_hi, sums.minimum_hi);
-  summary.largest_width = std::max(summary.largest_width, sums.largest_width);
+  extend(summary, sums.minimum_lo, sums.minimum_hi, sums.largest_width);
 }
 
 }  // namespace verisq
