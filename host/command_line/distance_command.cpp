@@ -21,6 +21,7 @@
 #include "host/command_line/messages.hpp"
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/pose_option.hpp"
+#include "host/command_line/peeked_stream.hpp"
 #include "host/command_line/pose_stream.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
@@ -162,9 +163,11 @@ DistanceReport certified_distance(const UncertainModel& a, const UncertainModel&
 ExitStatus map_poses(const LargestModels& models, const std::string& units, double tolerance,
                      const DistanceArguments& arguments) {
   PoseStream stream(*arguments.poses);
-  const MapOptions options{
-      .tolerance = tolerance, .device = arguments.device.value_or("auto"), .interrupted = interrupted};
-  return map_to_file(stream, nullptr, [&] { return PoseMapper(models.a, models.b, options); },
+  PeekedStream peeked(stream);
+  const MapOptions options{.tolerance = tolerance,
+                           .device = device_for(peeked, arguments.device.value_or("auto")),
+                           .interrupted = interrupted};
+  return map_to_file(peeked, nullptr, [&] { return PoseMapper(models.a, models.b, options); },
                      {.elements = MapElements::poses,
                       .contents = MapContents::enclosures,
                       .output = *arguments.output,
@@ -184,7 +187,7 @@ void declare_distance(Options& options, DistanceArguments& arguments) {
               "Moves B: translation and quaternion of any length");
   options.add("--poses", arguments.poses, "FILE", "Many poses instead: .csv with tx,ty,tz,qw,qx,qy,qz a line");
   options.add("-o,--output", arguments.output, "FILE", "The distances for --poses, by extension: .csv .npy .json");
-  options.add("--device", arguments.device, "DEVICE", fmt::format("For --poses: {}", device_explanation));
+  options.add("--device", arguments.device, "DEVICE", fmt::format("For --poses: {}", device_of_map_explanation));
   options.add("--tol", arguments.tolerance, parse_length, "T",
               fmt::format("Width up to which the enclosure is called verified, in model units; 0 asks for the tightest "
                           "(default: {} of the larger bounding radius)",

@@ -17,6 +17,7 @@
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/map_to_file.hpp"
 #include "host/command_line/overwriting.hpp"
+#include "host/command_line/peeked_stream.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/time_limit.hpp"
@@ -141,9 +142,11 @@ std::string format_of(const MapArguments& arguments) {
 /// the mapper is ready.
 template <typename Stream>
 ExitStatus map_and_report(const UncertainModel& model, MapElements elements, const MapArguments& arguments,
-                          const MapOptions& options, TimeLimit& limit) {
+                          MapOptions options, TimeLimit& limit) {
   Stream stream(arguments.inputs);
   refuse_what_cannot_be_drawn(arguments, stream.mesh());
+  PeekedStream peeked(stream);
+  options.device = device_for(peeked, options.device);
   const auto make_mapper = [&] {
     Mapper<typename Stream::Element> mapper(model, options);
     limit.start();
@@ -177,7 +180,7 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
                                .area_of = {}});
     };
   }
-  return map_to_file(stream, stream.mesh(), make_mapper, request);
+  return map_to_file(peeked, stream.mesh(), make_mapper, request);
 }
 
 }  // namespace
@@ -193,7 +196,7 @@ void declare_map(Options& options, MapArguments& arguments) {
               "Each vertex or point is any within this distance of the given one, in model units (default 0)");
   options.add("--time-limit", arguments.time_limit, parse_time_limit, "SECONDS",
               "Ends the map this long after its preparation: rows left open are valid, and wide (default: none)");
-  add_device(options, arguments.device);
+  options.add("--device", arguments.device, "DEVICE", device_of_map_explanation);
   options.add("--method", arguments.method,
               choice<Method>({{"duality", Method::duality}, {"published", Method::published}}), "METHOD",
               "How the host proves points outside: duality (default), or published: the paper's bisected segment,\n"

@@ -20,6 +20,10 @@ void add_tolerance(Options& options, std::optional<double>& tolerance, std::stri
 void add_device(Options& options, std::string& device);
 inline constexpr const char* device_explanation =
     "auto (default), host (no OpenCL), or an index or part of a name from `verisq devices`";
+/// Of what has rows.
+inline constexpr const char* device_of_map_explanation =
+    "auto (default: a device, for at most 128 rows the host), host (no OpenCL), or an index or part of a name\n"
+    "from `verisq devices`";
 
 /// What -o says of a map.
 inline constexpr const char* map_explanation = "The map, by extension: .csv .npy .vtp .ply .json";

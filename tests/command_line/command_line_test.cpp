@@ -139,32 +139,50 @@ TEST_F(CommandLine, RefusesThePublishedMethodWithWhatItDoesNotKnow) {
   expect_refused(with({"--on", "triangles"}), {"published", "points"});
 }
 
+// The host makes maps of up to 128 rows.
+std::string points_above(std::size_t count) {
+  std::string text;
+  for (std::size_t k = 0; k < count; ++k) text += "0,0,3\n";
+  return text;
+}
+
 TEST_F(CommandLine, MapsOnTheDefaultDevice) {
-  const auto mesh = write("mesh.off", tetrahedron);
-  const auto outcome = run({"map", "--model", ball, "--mesh", mesh, "-o", path("map.csv")});
+  const auto points = write("points.csv", points_above(129));
+  const auto outcome = run({"map", "--model", ball, "--points", points, "-o", path("map.csv")});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(rows_of(path("map.csv")).size(), 4);
+  EXPECT_THAT(outcome.out, HasSubstr("device-verified  129\n"));
+  EXPECT_EQ(rows_of(path("map.csv")).size(), 129);
+}
+
+TEST_F(CommandLine, LeavesFewRowsToTheHostUnlessADeviceIsNamed) {
+  const auto points = write("points.csv", points_above(128));
+  const auto outcome = run({"map", "--model", ball, "--points", points, "-o", path("map.csv")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, HasSubstr("host-verified    128\n"));
+  const auto named = run({"map", "--model", ball, "--points", points, "-o", path("map.csv"), "--device", "0"});
+  EXPECT_THAT(named.out, HasSubstr("device-verified  128\n"));
 }
 
 TEST_F(CommandLine, MapsOnTheHostWithoutOpenClDrivers) {
-  const auto mesh = write("mesh.off", tetrahedron);
+  const auto points = write("points.csv", points_above(129));
   const EnvironmentVariable drivers("OCL_ICD_VENDORS", path("no_vendors"));
-  const auto outcome = run({"map", "--model", ball, "--mesh", mesh, "-o", path("map.csv")});
+  const auto outcome = run({"map", "--model", ball, "--points", points, "-o", path("map.csv")});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("no OpenCL device found"));
-  EXPECT_THAT(outcome.out, HasSubstr("host-verified    4\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("host-verified    129\n"));
 }
 
 TEST_F(CommandLine, MapsOnTheHostWithoutAnOpenClLibrary) {
-  const auto mesh = write("mesh.off", tetrahedron);
+  const auto points = write("points.csv", points_above(129));
   // Found first, and no library: a program that is linked with OpenCL does not even start.
   for (const auto* name : {"libOpenCL.so.1", "libOpenCL.so"}) std::ofstream(path(name)) << "not a library";
   const EnvironmentVariable libraries("LD_LIBRARY_PATH", folder_.path().string());
-  const auto outcome = run({"map", "--model", ball, "--mesh", mesh, "-o", path("map.csv")});
+  const auto outcome = run({"map", "--model", ball, "--points", points, "-o", path("map.csv")});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("no OpenCL library"));
   EXPECT_THAT(outcome.err, HasSubstr("libOpenCL.so.1"));
-  EXPECT_THAT(outcome.out, HasSubstr("host-verified    4\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("host-verified    129\n"));
   EXPECT_EQ(run({"devices"}).status, 0);
 }
 
@@ -902,7 +920,7 @@ TEST_F(Check, LoadsNoOpenCl) {
   EXPECT_THAT(checked.err, HasSubstr("libmpfr"));
   EXPECT_THAT(checked.err, Not(HasSubstr("libOpenCL")));
   EXPECT_THAT(checked.err, Not(HasSubstr("libpocl")));
-  const auto mapped = run({"map", "--model", ball, "--points", points_, "-o", path("again.csv")});
+  const auto mapped = run({"map", "--model", ball, "--points", points_, "-o", path("again.csv"), "--device", "0"});
   EXPECT_THAT(mapped.err, HasSubstr("libOpenCL"));
 }
 
