@@ -45,6 +45,13 @@ cl::Buffer uploaded(const Device& device, const Model& model, int scale) {
 
 }  // namespace
 
+std::string why_not_on_devices(const Model& model) {
+  if (std::ranges::any_of(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); }))
+    return "the device's kernels know no tapered solids: the host does all";
+  if (!within_device_range(model)) return "the model's sizes span more than the device's kernels are made for";
+  return {};
+}
+
 bool within_device_range(const Model& model) {
   const int scale = scale_exponent(model);
   if (std::abs(scale) > 1000) return false;

@@ -65,7 +65,7 @@ std::array<Enclosure, N> numbers_or_intervals(const JsonValue& value, Intervals 
 }
 
 void read_superquadric(const JsonValue& value, Intervals intervals, UncertainPrimitive& primitive) {
-  value.check_keys({"semi_axes", "exponents"});
+  value.check_keys({"semi_axes", "exponents", "taper"});
   const JsonValue semi_axes = value.at("semi_axes");
   const JsonValue exponents = value.at("exponents");
   primitive.semi_axes = numbers_or_intervals<3>(semi_axes, intervals);
@@ -76,6 +76,12 @@ void read_superquadric(const JsonValue& value, Intervals intervals, UncertainPri
   for (std::size_t k = 0; k < 2; ++k) {
     const auto& [lo, hi] = primitive.exponents[k];
     if (!(0.0 < lo && hi <= 2.0)) exponents.element(k).fail("must be in (0, 2]");
+  }
+  if (const auto taper = value.find("taper")) {
+    primitive.taper = taper->number();
+    if (!(smallest_taper <= primitive.taper && primitive.taper <= largest_taper)) {
+      taper->fail("the section at z = a3 over that at z = -a3 must be in [0.01, 100]");
+    }
   }
 }
 
@@ -95,7 +101,7 @@ void read_pose(const JsonValue& value, Intervals intervals, UncertainPrimitive& 
 Superquadric largest(const UncertainPrimitive& primitive) {
   const auto& [a1, a2, a3] = primitive.semi_axes;
   const auto& [e1, e2] = primitive.exponents;
-  return {{a1.hi, a2.hi, a3.hi}, {e1.lo, e2.lo}};
+  return {{a1.hi, a2.hi, a3.hi}, {e1.lo, e2.lo}, primitive.taper};
 }
 
 /// What the format asks of a bend must be proven: a curvature within rounding errors of the limits is refused too.

@@ -18,10 +18,11 @@ std::string text(const nlohmann::json& value) {
 }
 
 std::string text(const Primitive& primitive) {
-  const auto& [semi_axes, exponents] = primitive.superquadric;
+  const auto& [semi_axes, exponents, taper] = primitive.superquadric;
+  const std::string tapered = is_tapered(primitive.superquadric) ? fmt::format(R"(, "taper": {})", text(taper)) : "";
   std::string result = fmt::format(R"(    {{ "name": {},
-      "superquadric": {{ "semi_axes": {}, "exponents": {} }})",
-                                   text(primitive.name), text(semi_axes), text(exponents));
+      "superquadric": {{ "semi_axes": {}, "exponents": {}{} }})",
+                                   text(primitive.name), text(semi_axes), text(exponents), tapered);
   if (primitive.bend) {
     result += fmt::format(R"(,
       "bend": {{ "curvature": {}, "angle_deg": {} }})",

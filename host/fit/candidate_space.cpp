@@ -90,6 +90,7 @@ Model middle_of(const UncertainModel& implant) {
                                 .bend = primitive.bend});
   }
   verify::require_union_of_convex(model, "fit");
+  verify::require_no_taper(model, "fit");
   return model;
 }
 

@@ -63,7 +63,8 @@ constexpr double largest_exponent = 1.95;
 ScaledPrimitive scaled(const Primitive& primitive) {
   ScaledPrimitive out{};
   PrimitiveParameters& parameters = out.parameters;
-  const auto& [semi_axes, exponents] = primitive.superquadric;
+  const auto& semi_axes = primitive.superquadric.semi_axes;
+  const auto& exponents = primitive.superquadric.exponents;
   const int scale = -std::ilogb(*std::max_element(semi_axes.begin(), semi_axes.end()));
   const auto rotation = rotation_matrix(primitive.pose.quaternion);
   for (std::size_t i = 0; i < 3; ++i) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "host/batches/device_model.hpp"
 #include "host/device/device.hpp"
@@ -24,8 +25,8 @@ struct ChosenDevice {
   if (options.device == "host") return {};
   device::Selection selection = device::select_device(options.device);
   if (!selection.device) return {std::nullopt, selection.notice};
-  if (!device::within_device_range(primitives))
-    return {std::nullopt, "the model's sizes span more than the device's kernels are made for"};
+  if (std::string reason = device::why_not_on_devices(primitives); !reason.empty())
+    return {std::nullopt, std::move(reason)};
   if (!unsuited.empty()) return {std::nullopt, unsuited};
   return {std::move(selection.device), selection.notice};
 }

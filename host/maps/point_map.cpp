@@ -82,6 +82,7 @@ class PointProver {
     if (published_ && (certificates_ || options.device != "host"))
       throw Error(ErrorKind::input, "the published method runs on the host alone and has no certificates");
     if (published_) verify::require_union_of_convex(model, "the published method");
+    if (published_) verify::require_no_taper(model, "the published method");
     if (certificates_) verify::require_union_of_convex(model, "certificates");
     refuse_empty(model, distance_, options.interrupted);
     if (!options.out_of_time) return;

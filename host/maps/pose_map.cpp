@@ -19,6 +19,7 @@ namespace {
 
 const Model& supported(const Model& model) {
   verify::require_union_of_convex(model, "maps of poses");
+  verify::require_no_taper(model, "maps of poses");
   return model;
 }
 

@@ -40,11 +40,8 @@ struct OctreeBuilder::State {
     const device::Selection selection = device::select_device(options.device);
     notice = selection.notice;
     if (!selection.device) return;
-    if (!device::within_device_range(model)) {
-      notice = "the model's sizes span more than the device's kernels are made for";
-      return;
-    }
-    if (std::string reason = device::why_not_compiled(model); !reason.empty()) {
+    for (std::string reason : {device::why_not_on_devices(model), device::why_not_compiled(model)}) {
+      if (reason.empty()) continue;
       notice = std::move(reason);
       return;
     }

@@ -19,6 +19,7 @@ struct UncertainPrimitive {
   std::array<Enclosure, 3> translation;
   std::array<double, 4> quaternion;
   std::optional<Bend> bend = {};
+  double taper = 1.0;  ///< where it is not 1, all numbers of the model must be exact
 };
 
 /// The members of the model take their numbers from the intervals independently of each other. Bends, and set

@@ -18,7 +18,7 @@ void check_interval(const Enclosure& interval) {
 }
 
 void check_primitive(const UncertainPrimitive& primitive) {
-  const auto& [name, semi_axes, exponents, translation, quaternion, bend] = primitive;
+  const auto& [name, semi_axes, exponents, translation, quaternion, bend, taper] = primitive;
   for (const Enclosure& number : semi_axes) check_interval(number);
   for (const Enclosure& number : exponents) check_interval(number);
   for (const Enclosure& number : translation) check_interval(number);

@@ -50,8 +50,10 @@ TEST(BracketTest, TakesTheEndsThatMakeSolidsSmallAndLarge) {
   EXPECT_FALSE(is_exact(model));
   const Bracket models = bracket(model);
   EXPECT_EQ(models.smallest.units, "mm");
-  const auto& [small_axes, small_exponents] = models.smallest.primitives[0].superquadric;
-  const auto& [large_axes, large_exponents] = models.largest.primitives[0].superquadric;
+  const auto& [small_axes, small_exponents, small_taper] = models.smallest.primitives[0].superquadric;
+  const auto& [large_axes, large_exponents, large_taper] = models.largest.primitives[0].superquadric;
+  EXPECT_EQ(small_taper, 1.0);
+  EXPECT_EQ(large_taper, 1.0);
   EXPECT_EQ(small_axes, (std::array<double, 3>{1, 3, 5}));
   EXPECT_EQ(large_axes, (std::array<double, 3>{2, 4, 6}));
   EXPECT_EQ(small_exponents, (std::array<double, 2>{0.6, 1.8}));

@@ -8,8 +8,8 @@
 
 namespace verisq::verify {
 
-/// All points and directions lie in the octant of nonnegative coordinates, in the solid's frame. Float is double or
-/// long double.
+/// All points and directions lie in the octant of nonnegative coordinates, in the solid's own frame; of a tapered solid
+/// also below it, with z < 0. Float is double or long double.
 template <class Float>
 class Boundary {
  public:
@@ -17,7 +17,7 @@ class Boundary {
 
   explicit Boundary(const Superquadric& solid);
 
-  /// The gauge g of docs/mathematics.md §1.
+  /// The gauge g of docs/mathematics.md §1 and §18.
   [[nodiscard]] Float gauge(const Vector& x) const;
 
   /// Unit outer normal of the level surface of g through x; at an edge or vertex one of the normals.
@@ -27,11 +27,13 @@ class Boundary {
   [[nodiscard]] Float exit(const Vector& q, const Vector& w, Float level = 1) const;
 
  private:
-  [[nodiscard]] Vector gradient(const Vector& x, Float gauge) const;
+  [[nodiscard]] Vector gradient(const Vector& x) const;
   [[nodiscard]] Float section(const Vector& x) const;
+  [[nodiscard]] Float norm(const Vector& x) const;
 
   Vector semi_axes_;
   Float p1_, p2_;
+  Float k_, fall_;  ///< of the taper: 0 and 1 without
 };
 
 extern template class Boundary<double>;

@@ -32,7 +32,7 @@ bool usable(const Proposal& v) {
 double lower_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const Proposal& v) {
   if (!usable(v)) return -infinity;
   const PreciseVector direction = precise(v);
-  const PreciseInterval support(solid.support(magnitudes<Real>(direction, Direction::up), Direction::up));
+  const PreciseInterval support(solid.support_up(direction));
   const PreciseInterval bound = (direction.dot(q) - support) / length<Real>(direction);
   return bound.lower().to_double(Direction::down);
 }
@@ -42,7 +42,7 @@ double upper_bound(const SuperquadricBounds<Real>& solid, const PreciseVector& q
 }
 
 double upper_bound_at(const SuperquadricBounds<Real>& solid, const PreciseVector& q, const PreciseVector& x) {
-  const Real gauge = solid.gauge(magnitudes<Real>(x, Direction::up), Direction::up);
+  const Real gauge = solid.gauge_up(x);
   const PreciseVector b = gauge > Real(0) ? PreciseVector(x / PreciseInterval(gauge)) : x;
   return length<Real>(PreciseVector(q - b)).upper().to_double(Direction::up);
 }

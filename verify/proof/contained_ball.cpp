@@ -18,7 +18,7 @@
 // hull of q and the q + d_i, which lies in K. When cones cover the octant, the ball of radius t about q lies in K,
 // because g is monotone in each |coordinate| and |q_k + v_k| <= |q_k| + |v_k|. The best c points at the point of the
 // face d1 d2 d3 closest to q. A cone whose face comes too close is cut in two, so that two new faces come closer to
-// the surface.
+// the surface. Of a tapered solid g is monotone in |x| and |y| alone: there the cones cover z < 0, too.
 
 namespace verisq::verify {
 
@@ -46,12 +46,11 @@ struct Cone {
 class BallProof {
  public:
   BallProof(const RevolvedPoint& point, double radius)
-      : boundary_(point.solid), bounds_(point.solid), radius_(Real(radius)), planar_(point.planar) {
-    const std::array<Real, 3> q = magnitudes<Real>(point.q, Direction::up);  // by monotony enough for the whole box
-    for (std::size_t k = 0; k < 3; ++k) {
-      q_[k] = q[k];
-      nearest_q_[k] = q[k].to_long_double();
-    }
+      : boundary_(point.solid), bounds_(point.solid), radius_(Real(radius)), planar_(point.planar), q_(point.q) {
+    const std::array<Real, 3> q = magnitudes<Real>(point.q, Direction::up);
+    const std::size_t folded = bounds_.is_tapered() ? 2 : 3;
+    for (std::size_t k = 0; k < folded; ++k) q_[k] = q[k];  // by monotony enough for the whole box
+    nearest_q_ = midpoint(q_);
   }
 
   [[nodiscard]] bool succeeds() {
@@ -59,6 +58,10 @@ class BallProof {
     const std::size_t z = add_corner({0, 0, 1});
     const std::size_t y = planar_ ? z : add_corner({0, 1, 0});
     std::vector<Cone> open{{{x, y, z}, 0}};
+    if (bounds_.is_tapered()) {
+      const std::size_t below = add_corner({0, 0, -1});
+      open.push_back({{x, planar_ ? below : y, below}, 0});
+    }
     while (!open.empty()) {
       const Cone cone = open.back();
       open.pop_back();
@@ -73,7 +76,8 @@ class BallProof {
   [[nodiscard]] bool proven(const Cone& cone) const {
     const auto& [a, b, c] = cone.corners;
     const Vector foot = closest_to_origin(corners_[a].nearest_d, corners_[b].nearest_d, corners_[c].nearest_d);
-    const Proposal axis{std::max<Float>(foot[0], 0), std::max<Float>(foot[1], 0), std::max<Float>(foot[2], 0)};
+    const Proposal axis{std::max<Float>(foot[0], 0), std::max<Float>(foot[1], 0),
+                        bounds_.is_tapered() ? foot[2] : std::max<Float>(foot[2], 0)};
     if (!usable(axis)) return false;
     const PreciseVector normal = precise(axis);
     const Real least = (radius_ * length<Real>(normal)).upper();
@@ -96,9 +100,7 @@ class BallProof {
   }
 
   [[nodiscard]] bool inside(const PreciseVector& d) const {
-    std::array<Real, 3> x;
-    for (std::size_t k = 0; k < 3; ++k) x[k] = add(q_[k], d[k].upper(), Direction::up);
-    return bounds_.gauge(x, Direction::up) <= Real(1);
+    return bounds_.gauge_up(q_ + d) <= Real(1);
   }
 
   /// Cuts the longest edge of the face at the middle direction.
@@ -134,22 +136,23 @@ class BallProof {
   SuperquadricBounds<Real> bounds_;
   PreciseInterval radius_;
   bool planar_;
-  std::array<Real, 3> q_;
+  PreciseVector q_;
   Vector nearest_q_{};
   std::vector<Corner> corners_;
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> middles_;
 };
 
-/// Radius of a ball about the centre inside the solid. Mixed norms with p >= 1 are at most the 1-norm, so the
-/// octahedron of the semi-axes lies inside; with p >= 2 at most the 2-norm, so the ellipsoid does.
+}  // namespace
+
+// Mixed norms with p >= 1 are at most the 1-norm, so the octahedron of the semi-axes lies inside; with p >= 2 at most
+// the 2-norm, so the ellipsoid does. With a taper g(w) <= (1 + |k|) N(w) / (1 - k²) = N(w) / (1 - |k|).
 PreciseInterval inner_radius(const Superquadric& solid) {
-  if (std::max(solid.exponents[0], solid.exponents[1]) <= 1.0) return Real(std::ranges::min(solid.semi_axes));
+  const PreciseInterval share = PreciseInterval(1) - abs(TaperNumbers<Real>(solid.taper).k);
+  if (std::ranges::max(solid.exponents) <= 1.0) return share * PreciseInterval(Real(std::ranges::min(solid.semi_axes)));
   PreciseInterval sum(0);
   for (const double a : solid.semi_axes) sum += PreciseInterval(1) / square(PreciseInterval(Real(a)));
-  return PreciseInterval(1) / sqrt(sum);
+  return share / sqrt(sum);
 }
-
-}  // namespace
 
 // g(q + y) <= g(q) + g(y) <= g(q) + |y| / radius, so the ball of radius (1 - g(q)) * radius about q lies inside.
 double central_depth(const Superquadric& solid, const SuperquadricBounds<Real>& bounds, const PreciseVector& q) {

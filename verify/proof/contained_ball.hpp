@@ -5,7 +5,10 @@
 
 namespace verisq::verify {
 
-/// Radius, rounded down, of a ball about q that lies inside the solid because one about the centre does: exact at the
+/// Radius of a ball about the origin of the solid's own frame that lies inside.
+[[nodiscard]] PreciseInterval inner_radius(const Superquadric& solid);
+
+/// Radius, rounded down, of a ball about q that lies inside the solid because one about the origin does: exact at the
 /// centre of a sphere. For every point of the box q, in the solid's frame; 0 where nothing is proven.
 [[nodiscard]] double central_depth(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
                                    const PreciseVector& q);

@@ -11,7 +11,10 @@ namespace verisq::verify {
 /// is_union_of_convex(model). Without this a bend would be read as none, and a difference as a union.
 void require_union_of_convex(const Model& model, std::string_view what);
 
-/// The same of a primitive on its own.
+/// The same of a primitive on its own, which may not be tapered either.
 void require_convex(const Primitive& primitive, std::string_view what);
+
+/// Throws Error(input), "WHAT: not supported for tapered solids ...", where a primitive has a taper.
+void require_no_taper(const Model& model, std::string_view what);
 
 }  // namespace verisq::verify

@@ -20,20 +20,20 @@ bool zero(const Point& x) {
 
 /// x / max(1, g(x)), with g rounded up: the gauge of the result is at most 1.
 PreciseVector moved_into(const SuperquadricBounds<Real>& solid, const PreciseVector& x) {
-  const Real gauge = solid.gauge(magnitudes<Real>(x, Direction::up), Direction::up);
+  const Real gauge = solid.gauge_up(x);
   return gauge > Real(1) ? PreciseVector(x / PreciseInterval(gauge)) : x;
 }
 
 /// h(v), rounded up
 PreciseInterval support_up(const SuperquadricBounds<Real>& solid, const PreciseVector& v) {
-  return solid.support(magnitudes<Real>(v, Direction::up), Direction::up);
+  return solid.support_up(v);
 }
 
 }  // namespace
 
 Real PairBounds::lower_by_vector(const PreciseVector& v) const {
   const PreciseVector w = relative_.rotation.transpose() * v;
-  const PreciseInterval gap = v.dot(relative_.translation) - support_up(a_->bounds(), v) - support_up(b_->bounds(), w);
+  const PreciseInterval gap = v.dot(relative_.translation) - support_up(a_->bounds(), v) - support_up(b_->bounds(), -w);
   return (gap / length<Real>(v)).lower();
 }
 

@@ -8,9 +8,18 @@ namespace verisq::verify {
 
 namespace {
 
-/// Half the diagonal of the box of the semi-axes.
-PreciseInterval half_diagonal(const std::array<double, 3>& semi_axes) {
-  return length<Real>(PreciseVector(Real(semi_axes[0]), Real(semi_axes[1]), Real(semi_axes[2])));
+/// Its faces lie where the support function says.
+PreciseVector box_about(const SuperquadricBounds<Real>& bounds) {
+  const auto reach = [&](int x, int y, int z) { return bounds.support_up(PreciseVector(x, y, z)); };
+  const auto between = [](const Real& below, const Real& above) { return PreciseInterval(-below, above); };
+  return {between(reach(-1, 0, 0), reach(1, 0, 0)), between(reach(0, -1, 0), reach(0, 1, 0)),
+          between(reach(0, 0, -1), reach(0, 0, 1))};
+}
+
+RigidMotion from_own_frame(const Primitive& primitive) {
+  RigidMotion motion(primitive.pose);
+  if (is_tapered(primitive.superquadric)) motion.translation = motion(focus(primitive.superquadric));
+  return motion;
 }
 
 }  // namespace
@@ -18,8 +27,9 @@ PreciseInterval half_diagonal(const std::array<double, 3>& semi_axes) {
 PosedSuperquadric::PosedSuperquadric(const Primitive& primitive)
     : superquadric_(primitive.superquadric),
       bounds_(primitive.superquadric),
-      motion_(primitive.pose),
-      radius_(half_diagonal(primitive.superquadric.semi_axes)) {}
+      motion_(from_own_frame(primitive)),
+      box_(box_about(bounds_)),
+      radius_(length<Real>(box_).upper()) {}
 
 double PosedSuperquadric::lower_by_sphere(const Point& x) const {
   return (length<Real>(motion_.local_point(x)) - radius_).lower().to_double(Direction::down);

@@ -1,4 +1,6 @@
 /// One posed superquadric K and what single evaluations prove about a point of the model frame.
+///
+/// The origin of K's own frame is its focus (docs/mathematics.md §18), without a taper its centre.
 #pragma once
 
 #include "verify/proof/certificate.hpp"
@@ -15,10 +17,12 @@ class PosedSuperquadric {
   [[nodiscard]] const Superquadric& superquadric() const { return superquadric_; }
   [[nodiscard]] const SuperquadricBounds<Real>& bounds() const { return bounds_; }
   [[nodiscard]] const RigidMotion& motion() const { return motion_; }  ///< from K's own frame
-  /// Of a sphere about the centre that contains K.
+  /// The smallest box along the axes of K's own frame that contains K.
+  [[nodiscard]] const PreciseVector& box() const { return box_; }
+  /// Of a sphere about the origin that contains K.
   [[nodiscard]] const PreciseInterval& radius() const { return radius_; }
 
-  /// sd(x) >= |x - centre| - radius
+  /// sd(x) >= |x - origin| - radius
   [[nodiscard]] double lower_by_sphere(const Point& x) const;
 
   /// sd(x) >= (v·x - h(v)) / |v| for any v, in K's own frame like every v here.
@@ -40,6 +44,7 @@ class PosedSuperquadric {
   Superquadric superquadric_;
   SuperquadricBounds<Real> bounds_;
   RigidMotion motion_;
+  PreciseVector box_;
   PreciseInterval radius_;
 };
 

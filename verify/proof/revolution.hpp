@@ -8,7 +8,8 @@
 
 namespace verisq::verify {
 
-/// A superquadric and a point in the octant of nonnegative coordinates, with an axis of revolution, if any, as z.
+/// A superquadric and a point in the octant of nonnegative coordinates, with an axis of revolution, if any, as z, which
+/// is also the axis of a taper; of a tapered solid z keeps its sign.
 struct RevolvedPoint {
   Superquadric solid;
   PreciseVector q;
@@ -19,7 +20,7 @@ struct RevolvedPoint {
 /// Brings the axis of an ellipsoid of revolution to z; an ellipsoid's coordinates may be exchanged freely.
 [[nodiscard]] inline std::array<std::size_t, 3> revolution_order(const Superquadric& solid) {
   const auto& a = solid.semi_axes;
-  if (solid.exponents != std::array<double, 2>{1.0, 1.0} || a[0] == a[1]) return {0, 1, 2};
+  if (is_tapered(solid) || solid.exponents != std::array<double, 2>{1.0, 1.0} || a[0] == a[1]) return {0, 1, 2};
   if (a[1] == a[2]) return {1, 2, 0};
   if (a[0] == a[2]) return {2, 0, 1};
   return {0, 1, 2};
@@ -31,7 +32,7 @@ struct RevolvedPoint {
   RevolvedPoint result{solid, {}, false, revolution_order(solid)};
   for (std::size_t k = 0; k < 3; ++k) {
     result.solid.semi_axes[k] = solid.semi_axes[result.order[k]];
-    result.q[k] = abs(q[result.order[k]]);
+    result.q[k] = k == 2 && is_tapered(solid) ? q[k] : abs(q[result.order[k]]);
   }
   result.planar = result.solid.semi_axes[0] == result.solid.semi_axes[1] && solid.exponents[1] == 1.0;
   if (result.planar) {

@@ -47,13 +47,13 @@ double lower_by_sphere(const PosedSuperquadric& solid, const Triangle& triangle)
 double lower_by_normal(const PosedSuperquadric& solid, const PosedTriangle& triangle, const Proposal& v) {
   if (!usable(v)) return -infinity;
   const PreciseVector direction = precise(v);
-  const PreciseInterval support(solid.bounds().support(magnitudes<Real>(direction, Direction::up), Direction::up));
+  const PreciseInterval support(solid.bounds().support_up(direction));
   const PreciseInterval bound = (least_along(direction, triangle.corners()) - support) / length<Real>(direction);
   return bound.lower().to_double(Direction::down);
 }
 
 double upper_by_point(const PosedSuperquadric& solid, const PreciseVector& q, const Proposal& v) {
-  if (solid.bounds().gauge(magnitudes<Real>(q, Direction::up), Direction::up) <= Real(1)) return 0.0;
+  if (solid.bounds().gauge_up(q) <= Real(1)) return 0.0;
   if (!usable(v)) return infinity;
   return upper_bound_at(solid.bounds(), q, PreciseVector(q - precise(v)));
 }

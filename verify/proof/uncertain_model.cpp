@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "verify/numbers/vector.hpp"
+#include "verify/proof/contained_ball.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verisq/error.hpp"
 
@@ -61,19 +62,10 @@ PreciseInterval shift_of(const UncertainPrimitive& primitive) {
   return length<Real>(farthest);
 }
 
-/// Of a ball about the centre that lies in the solid: that of the ellipsoid of the same semi-axes where no exponent
-/// exceeds 1, since norms fall as p = 2/e rises; always that of the octahedron, whose norm is the largest.
-PreciseInterval inradius(const Superquadric& solid) {
-  if (std::ranges::max(solid.exponents) <= 1.0) return Real(std::ranges::min(solid.semi_axes));
-  PreciseInterval inverse_squares(0);
-  for (const double axis : solid.semi_axes) inverse_squares += PreciseInterval(1) / square(PreciseInterval(Real(axis)));
-  return PreciseInterval(1) / sqrt(inverse_squares);
-}
-
 /// Contains K + d for every |d| <= s. K is convex and contains the ball B(r) about its centre, hence
 /// K + d ⊂ K + B(s) = K + (s/r) B(r) ⊂ K + (s/r) K = (1 + s/r) K; semi-axes rounded up only add to it.
 Superquadric inflated(const Superquadric& solid, const PreciseInterval& shift) {
-  const PreciseInterval factor = PreciseInterval(1) + shift / inradius(solid);
+  const PreciseInterval factor = PreciseInterval(1) + shift / inner_radius(solid);
   Superquadric result = solid;
   for (double& axis : result.semi_axes) axis = (PreciseInterval(Real(axis)) * factor).upper().to_double(Direction::up);
   return result;
@@ -91,7 +83,7 @@ void check_finite(double shift, const Superquadric& solid, std::size_t index) {
 UncertainModel::UncertainModel(const Model& exact) : units(exact.units), csg(exact.csg) {
   for (const auto& [name, superquadric, pose, bend] : exact.primitives) {
     primitives.push_back({name, exactly(superquadric.semi_axes), exactly(superquadric.exponents),
-                          exactly(pose.translation), pose.quaternion, bend});
+                          exactly(pose.translation), pose.quaternion, bend, superquadric.taper});
   }
 }
 
@@ -107,8 +99,8 @@ Bracket bracket(const UncertainModel& model) {
   Model everywhere = nothing_yet;
   for (const UncertainPrimitive& primitive : model.primitives) {
     // The gauge falls as a semi-axis rises and rises with an exponent, each on its own (docs/mathematics.md §8).
-    const Superquadric small{mapped(primitive.semi_axes, low), mapped(primitive.exponents, high)};
-    const Superquadric large{mapped(primitive.semi_axes, high), mapped(primitive.exponents, low)};
+    const Superquadric small{mapped(primitive.semi_axes, low), mapped(primitive.exponents, high), primitive.taper};
+    const Superquadric large{mapped(primitive.semi_axes, high), mapped(primitive.exponents, low), primitive.taper};
     const Pose pose{mapped(primitive.translation, middle), primitive.quaternion};
     const bool moves = !all_exact(primitive.translation);  // else spared: most models are exact
     const PreciseInterval shift = moves ? shift_of(primitive) : PreciseInterval(0);
@@ -118,7 +110,10 @@ Bracket bracket(const UncertainModel& model) {
     result.shift = std::max(result.shift, shift.upper().to_double(Direction::up));
     check_finite(result.shift, everywhere.primitives.back().superquadric, everywhere.primitives.size() - 1);
   }
-  if (!is_exact(model)) require_union_of_convex(result.largest, "intervals");
+  if (!is_exact(model)) {
+    require_union_of_convex(result.largest, "intervals");
+    require_no_taper(result.largest, "intervals");
+  }
   if (model.primitives.size() > 1 && result.shift > 0.0) result.inflated = std::move(everywhere);
   return result;
 }

@@ -3,6 +3,7 @@
 
 #include "verify/analysis/fifty_digits.hpp"
 #include "verify/search/contact_problem.hpp"
+#include "verify/search/tapered_contact_problem.hpp"
 
 namespace verisq::verify {
 
@@ -10,7 +11,8 @@ namespace {
 
 template <class Float>
 Contact solve(const Superquadric& solid, const Proposal& q, const logarithmic::Resolution& resolution) {
-  Contact contact = logarithmic::ContactProblem<Float>(solid, q, resolution).solve();
+  Contact contact = is_tapered(solid) ? logarithmic::TaperedContactProblem<Float>(solid, q, resolution).solve()
+                                      : logarithmic::ContactProblem<Float>(solid, q, resolution).solve();
   // Lengths hundreds of decades apart exceed even logarithms; the ray from the centre is never useless.
   if (!usable(contact.point)) contact.point = q;
   if (!usable(contact.normal)) contact.normal = q;

@@ -36,15 +36,7 @@ bool ConvexPrimitive::separated(const Point& x, const Proposal& u, double s) con
 }
 
 PreciseVector ConvexPrimitive::bounding_box() const {
-  PreciseVector box;
-  for (std::size_t i = 0; i < 3; ++i) {
-    PreciseInterval half(0);
-    for (std::size_t j = 0; j < 3; ++j) {
-      half += abs(proof_.motion().rotation(i, j)) * PreciseInterval(Real(proof_.superquadric().semi_axes[j]));
-    }
-    box[i] = proof_.motion().translation[i] + PreciseInterval(-half.upper(), half.upper());
-  }
-  return box;
+  return proof_.motion()(proof_.box());
 }
 
 }  // namespace verisq::verify

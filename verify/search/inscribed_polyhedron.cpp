@@ -18,7 +18,8 @@
 // t Σ l_i <= c·v <= |v| <= t, so that q + v lies in the hull of q and the q + d_i, which lies in K. When cones cover
 // the octant, B(q, t) lies in K, because g is monotone in each |coordinate| and |q_k + t u_k| <= q_k + t |u_k|. The
 // best c points at the point of the triangle d1 d2 d3 closest to q, and then t is the distance to it. The gap to the
-// surface is that of chords: zero where the surface is flat, quadratic in the size of the face elsewhere.
+// surface is that of chords: zero where the surface is flat, quadratic in the size of the face elsewhere. Of a tapered
+// solid g is monotone in |x| and |y| alone: cones cover z < 0, too, where d_i and c have z <= 0.
 
 namespace verisq::verify {
 
@@ -26,7 +27,7 @@ namespace {
 
 using Vector = Coordinates<double>;
 
-/// Σ a_k b_k of nonnegative numbers, on one side.
+/// Σ a_k b_k of numbers whose products are not negative, on one side.
 double rounded_dot(const Vector& a, const Vector& b, Direction direction) {
   const double xy = add(multiply(a[0], b[0], direction), multiply(a[1], b[1], direction), direction);
   return add(xy, multiply(a[2], b[2], direction), direction);
@@ -64,6 +65,10 @@ class Polyhedron {
     const int y = planar ? z : add_corner({0.0, 1.0, 0.0});
     std::priority_queue<Cell> cells;
     cells.push(cell({x, y, z}, 0));
+    if (bounds_.is_tapered()) {
+      const int below = add_corner({0.0, 0.0, -1.0});
+      cells.push(cell({x, planar ? below : y, below}, 0));
+    }
     for (;;) {
       const Cell worst = cells.top();
       best_.lower = std::max(best_.lower, worst.depth);
@@ -94,9 +99,9 @@ class Polyhedron {
   }
 
   [[nodiscard]] bool proven_inside(const Vector& w, double reach) const {
-    Vector x{};
-    for (std::size_t k = 0; k < 3; ++k) x[k] = add(q_[k], multiply(reach, w[k], Direction::up), Direction::up);
-    return bounds_.gauge(x, Direction::up) <= 1.0;
+    Vector3<double> x;
+    for (std::size_t k = 0; k < 3; ++k) x[k] = Interval(q_[k]) + Interval(reach) * Interval(w[k]);
+    return bounds_.gauge_up(x) <= 1.0;
   }
 
   /// As far along the ray as can be proven; zero at worst, for q itself is inside.
@@ -113,7 +118,9 @@ class Polyhedron {
   int add_corner(const Vector& w) {
     descend(w, boundary_.exit(q_, w));
     Corner corner{w, proven_reach(w), {}};
-    for (std::size_t k = 0; k < 3; ++k) corner.offset[k] = multiply(corner.reach, w[k], Direction::down);
+    for (std::size_t k = 0; k < 3; ++k) {
+      corner.offset[k] = multiply(corner.reach, w[k], w[k] < 0.0 ? Direction::up : Direction::down);  // towards 0
+    }
     corners_.push_back(corner);
     return static_cast<int>(corners_.size()) - 1;
   }
@@ -128,7 +135,10 @@ class Polyhedron {
     // Dividing by a length rounded up, downwards, makes |axis| <= 1 certain.
     const double length = square_root(rounded_dot(axis, axis, Direction::up), Direction::up);
     if (!(length > 0.0)) return {corners, 0.0, level};
+    const bool below = a[2] < 0.0 || b[2] < 0.0 || c[2] < 0.0;
+    axis[2] = below ? -axis[2] : axis[2];
     for (double& k : axis) k = divide(std::max(k, 0.0), length, Direction::down);
+    axis[2] = below ? -axis[2] : axis[2];
     const double depth = std::min({rounded_dot(axis, a, Direction::down), rounded_dot(axis, b, Direction::down),
                                    rounded_dot(axis, c, Direction::down)});
     return {corners, depth, level};

@@ -18,10 +18,12 @@ constexpr int kBudget = 50'000;
 /// The proofs of surface points in binary64 lose some 4e-15 of the largest semi-axis.
 constexpr double kFinestTolerance = 1e-14;
 
-/// The same problem in the octant of nonnegative coordinates, the largest semi-axis in [1, 2).
+/// The same problem in the octant of nonnegative coordinates, of a tapered solid also below it, the largest semi-axis in
+/// [1, 2).
 struct Reduced {
   Superquadric solid;
   std::array<double, 3> q;  ///< at least the exact coordinates: by monotony, balls about it that lie inside prove more
+  PreciseInterval moved;    ///< how far q lies from the exact point where g is not monotone, in the original's unit
   bool planar;              ///< as in RevolvedPoint, like `order`
   std::array<std::size_t, 3> order;
   int scale;  ///< binary exponent of the original's unit
@@ -40,11 +42,15 @@ double scaled_up(double value, int exponent) {
 
 Reduced reduce(const Superquadric& solid, const PreciseVector& q) {
   const RevolvedPoint point = revolved(solid, q);
-  Reduced reduced{point.solid, {}, point.planar, point.order, std::ilogb(std::ranges::max(solid.semi_axes))};
+  Reduced reduced{point.solid,  {}, PreciseInterval(0), point.planar, point.order,
+                  std::ilogb(std::ranges::max(solid.semi_axes))};
   for (double& axis : reduced.solid.semi_axes) axis = std::ldexp(axis, -reduced.scale);  // see searchable()
   for (std::size_t k = 0; k < 3; ++k) {
     const double coordinate = point.q[k].upper().to_double(Direction::up);
     reduced.q[k] = scaled_up(coordinate, -reduced.scale);
+  }
+  if (is_tapered(solid)) {
+    reduced.moved = abs(point.q[2] - PreciseInterval(Real(std::ldexp(reduced.q[2], reduced.scale)))).upper();
   }
   return reduced;
 }
@@ -64,13 +70,14 @@ Proposal restored(const Reduced& reduced, const std::array<double, 3>& normal, c
   }
   Proposal result{};
   for (std::size_t k = 0; k < 3; ++k) result[reduced.order[k]] = std::copysign(v[k], original[k]);
+  if (is_tapered(reduced.solid)) result[2] = v[2];
   return result;
 }
 
 /// Whether scaling kept the semi-axes exact and the proofs in binary64 still see q inside.
 bool searchable(const Reduced& reduced) {
   return std::ranges::min(reduced.solid.semi_axes) >= 1e-200 &&
-         SuperquadricBounds<double>(reduced.solid).gauge(reduced.q, Direction::up) <= 1.0;
+         SuperquadricBounds<double>(reduced.solid).gauge_up({reduced.q[0], reduced.q[1], reduced.q[2]}) <= 1.0;
 }
 
 /// The shortest semi-axis: a usable direction where nothing better is known.
@@ -91,7 +98,8 @@ CertifiedDistance interior_distance(const Superquadric& solid, const Superquadri
     const double finest = std::max(std::ldexp(tolerance, -reduced.scale), kFinestTolerance);
     const Depth found =
         enclose_depth(reduced.solid, reduced.q, reduced.planar, {finest, scaled_down(depth, -reduced.scale), kBudget});
-    depth = std::max(depth, scaled_down(found.lower, reduced.scale));
+    const PreciseInterval about_q = PreciseInterval(Real(scaled_down(found.lower, reduced.scale))) - reduced.moved;
+    depth = std::max(depth, about_q.lower().to_double(Direction::down));
     normal = found.normal;
   }
   const Proposal direction = restored(reduced, normal, q);

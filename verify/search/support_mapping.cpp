@@ -44,10 +44,36 @@ Coordinates<Float> converted(const Point& x) {
 template <class Float>
 SuperquadricSet<Float>::SuperquadricSet(const Superquadric& superquadric)
     : semi_axes_(converted<Float>(superquadric.semi_axes)),
-      exponents_{Float(superquadric.exponents[0]), Float(superquadric.exponents[1])} {}
+      exponents_{Float(superquadric.exponents[0]), Float(superquadric.exponents[1])},
+      k_((superquadric.taper - Float(1)) / (superquadric.taper + Float(1))) {}
 
 template <class Float>
 Coordinates<Float> SuperquadricSet<Float>::operator()(const Coordinates<Float>& v) const {
+  return k_ == 0 ? untapered(v) : tapered(v);
+}
+
+// The root τ of ‖(r, a3 v_z + k τ)‖ = τ by Newton's method from below; there N's support point u along v + (0, 0, k τ /
+// a3), made longer or shorter until it lies on the surface.
+template <class Float>
+Coordinates<Float> SuperquadricSet<Float>::tapered(const Coordinates<Float>& v) const {
+  const Float section =
+      dual_norm(semi_axes_[0] * std::fabs(v[0]), semi_axes_[1] * std::fabs(v[1]), exponents_[1]).value;
+  const Float z = semi_axes_[2] * v[2];
+  Float root = std::max({section, z / (1 - k_), -z / (1 + k_)});
+  for (int i = 0; i < 40 && root > 0; ++i) {
+    const Float moved = z + k_ * root;
+    const DualNorm<Float> norm = dual_norm(section, std::fabs(moved), exponents_[0]);
+    const Float step = (norm.value - root) / (1 - std::copysign(k_, k_ * moved) * norm.support[1]);
+    root += step;
+    if (!(step > 4 * std::numeric_limits<Float>::epsilon() * root)) break;
+  }
+  const Coordinates<Float> u = untapered({v[0], v[1], v[2] + k_ * root / semi_axes_[2]});
+  const Float scale = (1 - k_ * k_) / (1 - k_ * u[2] / semi_axes_[2]);
+  return {scale * u[0], scale * u[1], scale * u[2]};
+}
+
+template <class Float>
+Coordinates<Float> SuperquadricSet<Float>::untapered(const Coordinates<Float>& v) const {
   const auto term = [&](std::size_t i) { return semi_axes_[i] * std::fabs(v[i]); };
   const DualNorm<Float> section = dual_norm(term(0), term(1), exponents_[1]);
   const DualNorm<Float> whole = dual_norm(section.value, term(2), exponents_[0]);
@@ -73,6 +99,15 @@ ApproximateMotion<Float>::ApproximateMotion(const Pose& pose) : translation_(con
   rows_ = {{{1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
             {s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)},
             {s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)}}};
+}
+
+template <class Float>
+ApproximateMotion<Float> ApproximateMotion<Float>::of_own_frame(const Primitive& primitive) {
+  ApproximateMotion motion(primitive.pose);
+  const Superquadric& solid = primitive.superquadric;
+  const Float k = (solid.taper - Float(1)) / (solid.taper + Float(1));
+  motion.translation_ = motion.point({0, 0, -k * Float(solid.semi_axes[2])});
+  return motion;
 }
 
 template <class Float>

@@ -33,18 +33,23 @@ struct TriangleSet {
 /// X = a1 |v1|, Y = a2 |v2| and q = 2/(2 - e2) Eq. (14) says tan^2 ω = (Y/X)^q, so that
 ///     cos^2 ω = X^q / (X^q + Y^q),   x = a1 (cos^2 η)^(e1/2) (cos^2 ω)^(e2/2),
 /// and alike for η with the norm r = ‖(X, Y)‖_q and Z = a3 |v3| (docs/mathematics.md §1: the gradient of the support
-/// function).
+/// function). With a taper its own frame has the focus as origin, and v is moved by the root of the support function
+/// (docs/mathematics.md §18).
 template <class Float>
 class SuperquadricSet {
  public:
   explicit SuperquadricSet(const Superquadric& superquadric);
 
-  /// The centre for v = 0. Where the farthest points form a face (e = 2 and equal terms) one of them.
+  /// The origin for v = 0. Where the farthest points form a face (e = 2 and equal terms) one of them.
   [[nodiscard]] Coordinates<Float> operator()(const Coordinates<Float>& v) const;
 
  private:
+  [[nodiscard]] Coordinates<Float> untapered(const Coordinates<Float>& v) const;
+  [[nodiscard]] Coordinates<Float> tapered(const Coordinates<Float>& v) const;
+
   std::array<Float, 3> semi_axes_;
   std::array<Float, 2> exponents_;  // e1, e2
+  Float k_;                         // of the taper
 };
 
 extern template class SuperquadricSet<double>;
@@ -55,6 +60,8 @@ template <class Float>
 class ApproximateMotion {
  public:
   explicit ApproximateMotion(const Pose& pose);
+  /// Of the primitive's own frame, whose origin is its focus.
+  [[nodiscard]] static ApproximateMotion of_own_frame(const Primitive& primitive);
 
   [[nodiscard]] Coordinates<Float> point(const Coordinates<Float>& x) const;              ///< R x + t
   [[nodiscard]] Coordinates<Float> direction(const Coordinates<Float>& v) const;          ///< R v
@@ -88,7 +95,7 @@ class PosedSet {
 
 template <class Float>
 [[nodiscard]] PosedSet<Float, SuperquadricSet<Float>> posed_set(const Primitive& primitive) {
-  return {SuperquadricSet<Float>(primitive.superquadric), ApproximateMotion<Float>(primitive.pose)};
+  return {SuperquadricSet<Float>(primitive.superquadric), ApproximateMotion<Float>::of_own_frame(primitive)};
 }
 
 }  // namespace verisq::verify

@@ -24,7 +24,7 @@ class WitnessEstimate {
   struct PosedBoundary {
     Boundary<long double> boundary;
     std::array<Vector, 3> rotation;  ///< model to own frame, row by row
-    Vector centre;
+    Vector origin;
     long double radius;
   };
 

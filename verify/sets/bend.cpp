@@ -2,7 +2,7 @@
 #include "verify/sets/bend.hpp"
 
 #include "verify/analysis/trigonometry.hpp"
-#include "verify/numbers/fast_functions.hpp"
+#include "verify/analysis/fast_functions.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -14,8 +14,11 @@ namespace verisq::verify {
 
 namespace {
 
-/// x0 may lie outside of K: within 1 + this times K.
+/// x0 may lie outside of K: within 1 + this times K, about its focus.
 constexpr double kNeighbourhood = 0x1p-20;
+/// What (1 + kNeighbourhood) K extends from the axis and along it is at most 1 + this times what K does: about a focus
+/// |k| a3 from the centre, that is (1 + kNeighbourhood (1 + |k|)) a3 along the axis.
+constexpr double kWidening = 2 * kNeighbourhood;
 
 /// f and K in plain floating point, in the frame of the bend (docs/mathematics.md §9): unbent (r, s, z), bent (R, S,
 /// Z).
@@ -24,6 +27,7 @@ class ConvexProblem {
   /// Everything in the primitive's own motion.
   ConvexProblem(const Superquadric& solid, const Bend& bend, const Proposal& query, const Proposal& unbent_query)
       : solid_(solid),
+        focus_(midpoint(focus(solid))[2]),
         k_(bend.curvature),
         cosine_(std::cos(bend.angle_degrees * std::numbers::pi_v<long double> / 180)),
         sine_(std::sin(bend.angle_degrees * std::numbers::pi_v<long double> / 180)),
@@ -96,11 +100,11 @@ class ConvexProblem {
     stretched.semi_axes[2] = static_cast<double>(solid_.semi_axes[2] * std::sqrt(metric));
     const long double stretch = stretched.semi_axes[2] / static_cast<long double>(solid_.semi_axes[2]);
     Proposal own = turned_back(t);
-    own[2] *= stretch;
+    own[2] = (own[2] - focus_) * stretch;
     const Boundary<long double> boundary(stretched);
-    const bool outside = boundary.gauge({std::fabs(own[0]), std::fabs(own[1]), std::fabs(own[2])}) > 1.0L;
+    const bool outside = boundary.gauge({std::fabs(own[0]), std::fabs(own[1]), own[2]}) > 1.0L;
     auto [point, normal] = outside ? fast_contact(stretched, own) : Contact{own, {}};
-    point[2] /= stretch;
+    point[2] = point[2] / stretch + focus_;
     normal[2] *= stretch;
     return {turned(point), turned(normal)};
   }
@@ -114,6 +118,7 @@ class ConvexProblem {
   }
 
   Superquadric solid_;
+  long double focus_;  ///< along z from the centre
   long double k_;
   long double cosine_, sine_;
   Proposal query_;
@@ -124,9 +129,9 @@ bool is_finite(const Proposal& x) {
   return std::ranges::all_of(x, [](long double c) { return std::isfinite(c); });
 }
 
-/// |k| (1 + kNeighbourhood): what the curvature is to the scaled solid.
+/// |k| (1 + kWidening): what the curvature is to the scaled solid.
 PreciseInterval scaled_curvature(const Bend& bend) {
-  return abs(PreciseInterval(Real(bend.curvature))) * PreciseInterval(Real(1.0 + kNeighbourhood));
+  return abs(PreciseInterval(Real(bend.curvature))) * PreciseInterval(Real(1.0 + kWidening));
 }
 
 PreciseInterval squared_length(const PreciseVector& v) {
@@ -139,6 +144,7 @@ BentDistance::BentDistance(const Primitive& primitive)
     : superquadric_(primitive.superquadric),
       bend_(*primitive.bend),
       bounds_(primitive.superquadric),
+      focus_(focus(primitive.superquadric)),
       motion_(primitive.pose),
       map_(bend_),
       least_w_(PreciseInterval(1) - scaled_curvature(bend_) * extent(bend_, superquadric_)),
@@ -174,8 +180,9 @@ BentDistance::Nearest BentDistance::proven(const Query& q, const Candidate& cand
 /// Divided by its gauge where that may exceed 1.
 PreciseVector BentDistance::in_solid(const Proposal& point) const {
   const PreciseVector x = precise(point);
-  const PreciseInterval gauge(bounds_.gauge(magnitudes<Real>(x, Direction::up), Direction::up));
-  return gauge.upper() > Real(1) ? PreciseVector(x / gauge) : x;
+  const PreciseVector from_focus = x - focus_;
+  const PreciseInterval gauge(bounds_.gauge_up(from_focus));
+  return gauge.upper() > Real(1) ? PreciseVector(focus_ + from_focus / gauge) : x;
 }
 
 /// With p - q along `direction` and as long as `upper`, which is a proven bound of d(q, β(K)).
@@ -186,11 +193,12 @@ Real BentDistance::lower_bound(const Query& q, const Real& upper, const Proposal
   if (!is_finite(scaled)) return 0;
   const PreciseVector apart = precise(scaled);
   const PreciseVector x0 = map_.unbent(q.bent + apart);
+  const PreciseVector from_focus = x0 - focus_;
   const PreciseInterval squared = squared_length(apart);
-  const bool near = bounds_.gauge(x0).upper() <= Real(1.0 + kNeighbourhood);
+  const bool near = bounds_.gauge(from_focus).upper() <= Real(1.0 + kNeighbourhood);
   if (!near || !is_convex(q, std::max(upper, sqrt(squared).upper()))) return 0;
   const PreciseVector v = map_.pulled_back(apart, x0);
-  const PreciseInterval loss = PreciseInterval(2) * (bounds_.support(v) + v.dot(x0));
+  const PreciseInterval loss = PreciseInterval(2) * (bounds_.support(-v) + v.dot(from_focus));
   return sqrt(PreciseInterval(std::max((squared - loss).lower(), Real(0)))).lower();
 }
 

@@ -61,6 +61,7 @@ class BentDistance {
   Superquadric superquadric_;
   Bend bend_;
   SuperquadricBounds<Real> bounds_;
+  PreciseVector focus_;  ///< from the centre, which is the origin here, because bends act about it
   RigidMotion motion_;
   BendMap<Real> map_;
   // Of the scaled solid in which x0 has to lie:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "verify/proof/boundary.hpp"
 #include "verify/proof/rigid_motion.hpp"
@@ -41,6 +42,7 @@ class OwnFrame {
       for (int j = 0; j < 3; ++j) rotation_(i, j) = in_precision(motion.rotation(j, i), T());
     }
     if (primitive.bend) bend_.emplace(*primitive.bend);
+    if (is_tapered(primitive.superquadric)) from_focus_.emplace(in_precision(-focus(primitive.superquadric)[2], T()));
   }
 
   [[nodiscard]] const Matrix3<T>& rotation() const { return rotation_; }  ///< model to own frame
@@ -51,24 +53,33 @@ class OwnFrame {
             BasicInterval<T>(T(x[2])) - translation_[2]};
   }
 
-  /// Own, unbent coordinates of a box in the own, bent frame, but for the sign of z: it is lost at the cut, and the
-  /// gauge does not depend on it.
-  [[nodiscard]] Vector3<T> unbent_up_to_sign(const Vector3<T>& own) const {
-    return bend_ ? bend_->unbent_up_to_sign(own) : own;
+  /// Unbent coordinates, about the focus, of a box in the bent frame, without a taper but for the sign of z: it is lost
+  /// at the cut, and the gauge does not depend on it.
+  [[nodiscard]] Vector3<T> unbent(const Vector3<T>& bent) const {
+    if (!bend_) return about_focus(bent);
+    return from_focus_ ? about_focus(bend_->unbent(bent)) : bend_->unbent_up_to_sign(bent);
+  }
+
+  [[nodiscard]] Vector3<T> about_focus(Vector3<T> unbent) const {
+    if (from_focus_) unbent[2] += *from_focus_;
+    return unbent;
   }
 
  private:
   Matrix3<T> rotation_;
   Vector3<T> translation_;
   std::optional<BendMap<T>> bend_;
+  std::optional<BasicInterval<T>> from_focus_;  ///< to the centre, along z: where there is a taper
 };
 
-/// Of a ball about the centre that contains the primitive. A bend keeps the length of the axis and the distances from
-/// it, so that it leaves the ball of radius a3 + |(a1, a2)|.
+/// Of a ball about the centre that contains the primitive, which reaches as far along x and y as its support function
+/// says. A bend keeps the length of the axis and the distances from it, so that it leaves the ball of radius a3 + |(a1,
+/// a2)|.
 double bounding_radius(const Primitive& primitive) {
-  const auto& a = primitive.superquadric.semi_axes;
-  const Interval across = sqrt(square(Interval(a[0])) + square(Interval(a[1])));
-  const Interval along(a[2]);
+  const SuperquadricBounds<double> bounds(primitive.superquadric);
+  const Interval across =
+      sqrt(square(Interval(bounds.support_up({1, 0, 0}))) + square(Interval(bounds.support_up({0, 1, 0}))));
+  const Interval along(primitive.superquadric.semi_axes[2]);
   return (primitive.bend ? across + along : sqrt(square(across) + square(along))).upper();
 }
 
@@ -126,10 +137,6 @@ Coordinates midpoint(const Vector3<double>& box) {
   return {middle(box[0]), middle(box[1]), middle(box[2])};
 }
 
-Coordinates absolute(const Coordinates& x) {
-  return {std::fabs(x[0]), std::fabs(x[1]), std::fabs(x[2])};
-}
-
 Vector3<double> exact(const Coordinates& x) {
   return {Interval(x[0]), Interval(x[1]), Interval(x[2])};
 }
@@ -154,6 +161,43 @@ HalfSpace pulled_back(const AffineMap& map, const Coordinates& direction, double
   return {normal, (Interval(bound) + slack + map.remainder(v)).upper()};
 }
 
+/// The least of a tapered solid's gauge over boxes of any size. With r the norm of the section, (1 - k²) g = f(z) =
+/// N(r, z) - k z/a3, which is convex and nowhere less than (1 - |k|^q)^(1/q) r, as Hölder's inequality for the conjugate
+/// exponent q says.
+class TaperedGauge {
+ public:
+  explicit TaperedGauge(const Superquadric& solid) {
+    if (!is_tapered(solid)) return;
+    const PreciseInterval k = TaperNumbers<Real>(solid.taper).k;
+    const double e1 = solid.exponents[0];
+    if (e1 == 2.0) return;  // q is infinite
+    const PreciseInterval conjugate = PreciseInterval(2) / (PreciseInterval(2) - PreciseInterval(Real(e1)));
+    const PreciseInterval power = pow(abs(k), conjugate);
+    least_ = in_precision(pow(PreciseInterval(1) - power, PreciseInterval(1) / conjugate), 0.0);
+    const double ratio = in_precision(power / (PreciseInterval(1) - power), 0.0).lower();
+    turn_ = std::copysign(solid.semi_axes[2] * std::pow(ratio, 0.5 * e1), solid.taper - 1.0);
+  }
+
+  [[nodiscard]] double least(const SuperquadricBounds<double>& bounds, const Vector3<double>& box) const {
+    const double thin = bounds.gauge_down(box);
+    const auto [lo, hi] = std::pair(box[2].lower(), box[2].upper());
+    if (lo == hi) return thin;
+    const Interval section = bounds.section(abs(box[0]).lower(), abs(box[1]).lower(), Direction::down);
+    const double least = std::max(thin, (section * least_ / bounds.taper().fall).lower());
+    const double turn = section.lower() * turn_;
+    if (turn >= lo && turn <= hi) return least;
+    // Where f at a height beyond the nearer end is not more than at that end, f does not fall from there on.
+    const double end = turn < lo ? lo : hi;
+    const auto at = [&](double z) { return bounds.gauge({abs(box[0]).lower(), abs(box[1]).lower(), z}); };
+    const double at_end = at(end).lower();
+    return at(turn).upper() <= at_end ? std::max(least, at_end) : least;
+  }
+
+ private:
+  Interval least_{1};
+  double turn_ = 0.0;  ///< height where f is least, of the section of norm 1
+};
+
 /// Whether no |e|_inf <= h lies in the half-space.
 bool misses_cube(const HalfSpace& half_space, double half_width) {
   const auto& n = half_space.normal;
@@ -169,6 +213,7 @@ struct BoxPrimitive::State {
         precise_own_frame(primitive),
         bounds(primitive.superquadric),
         precise_bounds(primitive.superquadric),
+        tapered_gauge(primitive.superquadric),
         boundary(primitive.superquadric),
         semi_axes(primitive.superquadric.semi_axes),
         radius(bounding_radius(primitive)),
@@ -194,6 +239,7 @@ struct BoxPrimitive::State {
   OwnFrame<Real> precise_own_frame;
   SuperquadricBounds<double> bounds;
   SuperquadricBounds<Real> precise_bounds;
+  TaperedGauge tapered_gauge;
   Boundary<double> boundary;
   Coordinates semi_axes;
   double radius;
@@ -207,23 +253,27 @@ bool BoxPrimitive::State::sphere_misses(const Vector3<double>& from_centre, doub
 }
 
 std::optional<AffineMap> BoxPrimitive::State::affine(const Vector3<double>& own, double half_width) const {
-  if (!own_frame.bend()) return AffineMap{own, own_frame.rotation(), Vector3<double>()};
+  if (!own_frame.bend()) return AffineMap{own_frame.about_focus(own), own_frame.rotation(), Vector3<double>()};
   const double step = (Interval(reach) * Interval(half_width)).upper();
   const auto expansion = own_frame.bend()->expansion(own, step);
   if (!expansion) return std::nullopt;
-  return AffineMap{expansion->centre, expansion->derivative * own_frame.rotation(), own_frame.bend()->direction(),
+  return AffineMap{own_frame.about_focus(expansion->centre), expansion->derivative * own_frame.rotation(), own_frame.bend()->direction(),
                    expansion->radial, expansion->axial};
 }
 
 Vector3<double> BoxPrimitive::State::natural_range(const Vector3<double>& own, double half_width) const {
   const AffineMap posed{own, own_frame.rotation(), Vector3<double>()};
-  return own_frame.unbent_up_to_sign(range(posed, half_width));
+  return own_frame.unbent(range(posed, half_width));
 }
 
 /// Cheap bounds first: max <= g <= sum of the |coordinates| / semi-axes. A gauge in plain floating point then tells
 /// which of the two proofs is worth its powers.
 Colour BoxPrimitive::State::box_colour(const Vector3<double>& box) const {
   constexpr double doubt = 1e-9;
+  if (bounds.is_tapered()) {
+    if (tapered_gauge.least(bounds, box) > 1.0) return Colour::white;
+    return bounds.gauge_up(box) < 1.0 ? Colour::black : Colour::gray;
+  }
   const Coordinates nearest = magnitudes<double>(box, Direction::down);
   const Coordinates farthest = magnitudes<double>(box, Direction::up);
   double sum = 0.0;
@@ -235,27 +285,27 @@ Colour BoxPrimitive::State::box_colour(const Vector3<double>& box) const {
     largest = std::max(largest, ratio);
   }
   if (sum < 1.0) return Colour::black;
-  if (boundary.gauge(nearest) > 1.0 - doubt && bounds.gauge(nearest, Direction::down) > 1.0) return Colour::white;
+  if (boundary.gauge(nearest) > 1.0 - doubt && bounds.norm(nearest, Direction::down) > 1.0) return Colour::white;
   const bool hopeful = largest < 1.0 + doubt && boundary.gauge(farthest) < 1.0 + doubt;
-  return hopeful && bounds.gauge(farthest, Direction::up) < 1.0 ? Colour::black : Colour::gray;
+  return hopeful && bounds.norm(farthest, Direction::up) < 1.0 ? Colour::black : Colour::gray;
 }
 
 /// For points whose colour the rounding errors of binary64 hide.
 Colour BoxPrimitive::State::precise_colour(const Point& x) const {
   const PreciseVector own = precise_own_frame.rotation() * precise_own_frame.from_centre(x);
-  const PreciseInterval gauge = precise_bounds.gauge(precise_own_frame.unbent_up_to_sign(own));
+  const PreciseInterval gauge = precise_bounds.gauge(precise_own_frame.unbent(own));
   if (gauge.lower() > Real(1)) return Colour::white;
   return gauge.upper() < Real(1) ? Colour::black : Colour::gray;
 }
 
 /// The gradient of g in plain floating point, where it is usable.
 std::optional<Coordinates> BoxPrimitive::State::gradient(const Coordinates& x) const {
-  const Coordinates magnitude = absolute(x);
-  Coordinates result = boundary.normal(magnitude);
+  const Coordinates folded{std::fabs(x[0]), std::fabs(x[1]), bounds.is_tapered() ? x[2] : std::fabs(x[2])};
+  Coordinates result = boundary.normal(folded);
   // Euler: g is homogeneous of degree 1.
   const double scale =
-      boundary.gauge(magnitude) / (result[0] * magnitude[0] + result[1] * magnitude[1] + result[2] * magnitude[2]);
-  for (std::size_t i = 0; i < 3; ++i) result[i] = std::copysign(result[i] * scale, x[i]);
+      boundary.gauge(folded) / (result[0] * folded[0] + result[1] * folded[1] + result[2] * folded[2]);
+  for (std::size_t i = 0; i < 3; ++i) result[i] = folded[i] == x[i] ? result[i] * scale : -(result[i] * scale);
   if (!is_finite(result)) return std::nullopt;
   return result;
 }
@@ -263,7 +313,7 @@ std::optional<Coordinates> BoxPrimitive::State::gradient(const Coordinates& x) c
 HalfSpace BoxPrimitive::State::inside(const AffineMap& map, double half_width) const {
   const auto v = gradient(midpoint(map.centre));
   if (!v) return kNothing;
-  const double support = bounds.support(absolute(*v), Direction::up);
+  const double support = bounds.support_up(exact(*v));
   if (!std::isfinite(support)) return kNothing;
   const double bound = (Interval(support) - dot(exact(*v), map.centre)).upper();
   return pulled_back(map, *v, bound, half_width);
@@ -278,8 +328,9 @@ double BoxPrimitive::State::excess_over_tangent(const AffineMap& map, const Vect
     for (int j = 0; j < 2; ++j) {
       const double section = bounds.section(std::fabs(end(0, i)), std::fabs(end(1, j)), Direction::up);
       for (int l = 0; l < 2; ++l) {
-        const double gauge = bounds.gauge(section, std::fabs(end(2, l)), Direction::up);
         const Coordinates corner{end(0, i), end(1, j), end(2, l)};
+        const double gauge = bounds.is_tapered() ? bounds.gauge_up(exact(corner))
+                                                 : bounds.norm(section, std::fabs(end(2, l)), Direction::up);
         if (!is_finite(corner) || !std::isfinite(gauge)) return infinity;
         const Interval linear = dot(exact(tangent), Vector3<double>(exact(corner) - map.centre));
         largest = std::max(largest, (Interval(gauge) - Interval(1) - linear).upper());
@@ -302,7 +353,7 @@ HalfSpace BoxPrimitive::State::outside(const AffineMap& map, double half_width) 
 /// in K. Its powers are spent where it is about to.
 bool BoxPrimitive::State::half_space_misses(const AffineMap& map, double half_width) const {
   const Coordinates centre = midpoint(map.centre);
-  if (!(boundary.gauge(absolute(centre)) > 1.0)) return false;
+  if (!(boundary.gauge({std::fabs(centre[0]), std::fabs(centre[1]), centre[2]}) > 1.0)) return false;
   const auto v = gradient(centre);
   if (!v) return false;
   const double bound = (Interval(1) - dot(exact(*v), map.centre)).upper();
@@ -320,7 +371,7 @@ Colour BoxPrimitive::colour(const Cube& cube) const {
   if (state_->sphere_misses(from_centre, cube.half_width)) return Colour::white;
   const Vector3<double> own = state_->own_frame.rotation() * from_centre;
   if (cube.half_width == 0.0) {
-    const Colour found = state_->box_colour(state_->own_frame.unbent_up_to_sign(own));
+    const Colour found = state_->box_colour(state_->own_frame.unbent(own));
     return found == Colour::gray ? state_->precise_colour(cube.centre) : found;
   }
   const auto map = state_->affine(own, cube.half_width);

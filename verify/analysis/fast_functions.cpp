@@ -1,5 +1,5 @@
 /// Logarithm and arctangent by their series about 0, exponential by Taylor's; every rounding error is counted.
-#include "verify/numbers/fast_functions.hpp"
+#include "verify/analysis/fast_functions.hpp"
 
 #include <algorithm>
 #include <array>

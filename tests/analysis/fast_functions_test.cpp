@@ -1,5 +1,5 @@
 // Powers and arctangents of search against MPFR at 127 bits: contained, and within the stated error.
-#include "verify/numbers/fast_functions.hpp"
+#include "verify/analysis/fast_functions.hpp"
 
 #include <gmock/gmock.h>
 

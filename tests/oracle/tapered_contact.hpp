@@ -1,0 +1,39 @@
+/// Points whose distance to a tapered solid is known by how they are made, by MPFR at 200 bits: a point of the surface,
+/// carried there by the map of verisq/model.hpp, and a step along the normal, which is that of the implicit function.
+/// Shares nothing with verify/ and kernels/, not even the focus.
+#pragma once
+
+#include <random>
+#include <verisq/model.hpp>
+
+#include "tests/oracle/reference_distance.hpp"
+
+namespace verisq::oracle {
+
+/// A query and two bounds of its signed distance. Outside both are true because the solid is convex, and lie closer
+/// together than binary64 numbers: the half-space of the normal and the point of the surface. Inside `lower` is the
+/// distance to the tangent plane with a minus, `upper` 0.
+struct KnownContact {
+  Point query;
+  Real lower;
+  Real upper;
+};
+
+class TaperedSolid {
+ public:
+  explicit TaperedSolid(const Primitive& primitive);
+
+  /// The point of the surface that the ray from the untapered centre along `direction` (not zero) leads to, and a step
+  /// of `apart` along the normal, into the solid where it is negative.
+  [[nodiscard]] KnownContact contact(const Triple<double>& direction, double apart) const;
+
+ private:
+  PosedSolid posed_;  ///< without its taper
+  Real k_;
+  Real height_;
+};
+
+/// Random axes, exponents, pose; ratios of the ends from 1 to `largest_ratio`, either end the larger.
+[[nodiscard]] Primitive random_tapered(std::mt19937_64& random, double largest_ratio);
+
+}  // namespace verisq::oracle

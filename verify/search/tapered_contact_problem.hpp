@@ -1,0 +1,136 @@
+/// The closest point of a tapered solid, section by section, for any floating-point type.
+///
+/// In the solid's own frame (docs/mathematics.md §18) a point of the surface is w = M u with N(u) = 1, M = (1 - k²) /
+/// (1 - k u_z/a3). At the height of w the solid's section is {‖(x/a1, y/a2)‖_p2 <= R}, and half the squared distance of q
+/// to it is convex in z, because it is the least over x and y of a convex function on a convex set. With ν the multiplier
+/// of the projection of (q1, q2) on the section and dR/dz from N(w) = 1 - k² + k z/a3, its derivative is
+///     F(z) = z - q3 + ν (±|u_z/a3|^(p1-1) - k) / (a3 r^(p1-1)),     r the norm of u's section,
+/// which rises. The unknown is t = ln(r a3/|u_z|), which resolves the poles and the widest section alike.
+#pragma once
+
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "verify/proof/boundary.hpp"
+#include "verify/search/contact_problem.hpp"
+
+namespace verisq::verify::logarithmic {
+
+using std::pow;
+
+template <class Float>
+class TaperedContactProblem {
+ public:
+  TaperedContactProblem(const Superquadric& solid, const Proposal& q, const Resolution& resolution)
+      : solid_(solid),
+        q_(q),
+        resolution_(resolution),
+        k_((Float(solid.taper) - 1) / (Float(solid.taper) + 1)),
+        height_(solid.semi_axes[2]),
+        excess_(2.0 - solid.exponents[0] <= resolution.below_two
+                    ? Float(0)
+                    : Float(Float(2) / std::max(solid.exponents[0], resolution.above_zero) - 1)) {}
+
+  [[nodiscard]] Contact solve() const {
+    if (!outside()) return radial();
+    const bool below = slope(equator(Float(1))) > 0;  // the widest section lies above the closest point
+    const Float side = below ? -1 : 1;
+    if (below && slope(equator(Float(-1))) < 0) return contact(equator(Float(1)));  // e1 = 2: a ridge
+    const auto rise = [&](const Float& t) { return Float(side * slope(place(t, side))); };  // falls with t
+    Float low = -farthest();
+    Float high = farthest();
+    if (rise(low) <= 0) return contact(place(low, side));
+    if (rise(high) >= 0) return contact(place(high, side));
+    std::uintmax_t most_steps = 100;
+    const auto close = [&](const Float& a, const Float& b) { return fabs(b - a) <= resolution_.step * resolution_.step; };
+    std::tie(low, high) = boost::math::tools::toms748_solve(rise, low, high, close, most_steps);
+    return contact(place((low + high) / 2, side));
+  }
+
+ private:
+  /// A point of the surface but for x and y: u's section and height, and the solid's at that height.
+  struct Place {
+    Float side;     ///< 1 above the widest section, -1 below
+    Float section;  ///< r
+    Float z_share;  ///< |u_z| / a3
+    Float radius;   ///< R
+    Float z;
+  };
+
+  /// The projection of (q1, q2) on a section.
+  struct Foot {
+    Contact contact;   ///< normal: (q1, q2) - foot
+    Float multiplier;  ///< ν
+  };
+
+  [[nodiscard]] Float farthest() const { return -log(Float(resolution_.surface)) + 4; }
+
+  [[nodiscard]] bool outside() const {
+    return Boundary<long double>(solid_).gauge({std::fabs(q_[0]), std::fabs(q_[1]), q_[2]}) > 1 + resolution_.surface;
+  }
+
+  [[nodiscard]] Contact radial() const {
+    const auto normal = Boundary<long double>(solid_).normal({std::fabs(q_[0]), std::fabs(q_[1]), q_[2]});
+    return {q_, {std::copysign(normal[0], q_[0]), std::copysign(normal[1], q_[1]), normal[2]}};
+  }
+
+  [[nodiscard]] Place at(const Float& section, const Float& z_share, const Float& side) const {
+    const Float scale = (1 - k_ * k_) / (1 - k_ * side * z_share);
+    return {side, section, z_share, scale * section, height_ * side * scale * z_share};
+  }
+
+  [[nodiscard]] Place equator(const Float& side) const { return at(Float(1), Float(0), side); }
+
+  [[nodiscard]] Place place(const Float& t, const Float& side) const {
+    const Float p = excess_ + 1;
+    const Float smaller = exp(Float(-log1p(Float(exp(Float(-p * fabs(t))))) / p));  // of the larger of the two shares
+    const Float larger_ratio = exp(Float(-fabs(t)));
+    return t > 0 ? at(smaller, smaller * larger_ratio, side) : at(smaller * larger_ratio, smaller, side);
+  }
+
+  [[nodiscard]] Foot foot(const Place& place) const {
+    const long double radius = static_cast<long double>(place.radius);
+    const Superquadric section{{solid_.semi_axes[0], solid_.semi_axes[1], solid_.semi_axes[0]},
+                               {solid_.exponents[1], solid_.exponents[1]}};
+    const Proposal q{q_[0] / radius, q_[1] / radius, 0.0L};  // the section has the radius 1
+    const Boundary<long double> boundary(section);
+    if (boundary.gauge({std::fabs(q[0]), std::fabs(q[1]), 0.0L}) <= 1) return {{{q_[0], q_[1], 0}, {0, 0, 0}}, Float(0)};
+    Contact found = ContactProblem<Float>(section, q, resolution_).solve();
+    const Float along = Float(found.normal[0]) * found.point[0] + Float(found.normal[1]) * found.point[1];
+    for (const std::size_t i : {0U, 1U}) {
+      found.point[i] *= radius;
+      found.normal[i] *= radius;
+    }
+    return {found, along * place.radius};
+  }
+
+  /// ν times how fast the constraint rises with z.
+  [[nodiscard]] Float push(const Place& place, const Float& multiplier) const {
+    if (multiplier == 0) return Float(0);
+    const Float of_height = excess_ == 0 ? Float(1) : Float(pow(place.z_share, excess_));
+    return multiplier * (place.side * of_height - k_) / (height_ * pow(place.section, excess_));
+  }
+
+  [[nodiscard]] Float slope(const Place& place) const {
+    return place.z - Float(q_[2]) + push(place, foot(place).multiplier);
+  }
+
+  [[nodiscard]] Contact contact(const Place& place) const {
+    Foot found = foot(place);
+    const Float across = found.multiplier == 0 ? Float(Float(q_[2]) - place.z) : push(place, found.multiplier);
+    found.contact.point[2] = static_cast<long double>(place.z);
+    found.contact.normal[2] = static_cast<long double>(across);
+    return found.contact;
+  }
+
+  const Superquadric& solid_;
+  Proposal q_;
+  Resolution resolution_;
+  Float k_;
+  Float height_;  ///< a3
+  Float excess_;  ///< p1 - 1
+};
+
+}  // namespace verisq::verify::logarithmic
