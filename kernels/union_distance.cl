@@ -16,20 +16,33 @@ ALWAYS_INLINE vector3 to_local_direction(vector3 v, MODEL_SPACE const superquadr
   return u;
 }
 
+// Of a tapered one.
+ALWAYS_INLINE real tapered_separation_down(local_point own, MODEL_SPACE const superquadric* s) {
+  const focal_point q = about_focus(own, s);
+  const real side = copysign(REAL(1.0), q.point.z);
+  const vector3 octant_q = {q.point.x, q.point.y, fabs(q.point.z)};
+  const vector3 log_q = {log_or_lowest(octant_q.x), log_or_lowest(octant_q.y), log_or_lowest(octant_q.z)};
+  const vector3 n = start_radially(log_q, s).normal;
+  const tilted_normal tilted = tilted_up(n, support_up(n, s), side * s->taper, s);
+  return sub_down(distance_by_support_down(octant_q, tilted.normal, tilted.support), q.error);
+}
+
 // Lower bound of the signed distance of w to one primitive, by the normal at its radial projection: positive, up to
 // rounding, exactly where w is outside.
 ALWAYS_INLINE real separation_down(vector3 w, MODEL_SPACE const superquadric* s) {
   const local_point q = to_local(w, s);
+  if (s->taper != 0.0) return tapered_separation_down(q, s);
   const vector3 log_q = {log_or_lowest(q.point.x), log_or_lowest(q.point.y), log_or_lowest(q.point.z)};
   return sub_down(distance_down(q.point, start_radially(log_q, s).normal, s), q.error);
 }
 
-// Where the ray from x along the unit direction v has certainly left the primitive, to nearest: h(v) - v.(x - centre).
+// Where the ray from x along the unit direction v has certainly left the primitive, to nearest: h(v) - v.(x - centre);
+// a tapered solid reaches at most 1 + |k| times as far along x and y, and no farther along z.
 ALWAYS_INLINE real ray_exit(vector3 x, vector3 v, MODEL_SPACE const superquadric* s) {
   const vector3 local_v = to_local_direction(v, s);
   const vector3 d = {x.x - s->translation[0], x.y - s->translation[1], x.z - s->translation[2]};
   const vector3 octant_v = {fabs(local_v.x), fabs(local_v.y), fabs(local_v.z)};
-  return support_up(octant_v, s) - dot_nearest(v, d);
+  return (1.0 + fabs(s->taper)) * support_up(octant_v, s) - dot_nearest(v, d);
 }
 
 // A point proven outside of all primitives, and an upper bound of its distance from where it was sought; infinite where

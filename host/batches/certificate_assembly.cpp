@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "verify/proof/posed_superquadric.hpp"
+
 namespace verisq::device {
 namespace {
 
@@ -25,8 +27,9 @@ Point as_long_as(double distance, const Point& v) {
 
 CertificateAssembly::CertificateAssembly(const Model& model) {
   for (const Primitive& primitive : model.primitives) {
-    const auto& a = primitive.superquadric.semi_axes;
-    spheres_.push_back({primitive.pose.translation, std::hypot(a[0], a[1], a[2])});
+    const verify::PosedSuperquadric proof(primitive);
+    const Point origin = verify::rounded(verify::midpoint(proof.motion().translation));
+    spheres_.push_back({origin, proof.radius().upper().to_double(verify::Direction::up)});
   }
 }
 

@@ -2,6 +2,7 @@
 #include "host/batches/convex_distance.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 #include "host/batches/kernel_arguments.hpp"
 #include "host/opencl/program.hpp"
@@ -30,33 +31,46 @@ std::vector<EvidenceBuffers> views_of_primitives(const EvidenceBuffers& all, std
   return views;
 }
 
-cl::Program point_program(const Device& device, const std::string& memory) {
-  return build_program(device.context, device.device, device.vector_width, kernels::embedded_point_sources(), memory);
+PointPrograms point_programs(const Device& device, const std::string& memory, bool tapered) {
+  const auto program = [&](std::string_view sources) {
+    return build_program(device.context, device.device, device.vector_width, sources, memory);
+  };
+  PointPrograms programs(program(kernels::embedded_point_sources()));
+  if (tapered) programs.tapered = program(kernels::embedded_tapered_sources());
+  return programs;
 }
 
-ConvexDistance::ConvexDistance(const Device& device, const cl::Program& program, ChunkQueue& queue,
+ConvexDistance::ConvexDistance(const Device& device, const PointPrograms& programs, ChunkQueue& queue,
                                const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance)
     : groups_per_block_(device.vector_width > 1 ? block_points_of_vector_work_item / device.vector_width : 1),
       coordinates_(coordinates),
       nearest_(queue.numbers(capacity)),
       listed_(queue.numbers(capacity / 2 + 1)),  // as 32-bit numbers
       scratch_(queue.numbers(capacity * scratch_per_point)),
-      point_distance_(program, kernels::embedded_point_sources(), "point_distance"),
-      interior_depth_(program, kernels::embedded_point_sources(), "interior_depth") {
-  point_distance_.set(coordinate_arguments, coordinates_);
-  point_distance_.set("listed", listed_);
-  point_distance_.set("nearest", nearest_);
-  for (NamedKernel* const kernel : {&point_distance_, &interior_depth_})
+      point_distance_(programs.untapered, kernels::embedded_point_sources(), "point_distance"),
+      interior_depth_(programs.untapered, kernels::embedded_point_sources(), "interior_depth") {
+  if (programs.tapered) {
+    tapered_distance_.emplace(*programs.tapered, kernels::embedded_tapered_sources(), "point_distance");
+  }
+  for (NamedKernel* const kernel : {&point_distance_, tapered_distance_ ? &*tapered_distance_ : nullptr}) {
+    if (kernel == nullptr) continue;
+    kernel->set(coordinate_arguments, coordinates_);
+    kernel->set("listed", listed_);
+    kernel->set("nearest", nearest_);
     kernel->set("groups_per_block", groups_per_block_);
+  }
+  interior_depth_.set("groups_per_block", groups_per_block_);
   interior_depth_.set(coordinate_arguments, coordinates_);
   interior_depth_.set("tolerance", std::max(tolerance, smallest_interior_tolerance));
   interior_depth_.set("scratch", scratch_);
 }
 
-void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, std::size_t index, std::size_t groups,
-                             const EvidenceBuffers& evidence) {
+void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, std::size_t index, bool tapered,
+                             std::size_t groups, const EvidenceBuffers& evidence) {
   primitives_ = primitives;
-  for (NamedKernel* const kernel : {&point_distance_, &interior_depth_}) {
+  std::vector<NamedKernel*> launched{&point_distance_, &interior_depth_};
+  if (tapered) launched = {&*tapered_distance_};
+  for (NamedKernel* const kernel : launched) {
     kernel->set("groups", groups);
     kernel->set("primitives", primitives_);
     kernel->set("index", index);
@@ -64,7 +78,7 @@ void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, st
   }
   // A vector work-item with a block is long: one a work-group lets the cores share them evenly.
   const std::size_t blocks = (groups + groups_per_block_ - 1) / groups_per_block_;
-  for (const NamedKernel* const kernel : {&point_distance_, &interior_depth_})
+  for (const NamedKernel* const kernel : launched)
     groups_per_block_ > 1 ? queue.launch(*kernel, blocks, 1) : queue.launch(*kernel, blocks);
 }
 

@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/batches/chunk_queue.hpp"
@@ -18,21 +20,31 @@ using EvidenceBuffers = std::array<cl::Buffer, 5>;
 [[nodiscard]] std::vector<EvidenceBuffers> views_of_primitives(const EvidenceBuffers& all, std::size_t count,
                                                                std::size_t capacity);
 
-/// Of kernels/embedded_point_sources; `memory` says where the primitives lie (DeviceModel).
-[[nodiscard]] cl::Program point_program(const Device& device, const std::string& memory);
+/// What single convex primitives take.
+struct PointPrograms {
+  PointPrograms(cl::Program of_untapered) : untapered(std::move(of_untapered)) {}
 
-/// The kernels point_distance and interior_depth with the buffers that they need besides.
+  cl::Program untapered;
+  std::optional<cl::Program> tapered;  ///< where a primitive has a taper
+};
+
+/// Of kernels/embedded_point_sources and, for a `tapered` primitive, embedded_tapered_sources; `memory` says where the
+/// primitives lie (DeviceModel).
+[[nodiscard]] PointPrograms point_programs(const Device& device, const std::string& memory, bool tapered);
+
+/// The kernels point_distance and interior_depth with the buffers that they need besides. Points inside a tapered
+/// primitive keep a first lower end: the host proves how deep they are.
 class ConvexDistance {
  public:
-  /// `program` is `point_program`, for the memory that the primitives lie in. `tolerance` in the device's numbers:
+  /// `programs` are for the memory that the primitives lie in. `tolerance` in the device's numbers:
   /// depths are searched to it, and not far beyond what branch and bound can do.
-  ConvexDistance(const Device& device, const cl::Program& program, ChunkQueue& queue,
+  ConvexDistance(const Device& device, const PointPrograms& programs, ChunkQueue& queue,
                  const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance);
 
   /// Enqueues the primitive `index` of `primitives` for the first `groups` vectors of points. With index 0 nothing is
   /// known yet about the points; a later one is passed over where a sphere or a box about it is farther than what was
   /// found.
-  void enqueue(ChunkQueue& queue, const cl::Buffer& primitives, std::size_t index, std::size_t groups,
+  void enqueue(ChunkQueue& queue, const cl::Buffer& primitives, std::size_t index, bool tapered, std::size_t groups,
                const EvidenceBuffers& evidence);
 
  private:
@@ -45,6 +57,7 @@ class ConvexDistance {
   cl::Buffer scratch_;
   NamedKernel point_distance_;
   NamedKernel interior_depth_;
+  std::optional<NamedKernel> tapered_distance_;
 };
 
 }  // namespace verisq::device

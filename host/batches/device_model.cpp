@@ -43,11 +43,19 @@ cl::Buffer uploaded(const Device& device, const Model& model, int scale) {
           parameters.data()};
 }
 
+std::vector<bool> which_are_tapered(const Model& model) {
+  std::vector<bool> result;
+  for (const Primitive& primitive : model.primitives) result.push_back(is_tapered(primitive.superquadric));
+  return result;
+}
+
 }  // namespace
 
 std::string why_not_on_devices(const Model& model) {
-  if (std::ranges::any_of(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); }))
-    return "the device's kernels know no tapered solids: the host does all";
+  // Of these the kernels know points about unions.
+  const auto tapered = [](const Primitive& p) { return is_tapered(p.superquadric); };
+  if (!is_union_of_convex(model) && std::ranges::any_of(model.primitives, tapered))
+    return "the device's kernels know no bends or set operations of tapered solids: the host does all";
   if (!within_device_range(model)) return "the model's sizes span more than the device's kernels are made for";
   return {};
 }
@@ -78,6 +86,7 @@ DeviceModel::DeviceModel(const Device& device, const Model& model, std::size_t p
     : scale_exponent(device::scale_exponent(model)),
       primitives(uploaded(device, model, scale_exponent)),
       count(model.primitives.size()),
+      tapered(which_are_tapered(model)),
       memory(model_memory_option(device, count * sizeof(PrimitiveParameters))),
       chunk_size(device::chunk_size(device, count, processor_chunk)) {}
 

@@ -1,8 +1,10 @@
 /// A model in the memory of a device, and how large its chunks are.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "host/device/device.hpp"
 #include "verisq/model.hpp"
@@ -28,8 +30,11 @@ struct DeviceModel {
   int scale_exponent;      ///< numbers of the device are model units times 2^scale_exponent
   cl::Buffer primitives;   ///< PrimitiveParameters of each
   std::size_t count;       ///< of primitives
+  std::vector<bool> tapered;  ///< which of them
   std::string memory;      ///< option of programs that read them (model_memory.hpp)
   std::size_t chunk_size;  ///< queries a chunk may hold: memory stays bounded however large the model
+
+  [[nodiscard]] bool has_tapered() const { return std::ranges::find(tapered, true) != tapered.end(); }
 };
 
 /// OpenCL implementations put off the end of compilation to the first launch: a chunk of so many queries makes them do

@@ -22,11 +22,11 @@ constexpr std::size_t numbers_per_primitive = 4;  // of its evidence: upper end 
 class PointSlot : public ChunkSlot {
  public:
   // `assembly`: nothing unless certificates are asked for.
-  PointSlot(const Device& device, const cl::Program& program, const DeviceModel& model, double tolerance,
+  PointSlot(const Device& device, const PointPrograms& programs, const DeviceModel& model, double tolerance,
             std::optional<CertificateAssembly> assembly)
       : ChunkSlot(device, model),
         assembly_(std::move(assembly)),
-        kernels_(device, program, model, queue_, scale_.to_device(tolerance)) {
+        kernels_(device, programs, model, queue_, scale_.to_device(tolerance)) {
     for (auto& column : columns_) column.resize(capacity_);
     if (assembly_) evidence_.resize(capacity_ * (numbers_per_primitive * count_ + 3));
   }
@@ -84,13 +84,13 @@ class PointSlot : public ChunkSlot {
   std::vector<double> evidence_;  // columns of `capacity` numbers; empty unless certificates are asked for
 };
 
-std::unique_ptr<Batch<Point>> pipeline(const Device& device, const cl::Program& program, const Model& model,
+std::unique_ptr<Batch<Point>> pipeline(const Device& device, const PointPrograms& programs, const Model& model,
                                        const DeviceModel& uploaded, double tolerance, bool certificates) {
   std::optional<CertificateAssembly> assembly;
   if (certificates) assembly.emplace(model);
   std::vector<PointSlot> slots;
   slots.reserve(2);
-  for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, program, uploaded, tolerance, assembly);
+  for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, programs, uploaded, tolerance, assembly);
   auto batch = std::make_unique<ChunkPipeline<Point, PointSlot>>(device.name, uploaded.chunk_size, std::move(slots));
   batch->warm_up({far_away(uploaded), 0.0, 0.0});
   return batch;
@@ -102,7 +102,7 @@ std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& mod
                                           bool certificates) {
   return reporting_failures(device.name, [&] {
     const DeviceModel uploaded(device, model);
-    return pipeline(device, point_program(device, uploaded.memory), model, uploaded, tolerance, certificates);
+    return pipeline(device, point_programs(device, uploaded.memory, uploaded.has_tapered()), model, uploaded, tolerance, certificates);
   });
 }
 

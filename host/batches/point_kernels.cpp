@@ -13,13 +13,14 @@ constexpr std::array<std::string_view, 3> escape_arguments{"escape_xs", "escape_
 
 }  // namespace
 
-PointKernels::PointKernels(const Device& device, const cl::Program& program, const DeviceModel& model,
+PointKernels::PointKernels(const Device& device, const PointPrograms& programs, const DeviceModel& model,
                            ChunkQueue& queue, double tolerance)
     : count_(model.count),
       primitives_(model.primitives),
+      tapered_(model.tapered),
       coordinates_{queue.numbers(model.chunk_size), queue.numbers(model.chunk_size), queue.numbers(model.chunk_size)},
-      convex_distance_(device, program, queue, coordinates_, model.chunk_size, tolerance),
-      union_distance_(program, kernels::embedded_point_sources(), "union_distance") {
+      convex_distance_(device, programs, queue, coordinates_, model.chunk_size, tolerance),
+      union_distance_(programs.untapered, kernels::embedded_point_sources(), "union_distance") {
   const std::size_t capacity = model.chunk_size;
   for (cl::Buffer& evidence : per_primitive_) evidence = queue.numbers(capacity * count_);
   ends_[0] = count_ > 1 ? queue.numbers(capacity) : per_primitive_[0];
@@ -38,7 +39,7 @@ PointKernels::PointKernels(const Device& device, const cl::Program& program, con
 
 void PointKernels::enqueue(ChunkQueue& queue, std::size_t groups) {
   for (std::size_t index = 0; index < count_; ++index)
-    convex_distance_.enqueue(queue, primitives_, index, groups, views_[index]);
+    convex_distance_.enqueue(queue, primitives_, index, tapered_[index], groups, views_[index]);
   if (count_ == 1) return;
   union_distance_.set("groups", groups);
   queue.launch(union_distance_, groups);

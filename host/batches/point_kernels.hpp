@@ -16,8 +16,8 @@ namespace verisq::device {
 /// The kernels of single primitives and that of their union, with the buffers of one chunk.
 class PointKernels {
  public:
-  /// `program` is `point_program`; `tolerance` in the device's numbers.
-  PointKernels(const Device& device, const cl::Program& program, const DeviceModel& model, ChunkQueue& queue,
+  /// `programs` are `point_programs`; `tolerance` in the device's numbers.
+  PointKernels(const Device& device, const PointPrograms& programs, const DeviceModel& model, ChunkQueue& queue,
                double tolerance);
 
   /// x, y, z, in the device's numbers: to be written before `enqueue`, in whole vectors.
@@ -35,6 +35,7 @@ class PointKernels {
   std::size_t count_;  // of primitives
   // Kernels do not keep the buffers that they are given.
   cl::Buffer primitives_;
+  std::vector<bool> tapered_;  // which primitives are
   std::array<cl::Buffer, 3> coordinates_;
   ConvexDistance convex_distance_;
   NamedKernel union_distance_;

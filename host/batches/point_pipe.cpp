@@ -46,16 +46,16 @@ void set(NamedKernel& kernel, const std::string& name, const BoundColumn& column
 // One chunk on its way through the device.
 class PipeSlot {
  public:
-  PipeSlot(const Device& device, const cl::Program& program, const DeviceModel& model, const RowCriterion& criterion,
+  PipeSlot(const Device& device, const PointPrograms& programs, const DeviceModel& model, const RowCriterion& criterion,
            bool copied)
       : width_(static_cast<std::size_t>(device.vector_width)),
         group_size_(device.vector_width > 1 ? 1 : scalar_group_size),
         scale_(model.scale_exponent),
         queue_(device),
         memory_(copied ? copied_memory(device, queue_, model.chunk_size) : shared_memory(device)),
-        kernels_(device, program, model, queue_, scale_.to_device(criterion.tolerance)),
-        point_columns_(program, kernels::embedded_point_sources(), "point_columns"),
-        point_rows_(program, kernels::embedded_point_sources(), "point_rows"),
+        kernels_(device, programs, model, queue_, scale_.to_device(criterion.tolerance)),
+        point_columns_(programs.untapered, kernels::embedded_point_sources(), "point_columns"),
+        point_rows_(programs.untapered, kernels::embedded_point_sources(), "point_rows"),
         refused_(device.context, CL_MEM_READ_WRITE, sizeof(cl_uint)),
         sums_(device.context, CL_MEM_WRITE_ONLY, blocks_of(model.chunk_size) * sizeof(RowSums)) {
     forget_refused();
@@ -163,9 +163,9 @@ class DevicePipe final : public PointPipe {
       : device_(device.name) {
     const DeviceModel uploaded(device, model, points_of_processor_chunk);
     capacity_ = uploaded.chunk_size;
-    const cl::Program program = point_program(device, uploaded.memory);
+    const PointPrograms programs = point_programs(device, uploaded.memory, uploaded.has_tapered());
     slots_.reserve(2);
-    for (int slot = 0; slot < 2; ++slot) slots_.emplace_back(device, program, uploaded, criterion, copied);
+    for (int slot = 0; slot < 2; ++slot) slots_.emplace_back(device, programs, uploaded, criterion, copied);
     warm_up({far_away(uploaded), 0.0, 0.0});
   }
 

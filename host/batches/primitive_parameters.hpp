@@ -27,6 +27,11 @@ struct PrimitiveParameters {
   double circumradius_up;
   double reach_up;
   double containment_up;
+  double taper;
+  double fall_down, fall_up;
+  double log_fall;
+  double focus;
+  double taper_error;
 };
 
 /// Parameters of a primitive in a frame whose unit is 2^-scale_exponent model units, which keeps the numbers of the

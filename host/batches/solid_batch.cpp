@@ -43,6 +43,7 @@ cl::Buffer uploaded_alone(const Device& device, const Primitive& primitive, int 
 
 struct Part {
   bool bent;
+  bool tapered;
   cl::Buffer convex;  // PrimitiveParameters: a primitive on its own is the first of one, in constant memory
 };
 
@@ -54,13 +55,14 @@ struct SolidModel {
         box_primitives(uploaded_box_primitives(device, model, size.scale_exponent)),
         root(root_cube(model, size.scale_exponent)) {
     for (const Primitive& primitive : model.primitives)
-      parts.push_back({is_bent(primitive), uploaded_alone(device, primitive, size.scale_exponent)});
-    if (!std::ranges::all_of(parts, &Part::bent)) convex_program = point_program(device, "");
+      parts.push_back({is_bent(primitive), is_tapered(primitive.superquadric),
+                       uploaded_alone(device, primitive, size.scale_exponent)});
+    if (!std::ranges::all_of(parts, &Part::bent)) convex_programs = point_programs(device, "", size.has_tapered());
   }
 
   DeviceModel size;
   cl::Program program;
-  std::optional<cl::Program> convex_program;  // nothing where all are bent
+  std::optional<PointPrograms> convex_programs;  // nothing where all are bent
   cl::Buffer box_primitives;
   RootCube root;
   std::vector<Part> parts;
@@ -77,8 +79,8 @@ class SolidSlot : public ChunkSlot {
         coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
         bent_distance_(model.program, kernels::embedded_solid_distance(), "bent_distance"),
         solid_distance_(model.program, kernels::embedded_solid_distance(), "solid_distance") {
-    if (model.convex_program) {
-      convex_distance_.emplace(device, *model.convex_program, queue_, coordinates_, capacity_,
+    if (model.convex_programs) {
+      convex_distance_.emplace(device, *model.convex_programs, queue_, coordinates_, capacity_,
                                scale_.to_device(tolerance));
     }
     for (cl::Buffer& evidence : per_primitive_) evidence = queue_.numbers(capacity_ * count_);
@@ -118,7 +120,7 @@ class SolidSlot : public ChunkSlot {
   static constexpr std::size_t searches_per_group = 16;  // long work-items: small groups keep cores busy
 
   // On its own: what was found for other primitives says nothing about a tree of set operations.
-  void enqueue_convex(std::size_t i) { convex_distance_->enqueue(queue_, parts_[i].convex, 0, groups(), views_[i]); }
+  void enqueue_convex(std::size_t i) { convex_distance_->enqueue(queue_, parts_[i].convex, 0, parts_[i].tapered, groups(), views_[i]); }
 
   void enqueue_bent(std::size_t i) {
     bent_distance_.set("groups", groups(solid_width_));

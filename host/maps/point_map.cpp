@@ -52,6 +52,14 @@ void refuse_empty(const Model& model, const SignedDistance& distance, const std:
     throw Error(ErrorKind::input, "the model has no point at all: its set operations leave nothing");
 }
 
+bool has_taper(const Model& model) {
+  return std::ranges::any_of(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
+}
+
+double tightest_outside_of(const Model& model) {
+  return has_taper(model) ? tightest_outside_of_tapered : tightest_outside;
+}
+
 constexpr std::size_t most_known_centres = 16;
 
 // Without certificates. What is known are rough distances of the primitives' centres, of many spread over their order.
@@ -77,6 +85,7 @@ class PointProver {
         published_(options.method == Method::published),
         out_of_time_(options.out_of_time ? options.out_of_time : never),
         radius_(bounding_radius(model)),
+        tightest_outside_(tightest_outside_of(model)),
         distance_(model),
         witness_distance_(model) {
     if (published_ && (certificates_ || options.device != "host"))
@@ -103,7 +112,7 @@ class PointProver {
 
   // False for NaN.
   [[nodiscard]] bool at_limit(const Point& point, const Enclosure& found) const {
-    return verified(found, tightest_width(point, found, radius_));
+    return verified(found, tightest_width(point, found, radius_, tightest_outside_));
   }
 
   [[nodiscard]] CertifiedEnclosure prove(const Point& point) const {
@@ -137,6 +146,7 @@ class PointProver {
   bool published_;
   std::function<bool()> out_of_time_;
   double radius_;
+  double tightest_outside_;
   SignedDistance distance_;
   verify::WitnessEstimate witness_distance_;
   std::unique_ptr<verify::CoarseDistance> coarse_distance_;  // without certificates, where there is a time limit
@@ -145,9 +155,9 @@ class PointProver {
 
 /// Rows as tight as the device's proofs get may still be narrowed by a search, which is told their tolerance: with one
 /// of 0 there is no more to ask for.
-device::RowCriterion criterion(const MapOptions& options, double radius, bool searched) {
+device::RowCriterion criterion(const MapOptions& options, double radius, bool searched, double outside) {
   const bool open_inside = searched && options.tolerance > 0.0;
-  return {options.tolerance, open_inside ? -1.0 : tightest_inside * radius, tightest_outside, radius};
+  return {options.tolerance, open_inside ? -1.0 : tightest_inside * radius, outside, radius};
 }
 
 }  // namespace
@@ -170,14 +180,15 @@ std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions&
   // Where primitives overlap a depth is that of no single one: it takes a search over cubes, which has no certificates.
   Map::MakeBatch make_search;
   const double radius = bounding_radius(model);
-  if (model.primitives.size() > 1 && unsuited.empty()) {
+  if (model.primitives.size() > 1 && unsuited.empty() && !has_taper(model)) {
     const double tolerance = std::max(options.tolerance, tightest_inside * radius);
     make_search = [model, tolerance](const device::Device& device) {
       return device::solid_batch(device, model, tolerance);
     };
   }
   return std::make_unique<PipedMap<PointProver>>(PointProver(model, options), options, model,
-                                                 criterion(options, radius, make_search != nullptr), make_search);
+                                                 criterion(options, radius, make_search != nullptr, tightest_outside_of(model)),
+                                                 make_search);
 }
 
 }  // namespace verisq

@@ -37,6 +37,13 @@ TaperedSolid::TaperedSolid(const Primitive& primitive)
       k_((Real(primitive.superquadric.taper) - 1) / (Real(primitive.superquadric.taper) + 1)),
       height_(primitive.superquadric.semi_axes[2]) {}
 
+bool TaperedSolid::contains(const Vector& own) const {
+  using std::abs;
+  const Real scale = 1 + k_ * own[2] / height_;
+  if (abs(own[2]) > height_) return false;
+  return posed_.norm().gauge({own[0] / scale, own[1] / scale, (own[2] + k_ * height_) / scale}) <= 1;
+}
+
 KnownContact TaperedSolid::contact(const Triple<double>& direction, double apart) const {
   const MixedNorm<Real>& norm = posed_.norm();
   const Vector u = widened(direction);
@@ -57,7 +64,7 @@ KnownContact TaperedSolid::contact(const Triple<double>& direction, double apart
   const Vector q = posed_.to_own_frame(widened(query));  // of the rounded one
   const Vector from_surface = difference(q, surface);
   const Real lower = dot(from_surface, normal) / length(normal);
-  return {query, lower, apart > 0 ? length(from_surface) : Real(0)};
+  return {query, lower, contains(q) ? Real(0) : length(from_surface)};
 }
 
 Primitive random_tapered(std::mt19937_64& random, double largest_ratio) {

@@ -12,7 +12,8 @@ namespace verisq::oracle {
 
 /// A query and two bounds of its signed distance. Outside both are true because the solid is convex, and lie closer
 /// together than binary64 numbers: the half-space of the normal and the point of the surface. Inside `lower` is the
-/// distance to the tangent plane with a minus, `upper` 0.
+/// distance to the tangent plane with a minus, `upper` 0. A step into a thin solid may lead out of it again: then both
+/// are true, and apart.
 struct KnownContact {
   Point query;
   Real lower;
@@ -24,10 +25,12 @@ class TaperedSolid {
   explicit TaperedSolid(const Primitive& primitive);
 
   /// The point of the surface that the ray from the untapered centre along `direction` (not zero) leads to, and a step
-  /// of `apart` along the normal, into the solid where it is negative.
+  /// of `apart` along the normal, towards the inside where it is negative.
   [[nodiscard]] KnownContact contact(const Triple<double>& direction, double apart) const;
 
  private:
+  [[nodiscard]] bool contains(const Vector& own) const;
+
   PosedSolid posed_;  ///< without its taper
   Real k_;
   Real height_;

@@ -56,10 +56,9 @@ class Tally {
  public:
   void add(const Case& tested, const KnownContact& contact, const Enclosure& found, double tolerance) {
     const bool escapes = !(Real(found.lo) <= contact.upper && Real(found.hi) >= contact.lower);
-    const bool outside = contact.upper > 0;
-    double magnitude = tested.size;
-    for (std::size_t i = 0; i < 3; ++i)
-      magnitude = std::max(magnitude, std::fabs(contact.query[i] - tested.primitive.pose.translation[i]));
+    const bool outside = contact.lower > 0;
+    double magnitude = tested.size;  // of what rounding errors are in proportion to
+    for (const double x : contact.query) magnitude = std::max(magnitude, std::fabs(x));
     const std::lock_guard lock(mutex_);
     ++cases_;
     if (escapes) {

@@ -11,6 +11,7 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 
 #include "verify/proof/boundary.hpp"
@@ -29,9 +30,8 @@ class TaperedContactProblem {
         resolution_(resolution),
         k_((Float(solid.taper) - 1) / (Float(solid.taper) + 1)),
         height_(solid.semi_axes[2]),
-        excess_(2.0 - solid.exponents[0] <= resolution.below_two
-                    ? Float(0)
-                    : Float(Float(2) / std::max(solid.exponents[0], resolution.above_zero) - 1)) {}
+        excess_(excess(solid.exponents[0])),
+        section_excess_(excess(solid.exponents[1])) {}
 
   [[nodiscard]] Contact solve() const {
     if (!outside()) return radial();
@@ -65,6 +65,12 @@ class TaperedContactProblem {
     Float multiplier;  ///< ν
   };
 
+  /// p - 1, as ContactProblem takes it.
+  [[nodiscard]] Float excess(double e) const {
+    if (2.0 - e <= resolution_.below_two) return Float(0);
+    return Float(2) / std::max(e, resolution_.above_zero) - 1;
+  }
+
   [[nodiscard]] Float farthest() const { return -log(Float(resolution_.surface)) + 4; }
 
   [[nodiscard]] bool outside() const {
@@ -92,18 +98,23 @@ class TaperedContactProblem {
 
   [[nodiscard]] Foot foot(const Place& place) const {
     const long double radius = static_cast<long double>(place.radius);
+    // With q3 = 0 the exponent along z is any; this one lets a rhombus be solved by its radius.
     const Superquadric section{{solid_.semi_axes[0], solid_.semi_axes[1], solid_.semi_axes[0]},
-                               {solid_.exponents[1], solid_.exponents[1]}};
+                               {1.0, solid_.exponents[1]}};
     const Proposal q{q_[0] / radius, q_[1] / radius, 0.0L};  // the section has the radius 1
     const Boundary<long double> boundary(section);
     if (boundary.gauge({std::fabs(q[0]), std::fabs(q[1]), 0.0L}) <= 1) return {{{q_[0], q_[1], 0}, {0, 0, 0}}, Float(0)};
     Contact found = ContactProblem<Float>(section, q, resolution_).solve();
-    const Float along = Float(found.normal[0]) * found.point[0] + Float(found.normal[1]) * found.point[1];
+    std::array<Float, 2> logs;
     for (const std::size_t i : {0U, 1U}) {
       found.point[i] *= radius;
       found.normal[i] *= radius;
+      logs[i] = log(Float(std::fabs(found.normal[i]) * solid_.semi_axes[i]));
     }
-    return {found, along * place.radius};
+    // The normal is ν times the gradient of a norm, whose dual norm, of the conjugate exponent, is 1.
+    const Float log_multiplier = section_excess_ == 0 ? Float(std::max(logs[0], logs[1]))
+                                                      : log_norm<Float>(logs[0], logs[1], 1 / section_excess_);
+    return {found, exp(log_multiplier)};
   }
 
   /// ν times how fast the constraint rises with z.
@@ -130,7 +141,8 @@ class TaperedContactProblem {
   Resolution resolution_;
   Float k_;
   Float height_;  ///< a3
-  Float excess_;  ///< p1 - 1
+  Float excess_;          ///< p1 - 1
+  Float section_excess_;  ///< p2 - 1
 };
 
 }  // namespace verisq::verify::logarithmic
