@@ -13,6 +13,7 @@
 #include "host/files/csv_map_header.hpp"
 #include "host/files/map_columns.hpp"
 #include "host/files/map_format.hpp"
+#include "host/files/shortest_digits.hpp"
 #include "host/threads/parallel.hpp"
 #include "host/threads/pieces.hpp"
 
@@ -75,7 +76,7 @@ char* put_field(MapColumn column, const MapRow& row, char* at) {
   switch (column) {
     case MapColumn::index: return fmt::format_to(at, FMT_COMPILE("{}"), row.index);
     case MapColumn::status: return put(to_string(row.result.status), at);
-    default: return fmt::format_to(at, FMT_COMPILE("{}"), number_in(column, row));
+    default: return put_shortest_digits(number_in(column, row), at);
   }
 }
 

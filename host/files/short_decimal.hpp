@@ -38,7 +38,8 @@ inline constexpr std::array<double, 20> powers_of_ten{1e0,  1e1,  1e2,  1e3,  1e
   if (digits == 0 || digits > most_digits || significand > largest_exact) return nullptr;
   if (after != end && (*after == 'e' || *after == 'E')) return nullptr;
   const double quotient = static_cast<double>(significand) / powers_of_ten[static_cast<std::size_t>(places)];
-  number = negative ? -quotient : quotient;
+  constexpr std::array signs{1.0, -1.0};  // a branch would be mispredicted half of the time
+  number = signs[negative ? 1 : 0] * quotient;
   return after;
 }
 
