@@ -100,9 +100,11 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
   const auto sink = [&](std::span<const Element> elements, std::span<const MapResult> results,
                         std::span<const Certificate> certificates) {
     if (behind) {
-      behind->add({{elements.begin(), elements.end()},
-                   {results.begin(), results.end()},
-                   {certificates.begin(), certificates.end()}});
+      FinishedRows<Element> finished = behind->spare();
+      finished.elements.assign(elements.begin(), elements.end());
+      finished.results.assign(results.begin(), results.end());
+      finished.certificates.assign(certificates.begin(), certificates.end());
+      behind->add(std::move(finished));
     }
     if (request.show) rows.insert(rows.end(), results.begin(), results.end());
     done += elements.size();

@@ -3,6 +3,7 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <iterator>
 #include <optional>
@@ -12,7 +13,7 @@
 #include "host/files/csv_map_header.hpp"
 #include "host/files/map_columns.hpp"
 #include "host/files/map_format.hpp"
-#include "host/files/seventeen_digits.hpp"
+#include "host/files/shortest_digits.hpp"
 #include "host/threads/parallel.hpp"
 #include "host/threads/pieces.hpp"
 
@@ -22,8 +23,12 @@ namespace {
 /// Rows that are worth a thread.
 constexpr std::size_t fewest_rows = 4096;
 
-/// A field for each number, each after a comma; empty ones where there are none. "{}" is the shortest text that gives
-/// back the same binary64.
+/// Room for the longest field of a column, "-2.2250738585072014e-308" for instance, and the comma or line end after it.
+constexpr std::size_t longest_field = 32;
+
+// As a format of a number "{}" is the shortest text that gives back the same binary64.
+
+/// A field for each number, each after a comma; empty ones where there are none.
 template <std::size_t N>
 void append_fields(fmt::memory_buffer& text, const std::optional<std::array<double, N>>& numbers) {
   for (std::size_t k = 0; k < N; ++k) {
@@ -63,21 +68,15 @@ std::string header(const MapKind& kind) {
   return names;
 }
 
-void append_number(fmt::memory_buffer& text, double number) {
-  DigitBuffer digits;
-  const std::string_view number_text = seventeen_digits(number, digits);
-  text.append(number_text.begin(), number_text.end());
+char* put(std::string_view text, char* at) {
+  return std::copy(text.begin(), text.end(), at);
 }
 
-void append_field(fmt::memory_buffer& text, MapColumn column, const MapRow& row) {
+char* put_field(MapColumn column, const MapRow& row, char* at) {
   switch (column) {
-    case MapColumn::index: fmt::format_to(std::back_inserter(text), FMT_COMPILE("{}"), row.index); break;
-    case MapColumn::status: {
-      const std::string_view status = to_string(row.result.status);
-      text.append(status.begin(), status.end());
-      break;
-    }
-    default: append_number(text, number_in(column, row));
+    case MapColumn::index: return fmt::format_to(at, FMT_COMPILE("{}"), row.index);
+    case MapColumn::status: return put(to_string(row.result.status), at);
+    default: return put_shortest_digits(number_in(column, row), at);
   }
 }
 
@@ -96,7 +95,7 @@ class CsvMap final : public MapFormat {
               std::span<const Certificate> certificates) override {
     const AppendedRows rows(kind_.mesh, kind_.elements, count_, points, results);
     const std::vector<Piece> pieces = pieces_of(rows.size(), fewest_rows);
-    texts_.resize(pieces.size());
+    if (texts_.size() < pieces.size()) texts_.resize(pieces.size());
     in_parallel(pieces.size(), [&](std::size_t p) {
       texts_[p].clear();
       for (std::size_t k = pieces[p].first; k < pieces[p].first + pieces[p].count; ++k) {
@@ -105,7 +104,9 @@ class CsvMap final : public MapFormat {
         texts_[p].push_back('\n');
       }
     });
-    for (const fmt::memory_buffer& text : texts_) output_.write({text.data(), text.size()});
+    for (const fmt::memory_buffer& text : std::span(texts_).first(pieces.size())) {
+      output_.write({text.data(), text.size()});
+    }
     count_ += rows.size();
     output_.flush();  // a killed run leaves all rows that are finished
   }
@@ -115,16 +116,20 @@ class CsvMap final : public MapFormat {
 
  private:
   void append_row(fmt::memory_buffer& text, const MapRow& row) const {
-    for (std::size_t k = 0; k < kind_.columns.size(); ++k) {
-      if (k > 0) text.push_back(',');
-      append_field(text, kind_.columns[k], row);
+    const std::size_t before = text.size();
+    text.resize(before + kind_.columns.size() * longest_field);
+    char* at = text.data() + before;
+    for (const MapColumn column : kind_.columns) {
+      at = put_field(column, row, at);
+      *at++ = ',';
     }
+    text.resize(static_cast<std::size_t>(at - text.data()) - 1);  // no comma after the last
   }
 
   OutputFile& output_;
   MapKind kind_;
   std::uint64_t count_ = 0;
-  std::vector<fmt::memory_buffer> texts_;  // of the pieces of one call
+  std::vector<fmt::memory_buffer> texts_;  // of the pieces of one call, and some of earlier ones: room for the next
 };
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <iterator>
 
 #include "host/files/map_format.hpp"
-#include "host/files/seventeen_digits.hpp"
 
 namespace verisq {
 namespace {
@@ -15,9 +14,7 @@ namespace {
 /// JSON has no infinities: an infinite end is the string "inf" or "-inf", never null, which would say "no answer".
 void append_end(fmt::memory_buffer& text, double value) {
   if (std::isfinite(value)) {
-    DigitBuffer digits;
-    const std::string_view number = seventeen_digits(value, digits);
-    text.append(number.begin(), number.end());
+    fmt::format_to(std::back_inserter(text), FMT_COMPILE("{}"), value);
   } else {
     fmt::format_to(std::back_inserter(text), FMT_COMPILE("\"{}\""), value);
   }

@@ -18,6 +18,9 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // some spreadshee
 /// Fewer bytes are not worth a thread.
 constexpr std::size_t smallest_piece = std::size_t{1} << 17;
 
+/// Rows that there is room for at first.
+constexpr std::size_t smallest_room = 64;
+
 /// Cuts `lines` behind line ends into about equal pieces, as many as there are processors.
 std::vector<std::string_view> cut(std::string_view lines) {
   const std::size_t most = std::max<std::size_t>(1, lines.size() / smallest_piece);
@@ -38,14 +41,14 @@ std::size_t NumberRows::read(std::span<double> numbers) {
   std::size_t count = 0;
   while (count < numbers.size()) {
     if (numbers_left_ == 0 && !read_more()) break;
-    const std::vector<double>& source = pieces_[piece_].numbers;
-    const std::size_t part = std::min(numbers.size() - count, source.size() - next_);
-    std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(next_), part,
+    const Piece& source = pieces_[piece_];
+    const std::size_t part = std::min(numbers.size() - count, source.count - next_);
+    std::copy_n(source.numbers.begin() + static_cast<std::ptrdiff_t>(next_), part,
                 numbers.begin() + static_cast<std::ptrdiff_t>(count));
     count += part;
     next_ += part;
     numbers_left_ -= part;
-    if (next_ == source.size()) {
+    if (next_ == source.count) {
       ++piece_;
       next_ = 0;
     }
@@ -67,11 +70,11 @@ bool NumberRows::read_more() {
     if (stopped != pieces_.end()) pieces_.erase(stopped + 1, pieces_.end());
     std::size_t bytes = 0;
     for (const Piece& piece : pieces_) {
-      numbers_left_ += piece.numbers.size();
+      numbers_left_ += piece.count;
       bytes += piece.bytes;
     }
     file_.pass_lines(bytes, numbers_left_ / form_.numbers());
-    std::erase_if(pieces_, [](const Piece& piece) { return piece.numbers.empty(); });
+    std::erase_if(pieces_, [](const Piece& piece) { return piece.count == 0; });
   }
   if (numbers_left_ == 0) {  // the first line, one that needs a message, or the end
     std::optional<std::string_view> line = file_.next_line();
@@ -99,17 +102,22 @@ bool NumberRows::read_line(std::string_view line) {
     return false;
   }
   pieces_.resize(1);
-  pieces_[0].numbers.resize(form_.numbers());
-  form_.read(file_, line, pieces_[0].numbers);
+  Piece& piece = pieces_[0];
+  if (piece.numbers.size() < form_.numbers()) piece.numbers.resize(form_.numbers());
+  form_.read(file_, line, piece.numbers);
+  piece.count = form_.numbers();
   numbers_left_ = form_.numbers();
   return true;
 }
 
 void NumberRows::read_lines(Piece& piece) const {
-  piece.numbers.clear();
-  std::vector<double> row(form_.numbers());
+  piece.count = 0;
   std::string_view rest = piece.lines;
   while (!rest.empty()) {
+    if (piece.numbers.size() - piece.count < form_.numbers()) {
+      piece.numbers.resize(std::max(2 * piece.numbers.size(), smallest_room * form_.numbers()));
+    }
+    const std::span<double> row = std::span(piece.numbers).subspan(piece.count, form_.numbers());
     const char* after = form_.read_plain(rest, row);
     if (after == nullptr) {
       const std::string_view line = rest.substr(0, rest.find('\n'));
@@ -121,7 +129,7 @@ void NumberRows::read_lines(Piece& piece) const {
       }
       after = line.data() + std::min(line.size() + 1, rest.size());
     }
-    piece.numbers.insert(piece.numbers.end(), row.begin(), row.end());
+    piece.count += row.size();
     rest.remove_prefix(static_cast<std::size_t>(after - rest.data()));
   }
   piece.bytes = piece.lines.size() - rest.size();

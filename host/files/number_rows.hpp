@@ -36,8 +36,9 @@ class NumberRows {
   /// What one processor reads of a block, and how far it came: to the first line that needs a message.
   struct Piece {
     std::string_view lines;
-    std::vector<double> numbers;
-    std::size_t bytes = 0;  ///< of the lines that were read
+    std::vector<double> numbers;  ///< room, kept from block to block,
+    std::size_t count = 0;        ///< of which these were read
+    std::size_t bytes = 0;        ///< of the lines that were read
   };
 
   bool read_more();

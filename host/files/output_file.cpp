@@ -15,7 +15,8 @@
 namespace verisq {
 namespace {
 
-constexpr std::size_t buffer_size = std::size_t{1} << 20;
+/// For what is written in small parts: larger ones go past the buffer.
+constexpr std::size_t buffer_size = std::size_t{1} << 16;
 
 /// A name that no other run uses; "x" in the mode of fopen makes sure of it.
 std::filesystem::path temporary_for(const std::filesystem::path& target) {

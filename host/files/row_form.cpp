@@ -10,6 +10,7 @@
 #include <string>
 #include <system_error>
 
+#include "host/files/short_decimal.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq {
@@ -51,6 +52,7 @@ const char* after_blanks(const char* at, const char* end) {
 }
 
 const char* after_number(const char* at, const char* end, double& number) {
+  if (const char* const after = read_short_decimal(at, end, number)) return after;
   const auto [after, error] = std::from_chars(at, end, number);
   return error == std::errc{} && std::isfinite(number) ? after : nullptr;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdlib>
 #include <functional>
+#include <future>
 #include <memory>
 #include <utility>
 
@@ -61,9 +62,14 @@ class PipedMap final : public ExactMap<Point> {
 
   template <class Feed>
   MapSummary mapped(Feed& feed) {
-    typename PipedRun<Prover, Feed>::Search search;
-    if (make_search_) search = [this]() -> device::Batch<Point>& { return ready_search(); };
-    return signed_by_device(PipedRun<Prover, Feed>(prover_, options_, *pipe_, feed, std::move(search))());
+    using Run = PipedRun<Prover, Feed>;
+    typename Run::Search search;
+    typename Run::Announcement announce_search;
+    if (make_search_) {
+      search = [this]() -> device::Batch<Point>& { return ready_search(); };
+      announce_search = [this] { begin_search(); };
+    }
+    return signed_by_device(Run(prover_, options_, *pipe_, feed, std::move(search), std::move(announce_search))());
   }
 
   [[nodiscard]] MapSummary signed_by_device(MapSummary summary) const {
@@ -72,7 +78,14 @@ class PipedMap final : public ExactMap<Point> {
     return summary;
   }
 
+  // Makes the search ready while others go on.
+  void begin_search() {
+    if (search_ || coming_search_.valid()) return;
+    coming_search_ = std::async(std::launch::async, [this] { return make_search_(*chosen_.device); });
+  }
+
   device::Batch<Point>& ready_search() {
+    if (coming_search_.valid()) search_ = coming_search_.get();
     if (!search_) search_ = make_search_(*chosen_.device);
     return *search_;
   }
@@ -80,10 +93,11 @@ class PipedMap final : public ExactMap<Point> {
   MapOptions options_;
   Prover prover_;
   ChosenDevice chosen_;
-  MakeSearch make_search_;                        // empty: the host searches
-  std::unique_ptr<device::Batch<Point>> search_;  // nothing until it is asked for
-  std::array<ChunkMemory, 2> memories_;           // of streams; kept to spare allocations
-  std::unique_ptr<device::PointPipe> pipe_;       // nothing: the host does all
+  MakeSearch make_search_;                                            // empty: the host searches
+  std::unique_ptr<device::Batch<Point>> search_;                      // nothing until it is asked for
+  std::array<ChunkMemory, 2> memories_;                               // of streams; kept to spare allocations
+  std::unique_ptr<device::PointPipe> pipe_;                           // nothing: the host does all
+  std::future<std::unique_ptr<device::Batch<Point>>> coming_search_;  // ends before what it uses
 };
 
 }  // namespace verisq

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -24,13 +25,17 @@ template <class Prover, class Feed>
 class PipedRun {
  public:
   using Search = typename MapRun<Point, Prover>::Search;
+  /// Called where the search is likely to be asked for; returns at once. Empty where there is none.
+  using Announcement = std::function<void()>;
 
   /// All must outlive this.
-  PipedRun(const Prover& prover, const MapOptions& options, device::PointPipe& pipe, Feed& feed, Search search)
+  PipedRun(const Prover& prover, const MapOptions& options, device::PointPipe& pipe, Feed& feed, Search search,
+           Announcement announce_search)
       : prover_(prover),
         options_(options),
         pipe_(pipe),
         feed_(feed),
+        announce_search_(std::move(announce_search)),
         pace_(options.out_of_time ? ChunkPace() : ChunkPace(pipe.capacity())),
         open_(prover, options, no_source_, write_settled_, std::move(search)) {}
 
@@ -112,6 +117,19 @@ class PipedRun {
     feed_.deliver(chunk, blocks.front().first, rows_of(blocks));
   }
 
+  // A few rows that a search may narrow, in a long map: there will be as many more as it is worth, and it is made ready
+  // while the host proves these.
+  static constexpr std::size_t enough_to_announce = 4;
+
+  void announce_search(const PointChunk& chunk) {
+    const auto may_be_narrowed = [this](const Enclosure& found) {
+      return found.lo < 0.0 && options_.tolerance > 0.0 && !verified(found, options_.tolerance);
+    };
+    open_inside_ += static_cast<std::size_t>(std::ranges::count_if(found_, may_be_narrowed));
+    const bool long_map = chunk.points.size() == pipe_.capacity();
+    if (announce_search_ && long_map && open_inside_ >= enough_to_announce) announce_search_();
+  }
+
   // The host judges and counts all rows of blocks with open ones by itself.
   void settle(const PointChunk& chunk, std::span<const device::RowBlock> blocks) {
     queries_.resize(rows_of(blocks));
@@ -120,6 +138,7 @@ class PipedRun {
       queries_[i] = chunk.points[blocks.front().first + i];
       found_[i] = chunk.rows[blocks.front().first + i].distance;
     }
+    announce_search(chunk);
     settled_chunk_ = &chunk;
     settled_row_ = blocks.front().first;
     open_.settle(queries_, found_);
@@ -147,11 +166,13 @@ class PipedRun {
   const MapOptions& options_;
   device::PointPipe& pipe_;
   Feed& feed_;
+  Announcement announce_search_;
   ChunkPace pace_;
   bool out_of_time_ = false;  // when the next chunk was asked for
   MapSummary summary_ = empty_summary();
 
   // What is open.
+  std::size_t open_inside_ = 0;  // so far
   std::vector<Point> queries_;
   std::vector<Enclosure> found_;
   const PointChunk* settled_chunk_ = nullptr;

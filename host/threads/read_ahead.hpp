@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/threads/bounded_queue.hpp"
+#include "host/threads/spare_items.hpp"
 
 namespace verisq {
 
@@ -63,7 +64,7 @@ class ReadAhead {
   void run(Stream& stream) {
     std::uint64_t read = 0;
     for (bool more = true; more;) {
-      Chunk chunk;
+      Chunk chunk = spare_.take();
       try {
         chunk.elements.resize(chunk_size);
         const std::size_t count = stream.read(chunk.elements);
@@ -87,12 +88,13 @@ class ReadAhead {
     std::optional<Chunk> chunk = queue_.pop();
     if (!chunk) return false;
     if (chunk->failure) std::rethrow_exception(chunk->failure);
-    chunk_ = std::move(*chunk);
+    spare_.give_back(std::exchange(chunk_, std::move(*chunk)));
     next_ = 0;
     return !chunk_.elements.empty();
   }
 
   BoundedQueue<Chunk> queue_{most_waiting};
+  SpareItems<Chunk> spare_{most_waiting};
   Chunk chunk_;           // the one that `read` hands on,
   std::size_t next_ = 0;  // from here
   std::jthread thread_;   // ends before what it uses

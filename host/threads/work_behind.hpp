@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/threads/bounded_queue.hpp"
+#include "host/threads/spare_items.hpp"
 
 namespace verisq {
 
@@ -18,6 +19,9 @@ class WorkBehind {
   ~WorkBehind() { queue_.close(); }
   WorkBehind(const WorkBehind&) = delete;
   WorkBehind& operator=(const WorkBehind&) = delete;
+
+  /// An item that was worked off, to be filled again; a new one where there is none.
+  [[nodiscard]] Item spare() { return spare_.take(); }
 
   /// Waits while much is left to be done. Throws what the work on an earlier item threw; then nothing more is done.
   void add(Item item) {
@@ -36,7 +40,10 @@ class WorkBehind {
 
   void run(const std::function<void(Item&)>& work) {
     try {
-      while (std::optional<Item> item = queue_.pop()) work(*item);
+      while (std::optional<Item> item = queue_.pop()) {
+        work(*item);
+        spare_.give_back(std::move(*item));
+      }
     } catch (...) {
       failure_ = std::current_exception();
       queue_.close();
@@ -44,6 +51,7 @@ class WorkBehind {
   }
 
   BoundedQueue<Item> queue_{most_waiting};
+  SpareItems<Item> spare_{most_waiting};
   std::exception_ptr failure_;  // read when the thread has ended
   std::jthread thread_;         // ends before what it uses
 };

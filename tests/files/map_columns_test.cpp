@@ -37,7 +37,7 @@ std::string text_of(const Mesh* mesh, const MapForm& form) {
 TEST(MapColumns, AreThoseAskedForInTheirOrder) {
   EXPECT_EQ(text_of(nullptr, {.columns = {status, z, x, lo, index}}),
             "status,z,x,lo,index\n"
-            "device-verified,0.10000000000000001,0,0.10000000000000001,0\n"
+            "device-verified,0.1,0,0.1,0\n"
             "wide,0,1,-inf,1\n"
             "host-verified,0,0,-1,2\n");
 }
@@ -54,7 +54,7 @@ TEST(MapColumns, TakeCoordinatesFromAMesh) {
 /// 2^-60 + 1 is no binary64 number: the next above it is the width.
 TEST(MapColumns, RoundWidthsUpward) {
   EXPECT_EQ(text_of(nullptr, {.columns = {mid, width}}),
-            "mid,width\n0.20000000000000001,0.19999999999999998\n2,inf\n-0.5,1.0000000000000002\n");
+            "mid,width\n0.2,0.19999999999999998\n2,inf\n-0.5,1.0000000000000002\n");
 }
 
 TEST(MapColumns, AreRefusedWhereTheyAreNot) {

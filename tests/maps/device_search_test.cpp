@@ -11,6 +11,8 @@
 #include <verisq/signed_distance.hpp>
 
 #include "host/maps/map_run.hpp"
+#include "host/maps/piped_run.hpp"
+#include "host/maps/point_feed.hpp"
 
 namespace verisq {
 namespace {
@@ -105,6 +107,71 @@ TEST(DeviceSearchTest, ContradictionsAreReported) {
                   ::testing::AllOf(::testing::HasSubstr("query 3"), ::testing::HasSubstr("please report"))));
 }
 
+/// Distances of points are minus their first coordinates; the host proves that to 0.01.
+struct DepthProver {
+  static void check(const Point&) {}
+  static std::string describe(const Point& point) { return fmt::format("point {}", point[0]); }
+  static bool at_limit(const Point&, const Enclosure&) { return false; }
+  static bool witnessed(const Point&, double, const Certificate&) { return true; }
+  static CertifiedEnclosure prove(const Point& point) { return {{-point[0] - 0.01, -point[0] + 0.01}, {}}; }
+  static CertifiedEnclosure coarse(const Point& point) { return prove(point); }
+};
+
+/// Leaves points open whose first coordinate is above 2, by 1 to either side, and proves the others.
+class FakePipe final : public device::PointPipe {
+ public:
+  [[nodiscard]] std::size_t capacity() const override { return 100; }
+  void submit(const PointColumns& points, const ResultColumns& rows) override {
+    device::RowSums sums{};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double depth = points[i][0];
+      const bool open = depth > 2.0;
+      rows.set(i, {{-depth - (open ? 1.0 : 0.0), -depth + (open ? 1.0 : 0.0)},
+                   open ? Status::wide : Status::device_verified});
+      ++(open ? sums.open : sums.verified);
+    }
+    in_flight_.push_back({0, points.size(), sums});
+  }
+  device::ChunkOutcome collect() override {
+    collected_ = in_flight_.front();
+    in_flight_.erase(in_flight_.begin());
+    return {false, std::span(&collected_, 1)};
+  }
+  void discard() override { in_flight_.clear(); }
+  [[nodiscard]] double device_seconds() const override { return 0.0; }
+
+ private:
+  std::vector<device::RowBlock> in_flight_;
+  device::RowBlock collected_{};
+};
+
+/// How often the search is announced to a map of `count` points whose first `open` ones are left open.
+int announcements(std::size_t count, std::size_t open) {
+  std::vector<Point> points(count, Point{1.0, 0.0, 0.0});
+  std::fill_n(points.begin(), open, Point{3.0, 0.0, 0.0});
+  std::vector<MapResult> rows(count);
+  MemoryFeed feed{std::span<const Point>(points), std::span(rows)};
+  FakePipe pipe;
+  const DepthProver prover;
+  const MapOptions options{.tolerance = 0.1};
+  int announced = 0;
+  PipedRun<DepthProver, MemoryFeed> run(prover, options, pipe, feed, {}, [&] { ++announced; });
+  const MapSummary summary = run();
+  EXPECT_EQ(summary.points, count);
+  EXPECT_EQ(summary.host_verified, open);
+  EXPECT_EQ(rows.front().distance, (Enclosure{-3.01, -2.99}));
+  return announced;
+}
+
+TEST(DeviceSearchTest, IsAnnouncedToLongMapsWithAFewOpenRows) {
+  EXPECT_EQ(announcements(250, 4), 1);
+}
+
+TEST(DeviceSearchTest, IsNotAnnouncedToOthers) {
+  EXPECT_EQ(announcements(250, 3), 0);
+  EXPECT_EQ(announcements(90, 5), 0);
+}
+
 /// A lens of three solids around the origin: nearly every point of it is deepest in none of them alone.
 Model overlapping() {
   return {"",
@@ -141,6 +208,19 @@ TEST(DeviceSearchTest, AgreesWithTheHostWherePrimitivesOverlap) {
     const Enclosure truth = host(points[i], 1e-5);
     EXPECT_TRUE(rows[i].distance.lo <= truth.hi && rows[i].distance.hi >= truth.lo) << i;
   }
+  // In a long map the search is made ready before it is asked for.
+  std::vector<Point> many(200'000, Point{10.0, 0.0, 0.0});
+  std::copy(points.begin(), points.begin() + 30, many.begin());
+  std::copy(points.begin() + 30, points.begin() + 100, many.end() - 70);
+  MapSummary of_many;
+  const std::vector<MapResult> more_rows = mapped(many, {.tolerance = tolerance}, of_many);
+  ASSERT_EQ(more_rows.size(), many.size());
+  EXPECT_EQ(of_many.wide, 0U);
+  EXPECT_TRUE(std::equal(rows.begin() + 30, rows.begin() + 100, more_rows.end() - 70,
+                         [](const MapResult& a, const MapResult& b) {
+                           return a.distance.lo <= b.distance.hi && b.distance.lo <= a.distance.hi;
+                         }));
+
   MapSummary certified;
   const std::vector<Point> few(points.begin(), points.begin() + 80);
   mapped(few, {.tolerance = tolerance, .certificates = true}, certified);

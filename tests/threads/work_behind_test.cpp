@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -46,6 +47,18 @@ TEST(WorkBehind, DoesWhatIsLeftWithoutFinish) {
     behind.add(2);
   }
   EXPECT_EQ(done, 2);
+}
+
+TEST(WorkBehind, HandsBackWhatIsWorkedOff) {
+  std::vector<const int*> memories;
+  WorkBehind<std::vector<int>> behind([&](const std::vector<int>& item) { memories.push_back(item.data()); });
+  for (int k = 0; k < 1000; ++k) {
+    std::vector<int> item = behind.spare();
+    item.assign(100, k);
+    behind.add(std::move(item));
+  }
+  behind.finish();
+  EXPECT_LT(std::set<const int*>(memories.begin(), memories.end()).size(), 500U);
 }
 
 }  // namespace
