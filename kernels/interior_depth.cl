@@ -4,13 +4,16 @@
 // vector c, |c| <= 1, is proven when q + s_i w_i lies in K for s_i = t / (c.w_i): a point v of the ball in the cell's
 // cone is v = sum l_i s_i w_i with l_i >= 0, and t sum l_i = c.v <= |v| <= t gives sum l_i <= 1, so q + v lies in the
 // hull of q and the corners, hence in K. Directions of the octant suffice: the gauge is monotone in each |coordinate|
-// and |q + v| <= q + |v|. The gap of a cell of radius r is about t r^2 / 2, whatever the curvature of K.
+// and |q + v| <= q + |v|. The gap of a cell of radius r is about t r^2 / 2, whatever the curvature of K: about the
+// nearest tangent plane's normal, where there is little room, a cap of directions is proven otherwise
+// (contained_cap.clh), and cells in it are passed over.
 //
 // Upper bounds of the depth: the tangent plane at any boundary point. Cells proven for some t stay proven when a nearer
 // plane lowers t. A work-item owns a block of points; each of its lanes takes the block's next open point when it has
 // finished one, so that lanes stay busy.
 
-#define DESCENT_STEPS 4
+#define DESCENT_LIMIT 10
+#define DESCENT_REMAINDER 0.3 // of the allowance: what another step would gain is about half the residual
 #define SPLIT_LIMIT 4096
 #define STACK_SIZE (3 * DEEPEST_LEVEL + 4)
 
@@ -58,19 +61,53 @@ ALWAYS_INLINE tangent_plane tangent_at(vector3 q, vector3 x, gauge_terms g, MODE
   return plane;
 }
 
-// A few steps boundary point -> normal -> foot on the tangent plane; the nearest plane met.
-ALWAYS_INLINE tangent_plane descend(vector3 q, gauge_terms g, MODEL_SPACE const superquadric* s) {
+// The nearer of the radial plane and those of the box about the solid.
+ALWAYS_INLINE tangent_plane first_plane(vector3 q, gauge_terms g, MODEL_SPACE const superquadric* s) {
   tangent_plane nearest = tangent_at(q, q, g, s);
-  tangent_plane plane = nearest;
-  for (int step = 0; step < DESCENT_STEPS; ++step) {
-    const vector3 foot = {fma(plane.distance, plane.unit_normal.x, q.x), fma(plane.distance, plane.unit_normal.y, q.y),
-                          fma(plane.distance, plane.unit_normal.z, q.z)};
-    plane = tangent_at(q, foot, gauge_terms_up(foot, s), s);
+  const real of_box[3] = {s->semi_axes[0] - q.x, s->semi_axes[1] - q.y, s->semi_axes[2] - q.z};
+  for (int axis = 0; axis < 3; ++axis) {
+    const integer nearer = MASK(of_box[axis] < nearest.distance);
+    nearest.distance = select(nearest.distance, of_box[axis], nearer);
+    nearest.unit_normal.x = select(nearest.unit_normal.x, REAL(axis == 0 ? 1.0 : 0.0), nearer);
+    nearest.unit_normal.y = select(nearest.unit_normal.y, REAL(axis == 1 ? 1.0 : 0.0), nearer);
+    nearest.unit_normal.z = select(nearest.unit_normal.z, REAL(axis == 2 ? 1.0 : 0.0), nearer);
+  }
+  return nearest;
+}
+
+// a + by (b - a), >= 0, of length 1.
+ALWAYS_INLINE vector3 unit_between(vector3 a, vector3 b, real by) {
+  const vector3 v = {fmax(fma(by, b.x - a.x, a.x), REAL(0.0)), fmax(fma(by, b.y - a.y, a.y), REAL(0.0)),
+                     fmax(fma(by, b.z - a.z, a.z), REAL(0.0))};
+  const real inverse_length = 1.0 / sqrt(dot_nearest(v, v));
+  const vector3 unit = {v.x * inverse_length, v.y * inverse_length, v.z * inverse_length};
+  return unit;
+}
+
+// A few steps direction -> normal at the foot on the nearest plane, each extrapolated by the secant through the last
+// two (Anderson acceleration of depth 1); the nearest plane met.
+ALWAYS_INLINE tangent_plane descend(vector3 q, gauge_terms g, integer wanted, double allowance,
+                                    MODEL_SPACE const superquadric* s) {
+  tangent_plane nearest = first_plane(q, g, s);
+  vector3 way = nearest.unit_normal;
+  vector3 earlier = way;
+  vector3 earlier_turn = {REAL(0.0), REAL(0.0), REAL(0.0)};
+#pragma nounroll
+  for (int step = 0; step < DESCENT_LIMIT; ++step) {
+    const vector3 foot = {fma(nearest.distance, way.x, q.x), fma(nearest.distance, way.y, q.y),
+                          fma(nearest.distance, way.z, q.z)};
+    const tangent_plane plane = tangent_at(q, foot, gauge_terms_up(foot, s), s);
     const integer nearer = MASK(plane.distance < nearest.distance);
     nearest.distance = select(nearest.distance, plane.distance, nearer);
-    nearest.unit_normal.x = select(nearest.unit_normal.x, plane.unit_normal.x, nearer);
-    nearest.unit_normal.y = select(nearest.unit_normal.y, plane.unit_normal.y, nearer);
-    nearest.unit_normal.z = select(nearest.unit_normal.z, plane.unit_normal.z, nearer);
+    nearest.unit_normal = select_vector(nearest.unit_normal, plane.unit_normal, nearer);
+    const vector3 turn = {plane.unit_normal.x - way.x, plane.unit_normal.y - way.y, plane.unit_normal.z - way.z};
+    const real residual = nearest.distance * dot_nearest(turn, turn);
+    if (!any(wanted & MASK(residual > DESCENT_REMAINDER * allowance))) break;
+    const vector3 change = {turn.x - earlier_turn.x, turn.y - earlier_turn.y, turn.z - earlier_turn.z};
+    const real secant = dot_nearest(turn, change) / fmax(dot_nearest(change, change), REAL(1e-30));
+    way = unit_between(plane.unit_normal, earlier, step == 0 ? REAL(0.0) : clamp(secant, REAL(-1.0), REAL(0.5)));
+    earlier = plane.unit_normal;
+    earlier_turn = turn;
   }
   return nearest;
 }
@@ -127,8 +164,19 @@ ALWAYS_INLINE tested_point farther_out(tested_point a, tested_point b) {
   return a;
 }
 
+// The directions w >= 0 with w.axis >= cosine |w|, for axis >= 0: those of a proven cap. A quarter whose three corners
+// are among them lies in the cap, for a cone of less than a right angle is convex.
+typedef struct {
+  vector3 axis;
+  real cosine;
+} cone;
+
+ALWAYS_INLINE integer in_cone(vector3 w, cone c) {
+  return MASK(dot_down(w, c.axis) >= mul_up(c.cosine, length_up(w)));
+}
+
 // Corners 1, 2, 3 of the cell and the midpoints a, b, c of the sides opposite to them, all times two: exact integers.
-ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted,
+ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted, cone cap,
                                           MODEL_SPACE const superquadric* s) {
   const vector3 on = {base.x + 1.0 - inverted, base.y + 1.0 - inverted, base.z + 1.0 - inverted};
   const vector3 off = {base.x + inverted, base.y + inverted, base.z + inverted};
@@ -157,27 +205,33 @@ ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real 
   quarters_test test;
   tested_point worst = test_point(q, t, directions[0], alongs[0], s);
   test.open = worst.outside & quarters[0];
+  integer not_in_cap = ~in_cone(directions[0], cap) & quarters[0];
 #pragma nounroll // six copies spill registers: a third slower to run, and to compile
   for (int i = 1; i < 6; ++i) {
     const tested_point p = test_point(q, t, directions[i], alongs[i], s);
     test.open |= p.outside & quarters[i];
+    not_in_cap |= ~in_cone(directions[i], cap) & quarters[i];
     worst = farther_out(worst, p);
   }
+  test.open &= not_in_cap;
   test.worst = log_gauge_of(worst.gauge, s);
   test.plane = tangent_at(q, worst.position, worst.gauge, s);
   return test;
 }
 
-// `scratch` holds nine numbers for each open point of a block, one after the other from the block's start: which one of
-// all it is, its local coordinates, the unit normal of the nearest tangent plane, the gauge (afterwards the proven
-// radius), and the distance of that plane, or one of two marks.
-#define SCRATCH_SIZE 9
+// `scratch` holds eleven numbers for each open point of a block, one after the other from the block's start: which one
+// of all it is, its local coordinates, the unit normal of the nearest tangent plane, the gauge (afterwards the proven
+// radius), the distance of that plane, or one of two marks, the radius to prove, and the cosine of the cap about that
+// normal which is proven for it.
+#define SCRATCH_SIZE 11
 #define INDEX 0
 #define COORDINATES 1
 #define NORMAL 4
 #define GAUGE 7
 #define RADIUS 7
 #define DISTANCE 8
+#define TARGET 9
+#define CAP_COSINE 10
 #define NOT_OPEN -1.0
 #define SEARCHED -2.0
 
@@ -205,18 +259,22 @@ ALWAYS_INLINE void take_listed(uint start, uint count, global const double* bloc
     indices->of_lane[lane] = (ulong)block[min(start + lane, count - 1) * SCRATCH_SIZE + INDEX];
 }
 
-// Which of a vector of listed points are proven inside; a first tangent plane for each.
-ALWAYS_INLINE void prepare_points(uint start, uint count, vector3 q, MODEL_SPACE const superquadric* s,
-                                  global double* block) {
+// Which of a vector of listed points are proven inside; a first tangent plane for each, and a cap.
+ALWAYS_INLINE void prepare_points(uint start, uint count, vector3 q, double allowance,
+                                  MODEL_SPACE const superquadric* s, global double* block) {
   const gauge_terms g = gauge_terms_up(q, s);
   const integer inside = MASK(g.power <= 1.0) & MASK(q.x + q.y + q.z < INFINITY);
-  const tangent_plane plane = descend(q, g, s);
+  const tangent_plane plane = descend(q, g, inside, allowance, s);
+  const real depth = fmax(plane.distance, REAL(0.0));
+  const real target = fmax(depth - allowance, REAL(0.0));
   lanes3 coordinates, normals;
-  double gauges[VECTOR_WIDTH], distances[VECTOR_WIDTH];
+  double gauges[VECTOR_WIDTH], distances[VECTOR_WIDTH], targets[VECTOR_WIDTH], cosines[VECTOR_WIDTH];
   store3(q, &coordinates);
   store3(plane.unit_normal, &normals);
   STORE(exp_up(log_gauge_up(q, s)), 0, gauges);
-  STORE(select(REAL(NOT_OPEN), fmax(plane.distance, REAL(0.0)), inside), 0, distances);
+  STORE(select(REAL(NOT_OPEN), depth, inside), 0, distances);
+  STORE(target, 0, targets);
+  STORE(cap_cosine(q, target, plane.unit_normal, inside, s), 0, cosines);
   for (uint lane = 0; lane < min(count - start, (uint)VECTOR_WIDTH); ++lane) {
     global double* state = block + (start + lane) * SCRATCH_SIZE;
     state[COORDINATES] = coordinates.x[lane];
@@ -227,6 +285,8 @@ ALWAYS_INLINE void prepare_points(uint start, uint count, vector3 q, MODEL_SPACE
     state[NORMAL + 2] = normals.z[lane];
     state[GAUGE] = gauges[lane];
     state[DISTANCE] = distances[lane];
+    state[TARGET] = targets[lane];
+    state[CAP_COSINE] = cosines[lane];
   }
 }
 
@@ -236,6 +296,8 @@ typedef struct {
   double depth;         // distance of the nearest tangent plane known: at least the depth, up to rounding
   double target;        // the radius to prove
   double gauge;         // of the point, for the lowering of the target
+  double axis[3];       // of the cap that is proven, also when a nearer plane is found
+  double cosine;
   uint splits;          // so far
   uint stacked;
   ulong cell;           // whose quarters are under test
@@ -254,21 +316,24 @@ ALWAYS_INLINE void finish(search* own, double radius, global double* block) {
 }
 
 // Gives an idle lane the next open point from `next` on; returns where to go on.
-ALWAYS_INLINE uint take_point(search* own, uint next, uint count, double allowance, MODEL_SPACE const superquadric* s,
-                               global double* block) {
+ALWAYS_INLINE uint take_point(search* own, uint next, uint count, MODEL_SPACE const superquadric* s,
+                              global double* block) {
   for (; own->point == NO_POINT && next < count; ++next) {
     global const double* state = block + next * SCRATCH_SIZE;
     if (!(state[DISTANCE] >= 0.0)) continue;
     own->point = next;
     own->depth = state[DISTANCE];
-    own->target = target_of(own->depth, allowance);
+    own->target = state[TARGET];
     own->gauge = state[GAUGE];
+    for (uint i = 0; i < 3; ++i) own->axis[i] = state[NORMAL + i];
+    own->cosine = state[CAP_COSINE];
     own->splits = 0;
     own->stacked = 0;
     own->cell = WHOLE_OCTANT;
     // A ball about the origin lies in K, so the one of radius (1 - g) inradius about q does; three roundings.
     const double known = fmax((1.0 - own->gauge) * s->inradius_down * (1.0 - 0x1p-50), 0.0);
     if (known >= own->target) finish(own, known, block);
+    else if (own->cosine < 0.0) finish(own, own->target, block); // the cap is all of the ball
   }
   return next;
 }
@@ -296,19 +361,20 @@ ALWAYS_INLINE void search_block(uint count, double allowance, MODEL_SPACE const 
                                 global double* block) {
   search searches[VECTOR_WIDTH];
   uint next = 0;
-  lanes3 q, base, normal;
-  double target[VECTOR_WIDTH], inverted[VECTOR_WIDTH], worst[VECTOR_WIDTH], distance[VECTOR_WIDTH];
+  lanes3 q, base, normal, axis;
+  double target[VECTOR_WIDTH], inverted[VECTOR_WIDTH], worst[VECTOR_WIDTH], distance[VECTOR_WIDTH],
+      cosine[VECTOR_WIDTH];
   long open[VECTOR_WIDTH];
   for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
     searches[lane].point = NO_POINT;
     q.x[lane] = q.y[lane] = q.z[lane] = base.x[lane] = base.y[lane] = base.z[lane] = 0.0;
-    target[lane] = inverted[lane] = 0.0;
+    axis.x[lane] = axis.y[lane] = axis.z[lane] = target[lane] = inverted[lane] = cosine[lane] = 0.0;
   }
   for (;;) {
     bool busy = false;
     for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
       search* own = &searches[lane];
-      next = take_point(own, next, count, allowance, s, block);
+      next = take_point(own, next, count, s, block);
       if (own->point == NO_POINT) continue;
       busy = true;
       global const double* state = block + own->point * SCRATCH_SIZE;
@@ -321,10 +387,15 @@ ALWAYS_INLINE void search_block(uint count, double allowance, MODEL_SPACE const 
       base.z[lane] = (double)cell.c;
       inverted[lane] = (double)cell.inverted;
       target[lane] = own->target;
+      axis.x[lane] = own->axis[0];
+      axis.y[lane] = own->axis[1];
+      axis.z[lane] = own->axis[2];
+      cosine[lane] = own->cosine;
     }
     if (!busy) return;
 
-    const quarters_test test = test_quarters(load3(&q), LOAD(0, target), load3(&base), LOAD(0, inverted), s);
+    const cone cap = {load3(&axis), LOAD(0, cosine)};
+    const quarters_test test = test_quarters(load3(&q), LOAD(0, target), load3(&base), LOAD(0, inverted), cap, s);
     STORE(test.open, 0, open);
     STORE(test.worst, 0, worst);
     STORE(test.plane.distance, 0, distance);
@@ -392,12 +463,12 @@ kernel void interior_depth(ulong groups, uint groups_per_block, global const dou
   const uint count = list_open_points(first, last, los, his, tolerance, block);
   if (count == 0) return;
 
+  const double allowance = 0.95 * tolerance; // leaves room for rounding
   for (uint start = 0; start < count; start += VECTOR_WIDTH) {
     lane_indices indices;
     take_listed(start, count, block, &indices);
-    prepare_points(start, count, to_local(gathered_point(&indices, xs, ys, zs), s).point, s, block);
+    prepare_points(start, count, to_local(gathered_point(&indices, xs, ys, zs), s).point, allowance, s, block);
   }
-  const double allowance = 0.95 * tolerance; // leaves room for rounding
   search_block(count, allowance, s, block);
 
   for (uint start = 0; start < count; start += VECTOR_WIDTH) {

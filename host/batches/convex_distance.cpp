@@ -11,7 +11,7 @@
 namespace verisq::device {
 namespace {
 
-constexpr std::size_t scratch_per_point = 9;  // SCRATCH_SIZE in kernels/interior_depth.cl
+constexpr std::size_t scratch_per_point = 11;  // SCRATCH_SIZE in kernels/interior_depth.cl
 
 // Lanes of a processor's work-item share a block of points where only some need work, so that none idles; a graphics
 // processor's work-item owns one point.

@@ -52,12 +52,15 @@ std::vector<bool> which_are_tapered(const Model& model) {
 }  // namespace
 
 std::string why_not_on_devices(const Model& model) {
-  // Of these the kernels know points about unions.
+  return within_device_range(model) ? std::string()
+                                    : "the model's sizes span more than the device's kernels are made for";
+}
+
+std::string why_not_in_cubes(const Model& model) {
   const auto tapered = [](const Primitive& p) { return is_tapered(p.superquadric); };
-  if (!is_union_of_convex(model) && std::ranges::any_of(model.primitives, tapered))
-    return "the device's kernels know no bends or set operations of tapered solids: the host does all";
-  if (!within_device_range(model)) return "the model's sizes span more than the device's kernels are made for";
-  return {};
+  return std::ranges::none_of(model.primitives, tapered)
+             ? std::string()
+             : "the device's kernels know no cubes of tapered solids: the host does all";
 }
 
 bool within_device_range(const Model& model) {

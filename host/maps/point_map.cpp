@@ -164,7 +164,8 @@ device::RowCriterion criterion(const MapOptions& options, double radius, bool se
 
 std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options) {
   using Map = PreparedMap<Point, PointProver>;
-  const std::string unsuited = device::why_not_compiled(model);
+  std::string unsuited = device::why_not_in_cubes(model);
+  if (unsuited.empty()) unsuited = device::why_not_compiled(model);
   if (!is_union_of_convex(model)) {
     const auto make_batch = [&](const device::Device& device) {
       return device::solid_batch(device, model, options.tolerance);
@@ -180,7 +181,7 @@ std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions&
   // Where primitives overlap a depth is that of no single one: it takes a search over cubes, which has no certificates.
   Map::MakeBatch make_search;
   const double radius = bounding_radius(model);
-  if (model.primitives.size() > 1 && unsuited.empty() && !has_taper(model)) {
+  if (model.primitives.size() > 1 && unsuited.empty()) {
     const double tolerance = std::max(options.tolerance, tightest_inside * radius);
     make_search = [model, tolerance](const device::Device& device) {
       return device::solid_batch(device, model, tolerance);

@@ -155,7 +155,7 @@ class KernelRun {
   static constexpr cl_uint groups_per_block = 4;
   static constexpr std::size_t work_items = 80;  // more than there is work: some have nothing to do
   static constexpr std::size_t work_group = 8;
-  static constexpr std::size_t scratch_per_point = 9;  // SCRATCH_SIZE in kernels/interior_depth.cl
+  static constexpr std::size_t scratch_per_point = 11;  // SCRATCH_SIZE in kernels/interior_depth.cl
   static constexpr double tolerance = 1e-3;
 
   // The last is far away: triangles pass it over.

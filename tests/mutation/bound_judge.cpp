@@ -12,21 +12,43 @@
 #include <vector>
 
 #include "host/batches/primitive_parameters.hpp"
+#include "tests/mutation/open_caps.hpp"
+#include "tests/mutation/way_out.hpp"
 #include "tests/oracle/mixed_norm.hpp"
 #include "tests/oracle/random_cases.hpp"
 
 namespace verisq::mutation {
 namespace {
 
-using Extended = long double;
-using Vector = std::array<Extended, 3>;
-using Norm = oracle::MixedNorm<Extended>;
-
 constexpr const char* bound_kernel = R"(
 ALWAYS_INLINE real lower_end_from_afar(vector3 q, constant const superquadric* s) {
   const vector3 octant = {REAL(1.0), REAL(1.0), REAL(1.0)};
   const local_point exact = {q, octant, REAL(0.0)};
   return enclosure_from_afar(exact, s).lo;
+}
+
+ALWAYS_INLINE gauge_logarithms logarithms_at(vector3 x, constant const superquadric* s) {
+  const interval3 point = {point_interval(x.x), point_interval(x.y), point_interval(x.z)};
+  return logarithms_over(point, s);
+}
+
+ALWAYS_INLINE interval sorted(real a, real b) { return interval_of(lesser(a, b), greater(a, b)); }
+
+ALWAYS_INLINE real cosine_about(real longest, real length, real size) {
+  cap_axis axis;
+  axis.longest = longest;
+  axis.length = length;
+  return cosine_of(axis, size);
+}
+
+ALWAYS_INLINE vector3 lower_ends(interval3 x) {
+  const vector3 ends = {x.x.lo, x.y.lo, x.z.lo};
+  return ends;
+}
+
+ALWAYS_INLINE vector3 upper_ends(interval3 x) {
+  const vector3 ends = {x.x.hi, x.y.hi, x.z.hi};
+  return ends;
 }
 
 kernel void evaluate_bound(uint bound, ulong groups, global const double* operands, ulong stride,
@@ -55,6 +77,23 @@ kernel void evaluate_bound(uint bound, ulong groups, global const double* operan
     case 14: result.x = separation_down(a, s); break;
     case 15: result.x = lower_end_from_afar(b, s); break;
     case 16: result.x = lower_end_from_afar(a, s); break;
+    case 17: result.x = log_norm(point_interval(a.x), point_interval(a.y), s->p_down[1]).lo; break;
+    case 18: result.x = log_norm(point_interval(a.x), point_interval(a.y), s->p_down[1]).hi; break;
+    case 19: result = lower_ends(gradient_over(logarithms_at(a, s), s)); break;
+    case 20: result = upper_ends(gradient_over(logarithms_at(a, s), s)); break;
+    case 21: result = factors_up(logarithms_at(a, s), s); break;
+    case 22: result.x = section_shares_over(logarithms_at(a, s), s).x.lo; break;
+    case 23: result.x = section_shares_over(logarithms_at(a, s), s).x.hi; break;
+    case 24: result.x = section_turn_up(factors_up(logarithms_at(a, s), s), b, logarithms_at(a, s), s); break;
+    case 25: result.x = most_of(a, b); break;
+    case 26: result.x = step_between(lesser(a.x, b.x), greater(a.x, b.x)).lo; break;
+    case 27: result.x = step_between(lesser(a.x, b.x), greater(a.x, b.x)).hi; break;
+    case 28: result.x = residual_up(sorted(a.x, a.y), b.x, sorted(b.y, b.z)); break;
+    case 29: result.x = most_apart(sorted(a.x, a.y), sorted(b.x, b.y)); break;
+    case 30: result.x = way_of(a.x, a.x + a.y, a.z, b.x, b.y).lo; break;
+    case 31: result.x = way_of(a.x, a.y, a.z, b.x, b.y).hi; break;
+    case 32: result.x = cosine_about(a.x, a.y, b.x); break;
+    case 33: result.x = power_up(logarithms_at(a, s), s); break;
     default: break;
   }
   STORE(result.x, group, results);
@@ -71,7 +110,10 @@ kernel void open_quarters(ulong groups, global const double* operands, ulong str
                         LOAD(group, operands + 5 * stride)};
   const real inverted = LOAD(group, operands + 6 * stride);
   const real t = LOAD(group, operands + 7 * stride);
-  STORE(TO_REAL(test_quarters(q, t, base, inverted, s).open), group, results);
+  const vector3 axis = {LOAD(group, operands + 8 * stride), LOAD(group, operands + 9 * stride),
+                        LOAD(group, operands + 10 * stride)};
+  const cone cap = {axis, LOAD(group, operands + 11 * stride)};
+  STORE(TO_REAL(test_quarters(q, t, base, inverted, cap, s).open), group, results);
 }
 )";
 
@@ -87,26 +129,6 @@ struct Bound {
   Operands (*draw)(oracle::RandomCases&, const Norm&);
   Vector (*value)(const Operands&, const Norm&);  ///< unused components are 0
 };
-
-Vector extended(const Point& x) {
-  return {x[0], x[1], x[2]};
-}
-
-Extended dot(const Vector& a, const Vector& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Extended length(const Vector& a) {
-  return std::sqrt(dot(a, a));
-}
-
-Vector scaled(const Vector& x, Extended factor) {
-  return {factor * x[0], factor * x[1], factor * x[2]};
-}
-
-Point point(oracle::RandomCases& random) {
-  return {random.log_uniform(0.01, 1.0), random.log_uniform(0.01, 1.0), random.log_uniform(0.01, 1.0)};
-}
 
 Operands two_points(oracle::RandomCases& random, const Norm&) {
   return {point(random), point(random)};
@@ -124,12 +146,6 @@ Operands two_logarithms(oracle::RandomCases& random, const Norm&) {
 Operands direction_and_far_point(oracle::RandomCases& random, const Norm&) {
   const Point far = point(random);
   return {point(random), {1e3 * far[0], 1e3 * far[1], 1e3 * far[2]}};
-}
-
-Point with_gauge(Extended gauge, oracle::RandomCases& random, const Norm& norm) {
-  const Vector x = extended(point(random));
-  const Vector y = scaled(x, gauge / norm.gauge(x));
-  return {static_cast<double>(y[0]), static_cast<double>(y[1]), static_cast<double>(y[2])};
 }
 
 /// Outside by less than what one operation may be off.
@@ -151,6 +167,12 @@ Extended reach(Extended a, Extended b, Extended exponent) {
   return oracle::planar_norm<Extended>(a, b, 2.0L * exponent / (exponent - 2.0L));
 }
 
+Vector log_norm(const Operands& o, const Norm& norm) {
+  const Extended a = std::exp(Extended(o.a[0]));
+  const Extended b = std::exp(Extended(o.a[1]));
+  return {std::log(oracle::planar_norm<Extended>(a, b, norm.inner().primal))};
+}
+
 /// The farther of the sphere and the box about the solid.
 Extended from_afar(const Vector& q, const Norm& norm) {
   const auto& a = norm.semi_axes();
@@ -167,6 +189,58 @@ Extended least_depth(const Vector& q, const Norm& norm) {
   return (norm.gauge(q) - 1.0L) / length({1.0L / a[0], 1.0L / a[1], 1.0L / a[2]});
 }
 
+/// The derivatives of F = g^p1 (kernels/contained_cap.clh).
+Vector gradient_of_power(const Vector& x, const Norm& norm) {
+  const Extended gauge = norm.gauge(x);
+  const Extended p1 = norm.outer().primal;
+  return scaled(norm.gradient(x, gauge), p1 * std::pow(gauge, p1 - 1.0L));
+}
+
+struct SectionTerms {
+  Extended power;    ///< r^p1
+  Vector shares;     ///< alpha, beta
+  Vector quotients;  ///< alpha / x, beta / y
+};
+
+SectionTerms section_terms(const Vector& x, const Norm& norm) {
+  const Extended p2 = norm.inner().primal;
+  const std::array<Extended, 2> scaled_x{x[0] / norm.semi_axes()[0], x[1] / norm.semi_axes()[1]};
+  const auto r = oracle::planar_norm<Extended>(scaled_x[0], scaled_x[1], p2);
+  SectionTerms terms{std::pow(r, norm.outer().primal), {}, {}};
+  for (std::size_t k = 0; k < 2; ++k) {
+    terms.shares[k] = std::pow(scaled_x[k] / r, p2);
+    terms.quotients[k] = terms.shares[k] / x[k];
+  }
+  return terms;
+}
+
+Vector factors(const Vector& x, const Norm& norm) {
+  const SectionTerms terms = section_terms(x, norm);
+  const Extended of_z = std::pow(x[2] / norm.semi_axes()[2], norm.outer().primal) / (x[2] * x[2]);
+  return {terms.power * terms.quotients[0] / x[0], terms.power * terms.quotients[1] / x[1], of_z};
+}
+
+/// For |e_x| and |e_y| as large as may be, of opposite signs.
+Extended section_turn(const Vector& x, const Vector& spread, const Norm& norm) {
+  const SectionTerms terms = section_terms(x, norm);
+  const Extended turn = spread[0] / x[0] + spread[1] / x[1];
+  return terms.power * terms.shares[0] * terms.shares[1] * turn * turn;
+}
+
+/// The most of sum h_i e_i^2 for |e| = 1 and |e_i| <= spread_i: the largest h_i first.
+Extended most_of(const Vector& h, const Vector& spread) {
+  std::array<std::size_t, 3> order{0, 1, 2};
+  std::ranges::sort(order, [&](std::size_t i, std::size_t j) { return h[i] > h[j]; });
+  Extended left = 1.0L;
+  Extended sum = 0.0L;
+  for (const std::size_t i : order) {
+    const Extended taken = std::min(left, spread[i] * spread[i]);
+    sum += taken * h[i];
+    left -= taken;
+  }
+  return sum;
+}
+
 /// In the order of `evaluate_bound`.
 const Bound bounds[] = {
     {"dot_down", Side::below, two_points,
@@ -181,12 +255,7 @@ const Bound bounds[] = {
      [](const Operands& o, const Norm&) { return Vector{std::pow(Extended(o.a[0]), Extended(o.a[1]))}; }},
     {"pow_unit_up", Side::above, base_and_exponent,
      [](const Operands& o, const Norm&) { return Vector{std::pow(Extended(o.a[0]), Extended(o.a[1]))}; }},
-    {"log_norm_up", Side::above, two_logarithms,
-     [](const Operands& o, const Norm& norm) {
-       const Extended a = std::exp(Extended(o.a[0]));
-       const Extended b = std::exp(Extended(o.a[1]));
-       return Vector{std::log(oracle::planar_norm<Extended>(a, b, norm.inner().primal))};
-     }},
+    {"log_norm_up", Side::above, two_logarithms, log_norm},
     {"log_gauge_up", Side::above, two_points,
      [](const Operands& o, const Norm& norm) { return Vector{std::log(norm.gauge(extended(o.a)))}; }},
     {"norm_up", Side::above, two_points,
@@ -218,6 +287,56 @@ const Bound bounds[] = {
        return Operands{with_gauge(random.uniform(0.0, 0.9), random, norm), {}};
      },
      [](const Operands& o, const Norm& norm) { return Vector{least_depth(extended(o.a), norm)}; }},
+    {"log_norm, below,", Side::below, two_logarithms, log_norm},
+    {"log_norm, above,", Side::above, two_logarithms, log_norm},
+    {"gradient_over, below,", Side::below, two_points,
+     [](const Operands& o, const Norm& norm) { return gradient_of_power(extended(o.a), norm); }},
+    {"gradient_over, above,", Side::above, two_points,
+     [](const Operands& o, const Norm& norm) { return gradient_of_power(extended(o.a), norm); }},
+    {"factors_up", Side::above, two_points,
+     [](const Operands& o, const Norm& norm) { return factors(extended(o.a), norm); }},
+    {"section_shares_over, below,", Side::below, two_points,
+     [](const Operands& o, const Norm& norm) { return Vector{section_terms(extended(o.a), norm).quotients[0]}; }},
+    {"section_shares_over, above,", Side::above, two_points,
+     [](const Operands& o, const Norm& norm) { return Vector{section_terms(extended(o.a), norm).quotients[0]}; }},
+    {"section_turn_up", Side::above, two_points,
+     [](const Operands& o, const Norm& norm) { return Vector{section_turn(extended(o.a), extended(o.b), norm)}; }},
+    {"most_of", Side::above, two_points,
+     [](const Operands& o, const Norm&) { return Vector{most_of(extended(o.a), extended(o.b))}; }},
+    {"step_between, below,", Side::below, two_points,
+     [](const Operands& o, const Norm&) { return Vector{std::fabs(Extended(o.a[0]) - o.b[0])}; }},
+    {"step_between, above,", Side::above, two_points,
+     [](const Operands& o, const Norm&) { return Vector{std::fabs(Extended(o.a[0]) - o.b[0])}; }},
+    {"residual_up", Side::above, two_points,
+     [](const Operands& o, const Norm&) {
+       const auto [d_least, d_most] = std::minmax(o.b[1], o.b[2]);
+       const auto [least, most] = std::minmax(o.a[0], o.a[1]);
+       const Extended k = o.b[0];
+       return Vector{std::max(std::fabs(most - k * d_least), std::fabs(least - k * d_most))};
+     }},
+    {"most_apart", Side::above, two_points,
+     [](const Operands& o, const Norm&) {
+       const Extended beyond = Extended(std::max(o.a[0], o.a[1])) - std::min(o.b[0], o.b[1]);
+       return Vector{std::max(beyond, Extended(std::max(o.b[0], o.b[1])) - std::min(o.a[0], o.a[1]))};
+     }},
+    {"way_of, below,", Side::below, two_points,
+     [](const Operands& o, const Norm&) {
+       const Extended middle = Extended(o.a[0]) + o.a[1];
+       return Vector{std::max(Extended(o.a[0]), middle - Extended(o.a[2]) * o.b[0])};
+     }},
+    {"way_of, above,", Side::above, two_points,
+     [](const Operands& o, const Norm&) {
+       return Vector{std::min(Extended(o.a[0]) + o.b[1], o.a[1] + Extended(o.a[2]) * o.b[0])};
+     }},
+    {"cosine_of", Side::above, two_points,
+     [](const Operands& o, const Norm&) {
+       const Extended size = o.b[0];
+       return Vector{(1.0L - size * size / 2.0L) * o.a[0] / o.a[1]};
+     }},
+    {"power_up", Side::above, two_points,
+     [](const Operands& o, const Norm& norm) {
+       return Vector{std::pow(norm.gauge(extended(o.a)), norm.outer().primal)};
+     }},
 };
 
 constexpr std::size_t samples = 512;  // of each bound and solid
@@ -241,13 +360,15 @@ std::string described(const Bound& bound, const Operands& o, const Point& result
 }
 
 /// A ball of radius t about q, and a quarter of a cell of directions (kernels/spherical_cell.clh) in one of which it
-/// leaves the solid: the quarter must not be proven.
+/// leaves the solid: the quarter must not be proven. Nor does it lie in the cone, for one of its corners does not.
 struct OpenQuarter {
   Point q;
   std::array<double, 3> base;
   double inverted;
   double t;
   int quarter;  ///< 0 to 3
+  Point axis;
+  double cosine;
 };
 
 constexpr int grid = 8;  // directions on each side of a quarter
@@ -263,28 +384,7 @@ std::array<Vector, 6> shared_points(const std::array<double, 3>& base, double in
   return points;
 }
 
-constexpr Extended beyond_solids = 4.0L;
-
-/// How far the solid's boundary is from q in the direction of w, or 2^-40 of it more. The gauge is convex along the
-/// way, so that lines through two points outside meet 1 outside, closer and closer.
-Extended way_out(const Vector& q, const Vector& w, const Norm& norm) {
-  const Vector u = scaled(w, 1.0L / length(w));
-  const auto excess = [&](Extended s) {
-    return norm.gauge({q[0] + s * u[0], q[1] + s * u[1], q[2] + s * u[2]}) - 1.0L;
-  };
-  Extended far = beyond_solids;
-  Extended near = 0.9L * beyond_solids;
-  Extended far_excess = excess(far);
-  while (far - near > 0x1p-40L * near) {
-    const Extended near_excess = excess(near);
-    const Extended next = near - near_excess * (far - near) / (far_excess - near_excess);
-    far = std::exchange(near, next);
-    far_excess = near_excess;
-  }
-  return far;
-}
-
-/// The least of them over the quarter, as far as the grid sees it.
+/// The shortest way out over the quarter, as far as the grid sees it.
 Extended least_way_out(const Vector& q, const std::array<Vector, 3>& corners, const Norm& norm) {
   Extended least = beyond_solids;
   for (int i = 0; i <= grid; ++i) {
@@ -297,8 +397,20 @@ Extended least_way_out(const Vector& q, const std::array<Vector, 3>& corners, co
   return least;
 }
 
+/// Between two of the corners, and just too narrow for the third.
+void draw_cone(OpenQuarter& sample, const std::array<Vector, 3>& corners, oracle::RandomCases& random) {
+  const std::size_t out = random.choice(3);
+  const Vector& a = corners[(out + 1) % 3];
+  const Vector& b = corners[(out + 2) % 3];
+  const Vector between = along(scaled(a, 1.0L / length(a)), 1.0L / length(b), b);
+  const Extended narrower = 1.0L + random.log_uniform(1e-11, 1e-2);
+  for (std::size_t k = 0; k < 3; ++k) sample.axis[k] = static_cast<double>(between[k] / length(between));
+  sample.cosine =
+      static_cast<double>(narrower * dot(extended(sample.axis), corners[out]) / length(corners[out])) + 1e-12;
+}
+
 OpenQuarter open_quarter(oracle::RandomCases& random, const Norm& norm) {
-  OpenQuarter sample{with_gauge(random.uniform(0.0, 0.9), random, norm), {}, 0.0, 0.0, 0};
+  OpenQuarter sample{with_gauge(random.uniform(0.0, 0.9), random, norm), {}, 0.0, 0.0, 0, {}, 0.0};
   const auto level = random.choice(random.choice(2) == 0 ? 3 : 20);
   const auto side = std::size_t{1} << level;
   sample.inverted = level > 0 ? static_cast<double>(random.choice(2)) : 0.0;
@@ -314,6 +426,7 @@ OpenQuarter open_quarter(oracle::RandomCases& random, const Norm& norm) {
                                             : std::array{points[n], points[3 + (n + 1) % 3], points[3 + (n + 2) % 3]};
   const Extended beyond = 1.0L + random.log_uniform(1e-9, 0.1);
   sample.t = static_cast<double>(beyond * least_way_out(extended(sample.q), corners, norm));
+  draw_cone(sample, corners, random);
   return sample;
 }
 
@@ -329,9 +442,8 @@ std::string described(const OpenQuarter& sample) {
 const Superquadric solids[] = {{{1.0, 1.5, 0.7}, {1.0, 1.0}},
                                {{1.1, 0.3, 0.6}, {0.3, 1.7}},
                                {{0.5, 1.2, 1.9}, {1.8, 0.4}},
+                               {{1.2, 1.0, 1.4}, {0.12, 0.9}},
                                {{1.03, 1.0, 1.0}, {2.0, 2.0}}};
-
-using Columns = std::vector<std::vector<double>>;
 
 /// Calls an entry point of `bound_kernel` whose arguments, from `first` on, are these.
 Columns called(const CompiledKernels& kernels, cl::Kernel kernel, cl_uint first, const Superquadric& solid,
@@ -368,10 +480,25 @@ Columns columns_of(const std::vector<Operands>& operands) {
   return columns;
 }
 
+Columns columns_of(const std::vector<OpenQuarter>& quarters) {
+  Columns columns(12);
+  for (const OpenQuarter& sample : quarters) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      columns[k].push_back(sample.q[k]);
+      columns[3 + k].push_back(sample.base[k]);
+      columns[8 + k].push_back(sample.axis[k]);
+    }
+    columns[6].push_back(sample.inverted);
+    columns[7].push_back(sample.t);
+    columns[11].push_back(sample.cosine);
+  }
+  return columns;
+}
+
 }  // namespace
 
 std::string with_bound_kernel(const std::string& sources) {
-  return sources + bound_kernel;
+  return sources + bound_kernel + open_caps_kernel;
 }
 
 struct BoundJudge::Samples {
@@ -379,13 +506,14 @@ struct BoundJudge::Samples {
   std::vector<std::vector<Operands>> operands;  ///< for each bound
   std::vector<std::vector<Vector>> values;
   std::vector<OpenQuarter> quarters;
+  std::vector<OpenCap> caps;
 };
 
 BoundJudge::BoundJudge() {
   oracle::RandomCases random(2011);
   for (const Superquadric& solid : solids) {
     const Norm norm(solid);
-    Samples& of_solid = samples_.emplace_back(Samples{solid, {}, {}, {}});
+    Samples& of_solid = samples_.emplace_back(Samples{solid, {}, {}, {}, {}});
     for (const Bound& bound : bounds) {
       std::vector<Operands>& operands = of_solid.operands.emplace_back();
       std::vector<Vector>& values = of_solid.values.emplace_back();
@@ -395,6 +523,7 @@ BoundJudge::BoundJudge() {
       }
     }
     for (std::size_t i = 0; i < samples; ++i) of_solid.quarters.push_back(open_quarter(random, norm));
+    for (std::size_t i = 0; i < samples; ++i) of_solid.caps.push_back(open_cap(random, norm));
   }
 }
 
@@ -403,7 +532,8 @@ BoundJudge::~BoundJudge() = default;
 std::string BoundJudge::operator()(const CompiledKernels& kernels) const {
   cl::Kernel evaluate_bound(kernels.program, "evaluate_bound");
   const cl::Kernel open_quarters(kernels.program, "open_quarters");
-  for (const auto& [solid, operands, values, quarters] : samples_) {
+  const cl::Kernel open_caps(kernels.program, "open_caps");
+  for (const auto& [solid, operands, values, quarters, caps] : samples_) {
     for (cl_uint index = 0; index < std::size(bounds); ++index) {
       evaluate_bound.setArg(0, index);
       const Columns results = called(kernels, evaluate_bound, 1, solid, columns_of(operands[index]), 3);
@@ -413,18 +543,14 @@ std::string BoundJudge::operator()(const CompiledKernels& kernels) const {
           return described(bounds[index], operands[index][i], result, values[index][i]);
       }
     }
-    Columns columns(8);
-    for (const OpenQuarter& sample : quarters) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        columns[k].push_back(sample.q[k]);
-        columns[3 + k].push_back(sample.base[k]);
-      }
-      columns[6].push_back(sample.inverted);
-      columns[7].push_back(sample.t);
-    }
-    const std::vector<double> open = called(kernels, open_quarters, 0, solid, columns, 1).front();
+    const std::vector<double> open = called(kernels, open_quarters, 0, solid, columns_of(quarters), 1).front();
     for (std::size_t i = 0; i < samples; ++i)
       if ((static_cast<long>(open[i]) & (1L << quarters[i].quarter)) == 0) return described(quarters[i]);
+    const Columns found = called(kernels, open_caps, 0, solid, columns_of(caps), 3);
+    for (std::size_t i = 0; i < samples; ++i) {
+      if (found[0][i] != 0.0 || holds(found[1][i], caps[i])) return described(caps[i]);
+      if (found[2][i] < caps[i].bend) return fmt::format("bend {:.17g}, {}", found[2][i], described(caps[i]));
+    }
   }
   return {};
 }

@@ -81,6 +81,15 @@ Scene between_faces() {
   return scene;
 }
 
+/// Of one point in ten the first descent ends at another face than the nearest, with a cap about its normal.
+Scene at_another_face() {
+  oracle::RandomCases random(7);
+  Scene scene{"at another face", {"", {{"solid", {{0.43, 0.6, 1.9}, {1.5, 0.4}}, {}}}}, 1e-6, {}};
+  for (int i = 0; i < 100; ++i)
+    scene.points.push_back({random.uniform(-0.2, 0.2), random.uniform(-0.3, 0.3), random.uniform(-0.9, 0.9)});
+  return scene;
+}
+
 /// Far from the origin the error of the local point is large.
 Scene far_away() {
   oracle::RandomCases random(3);
@@ -163,6 +172,7 @@ std::vector<Scene> scenes() {
   for (std::size_t axis = 0; axis < 3; ++axis) all.push_back(near_the_centre(axis));
   for (std::uint64_t seed = 0; seed < 3; ++seed) all.push_back(deep_inside(seed));
   all.push_back(between_faces());
+  all.push_back(at_another_face());
   all.push_back(far_away());
   all.push_back(shared_face());
   all.push_back(hardly_larger());
