@@ -30,11 +30,13 @@ struct Case {
   Primitive primitive;
   std::vector<KnownContact> contacts;
   double size;
+  double radius;
 
   explicit Case(std::uint64_t index) {
     std::mt19937_64 random(index);
     primitive = random_tapered(random, 19.0);
     size = std::ranges::max(primitive.superquadric.semi_axes);
+    radius = bounding_radius(model());
     const TaperedSolid solid(primitive);
     std::normal_distribution<double> normal;
     for (std::size_t i = 0; i < points_a_solid; ++i) {
@@ -57,7 +59,7 @@ class Tally {
   void add(const Case& tested, const KnownContact& contact, const Enclosure& found, double tolerance) {
     const bool escapes = !(Real(found.lo) <= contact.upper && Real(found.hi) >= contact.lower);
     const bool outside = contact.lower > 0;
-    double magnitude = tested.size;  // of what rounding errors are in proportion to
+    double magnitude = tested.radius;  // of what rounding errors are in proportion to
     for (const double x : contact.query) magnitude = std::max(magnitude, std::fabs(x));
     const std::lock_guard lock(mutex_);
     ++cases_;
