@@ -35,12 +35,21 @@ struct Task {
       : object(of),
         model{"", {{std::string(of.name), of.solid, {}}}},
         outside(points_outside(of.solid, outside_count)),
-        inside(points_inside(of.solid, inside_count)) {}
+        inside(points_inside(of.solid, inside_count)),
+        tapered{of.solid.semi_axes, of.solid.exponents, 2.0} {
+    // The tapered solid lies in 1 + k = 4/3 times the other one about its focus, k/a3 = 1/3 below the centre.
+    for (const Point& p : outside) {
+      const double focus = -tapered.semi_axes[2] / 3.0;
+      outside_tapered.push_back({1.34 * p[0], 1.34 * p[1], focus + 1.34 * p[2]});
+    }
+  }
 
   BenchmarkObject object;
   Model model;
   std::vector<Point> outside;
   std::vector<Point> inside;
+  Superquadric tapered;  ///< its upper end twice as wide as the lower
+  std::vector<Point> outside_tapered;
 };
 
 /// Against the rate of FMAs measured right after the row, so that both saw the machine in the same mood.
@@ -126,6 +135,11 @@ void add_device_rows(const Task& task, const DeviceReport& device) {
   });
   add_row(tool, "point_outside_kernel", name,
           [=, &task](benchmark::State& state) { kernel_row(state, task, device, KernelVariant::verified, verified); });
+  add_row(tool, "point_outside_tapered_kernel", name, [=, &task](benchmark::State& state) {
+    PointDistanceKernel kernel(device, KernelVariant::verified, task.tapered, task.outside_tapered);
+    for (auto _ : state) kernel.run();
+    set_rate(state, "points_per_second", kernel.points());
+  });
   add_row(tool, "point_outside_solver_only", name,
           [=, &task](benchmark::State& state) { kernel_row(state, task, device, KernelVariant::solver_only, solver); });
   // The work of an inside point varies with its cells: no operation count, no peak fraction.

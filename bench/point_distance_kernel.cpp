@@ -24,18 +24,19 @@ device::Device selected(const DeviceReport& report) {
   return *selection.device;
 }
 
-cl::Program program_of(const device::Device& device, KernelVariant variant) {
-  return device::build_program(device.context, device.device, device.vector_width, kernels::embedded_point_sources(),
+cl::Program program_of(const device::Device& device, KernelVariant variant, bool tapered) {
+  const auto sources = tapered ? kernels::embedded_tapered_sources() : kernels::embedded_point_sources();
+  return device::build_program(device.context, device.device, device.vector_width, sources,
                                variant == KernelVariant::verified ? "" : "-DSOLVER_ONLY");
 }
 
 }  // namespace
 
 struct PointDistanceKernel::State {
-  State(const device::Device& device, KernelVariant variant, std::size_t points)
+  State(const device::Device& device, KernelVariant variant, bool tapered, std::size_t points)
       : context(device.context),
         queue(device.context, device.device),
-        kernel(program_of(device, variant), "point_distance"),
+        kernel(program_of(device, variant, tapered), "point_distance"),
         vector_width(static_cast<std::size_t>(device.vector_width)),
         groups(points / vector_width),
         groups_per_block(vector_width > 1 ? points_of_vector_work_item / vector_width : 1) {}
@@ -63,7 +64,7 @@ struct PointDistanceKernel::State {
 
 PointDistanceKernel::PointDistanceKernel(const DeviceReport& device, KernelVariant variant, const Superquadric& solid,
                                          std::span<const Point> points)
-    : state_(std::make_unique<State>(selected(device), variant, points.size())) {
+    : state_(std::make_unique<State>(selected(device), variant, is_tapered(solid), points.size())) {
   const int scale = device::scale_exponent(Model{"", {{"solid", solid, {}}}});
   const auto parameters = device::primitive_parameters({"solid", solid, {}}, scale);
   std::vector<double> coordinates(this->points());

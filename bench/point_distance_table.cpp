@@ -61,6 +61,8 @@ std::string costs(const Rows& rows, std::string_view tool) {
   line("verification costs, % over the solver", [&](auto object) {
     return 100.0 * (of("point_outside_solver_only")(object) / of("point_outside_kernel")(object) - 1.0);
   });
+  line("tapered / untapered kernel",
+       [&](auto object) { return of("point_outside_tapered_kernel")(object) / of("point_outside_kernel")(object); });
   line("map / kernel", [&](auto object) { return of("point_outside")(object) / of("point_outside_kernel")(object); });
   line("the host's own time in the map (ns/point)",
        [&](auto object) { return counter(rows, row_name(tool, "point_outside", object), "host_ns_a_point"); });
