@@ -97,7 +97,7 @@ class TaperedContactProblem {
   }
 
   [[nodiscard]] Foot foot(const Place& place) const {
-    const long double radius = static_cast<long double>(place.radius);
+    const auto radius = static_cast<long double>(place.radius);
     // With q3 = 0 the exponent along z is any; this one lets a rhombus be solved by its radius.
     const Superquadric section{{solid_.semi_axes[0], solid_.semi_axes[1], solid_.semi_axes[0]},
                                {1.0, solid_.exponents[1]}};
