@@ -197,6 +197,7 @@ void check_intervals(const UncertainModel& model, std::string_view name) {
     shape.primitives.push_back({primitive.name, largest(primitive), {}, primitive.bend});
   }
   verify::require_union_of_convex(shape, fmt::format("{}: intervals", name));
+  verify::require_no_taper(shape, fmt::format("{}: intervals", name));
 }
 
 /// All that a model file says.

@@ -85,6 +85,19 @@ std::string bent(const std::string& semi_axes, const std::string& exponents, con
                   R"(}, "bend": )" + bend + "}");
 }
 
+std::string tapered(const std::string& taper, const std::string& semi_axis = "1") {
+  return model_of(R"({"name": "a", "superquadric": {"semi_axes": [1, 1, )" + semi_axis +
+                  R"(], "exponents": [1, 1], "taper": )" + taper + "}}");
+}
+
+TEST(ModelFile, ReadsTapers) {
+  EXPECT_EQ(parse_model(tapered("2.5"), "m.json").primitives[0].superquadric.taper, 2.5);
+  EXPECT_EQ(parse_model(tapered("0.01"), "m.json").primitives[0].superquadric.taper, 0.01);
+  EXPECT_EQ(parse_model(tapered("100"), "m.json").primitives[0].superquadric.taper, 100.0);
+  EXPECT_EQ(parse_model(model_of(ball("a")), "m.json").primitives[0].superquadric.taper, 1.0);
+  EXPECT_TRUE(is_union_of_convex(parse_model(tapered("0.5"), "m.json")));
+}
+
 TEST(ModelFile, ReadsBends) {
   const Model model =
       parse_model(bent("[6.0, 9.0, 60.0]", "[0.4, 0.9]", R"({"curvature": -0.002, "angle_deg": 70.5})"), "m.json");
@@ -248,6 +261,17 @@ const std::string first = ": primitives[0].superquadric.";
 const std::string curvature = ": primitives[0].bend.curvature";
 const std::string too_strong = ": its magnitude times the solid's extent towards angle_deg, ";
 const std::string to_be_below_1 = ", must be below 1";
+
+const std::string out_of_range = ": the section at z = a3 over that at z = -a3 must be in [0.01, 100]";
+
+INSTANTIATE_TEST_SUITE_P(
+    Tapers, ModelRefusal,
+    ::testing::Values(Refusal{"TaperZero", tapered("0"), first + "taper = 0" + out_of_range},
+                      Refusal{"TaperNegative", tapered("-2"), first + "taper = -2" + out_of_range},
+                      Refusal{"TaperTooLarge", tapered("100.00000000000001"),
+                              first + "taper = 100.00000000000001" + out_of_range},
+                      Refusal{"TaperInterval", tapered("[1, 2]"), first + "taper = [1,2]: must be a number"}),
+    name_of);
 
 INSTANTIATE_TEST_SUITE_P(
     Values, ModelRefusal,
@@ -430,6 +454,8 @@ INSTANTIATE_TEST_SUITE_P(
     OtherSolids, UncertainModelRefusal,
     ::testing::Values(Refusal{"Bent", bent("[1, [1, 2], 1]", "[1, 1]", R"({"curvature": 0.1, "angle_deg": 0})"),
                               ": intervals: not supported for bent solids: primitives[0].bend"},
+                      Refusal{"Tapered", tapered("2", "[1, 2]"),
+                              ": intervals: not supported for tapered solids: primitives[0].superquadric.taper"},
                       Refusal{"ReachesItsCentreAtTheUpperEnd",
                               bent("[[1, 5], 1, 1]", "[1, 1]", R"({"curvature": 0.2, "angle_deg": 0})"),
                               curvature + " = 0.2" + too_strong + "5" + to_be_below_1},
@@ -522,6 +548,7 @@ class RandomModels {
     Primitive result{name,
                      {{positive(), positive(), positive()}, {exponent(), exponent()}},
                      {{signed_number(), signed_number(), signed_number()}, {number(), number(), number(), -1.0 / 3.0}}};
+    if (pick(2) == 0) result.superquadric.taper = std::uniform_real_distribution(0.01, 100.0)(generator_);
     if (pick(2) == 0) {
       result.superquadric.semi_axes = {0.1, 1.0 / 3.0, 2.0 / 7.0};
       result.bend = Bend{std::uniform_real_distribution(-1.0, 1.0)(generator_), signed_number()};
@@ -553,6 +580,7 @@ void expect_same_bits(const Primitive& a, const Primitive& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(bits(a.superquadric.semi_axes), bits(b.superquadric.semi_axes));
   EXPECT_EQ(bits(a.superquadric.exponents), bits(b.superquadric.exponents));
+  EXPECT_EQ(bits(std::array{a.superquadric.taper}), bits(std::array{b.superquadric.taper}));
   EXPECT_EQ(bits(a.pose.translation), bits(b.pose.translation));
   EXPECT_EQ(bits(a.pose.quaternion), bits(b.pose.quaternion));
   ASSERT_EQ(a.bend.has_value(), b.bend.has_value());

@@ -26,6 +26,7 @@ void check_primitive(const UncertainPrimitive& primitive) {
   check(std::ranges::all_of(exponents, [](const Enclosure& e) { return 0.0 < e.lo && e.hi <= 2.0; }),
         "exponents are in (0, 2]");
   check(std::ranges::all_of(quaternion, [](double q) { return std::isfinite(q); }), "quaternions are finite");
+  check(smallest_taper <= taper && taper <= largest_taper, "tapers are in their range");
   check(std::ranges::any_of(quaternion, [](double q) { return q != 0.0; }), "quaternions are not zero");
   if (!bend) return;
   check(std::isfinite(bend->curvature) && std::isfinite(bend->angle_degrees), "bends are finite");
@@ -51,6 +52,8 @@ void check_model(const UncertainModel& model) {
     return primitive.bend && primitive.bend->curvature != 0.0;
   };
   check(is_exact(model) || std::ranges::none_of(model.primitives, bent), "models with intervals are not bent");
+  const auto tapered = [](const UncertainPrimitive& primitive) { return primitive.taper != 1.0; };
+  check(is_exact(model) || std::ranges::none_of(model.primitives, tapered), "models with intervals are not tapered");
 }
 
 void check_areas(std::span<const AreaBox> areas) {

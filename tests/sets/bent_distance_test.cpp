@@ -74,9 +74,11 @@ TEST(BentDistanceTest, OnAnEndCap) {
   }
 }
 
-TEST(BentDistanceTest, BendsThatVanish) {
+class TaperedBentDistanceTest : public testing::TestWithParam<double> {};
+
+TEST_P(TaperedBentDistanceTest, BendsThatVanish) {
   RandomCases random(1);
-  const Superquadric superquadric{{0.4, 0.5, 1.0}, {0.6, 1.2}};
+  const Superquadric superquadric{{0.4, 0.5, 1.0}, {0.6, 1.2}, GetParam()};
   const Pose pose{{0.1, 0.2, 0.3}, {0.9, 0.1, -0.2, 0.3}};
   const ConvexPrimitive unbent({"", superquadric, pose});
   for (const double k : {0.0, 1e-300, -1e-300, 5e-324, 1e-9, -1e-9, 1e-5, -1e-5}) {
@@ -86,14 +88,52 @@ TEST(BentDistanceTest, BendsThatVanish) {
       const Enclosure plain = unbent.signed_distance(x, 0.0).distance;
       if (plain.lo <= 0.0) continue;
       const Enclosure found = solid(x).distance;
-      // No point of the solid moves farther than |k| (1 + 0.5)^2.
-      const double moved = 2.25 * std::fabs(k) + 1e-15;
+      // No point of the solid moves farther than |k| (1 + 0.5)^2; a taper widens 0.5 at most twice.
+      const double reach = GetParam() == 1.0 ? 1.5 : 2.0;
+      const double moved = reach * reach * std::fabs(k) + 1e-15;
       EXPECT_NEAR(found.lo, plain.lo, moved) << k;
       EXPECT_NEAR(found.hi, plain.hi, moved) << k;
       EXPECT_LE(found.width(), 1e-14) << k;
     }
   }
 }
+
+/// By the formulas of model.hpp.
+Point surface_point(const Primitive& primitive, RandomCases& random) {
+  const Superquadric& solid = primitive.superquadric;
+  const Point x = random.boundary_point({solid.semi_axes, solid.exponents}).point;
+  const double k = (solid.taper - 1.0) / (solid.taper + 1.0);
+  const double z = (x[2] - k * solid.semi_axes[2]) / (1.0 - k * x[2] / solid.semi_axes[2]);
+  const double scale = 1.0 + k * z / solid.semi_axes[2];
+  return bent(primitive.bend->curvature, scale * x[0], scale * x[1], z);
+}
+
+TEST_P(TaperedBentDistanceTest, NoPointOfTheSolidIsNearerThanTheLowerEnd) {
+  RandomCases random(5);
+  std::size_t tight = 0;
+  for (int i = 0; i < 24; ++i) {
+    const Superquadric superquadric{{random.uniform(0.1, 0.4), random.uniform(0.1, 0.4), random.uniform(0.5, 1.5)},
+                                    {random.uniform(0.2, 1.8), random.uniform(0.2, 1.8)},
+                                    GetParam()};
+    const Primitive primitive = bent_primitive(superquadric, {random.uniform(-0.9, 0.9), 0.0});
+    const BentDistance distance(primitive);
+    std::vector<Point> surface;
+    for (int n = 0; n < 3000; ++n) surface.push_back(surface_point(primitive, random));
+    for (int n = 0; n < 20; ++n) {
+      const Point x{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-2, 2)};
+      double nearest = infinity;
+      for (const Point& s : surface)
+        nearest = std::min(nearest, std::hypot(x[0] - s[0], x[1] - s[1], x[2] - s[2]));
+      const Enclosure found = distance(x).distance;
+      ASSERT_LE(found.lo, nearest + 1e-14);
+      ASSERT_GE(found.hi, found.lo);
+      if (found.lo > 0.0 && found.width() < 1e-12) ++tight;
+    }
+  }
+  EXPECT_GT(tight, 80U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ratios, TaperedBentDistanceTest, testing::Values(1.0, 0.4, 3.0));
 
 TEST(BentDistanceTest, InsideItIsZero) {
   const BentDistance solid(bent_primitive({{0.4, 0.5, 1.0}, {0.6, 1.2}}, {0.5, 25.0}));

@@ -1,4 +1,4 @@
-// Colours and half-spaces of posed, bent superquadrics over cubes against points evaluated at 200 bits and more.
+// Colours and half-spaces of posed, tapered and bent superquadrics over cubes against points evaluated at 200 bits and more.
 #include "verify/sets/box_primitive.hpp"
 
 #include <fmt/format.h>
@@ -24,11 +24,13 @@ using oracle::RandomCases;
 using oracle::Real;
 using oracle::Vector;
 
-/// Pose and bend as model.hpp states them, at 200 bits.
+/// Pose, bend and taper as model.hpp states them, at 200 bits.
 class Reference {
  public:
   explicit Reference(const Primitive& primitive)
       : norm_(primitive.superquadric),
+        height_(primitive.superquadric.semi_axes[2]),
+        k_((Real(primitive.superquadric.taper) - 1) / (Real(primitive.superquadric.taper) + 1)),
         bend_(primitive.bend),
         quaternion_(primitive.pose.quaternion),
         translation_(oracle::widened(primitive.pose.translation)) {
@@ -38,14 +40,20 @@ class Reference {
     sine_ = sin(angle);
   }
 
-  /// From unbent own coordinates to the model frame.
-  [[nodiscard]] Vector place(const Vector& own) const { return turned(bend_ ? bent(own) : own, 1); }
+  /// From untapered, unbent own coordinates to the model frame.
+  [[nodiscard]] Vector place(const Vector& own) const {
+    const Vector changed = tapered(own);
+    return turned(bend_ ? bent(changed) : changed, 1);
+  }
 
-  /// g at a point of the model frame; nothing where that is within 1e-30 of the centre of curvature.
+  /// g of the untapered, unbent point, for a point of the model frame: more than 1 beyond the heights that a taper knows.
+  /// Nothing within 1e-30 of the centre of curvature.
   [[nodiscard]] Real gauge(const Vector& x) const {
     Vector own = turned(oracle::difference(x, translation_), -1);
     if (bend_ && bend_->curvature != 0.0) own = unbent(own);
-    return norm_.gauge(own);
+    const Real scale = 1 + k_ * own[2] / height_;
+    if (scale <= 0 || abs(own[2]) > height_) return norm_.gauge(own) + 1;
+    return norm_.gauge({own[0] / scale, own[1] / scale, (own[2] + k_ * height_) / scale});
   }
 
  private:
@@ -62,6 +70,12 @@ class Reference {
       if (direction == 1) result[i] += translation_[i];
     }
     return result;
+  }
+
+  [[nodiscard]] Vector tapered(const Vector& x) const {
+    const Real z = (x[2] - k_ * height_) / (1 - k_ * x[2] / height_);
+    const Real scale = 1 + k_ * z / height_;
+    return {scale * x[0], scale * x[1], z};
   }
 
   [[nodiscard]] Vector bent(const Vector& x) const {
@@ -86,6 +100,7 @@ class Reference {
   }
 
   oracle::MixedNorm<Real> norm_;
+  Real height_, k_;
   std::optional<Bend> bend_;
   std::array<double, 4> quaternion_;
   Vector translation_;
@@ -97,7 +112,7 @@ double random_exponent(RandomCases& random) {
   return exponents[random.choice(exponents.size())];
 }
 
-enum class Family : std::uint8_t { plain, rotated, bent };
+enum class Family : std::uint8_t { plain, rotated, bent, tapered, tapered_and_bent };
 
 Primitive random_primitive(RandomCases& random, Family family) {
   Primitive result{"solid", {{1.0, 1.0, 1.0}, {random_exponent(random), random_exponent(random)}}, {}, {}};
@@ -106,8 +121,15 @@ Primitive random_primitive(RandomCases& random, Family family) {
   if (family == Family::plain) return result;
   for (double& q : result.pose.quaternion) q = random.uniform(-1.0, 1.0);
   if (family == Family::rotated) return result;
+  double widening = 1.0;
+  if (family != Family::bent) {
+    const double ratio = random.log_uniform(1.0, 19.0);
+    result.superquadric.taper = random.choice(2) == 0 ? ratio : 1.0 / ratio;
+    widening = 2.0 * ratio / (ratio + 1.0);  // of the larger end
+  }
+  if (family == Family::tapered) return result;
   const auto& a = result.superquadric.semi_axes;
-  const double largest = std::min(0.95 / std::hypot(a[0], a[1]), 3.1 / a[2]);
+  const double largest = std::min(0.95 / (widening * std::hypot(a[0], a[1])), 3.1 / a[2]);
   const std::array curvatures{
       0.0, 1e-20, 1e-9, 1e-5, largest, random.uniform(0.0, largest), random.uniform(0.0, largest)};
   const double k = curvatures[random.choice(curvatures.size())];
@@ -118,7 +140,9 @@ Primitive random_primitive(RandomCases& random, Family family) {
 /// Near the surface, so that all colours come up.
 Point random_centre(RandomCases& random, const Primitive& primitive, const Reference& reference) {
   const Point boundary = random.boundary_point(primitive.superquadric).point;
-  const Real scale(random.choice(4) == 0 ? random.uniform(0.0, 3.0) : random.uniform(0.8, 1.2));
+  const double farthest = is_tapered(primitive.superquadric) ? 1.1 : 3.0;  // a taper sends 1 / 0.9 to infinity
+  const Real scale(random.choice(4) == 0 ? random.uniform(0.0, farthest)
+                                         : random.uniform(0.8, std::min(1.2, farthest)));
   return oracle::rounded(reference.place(oracle::scaled<Real>(oracle::widened(boundary), scale)));
 }
 
@@ -137,8 +161,9 @@ std::string description(const Primitive& p, const Cube& cube) {
     for (const double v : values) text += fmt::format("{:.17g} ", v);
     return text;
   };
-  return fmt::format("axes {} exponents {} t {} q {} bend {:.17g} {:.17g} cube {} {:.17g}",
-                     list(p.superquadric.semi_axes), list(p.superquadric.exponents), list(p.pose.translation),
+  return fmt::format("axes {} exponents {} taper {:.17g} t {} q {} bend {:.17g} {:.17g} cube {} {:.17g}",
+                     list(p.superquadric.semi_axes), list(p.superquadric.exponents), p.superquadric.taper,
+                     list(p.pose.translation),
                      list(p.pose.quaternion), p.bend ? p.bend->curvature : 0.0, p.bend ? p.bend->angle_degrees : 0.0,
                      list(cube.centre), cube.half_width);
 }
@@ -231,6 +256,7 @@ TEST_P(BoxPrimitiveTest, HalfSpacesAreLooseByTheSecondOrderOnly) {
       primitive.superquadric.semi_axes = {random_.uniform(1.0, 1.5), random_.uniform(1.0, 1.5),
                                           random_.uniform(1.0, 2.0)};
       if (primitive.bend) primitive.bend->curvature = random_.uniform(-0.4, 0.4);
+      if (is_tapered(primitive.superquadric)) primitive.superquadric.taper = random_.log_uniform(0.7, 1.4);
       const BoxPrimitive box(primitive);
       const Reference reference(primitive);
       // Through the centre of the cube goes the surface: what the half-space adds to its tangent is a remainder.
@@ -245,7 +271,8 @@ TEST_P(BoxPrimitiveTest, HalfSpacesAreLooseByTheSecondOrderOnly) {
       narrow += excess();
       ASSERT_LT(looseness(box.half_space(cube, side), cube, reference, side), 0.5 * cube.half_width);
     }
-    if (side == Side::inside && GetParam() != Family::bent) {
+    const bool bent = GetParam() == Family::bent || GetParam() == Family::tapered_and_bent;
+    if (side == Side::inside && !bent) {
       EXPECT_LT(wide, 1e-12);  // the tangent itself
     } else {
       EXPECT_GT(wide, 3.0 * narrow);
@@ -276,11 +303,15 @@ TEST_P(BoxPrimitiveTest, AlmostNoBendIsNoBend) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Families, BoxPrimitiveTest, testing::Values(Family::plain, Family::rotated, Family::bent),
-    [](const testing::TestParamInfo<Family>& family) {
-      return std::string(std::array{"Plain", "Rotated", "Bent"}[static_cast<std::size_t>(family.param)]);
-    });
+std::string name_of(const testing::TestParamInfo<Family>& family) {
+  constexpr std::array names{"Plain", "Rotated", "Bent", "Tapered", "TaperedAndBent"};
+  return names[static_cast<std::size_t>(family.param)];
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, BoxPrimitiveTest,
+                         testing::Values(Family::plain, Family::rotated, Family::bent, Family::tapered,
+                                         Family::tapered_and_bent),
+                         name_of);
 
 TEST(AlignedBoxPrimitiveTest, ColoursAreExact) {
   RandomCases random(3);

@@ -362,6 +362,38 @@ TEST(SolidPairDistanceTest, ToleranceZeroEndsAtRoundingErrors) {
   EXPECT_LE(found.distance.width(), 1e-10);
 }
 
+/// A cup bored to 18 mm, open above its middle.
+Model cup() {
+  const Superquadric half_space{{30.0, 30.0, 30.0}, {0.05, 0.05}};
+  return combined(SetOperation::subtract,
+                  {{"outer", ball(25.0), {}}, {"bore", ball(18.0), {}}, {"opening", half_space, at(0.0, 0.0, 30.0)}});
+}
+
+TEST(SolidPairDistanceTest, AHeadInItsCup) {
+  const Model head = model(ball(16.0));
+  for (const double down : {0.0, 1e-9, 0.5, 1.9}) {  // concentric, all of the bore is as near
+    for (const bool cup_first : {false, true}) {
+      const Pose pose = at(0.0, 0.0, cup_first ? -down : down);  // of the second model
+      const SearchedDistance found = cup_first ? search(cup(), head, 1.6e-5, pose) : search(head, cup(), 1.6e-5, pose);
+      EXPECT_TRUE(found.reached);
+      EXPECT_EQ(found.proximity, Proximity::separated);
+      EXPECT_LE(found.distance.lo, 2.0 - down + 1e-14);
+      EXPECT_GE(found.distance.hi, 2.0 - down - 1e-14);
+      EXPECT_LE(found.distance.width(), 1.6e-5);
+      EXPECT_LT(found.cubes, 100'000U);  // without its centre's distance more than a million
+      EXPECT_TRUE(found.near_points);
+    }
+  }
+}
+
+TEST(SolidPairDistanceTest, TwoHeadsInTheirCups) {
+  const Model heads{"", {{"a", ball(16.0), {}}, {"b", ball(1.0), at(0.0, 0.0, -10.0)}}};
+  const SearchedDistance found = search(heads, cup(), 1.6e-5, at(0.0, 0.0, 0.0));
+  EXPECT_LE(found.distance.lo, 2.0);
+  EXPECT_GE(found.distance.hi, 2.0 - 1e-14);
+  EXPECT_TRUE(found.reached);
+}
+
 TEST(SolidPairDistanceTest, RefusesAModelWithoutAnyPoint) {
   const Model nothing =
       combined(SetOperation::intersect, {{"left", ball(1.0), at(-2, 0, 0)}, {"right", ball(1.0), at(2, 0, 0)}});

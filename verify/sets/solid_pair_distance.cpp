@@ -51,6 +51,11 @@ class Search {
     tolerance_ = std::max(options.tolerance, kFinestRelativeTolerance * magnitude());
   }
 
+  /// A lower bound of the distance that is known otherwise.
+  void know(double lower) { known_ = std::max(known_, lower); }
+  [[nodiscard]] const BoundedMotion& motion() const { return motion_; }
+  [[nodiscard]] double tolerance() const { return tolerance_; }
+
   [[nodiscard]] SearchedDistance run() {
     if (!consider_roots()) return result();
     while (!finished()) {
@@ -77,7 +82,7 @@ class Search {
           left_out_ = 0.0;
           return false;
         }
-        consider(i, j, 0.0);
+        consider(i, j, known_);
       }
     }
     return true;
@@ -214,6 +219,7 @@ class Search {
   Cells b_;
   const SearchOptions* options_;
   double tolerance_ = 0.0;
+  double known_ = 0.0;
   std::priority_queue<CellPair, std::vector<CellPair>, LaterThan> queue_;
   double upper_ = infinity;
   double left_out_ = infinity;  ///< the least lower bound of all pairs that are in the queue no more, not refined
@@ -227,9 +233,19 @@ class Search {
 
 }  // namespace
 
-SearchedDistance solid_pair_distance(const SearchSolid& a, const SearchSolid& b, const Pose& pose,
-                                     const SearchOptions& options) {
-  return Search(a, b, pose, options).run();
+PairSearch::PairSearch(const Model& a, const Model& b)
+    : a_(a), b_(b), balls_of_a_(BallUnion::of(a)), balls_of_b_(BallUnion::of(b)) {
+  if (balls_of_a_) distance_from_b_.emplace(b);
+  if (balls_of_b_) distance_from_a_.emplace(a);
+}
+
+SearchedDistance PairSearch::operator()(const Pose& pose, const SearchOptions& options) const {
+  Search search(a_, b_, pose, options);
+  const auto interrupted = [&] { return options.interrupted && options.interrupted(); };
+  const double share = search.tolerance() / 4;
+  if (balls_of_a_) search.know(balls_of_a_->lower_from_b(*distance_from_b_, search.motion(), share, interrupted));
+  if (balls_of_b_) search.know(balls_of_b_->lower_from_a(*distance_from_a_, search.motion(), share, interrupted));
+  return search.run();
 }
 
 }  // namespace verisq::verify
@@ -237,19 +253,18 @@ SearchedDistance solid_pair_distance(const SearchSolid& a, const SearchSolid& b,
 namespace verisq {
 
 struct ModelSearch::State {
-  verify::SearchSolid a;
-  verify::SearchSolid b;
+  verify::PairSearch search;
 };
 
 ModelSearch::ModelSearch(const Model& a, const Model& b)
-    : state_(std::make_unique<State>(State{verify::SearchSolid(a), verify::SearchSolid(b)})) {}
+    : state_(std::make_unique<State>(State{verify::PairSearch(a, b)})) {}
 
 ModelSearch::~ModelSearch() = default;
 ModelSearch::ModelSearch(ModelSearch&&) noexcept = default;
 ModelSearch& ModelSearch::operator=(ModelSearch&&) noexcept = default;
 
 SearchedDistance ModelSearch::operator()(const Pose& pose, const SearchOptions& options) const {
-  return verify::solid_pair_distance(state_->a, state_->b, pose, options);
+  return state_->search(pose, options);
 }
 
 }  // namespace verisq
