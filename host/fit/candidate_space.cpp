@@ -84,10 +84,11 @@ Model middle_of(const UncertainModel& implant) {
     const UncertainPrimitive& primitive = implant.primitives[k];
     require_exact(primitive.exponents, place(primitive, k, "superquadric.exponents"));
     require_exact(primitive.translation, place(primitive, k, "pose.translation"));
-    model.primitives.push_back({.name = primitive.name,
-                                .superquadric = {middles(primitive.semi_axes), middles(primitive.exponents)},
-                                .pose = {middles(primitive.translation), primitive.quaternion},
-                                .bend = primitive.bend});
+    model.primitives.push_back(
+        {.name = primitive.name,
+         .superquadric = {middles(primitive.semi_axes), middles(primitive.exponents), primitive.taper},
+         .pose = {middles(primitive.translation), primitive.quaternion},
+         .bend = primitive.bend});
   }
   verify::require_union_of_convex(model, "fit");
   verify::require_no_taper(model, "fit");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <vector>
@@ -17,6 +18,8 @@ namespace {
 using std::numbers::pi;
 
 constexpr int steps_a_quarter = 12;
+/// In quarter turns: what is nearer than this to its neighbour adds triangles and nothing to see.
+constexpr double closest = 0.1 / steps_a_quarter;
 /// Of the triangles where cuts pass: 2^4 times finer than the grid.
 constexpr int deepest_split = 4;
 
@@ -39,8 +42,6 @@ std::vector<double> quarter_grid(double exponent) {
     grid.push_back(std::atan2(std::pow(std::sin(angle), exponent), std::pow(std::cos(angle), exponent)) / (pi / 2.0));
   }
   std::ranges::sort(grid);
-  // What is nearer than this to its neighbour adds triangles and nothing to see.
-  constexpr double closest = 0.1 / steps_a_quarter;
   std::vector<double> thinned{0.0};
   for (const double t : grid) {
     if (t - thinned.back() > closest && 1.0 - t > closest) thinned.push_back(t);
@@ -59,6 +60,22 @@ std::vector<double> grid_of_quarters(int first, int last, double exponent) {
   return grid;
 }
 
+/// Of a tapered primitive also those that are evenly spread about the end which the taper stretches: the taper takes
+/// the point (c, s) of the unit circle to the height where this direction leads.
+std::vector<double> latitudes(const PlacedPrimitive& primitive) {
+  std::vector<double> grid = grid_of_quarters(-1, 1, primitive.exponents()[0]);
+  const double k = primitive.taper();
+  if (k == 0.0) return grid;
+  const double squeeze = std::sqrt((1.0 - k) * (1.0 + k));
+  for (int step = 1 - steps_a_quarter; step < steps_a_quarter; ++step) {
+    const double angle = step * pi / (2.0 * steps_a_quarter);
+    const double latitude = std::atan2(std::sin(angle) + k, squeeze * std::cos(angle)) / (pi / 2.0);
+    const auto next = std::ranges::lower_bound(grid, latitude);
+    if (std::min(*next - latitude, latitude - *std::prev(next)) > squeeze * closest) grid.insert(next, latitude);
+  }
+  return grid;
+}
+
 class SurfaceBuilder {
  public:
   explicit SurfaceBuilder(const Model& model) : model_(model) {
@@ -74,10 +91,10 @@ class SurfaceBuilder {
   void add_primitive(std::size_t k) {
     const PlacedPrimitive& primitive = primitives_[k];
     const std::vector<double> longitudes = grid_of_quarters(0, 4, primitive.exponents()[1]);
-    const std::vector<double> latitudes = grid_of_quarters(-1, 1, primitive.exponents()[0]);
+    const std::vector<double> heights = latitudes(primitive);
     for (std::size_t i = 0; i + 1 < longitudes.size(); ++i) {
-      for (std::size_t j = 0; j + 1 < latitudes.size(); ++j) {
-        add_cell(k, {longitudes[i], latitudes[j]}, {longitudes[i + 1], latitudes[j + 1]});
+      for (std::size_t j = 0; j + 1 < heights.size(); ++j) {
+        add_cell(k, {longitudes[i], heights[j]}, {longitudes[i + 1], heights[j + 1]});
       }
     }
   }

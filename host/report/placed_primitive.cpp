@@ -1,4 +1,4 @@
-/// Superquadric, bend (docs/mathematics.md §9) and pose in plain binary64.
+/// Superquadric, taper (docs/mathematics.md §18), bend (§9) and pose in plain binary64.
 #include "host/report/placed_primitive.hpp"
 
 #include <algorithm>
@@ -20,6 +20,18 @@ double superellipse_gauge(double a, double b, double exponent) {
   return larger * std::pow(1.0 + std::pow(smaller / larger, 2.0 / exponent), exponent / 2.0);
 }
 
+/// Where the taper takes a point, in semi-axes.
+Eigen::Array3d tapered(const Eigen::Array3d& point, double k) {
+  const double z = (point[2] - k) / (1.0 - k * point[2]);
+  const double scale = 1.0 + k * z;
+  return {scale * point[0], scale * point[1], z};
+}
+
+/// Undoes it. Precondition: |z| <= 1.
+Eigen::Array3d untapered(const Eigen::Array3d& point, double k) {
+  return Eigen::Array3d(point[0], point[1], point[2] + k) / (1.0 + k * point[2]);
+}
+
 Eigen::Matrix3d matrix(const std::array<double, 9>& rows) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
 }
@@ -37,6 +49,7 @@ PlacedPrimitive::PlacedPrimitive(const Primitive& primitive)
     : semi_axes_(primitive.superquadric.semi_axes[0], primitive.superquadric.semi_axes[1],
                  primitive.superquadric.semi_axes[2]),
       exponents_(primitive.superquadric.exponents),
+      k_((primitive.superquadric.taper - 1.0) / (primitive.superquadric.taper + 1.0)),
       rotation_(matrix(device::rotation_matrix(primitive.pose.quaternion))),
       translation_(primitive.pose.translation[0], primitive.pose.translation[1], primitive.pose.translation[2]) {
   if (!primitive.bend) return;
@@ -48,12 +61,14 @@ Eigen::Vector3d PlacedPrimitive::surface_point(const SurfaceParameters& paramete
   const Eigen::Vector2d along = superellipse(parameters.latitude, exponents_[0]);
   const Eigen::Vector2d around = superellipse(parameters.longitude, exponents_[1]);
   const Eigen::Array3d unit(along[0] * around[0], along[0] * around[1], along[1]);
-  return rotation_ * arc_.bent((unit * semi_axes_).matrix()) + translation_;
+  return rotation_ * arc_.bent((tapered(unit, k_) * semi_axes_).matrix()) + translation_;
 }
 
 bool PlacedPrimitive::contains(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d straight = arc_.unbent(rotation_.transpose() * (point - translation_));
-  const Eigen::Array3d unit = straight.array() / semi_axes_;
+  const Eigen::Array3d placed = straight.array() / semi_axes_;
+  if (std::abs(placed[2]) > 1.0) return false;
+  const Eigen::Array3d unit = untapered(placed, k_);
   return superellipse_gauge(superellipse_gauge(unit[0], unit[1], exponents_[1]), unit[2], exponents_[0]) <= 1.0;
 }
 

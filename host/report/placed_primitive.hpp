@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <verisq/model.hpp>
 
 namespace verisq::report {
@@ -17,17 +19,22 @@ class PlacedPrimitive {
  public:
   explicit PlacedPrimitive(const Primitive& primitive);
 
-  /// The point of the surface which lay in this direction before semi-axes, bend and pose were applied.
+  /// The point of the surface which lay in this direction before semi-axes, taper, bend and pose were applied.
   [[nodiscard]] Eigen::Vector3d surface_point(const SurfaceParameters& parameters) const;
 
   [[nodiscard]] bool contains(const Eigen::Vector3d& point) const;
 
   /// Of a ball about `centre()` that contains the primitive.
-  [[nodiscard]] double radius() const { return semi_axes_.sum(); }
-  [[nodiscard]] double smallest_semi_axis() const { return semi_axes_.minCoeff(); }
+  [[nodiscard]] double radius() const { return (semi_axes_[0] + semi_axes_[1]) * (1.0 + std::abs(k_)) + semi_axes_[2]; }
+  /// Of the thinner end.
+  [[nodiscard]] double smallest_semi_axis() const {
+    return std::min(std::min(semi_axes_[0], semi_axes_[1]) * (1.0 - std::abs(k_)), semi_axes_[2]);
+  }
   [[nodiscard]] const Eigen::Vector3d& centre() const { return translation_; }
   /// e1, of the curve along the latitude, and e2, of that along the longitude.
   [[nodiscard]] const std::array<double, 2>& exponents() const { return exponents_; }
+  /// The k of the taper, (t - 1)/(t + 1); 0 for none.
+  [[nodiscard]] double taper() const { return k_; }
 
  private:
   struct Arc {  // of the bend; curvature 0 for none
@@ -39,6 +46,7 @@ class PlacedPrimitive {
 
   Eigen::Array3d semi_axes_;
   std::array<double, 2> exponents_;
+  double k_;
   Arc arc_{0.0, 1.0, 0.0};
   Eigen::Matrix3d rotation_;
   Eigen::Vector3d translation_;

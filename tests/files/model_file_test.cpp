@@ -129,6 +129,23 @@ TEST(ModelFile, ReadsTheBentStem) {
   EXPECT_FALSE(is_union_of_convex(model));
 }
 
+TEST(ModelFile, ReadsTheTaperedStems) {
+  const Model straight = read_model(VERISQ_EXAMPLES "/tapered_stem.json");
+  EXPECT_TRUE(is_union_of_convex(straight));
+  const Superquadric& neck = straight.primitives[2].superquadric;
+  EXPECT_NEAR(2.0 * neck.semi_axes[0] * 2.0 / (1.0 + neck.taper), 14.0, 0.01);
+  EXPECT_NEAR(2.0 * neck.semi_axes[0] * 2.0 * neck.taper / (1.0 + neck.taper), 12.0, 0.01);
+
+  const Model bent = read_model(VERISQ_EXAMPLES "/bent_tapered_stem.json");
+  EXPECT_FALSE(is_union_of_convex(bent));
+  ASSERT_EQ(bent.primitives.size(), straight.primitives.size());
+  for (std::size_t k = 0; k < bent.primitives.size(); ++k) {
+    EXPECT_EQ(is_bent(bent.primitives[k]), k == 0);
+    EXPECT_EQ(bent.primitives[k].superquadric.semi_axes, straight.primitives[k].superquadric.semi_axes);
+    EXPECT_EQ(bent.primitives[k].superquadric.taper, straight.primitives[k].superquadric.taper);
+  }
+}
+
 std::string words(const SetExpression& expression, const Model& model) {
   if (expression.operands.empty()) return model.primitives.at(expression.primitive).name;
   std::string text = expression.operation == SetOperation::unite       ? "union("
