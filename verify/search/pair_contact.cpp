@@ -85,12 +85,12 @@ template <class Float>
 class SeparationProblem {
  public:
   SeparationProblem(const Superquadric& a, const Superquadric& b, const Relative<Float>& relative)
-      : a_(NormFunction<Float>::support(a)), b_(NormFunction<Float>::support(b)), relative_(relative) {}
+      : a_(NormFunction<Float>::support(a)), b_(NormFunction<Float>::support_of_reflected(b)), relative_(relative) {}
 
   struct State {
     Vector<Float> v;
     NormExpansion<Float> a;
-    NormExpansion<Float> b;  ///< at R^T v, where B's support point against v is minus this one's
+    NormExpansion<Float> b;  ///< of -B at R^T v: B's support point against v is minus this one's
     Vector<Float> residual;  ///< F(v)
     Float value;             ///< ψ(v)
   };
@@ -258,7 +258,9 @@ class PairSolver {
       return by_midpoint(start, fast_contact);
     }
     const Vector<double> middle = (vector_of(start.on_a) + vector_of(start.on_b)) / 2;
-    if (const auto found = midpoint_contact(a_, b_, relative_.rotation, relative_.offset, middle)) {
+    const bool tapered = is_tapered(a_) || is_tapered(b_);  // what finds midpoints in binary64 knows no taper
+    if (const auto found =
+            tapered ? std::nullopt : midpoint_contact(a_, b_, relative_.rotation, relative_.offset, middle)) {
       return contact<double>({found->vector, found->on_a, found->on_b});
     }
     if (const std::optional<PairContact> found = by_vector(start)) return *found;

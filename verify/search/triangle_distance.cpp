@@ -169,7 +169,6 @@ struct TriangleDistance::State {
 
 TriangleDistance::TriangleDistance(const Model& model) {
   require_union_of_convex(model, "distances of triangles");
-  require_no_taper(model, "distances of triangles");
   state_ = std::make_unique<State>(model);
 }
 
