@@ -37,7 +37,7 @@ class TaperedContactProblem {
     if (!outside()) return radial();
     const bool below = slope(equator(Float(1))) > 0;  // the widest section lies above the closest point
     const Float side = below ? -1 : 1;
-    if (below && slope(equator(Float(-1))) < 0) return contact(equator(Float(1)));  // e1 = 2: a ridge
+    if (below && slope(equator(Float(-1))) < 0) return ridge();
     const auto rise = [&](const Float& t) { return Float(side * slope(place(t, side))); };  // falls with t
     Float low = -farthest();
     Float high = farthest();
@@ -134,6 +134,14 @@ class TaperedContactProblem {
     found.contact.point[2] = static_cast<long double>(place.z);
     found.contact.normal[2] = static_cast<long double>(across);
     return found.contact;
+  }
+
+  /// On the widest section, which for e1 = 2 is an edge: between the normals of its two sides.
+  [[nodiscard]] Contact ridge() const {
+    Contact found = foot(equator(Float(1))).contact;
+    found.point[2] = 0.0L;
+    found.normal[2] = q_[2];
+    return found;
   }
 
   const Superquadric& solid_;
