@@ -15,6 +15,8 @@ namespace verisq::device {
 [[nodiscard]] std::string why_not_on_devices(const Model& model);
 /// Likewise, for octrees and for the search of bends and set operations.
 [[nodiscard]] std::string why_not_in_cubes(const Model& model);
+/// Likewise, for triangles and pairs.
+[[nodiscard]] std::string why_not_as_triangles_or_pairs(const Model& model);
 
 /// Largest magnitudes, in units of the model's largest semi-axis, that the kernels' arithmetic is made for; a model
 /// beyond is the host's.

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "host/batches/device_model.hpp"
 #include "host/batches/pose_batch.hpp"
 #include "host/maps/exact_map.hpp"
 #include "host/maps/prepared_map.hpp"
@@ -19,7 +20,6 @@ namespace {
 
 const Model& supported(const Model& model) {
   verify::require_union_of_convex(model, "maps of poses");
-  verify::require_no_taper(model, "maps of poses");
   return model;
 }
 
@@ -77,8 +77,9 @@ std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const M
   if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
   if (options.point_radius != 0.0) throw Error(ErrorKind::input, "maps of poses have no points with a radius");
   const auto make_batch = [&](const device::Device& device) { return device::pose_batch(device, a, b); };
-  return std::make_unique<PreparedMap<Pose, PoseProver>>(PoseProver(a, b, options), options, device::joined(a, b),
-                                                         make_batch);
+  const Model both = device::joined(a, b);
+  return std::make_unique<PreparedMap<Pose, PoseProver>>(PoseProver(a, b, options), options, both, make_batch,
+                                                         device::why_not_as_triangles_or_pairs(both));
 }
 
 }  // namespace verisq

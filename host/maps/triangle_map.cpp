@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 
+#include "host/batches/device_model.hpp"
 #include "host/batches/triangle_batch.hpp"
 #include "host/maps/exact_map.hpp"
 #include "host/maps/prepared_map.hpp"
@@ -75,8 +76,8 @@ std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOp
   const auto make_batch = [&](const device::Device& device) {
     return device::triangle_batch(device, model, options.certificates);
   };
-  return std::make_unique<PreparedMap<Triangle, TriangleProver>>(TriangleProver(model, options), options, model,
-                                                                 make_batch);
+  return std::make_unique<PreparedMap<Triangle, TriangleProver>>(
+      TriangleProver(model, options), options, model, make_batch, device::why_not_as_triangles_or_pairs(model));
 }
 
 }  // namespace verisq

@@ -37,14 +37,14 @@ TaperedSolid::TaperedSolid(const Primitive& primitive)
       k_((Real(primitive.superquadric.taper) - 1) / (Real(primitive.superquadric.taper) + 1)),
       height_(primitive.superquadric.semi_axes[2]) {}
 
-bool TaperedSolid::contains(const Vector& own) const {
+bool TaperedSolid::contains_own(const Vector& own) const {
   using std::abs;
   const Real scale = 1 + k_ * own[2] / height_;
   if (abs(own[2]) > height_) return false;
   return posed_.norm().gauge({own[0] / scale, own[1] / scale, (own[2] + k_ * height_) / scale}) <= 1;
 }
 
-KnownContact TaperedSolid::contact(const Triple<double>& direction, double apart) const {
+SurfacePoint TaperedSolid::own_surface(const Triple<double>& direction) const {
   const MixedNorm<Real>& norm = posed_.norm();
   const Vector u = widened(direction);
   const Vector x = scaled<Real>(u, 1 / norm.gauge(u));
@@ -57,14 +57,31 @@ KnownContact TaperedSolid::contact(const Triple<double>& direction, double apart
   // Of the composition with the inverse, (x, y, z) -> (x / s, y / s, (z + k a3) / s), s = 1 + k z / a3.
   const Real fall = (n[0] * surface[0] + n[1] * surface[1]) * k_ / height_ / (scale * scale);
   const Vector normal{n[0] / scale, n[1] / scale, n[2] * (1 - k_ * k_) / (scale * scale) - fall};
+  return {surface, normal};
+}
 
+SurfacePoint TaperedSolid::surface(const Triple<double>& direction) const {
+  const auto [point, normal] = own_surface(direction);
+  const Vector tip = posed_.from_own_frame(scaled<Real>(normal, 1 / length(normal)));
+  return {posed_.from_own_frame(point), difference(tip, posed_.centre())};
+}
+
+Real TaperedSolid::diameter_up() const {
+  using std::abs;
+  const Triple<Real>& axes = posed_.norm().semi_axes();
+  const Real widest = 1 + abs(k_);
+  return 2 * length(Vector{widest * axes[0], widest * axes[1], axes[2]});
+}
+
+KnownContact TaperedSolid::contact(const Triple<double>& direction, double apart) const {
+  const auto [surface, normal] = own_surface(direction);
   const Vector step = scaled<Real>(normal, Real(apart) / length(normal));
   const Vector ideal{surface[0] + step[0], surface[1] + step[1], surface[2] + step[2]};
   const Point query = rounded(posed_.from_own_frame(ideal));
   const Vector q = posed_.to_own_frame(widened(query));  // of the rounded one
   const Vector from_surface = difference(q, surface);
   const Real lower = dot(from_surface, normal) / length(normal);
-  return {query, lower, contains(q) ? Real(0) : length(from_surface)};
+  return {query, lower, contains_own(q) ? Real(0) : length(from_surface)};
 }
 
 Primitive random_tapered(std::mt19937_64& random, double largest_ratio) {

@@ -20,16 +20,34 @@ struct KnownContact {
   Real upper;
 };
 
+/// A point of the surface and the outer unit normal there.
+struct SurfacePoint {
+  Vector point;
+  Vector normal;
+};
+
 class TaperedSolid {
  public:
   explicit TaperedSolid(const Primitive& primitive);
+
+  /// In the frame of the model; the point is that to which the ray from the untapered centre along `direction` (not
+  /// zero) leads.
+  [[nodiscard]] SurfacePoint surface(const Triple<double>& direction) const;
+
+  /// Of a point of the model's frame.
+  [[nodiscard]] bool contains(const Vector& point) const { return contains_own(posed_.to_own_frame(point)); }
+
+  /// No two points of the solid are farther apart.
+  [[nodiscard]] Real diameter_up() const;
 
   /// The point of the surface that the ray from the untapered centre along `direction` (not zero) leads to, and a step
   /// of `apart` along the normal, towards the inside where it is negative.
   [[nodiscard]] KnownContact contact(const Triple<double>& direction, double apart) const;
 
  private:
-  [[nodiscard]] bool contains(const Vector& own) const;
+  [[nodiscard]] bool contains_own(const Vector& own) const;
+  /// In the solid's own frame, the normal of any length.
+  [[nodiscard]] SurfacePoint own_surface(const Triple<double>& direction) const;
 
   PosedSolid posed_;  ///< without its taper
   Real k_;

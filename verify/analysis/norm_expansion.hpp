@@ -5,16 +5,15 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstdint>
 #include <type_traits>
 
+#include "verify/analysis/planar_norm.hpp"
+#include "verify/analysis/support_root.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
-
-template <class Number>
-inline constexpr bool is_interval = std::is_same_v<Number, PreciseInterval>;
 
 /// The gradient of the support function is the support point, its Hessian how that moves with the direction. The
 /// gradient of the gauge is an outer normal.
@@ -28,70 +27,12 @@ struct NormExpansion {
   Matrix hessian;
 };
 
-/// ‖(x, y)‖_q with all derivatives up to the second.
-template <class Number>
-struct PlanarNorm {
-  Number value;
-  Number dx, dy;
-  Number dxx, dxy, dyy;
-};
-
-/// Precondition: large > 0, small >= 0; k = q - 1. With t = small / large and N the norm,
-///     N = large (1 + t^q)^(1/q),   dN/dlarge = (large / N)^k = (N / large) / (1 + t^q),   dN/dsmall = t^k dN/dlarge.
-/// These identities hold in either order of the two: "large" only avoids overflow.
-template <class Number>
-[[nodiscard]] PlanarNorm<Number> planar_norm(const Number& large, const Number& small, const Number& k) {
-  using std::pow;
-  const Number one(1);
-  const Number t = small / large;
-  const Number t_k = pow(t, k);
-  // t^(k - 1) is infinite at t = 0 for k < 1.
-  const Number curvature = is_interval<Number> ? Number(pow(t, Number(k - one))) : Number(t_k / t);
-  const Number sum = one + t * t_k;
-  const Number ratio = pow(sum, Number(one / (k + one)));
-  PlanarNorm<Number> n;
-  n.value = large * ratio;
-  n.dx = ratio / sum;
-  n.dy = t_k * n.dx;
-  const Number scale = k * n.dx / n.value;
-  n.dxx = scale * ratio * t * t_k / sum;
-  n.dxy = -(scale * n.dy);
-  n.dyy = scale * ratio * curvature / sum;
-  return n;
-}
-
-template <class Number>
-[[nodiscard]] bool comes_before(const Number& x, const Number& y) {
-  if constexpr (is_interval<Number>) {
-    return x.upper() < y.upper();
-  } else {
-    return x < y;
-  }
-}
-
-template <class Number>
-[[nodiscard]] PlanarNorm<Number> ordered_planar_norm(const Number& x, const Number& y, const Number& k) {
-  if (!comes_before(x, y)) return planar_norm<Number>(x, y, k);
-  const PlanarNorm<Number> n = planar_norm<Number>(y, x, k);
-  return {n.value, n.dy, n.dx, n.dyy, n.dxy, n.dxx};
-}
-
-/// -1, 0, 1; of an interval their hull.
-template <class Number>
-[[nodiscard]] Number sign_of(const Number& x) {
-  if constexpr (is_interval<Number>) {
-    const auto sign = [](const Real& a) { return Real(a > Real(0) ? 1 : a < Real(0) ? -1 : 0); };
-    return Number(sign(x.lower()), sign(x.upper()));
-  } else {
-    return Number(x > 0 ? 1 : x < 0 ? -1 : 0);
-  }
-}
-
 /// ‖( ‖(w1 v1, w2 v2)‖_q2 , w3 v3 )‖_q1 and its derivatives: the support function has the semi-axes as weights, the
-/// gauge their reciprocals (docs/mathematics.md §1). Over a box the intervals contain the values of all its points;
-/// they are unbounded, or std::domain_error is thrown, where a component with q < 2 may vanish, or two components at
-/// once. Floating-point results are proposals: exponents are kept away from 0 and 2, where the solid has edges or flat
-/// faces, and zero components are replaced by tiny ones in the Hessian.
+/// gauge their reciprocals (docs/mathematics.md §1). What a taper makes of both stands in §18; with one, v is a vector
+/// of the frame whose origin is the focus. Over a box the intervals contain the values of all its points; they are
+/// unbounded, or std::domain_error is thrown, where a component with q < 2 may vanish, or two components at once.
+/// Floating-point results are proposals: exponents are kept away from 0 and 2, where the solid has edges or flat faces,
+/// and zero components are replaced by tiny ones in the Hessian.
 template <class Number>
 class NormFunction {
  public:
@@ -99,7 +40,7 @@ class NormFunction {
 
   /// h, with q - 1 = e / (2 - e). For intervals: precondition that both exponents are below 2.
   [[nodiscard]] static NormFunction support(const Superquadric& solid) {
-    NormFunction h;
+    NormFunction h(solid, Kind::support);
     for (std::size_t i = 0; i < 3; ++i) h.weights_[i] = exact(solid.semi_axes[i]);
     const auto excess = [](const Number& e) { return Number(e / (Number(2) - e)); };
     h.outer_ = excess(resolved(solid.exponents[0]));
@@ -107,9 +48,17 @@ class NormFunction {
     return h;
   }
 
+  /// h(-v), the support function of the solid reflected at the origin of its frame: of -K, with k for -k.
+  [[nodiscard]] static NormFunction support_of_reflected(const Superquadric& solid) {
+    NormFunction h = support(solid);
+    h.k_ = -h.k_;
+    h.tilt_ = -h.tilt_;
+    return h;
+  }
+
   /// g, with p - 1 = (2 - e) / e.
   [[nodiscard]] static NormFunction gauge(const Superquadric& solid) {
-    NormFunction g;
+    NormFunction g(solid, Kind::gauge);
     for (std::size_t i = 0; i < 3; ++i) g.weights_[i] = Number(1) / exact(solid.semi_axes[i]);
     const auto excess = [](const Number& e) { return Number((Number(2) - e) / e); };
     g.outer_ = excess(resolved(solid.exponents[0]));
@@ -119,6 +68,23 @@ class NormFunction {
 
   /// Precondition: v is not zero.
   [[nodiscard]] NormExpansion<Number> operator()(const Vector& v) const {
+    if (!tapered_) return norm(v);
+    return kind_ == Kind::support ? tapered_support(v) : tapered_gauge(v);
+  }
+
+ private:
+  enum class Kind : std::uint8_t { support, gauge };
+  using Matrix = typename NormExpansion<Number>::Matrix;
+
+  NormFunction(const Superquadric& solid, Kind kind)
+      : kind_(kind),
+        tapered_(is_tapered(solid)),
+        k_(Number((exact(solid.taper) - Number(1)) / (exact(solid.taper) + Number(1)))),
+        tilt_(Number(k_ / exact(solid.semi_axes[2]))),
+        fall_(Number(Number(1) - k_ * k_)) {}
+
+  /// Without the taper.
+  [[nodiscard]] NormExpansion<Number> norm(const Vector& v) const {
     const std::array<Number, 3> w = magnitudes_of(v);
     const PlanarNorm<Number> section = ordered_planar_norm<Number>(w[0], w[1], inner_);
     const PlanarNorm<Number> whole = ordered_planar_norm<Number>(section.value, w[2], outer_);
@@ -143,8 +109,39 @@ class NormFunction {
     return result;
   }
 
- private:
-  NormFunction() = default;
+  /// (N(v) - (k/a3) v_z) / (1 - k²)
+  [[nodiscard]] NormExpansion<Number> tapered_gauge(const Vector& v) const {
+    NormExpansion<Number> g = norm(v);
+    g.value = Number((g.value - tilt_ * v[2]) / fall_);
+    g.gradient[2] = Number(g.gradient[2] - tilt_);
+    g.gradient = Vector(g.gradient / fall_);
+    g.hessian = Matrix(g.hessian * Number(Number(1) / fall_));
+    return g;
+  }
+
+  /// (1 - k²) τ(v) with M(u) = τ, u = v + (0, 0, k τ/a3): with D = 1 - (k/a3) ∂M/∂u_z the gradient p of τ is that of M
+  /// divided by D, du = J dv with J = I + (k/a3) e3 p^T, and the Hessian of τ is J^T D²M J / D.
+  [[nodiscard]] NormExpansion<Number> tapered_support(const Vector& v) const {
+    const Number root = root_at(v);
+    Vector u = v;
+    u[2] = Number(v[2] + tilt_ * root);
+    const NormExpansion<Number> m = norm(u);
+    const Number fall_along_root = Number(Number(1) - tilt_ * m.gradient[2]);
+    const Vector p = m.gradient / fall_along_root;
+    Matrix j;
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column)
+        j(row, column) = Number(Number(row == column ? 1 : 0) + (row == 2 ? Number(tilt_ * p[column]) : Number(0)));
+    }
+    const Matrix curvature = j.transpose() * m.hessian * j;
+    return {Number(fall_ * root), Vector(p * fall_), Matrix(curvature * Number(fall_ / fall_along_root))};
+  }
+
+  [[nodiscard]] Number root_at(const Vector& v) const {
+    const std::array<Number, 3> w = magnitudes_of(v);
+    return root_of(RootEquation<Number>{ordered_planar_norm<Number>(w[0], w[1], inner_).value,
+                                        Number(weights_[2] * v[2]), k_, outer_});
+  }
 
   [[nodiscard]] static Number exact(double x) {
     if constexpr (is_interval<Number>) {
@@ -175,6 +172,11 @@ class NormFunction {
     return w;
   }
 
+  Kind kind_;
+  bool tapered_;
+  Number k_;     ///< of the taper
+  Number tilt_;  ///< k / a3
+  Number fall_;  ///< 1 - k²
   std::array<Number, 3> weights_;
   Number outer_, inner_;
 };

@@ -36,10 +36,11 @@ std::array<Real, 3> coordinates(const PreciseVector& x) {
   return {x[0].lower(), x[1].lower(), x[2].lower()};
 }
 
-/// F(v) and its Jacobian I + D^2h_A(v) + R D^2h_B(R^T v) R^T. Support functions are even, support mappings odd.
+/// F(v) and its Jacobian I + D^2h_A(v) + R D^2h_-B(R^T v) R^T: h_-B(w) = h_B(-w), and -B's support point at w is minus
+/// B's at -w.
 struct SeparationSystem {
   NormFunction<PreciseInterval> support_a;
-  NormFunction<PreciseInterval> support_b;
+  NormFunction<PreciseInterval> support_b;  ///< of -B
   const RigidMotion* relative;
 
   [[nodiscard]] SystemExpansion<3> operator()(const IntervalVector<3>& unknowns) const {
@@ -57,8 +58,8 @@ struct SeparationSystem {
 };
 
 /// The same for a flat A, whose support point is too sensitive: in the unknowns x on A's surface and s > 0 the vector
-/// is v = s n with the normal n = Dg_A(x), and the equations are v - c + x + R s_B(R^T v) = 0, g_A(x) = 1. A zero gives
-/// one of F, because x = s_A(v).
+/// is v = s n with the normal n = Dg_A(x), and the equations are v - c + x + R s_-B(R^T v) = 0, g_A(x) = 1. A zero
+/// gives one of F, because x = s_A(v).
 struct SurfaceSystem {
   NormFunction<PreciseInterval> gauge_a;
   SeparationSystem separation;
@@ -273,6 +274,10 @@ struct Remaining {
     return strictly_convex(bounds.a().superquadric()) || strictly_convex(bounds.b().superquadric());
   }
 
+  [[nodiscard]] bool tapered_one() const {
+    return is_tapered(bounds.a().superquadric()) || is_tapered(bounds.b().superquadric());
+  }
+
   [[nodiscard]] double size() const {
     return std::max(std::ranges::max(bounds.a().superquadric().semi_axes),
                     std::ranges::max(bounds.b().superquadric().semi_axes));
@@ -295,9 +300,11 @@ struct Remaining {
     const Superquadric& a = bounds.a().superquadric();
     const Superquadric& b = bounds.b().superquadric();
     const auto support_a = NormFunction<PreciseInterval>::support(a);
+    const auto against_a = NormFunction<PreciseInterval>::support_of_reflected(a);
     const auto support_b = NormFunction<PreciseInterval>::support(b);
+    const auto against_b = NormFunction<PreciseInterval>::support_of_reflected(b);
     const RigidMotion& relative = bounds.relative();
-    const SeparationSystem forward{support_a, support_b, &relative};
+    const SeparationSystem forward{support_a, against_b, &relative};
     std::optional<Boxes> found = boxes(by_separation(forward, contact), pairs);
     if (found && found->width() <= kNarrow * size()) return found;
     const SurfaceSystem surface_a{NormFunction<PreciseInterval>::gauge(a), forward};
@@ -306,7 +313,7 @@ struct Remaining {
     const RigidMotion inverse = relative.inverse();
     const PreciseVector back = -(relative.rotation.transpose() * contact.vector);
     const auto gauge_b = NormFunction<PreciseInterval>::gauge(b);
-    const SurfaceSystem surface_b{gauge_b, {support_b, support_a, &inverse}};
+    const SurfaceSystem surface_b{gauge_b, {support_b, against_a, &inverse}};
     if (const auto swapped = by_surface(surface_b, {back, contact.on_b, contact.on_a})) {
       const PairBox restored{-(relative.rotation * swapped->vector), swapped->on_b, swapped->on_a};
       found = both(found, boxes(restored, pairs));
@@ -316,15 +323,15 @@ struct Remaining {
     return both(found, boxes(by_surfaces(surfaces, contact), pairs));
   }
 
-  /// The coordinates whose reflection x_k -> -x_k maps A and B onto themselves: each solid alone it does, and where
-  /// R e_k = ±e_k and c_k = 0, all exactly, it commutes with B's motion. It then maps closest points to closest points;
-  /// where there is only one pair of them, both have x_k = 0.
+  /// The coordinates whose reflection x_k -> -x_k maps A and B onto themselves: each solid alone it does, but for z and
+  /// a taper, and where R e_k = ±e_k and c_k = 0, all exactly, it commutes with B's motion. It then maps closest points
+  /// to closest points; where there is only one pair of them, both have x_k = 0.
   [[nodiscard]] std::array<bool, 3> planes_of_closest_points() const {
     const auto zero = [](const PreciseInterval& x) { return x.lower() == Real(0) && x.upper() == Real(0); };
     const auto& [rotation, translation] = bounds.relative();
     std::array<bool, 3> planes{};
     for (int k = 0; k < 3; ++k) {
-      bool symmetric = strictly_convex_one() && zero(translation[k]);
+      bool symmetric = strictly_convex_one() && zero(translation[k]) && (k < 2 || !tapered_one());
       for (int l = 0; l < 3; ++l) symmetric = symmetric && (l == k || (zero(rotation(l, k)) && zero(rotation(k, l))));
       planes[static_cast<std::size_t>(k)] = symmetric;
     }

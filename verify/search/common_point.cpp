@@ -21,21 +21,38 @@ struct Slope {
 
 class GaugeSlope {
  public:
-  explicit GaugeSlope(const Superquadric& solid) : boundary_(solid) {}
+  explicit GaugeSlope(const Superquadric& solid) : boundary_(solid), tapered_(is_tapered(solid)) {}
 
   [[nodiscard]] Slope operator()(const Eigen::Vector3d& x) const {
-    const Boundary<double>::Vector octant{std::fabs(x[0]), std::fabs(x[1]), std::fabs(x[2])};
+    const Boundary<double>::Vector octant{std::fabs(x[0]), std::fabs(x[1]), tapered_ ? x[2] : std::fabs(x[2])};
     const double gauge = boundary_.gauge(octant);
     if (!(gauge > 0.0)) return {gauge, Eigen::Vector3d::UnitX()};
     const auto n = boundary_.normal(octant);
-    const Eigen::Vector3d normal(std::copysign(n[0], x[0]), std::copysign(n[1], x[1]), std::copysign(n[2], x[2]));
-    // The gradient of a norm has gradient·x = g(x).
+    const Eigen::Vector3d normal(std::copysign(n[0], x[0]), std::copysign(n[1], x[1]),
+                                 tapered_ ? n[2] : std::copysign(n[2], x[2]));
+    // The gradient of a gauge has gradient·x = g(x).
     return {gauge, normal * (gauge / normal.dot(x))};
   }
 
  private:
   Boundary<double> boundary_;
+  bool tapered_;
 };
+
+/// An ellipsoid with axes along those of the frame.
+struct Ellipsoid {
+  Eigen::Vector3d centre;
+  Eigen::Vector3d squared_semi_axes;
+};
+
+/// Through the corners of a box that contains the solid: a taper makes no section larger than 1 + |k| times the middle
+/// one, and moves the middle to k a3 from the origin.
+Ellipsoid ellipsoid_about(const Superquadric& solid) {
+  const double k = (solid.taper - 1.0) / (solid.taper + 1.0);
+  const auto& [x, y, z] = solid.semi_axes;
+  const double widest = 1.0 + std::fabs(k);
+  return {{0.0, 0.0, k * z}, {3.0 * std::pow(x * widest, 2), 3.0 * std::pow(y * widest, 2), 3.0 * std::pow(z, 2)}};
+}
 
 }  // namespace
 
@@ -43,10 +60,9 @@ std::optional<Eigen::Vector3d> common_point(const Superquadric& a, const Superqu
                                             const Eigen::Matrix3d& rotation, const Eigen::Vector3d& offset) {
   const GaugeSlope slope_a(a);
   const GaugeSlope slope_b(b);
-  // The ellipsoid through the corners of A's box contains A.
-  Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d shape = Eigen::Matrix3d::Zero();
-  for (int i = 0; i < 3; ++i) shape(i, i) = 3.0 * std::pow(a.semi_axes[static_cast<std::size_t>(i)], 2);
+  const Ellipsoid about_a = ellipsoid_about(a);
+  Eigen::Vector3d x = about_a.centre;
+  Eigen::Matrix3d shape = about_a.squared_semi_axes.asDiagonal();
   std::optional<Eigen::Vector3d> best;
   double least = 1.0;
   for (int step = 0, extra = 0; step < kMostSteps && extra < kExtraSteps; ++step) {

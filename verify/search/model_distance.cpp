@@ -117,7 +117,6 @@ ModelDistance exact_distance(const PosedPairs& pairs, const std::function<bool()
 /// The inflated model is for signed distances alone.
 Bracketed<PosedPrimitives> posed_models(Bracket models) {
   require_union_of_convex(models.largest, "distances by certificates");
-  require_no_taper(models.largest, "distances by certificates");
   models.inflated.reset();
   return bracketed(models, [](const Model& model) { return PosedPrimitives(model); });
 }

@@ -1,9 +1,9 @@
 /// The closest point of a tapered solid, section by section, for any floating-point type.
 ///
 /// In the solid's own frame (docs/mathematics.md §18) a point of the surface is w = M u with N(u) = 1, M = (1 - k²) /
-/// (1 - k u_z/a3). At the height of w the solid's section is {‖(x/a1, y/a2)‖_p2 <= R}, and half the squared distance of q
-/// to it is convex in z, because it is the least over x and y of a convex function on a convex set. With ν the multiplier
-/// of the projection of (q1, q2) on the section and dR/dz from N(w) = 1 - k² + k z/a3, its derivative is
+/// (1 - k u_z/a3). At the height of w the solid's section is {‖(x/a1, y/a2)‖_p2 <= R}, and half the squared distance of
+/// q to it is convex in z, because it is the least over x and y of a convex function on a convex set. With ν the
+/// multiplier of the projection of (q1, q2) on the section and dR/dz from N(w) = 1 - k² + k z/a3, its derivative is
 ///     F(z) = z - q3 + ν (±|u_z/a3|^(p1-1) - k) / (a3 r^(p1-1)),     r the norm of u's section,
 /// which rises. The unknown is t = ln(r a3/|u_z|), which resolves the poles and the widest section alike.
 #pragma once
@@ -37,14 +37,16 @@ class TaperedContactProblem {
     if (!outside()) return radial();
     const bool below = slope(equator(Float(1))) > 0;  // the widest section lies above the closest point
     const Float side = below ? -1 : 1;
-    if (below && slope(equator(Float(-1))) < 0) return contact(equator(Float(1)));  // e1 = 2: a ridge
+    if (below && slope(equator(Float(-1))) < 0) return corner(equator(Float(1)));
     const auto rise = [&](const Float& t) { return Float(side * slope(place(t, side))); };  // falls with t
     Float low = -farthest();
     Float high = farthest();
-    if (rise(low) <= 0) return contact(place(low, side));
+    if (rise(low) <= 0) return excess_ == 0 ? corner(place(low, side)) : contact(place(low, side));
     if (rise(high) >= 0) return contact(place(high, side));
     std::uintmax_t most_steps = 100;
-    const auto close = [&](const Float& a, const Float& b) { return fabs(b - a) <= resolution_.step * resolution_.step; };
+    const auto close = [&](const Float& a, const Float& b) {
+      return fabs(b - a) <= resolution_.step * resolution_.step;
+    };
     std::tie(low, high) = boost::math::tools::toms748_solve(rise, low, high, close, most_steps);
     return contact(place((low + high) / 2, side));
   }
@@ -103,7 +105,8 @@ class TaperedContactProblem {
                                {1.0, solid_.exponents[1]}};
     const Proposal q{q_[0] / radius, q_[1] / radius, 0.0L};  // the section has the radius 1
     const Boundary<long double> boundary(section);
-    if (boundary.gauge({std::fabs(q[0]), std::fabs(q[1]), 0.0L}) <= 1) return {{{q_[0], q_[1], 0}, {0, 0, 0}}, Float(0)};
+    if (boundary.gauge({std::fabs(q[0]), std::fabs(q[1]), 0.0L}) <= 1)
+      return {{{q_[0], q_[1], 0}, {0, 0, 0}}, Float(0)};
     Contact found = ContactProblem<Float>(section, q, resolution_).solve();
     std::array<Float, 2> logs;
     for (const std::size_t i : {0U, 1U}) {
@@ -136,11 +139,19 @@ class TaperedContactProblem {
     return found.contact;
   }
 
+  /// On the widest section or at an end, for e1 = 2 an edge and a tip: between the normals about it.
+  [[nodiscard]] Contact corner(const Place& place) const {
+    Contact found = foot(place).contact;
+    found.point[2] = static_cast<long double>(place.z);
+    found.normal[2] = static_cast<long double>(Float(Float(q_[2]) - place.z));
+    return found;
+  }
+
   const Superquadric& solid_;
   Proposal q_;
   Resolution resolution_;
   Float k_;
-  Float height_;  ///< a3
+  Float height_;          ///< a3
   Float excess_;          ///< p1 - 1
   Float section_excess_;  ///< p2 - 1
 };

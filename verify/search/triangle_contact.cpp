@@ -12,6 +12,7 @@
 #include "verify/proof/triangle.hpp"
 #include "verify/search/contact_problem.hpp"
 #include "verify/search/support_mapping.hpp"
+#include "verify/search/tapered_contact_problem.hpp"
 
 namespace verisq::verify {
 
@@ -92,10 +93,16 @@ class BoundarySearch {
 
   [[nodiscard]] Gradient gradient(const Vector& q) const {
     const Proposal point{q[0], q[1], q[2]};
-    const Contact contact = logarithmic::ContactProblem<Float>(solid_, point, logarithmic::kResolution<Float>).solve();
+    const Contact contact = this->contact(point);
     return {{static_cast<Float>(contact.normal[0]), static_cast<Float>(contact.normal[1]),
              static_cast<Float>(contact.normal[2])},
             contact.point == point};
+  }
+
+  [[nodiscard]] Contact contact(const Proposal& q) const {
+    constexpr auto resolution = logarithmic::kResolution<Float>;
+    return is_tapered(solid_) ? logarithmic::TaperedContactProblem<Float>(solid_, q, resolution).solve()
+                              : logarithmic::ContactProblem<Float>(solid_, q, resolution).solve();
   }
 
   /// v·step, or 0 where that is rounding error.

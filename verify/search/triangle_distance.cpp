@@ -76,23 +76,29 @@ class TriangleProof {
 
   using Solver = Contact (*)(const Superquadric&, const Proposal&);
 
+  void offer_upper(const Weights& weights, const PreciseVector& q, const Proposal& v) {
+    const double hi = upper_by_point(solid_, q, v);
+    if (!(hi < proven_.distance.hi)) return;
+    proven_.distance.hi = hi;
+    proven_.weights = weights;
+    proven_.upper_normal = v;
+  }
+
   /// From the closest point to q. Inside and on the surface, where the contact's normal is a direction only, very
   /// short: then it leads back to q itself, scaled to the surface.
-  [[nodiscard]] Proposal normal_at(const Proposal& q, Solver contact) const {
-    const auto [x, v] = contact(solid_.superquadric(), q);
-    return x == q ? along(Proposal{}, v, static_cast<long double>(kShortest)) : v;
+  [[nodiscard]] static Proposal normal_at(const Proposal& q, const Contact& found) {
+    return found.point == q ? along(Proposal{}, found.normal, static_cast<long double>(kShortest)) : found.normal;
   }
 
   void prove(const Weights& weights, Solver contact) {
     const PreciseVector q = triangle_.point(weights);
-    const Proposal v = normal_at(midpoint(q), contact);
-    const double hi = upper_by_point(solid_, q, v);
-    if (hi < proven_.distance.hi) {
-      proven_.distance.hi = hi;
-      proven_.weights = weights;
-      proven_.upper_normal = v;
-    }
-    if (hi == 0.0) return;
+    const Proposal middle = midpoint(q);
+    const Contact found = contact(solid_.superquadric(), middle);
+    const Proposal v = normal_at(middle, found);
+    offer_upper(weights, q, v);
+    // Next to the flat end of a tapered solid the point is more accurate than the normal, which a section gives.
+    if (solid_.bounds().is_tapered()) offer_upper(weights, q, difference(middle, found.point));
+    if (proven_.distance.hi == 0.0) return;
     for (const Proposal& direction : directions(weights, v)) {
       const double lo = lower_by_normal(solid_, triangle_, direction);
       if (lo > proven_.distance.lo) {
@@ -169,7 +175,6 @@ struct TriangleDistance::State {
 
 TriangleDistance::TriangleDistance(const Model& model) {
   require_union_of_convex(model, "distances of triangles");
-  require_no_taper(model, "distances of triangles");
   state_ = std::make_unique<State>(model);
 }
 
