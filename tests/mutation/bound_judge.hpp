@@ -26,7 +26,9 @@ class BoundJudge {
 
  private:
   struct Samples;
-  std::vector<Samples> samples_;  ///< of each solid
+  struct PointsInside;
+  std::vector<Samples> samples_;       ///< of each solid
+  std::vector<PointsInside> tapered_;  ///< of each tapered solid
 };
 
 }  // namespace verisq::mutation
