@@ -567,8 +567,13 @@ std::string BoundJudge::operator()(const CompiledKernels& kernels) const {
       if (found[2][i] < caps[i].bend) return fmt::format("bend {:.17g}, {}", found[2][i], described(caps[i]));
     }
   }
+  return false_separation(kernels);
+}
+
+std::string BoundJudge::false_separation(const CompiledKernels& kernels) const {
+  cl::Kernel evaluate_bound(kernels.program, "evaluate_bound");
+  evaluate_bound.setArg(0, separation_down);
   for (const auto& [solid, points] : tapered_) {
-    evaluate_bound.setArg(0, separation_down);
     const std::vector<double> apart = called(kernels, evaluate_bound, 1, solid, columns_of(points), 3).front();
     for (std::size_t i = 0; i < samples; ++i)
       if (apart[i] > 0.0)

@@ -27,6 +27,10 @@ class BoundJudge {
  private:
   struct Samples;
   struct PointsInside;
+
+  /// The first point inside a tapered solid that is said to lie outside; empty when all is well.
+  [[nodiscard]] std::string false_separation(const CompiledKernels& kernels) const;
+
   std::vector<Samples> samples_;       ///< of each solid
   std::vector<PointsInside> tapered_;  ///< of each tapered solid
 };
