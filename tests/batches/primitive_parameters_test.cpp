@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "tests/oracle/mixed_norm.hpp"
 #include "tests/oracle/random_cases.hpp"
@@ -158,6 +159,133 @@ TEST_F(PrimitiveParametersTest, TheLocalPointIsAsNearAsPromised) {
     if (promised > 0.0) worst = std::max(worst, (sqrt(squared) / promised).convert_to<double>());
   }
   EXPECT_GT(worst, 0.1) << "the bound is never nearly reached: are the cases hard enough?";
+}
+
+/// What a tapered solid is, by the map of include/verisq/model.hpp, against what the kernels take it for.
+class TaperParametersTest : public PrimitiveParametersTest {
+ protected:
+  static constexpr int points_of_solid = 30;
+
+  /// k, as the solid has it.
+  static Real exact_taper(const Primitive& primitive) {
+    const Real ratio(primitive.superquadric.taper);
+    return (ratio - 1) / (ratio + 1);
+  }
+
+  /// A point of the untapered surface: near an end, where a taper is felt most, one time in two.
+  static oracle::Vector surface_point(oracle::RandomCases& random, const oracle::MixedNorm<Real>& norm) {
+    const Point direction = random.direction();
+    const double flattening = random.choice(2) == 0 ? 1.0 : random.log_uniform(1e-3, 1.0);
+    const auto& a = norm.semi_axes();
+    const oracle::Vector x{a[0] * direction[0] * flattening, a[1] * direction[1] * flattening, a[2] * direction[2]};
+    return oracle::scaled<Real>(x, 1 / norm.gauge(x));
+  }
+
+  /// Where the map takes a point of Eq. (1).
+  static oracle::Vector tapered(const oracle::Vector& x, const Real& k, const Real& a3) {
+    const Real z = (x[2] - k * a3) / (1 - k * x[2] / a3);
+    const Real section = 1 + k * z / a3;
+    return {section * x[0], section * x[1], z};
+  }
+
+  /// Calls `expect(primitive, parameters, norm, random)` for solids of many ratios.
+  template <class Expect>
+  static void for_many_ratios(int count, const Expect& expect) {
+    oracle::RandomCases random(22);
+    for (int i = 0; i < count && !HasFailure(); ++i) {
+      Primitive primitive = random.solid();
+      double& ratio = primitive.superquadric.taper;
+      ratio = random.log_uniform(smallest_taper, largest_taper);
+      if (i % 8 == 0) ratio = 1.0 + (random.choice(2) == 0 ? 1.0 : -1.0) * random.log_uniform(0x1p-52, 0.1);
+      const PrimitiveParameters parameters = primitive_parameters(primitive, scale_exponent({"", {primitive}}));
+      Superquadric scaled = primitive.superquadric;
+      std::copy_n(parameters.semi_axes, 3, scaled.semi_axes.begin());
+      expect(primitive, parameters, oracle::MixedNorm<Real>(scaled), random);
+    }
+  }
+
+  static PrimitiveParameters of_ratio(double ratio) {
+    return primitive_parameters({"", {{1.0, 0.75, 1.25}, {0.5, 1.5}, ratio}, {}}, 0);
+  }
+};
+
+TEST_F(TaperParametersTest, ConstantsBoundThoseOfTheRoundedTaper) {
+  for_many_ratios(solids, [](const Primitive& primitive, const PrimitiveParameters& parameters, const auto&, auto&) {
+    const Real k = exact_taper(primitive);
+    const Real rounded(parameters.taper);
+    EXPECT_TRUE(abs(rounded - k) <= abs(k) * Real(0x1p-53)) << primitive.superquadric.taper;
+    expect_below(parameters.fall_down, 1 - rounded * rounded);
+    expect_above(parameters.fall_up, 1 - rounded * rounded);
+    EXPECT_TRUE(Real(parameters.fall_down) <= 1 - rounded * rounded &&
+                Real(parameters.fall_up) >= 1 - rounded * rounded);
+    EXPECT_TRUE(abs(rounded * parameters.semi_axes[2] - parameters.focus) <= Real(0x1p-53) * abs(parameters.focus));
+  });
+}
+
+/// About the focus, every point of the solid of the rounded taper: what the kernels prove lower ends from afar by.
+TEST_F(TaperParametersTest, ReachIsBeyondEveryPointSeenFromTheFocus) {
+  double worst = 0.0;
+  for_many_ratios(solids / 8, [&](const Primitive& primitive, const PrimitiveParameters& parameters, const auto& norm,
+                                  oracle::RandomCases& random) {
+    const Real k(parameters.taper);
+    const Real a3(parameters.semi_axes[2]);
+    for (int n = 0; n < points_of_solid; ++n) {
+      oracle::Vector w = tapered(surface_point(random, norm), k, a3);
+      w[2] += k * a3;
+      const Real ratio = oracle::length<Real>(w) / parameters.reach_up;
+      EXPECT_TRUE(ratio <= 1) << text(ratio) << " of what is promised, taper " << primitive.superquadric.taper;
+      worst = std::max(worst, ratio.convert_to<double>());
+    }
+    const PrimitiveParameters without =
+        primitive_parameters({"", {primitive.superquadric.semi_axes, primitive.superquadric.exponents}, {}},
+                             scale_exponent({"", {primitive}}));
+    expect_above(parameters.reach_up, Real(without.reach_up) * (1 + abs(k)));
+  });
+  EXPECT_GT(worst, 0.9) << "the bound is never nearly reached: are the cases hard enough?";
+}
+
+/// Each point of the solid, with the exact k, is near that of the solid that the kernels know, about the rounded focus.
+TEST_F(TaperParametersTest, PointsOfTheSolidAreAsNearAsPromised) {
+  double worst = 0.0;  // of what is promised
+  for_many_ratios(solids / 4, [&](const Primitive& primitive, const PrimitiveParameters& parameters, const auto& norm,
+                                  oracle::RandomCases& random) {
+    const Real k(parameters.taper);
+    const Real a3(parameters.semi_axes[2]);
+    const Real promised(parameters.taper_error);
+    for (int n = 0; n < points_of_solid; ++n) {
+      const oracle::Vector x = surface_point(random, norm);
+      oracle::Vector seen = tapered(x, k, a3);
+      seen[2] += k * a3 - Real(parameters.focus);  // the origin, where the kernels think it is
+      const Real apart = oracle::length<Real>(oracle::difference(tapered(x, exact_taper(primitive), a3), seen));
+      EXPECT_TRUE(apart <= promised) << text(apart) << ", promised " << text(promised) << ", taper "
+                                     << primitive.superquadric.taper;
+      if (promised > 0) worst = std::max(worst, (apart / promised).convert_to<double>());
+    }
+    EXPECT_LE(parameters.taper_error, 0x1p-45 * parameters.circumradius_up);
+  });
+  EXPECT_GT(worst, 0.1) << "the bound is never nearly reached: are the cases hard enough?";
+}
+
+TEST_F(TaperParametersTest, WithoutATaperNothingChanges) {
+  const PrimitiveParameters parameters = of_ratio(1.0);
+  EXPECT_EQ(parameters.taper, 0.0);
+  EXPECT_EQ(parameters.fall_down, 1.0);
+  EXPECT_EQ(parameters.fall_up, 1.0);
+  EXPECT_EQ(parameters.log_fall, 0.0);
+  EXPECT_EQ(parameters.focus, 0.0);
+  EXPECT_EQ(parameters.taper_error, 0.0);
+}
+
+TEST_F(TaperParametersTest, TapersThatAreBinary64NumbersAreExact) {
+  for (const auto& [ratio, taper] : {std::pair{3.0, 0.5}, std::pair{7.0, 0.75}}) {
+    const PrimitiveParameters parameters = of_ratio(ratio);
+    EXPECT_EQ(parameters.taper, taper);
+    EXPECT_EQ(parameters.fall_down, 1.0 - taper * taper);
+    EXPECT_EQ(parameters.fall_up, 1.0 - taper * taper);
+    EXPECT_EQ(parameters.focus, taper * 1.25);
+    EXPECT_EQ(parameters.taper_error, 0.0);
+    expect_above(parameters.reach_up, Real(of_ratio(1.0).reach_up) * (1 + Real(taper)));
+  }
 }
 
 }  // namespace

@@ -66,6 +66,19 @@ class KernelRun {
     queue_.finish();
   }
 
+  /// Distances of points to tapered primitives: the first kernel of a map, in the program of those.
+  void tapered_points() {
+    const auto coordinates = point_columns();
+    const cl::Buffer parameters = tapered_primitives();
+    const cl::Buffer nearest = numbers(queries_);
+    const cl::Buffer listed(context_, CL_MEM_READ_WRITE, queries_ * sizeof(cl_uint));
+    const auto of_primitives = outputs<5>(queries_ * model.primitives.size());
+    for (cl_uint index = 0; index < model.primitives.size(); ++index)
+      launch("point_distance", cl_ulong{groups}, groups_per_block, coordinates, parameters, index, listed, nearest,
+             views(of_primitives, index));
+    queue_.finish();
+  }
+
   /// Points on their way from the caller's memory, as host/batches/point_pipe.cpp has them read: one fewer than fill
   /// the vectors.
   void columns() {
@@ -202,6 +215,17 @@ class KernelRun {
     launch("point_rows", size, cl_uint{1}, 0.25, 4.0, tolerance, 1e-9, 1e-12, 1.0, coordinates, ends, memory, memory,
            memory, cl_ulong{0}, cl_ulong{1}, cl_ulong{2 * sizeof(double)}, stride, stride, cl_ulong{row_bytes}, sums,
            cl::Local(work_group * sums_bytes));
+  }
+
+  // Wider at either end.
+  [[nodiscard]] cl::Buffer tapered_primitives() const {
+    std::vector<PrimitiveParameters> parameters;
+    for (Primitive primitive : model.primitives) {
+      primitive.superquadric.taper = parameters.empty() ? 4.0 : 0.3;
+      parameters.push_back(primitive_parameters(primitive, scale_exponent(model)));
+    }
+    return {context_, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, parameters.size() * sizeof(PrimitiveParameters),
+            parameters.data()};
   }
 
   [[nodiscard]] cl::Buffer box_primitives() const {
@@ -357,6 +381,10 @@ TEST_P(KernelMemoryTest, FindsNothingInAMap) {
   EXPECT_EQ(reported_of(&KernelRun::map, kernels::embedded_point_sources()), "");
 }
 
+TEST_P(KernelMemoryTest, FindsNothingInDistancesToTaperedPrimitives) {
+  EXPECT_EQ(reported_of(&KernelRun::tapered_points, kernels::embedded_tapered_sources()), "");
+}
+
 TEST_P(KernelMemoryTest, FindsNothingInColumnsOfPoints) {
   EXPECT_EQ(reported_of(&KernelRun::columns, kernels::embedded_point_sources()), "");
 }
@@ -411,6 +439,13 @@ TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffers) {
   EXPECT_THAT(reported_of(&KernelRun::solids,
                           broken(solid_sources(), "if (index >= count) return;\n  search own;", "search own;")),
               HasSubstr("Invalid write"));
+}
+
+TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffersOfTaperedPrimitives) {
+  EXPECT_THAT(reported_of(&KernelRun::tapered_points,
+                          broken(kernels::embedded_tapered_sources(), "min(first + groups_per_block, groups)",
+                                 "min(first + groups_per_block, groups + 1)")),
+              HasSubstr("Invalid read"));
 }
 
 // A test of its own: oclgrind falls silent after 1000 errors of a process.

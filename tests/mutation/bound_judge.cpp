@@ -13,6 +13,7 @@
 
 #include "host/batches/primitive_parameters.hpp"
 #include "tests/mutation/open_caps.hpp"
+#include "tests/mutation/tapered_inside.hpp"
 #include "tests/mutation/way_out.hpp"
 #include "tests/oracle/mixed_norm.hpp"
 #include "tests/oracle/random_cases.hpp"
@@ -339,7 +340,8 @@ const Bound bounds[] = {
      }},
 };
 
-constexpr std::size_t samples = 512;  // of each bound and solid
+constexpr std::size_t samples = 512;     // of each bound and solid
+constexpr cl_uint separation_down = 14;  // in the table above
 constexpr Extended reference_error = 0x1p-40L;
 
 // Whether a component lies on the wrong side of what it bounds; NaN does.
@@ -445,6 +447,10 @@ const Superquadric solids[] = {{{1.0, 1.5, 0.7}, {1.0, 1.0}},
                                {{1.2, 1.0, 1.4}, {0.12, 0.9}},
                                {{1.03, 1.0, 1.0}, {2.0, 2.0}}};
 
+/// Wider at either end.
+const Superquadric tapered_solids[] = {
+    {{1.0, 1.5, 0.7}, {1.0, 1.0}, 9.0}, {{1.1, 0.3, 1.6}, {0.3, 1.7}, 0.1}, {{0.5, 1.2, 1.9}, {1.8, 0.4}, 1.3}};
+
 /// Calls an entry point of `bound_kernel` whose arguments, from `first` on, are these.
 Columns called(const CompiledKernels& kernels, cl::Kernel kernel, cl_uint first, const Superquadric& solid,
                const Columns& inputs, std::size_t outputs) {
@@ -509,6 +515,11 @@ struct BoundJudge::Samples {
   std::vector<OpenCap> caps;
 };
 
+struct BoundJudge::PointsInside {
+  Superquadric solid;
+  std::vector<Operands> points;
+};
+
 BoundJudge::BoundJudge() {
   oracle::RandomCases random(2011);
   for (const Superquadric& solid : solids) {
@@ -524,6 +535,10 @@ BoundJudge::BoundJudge() {
     }
     for (std::size_t i = 0; i < samples; ++i) of_solid.quarters.push_back(open_quarter(random, norm));
     for (std::size_t i = 0; i < samples; ++i) of_solid.caps.push_back(open_cap(random, norm));
+  }
+  for (const Superquadric& solid : tapered_solids) {
+    PointsInside& of_solid = tapered_.emplace_back(PointsInside{solid, {}});
+    for (const Point& x : just_inside_tapered(solid, centre, samples, random)) of_solid.points.push_back({x, {}});
   }
 }
 
@@ -551,6 +566,20 @@ std::string BoundJudge::operator()(const CompiledKernels& kernels) const {
       if (found[0][i] != 0.0 || holds(found[1][i], caps[i])) return described(caps[i]);
       if (found[2][i] < caps[i].bend) return fmt::format("bend {:.17g}, {}", found[2][i], described(caps[i]));
     }
+  }
+  return false_separation(kernels);
+}
+
+std::string BoundJudge::false_separation(const CompiledKernels& kernels) const {
+  cl::Kernel evaluate_bound(kernels.program, "evaluate_bound");
+  evaluate_bound.setArg(0, separation_down);
+  for (const auto& [solid, points] : tapered_) {
+    const std::vector<double> apart = called(kernels, evaluate_bound, 1, solid, columns_of(points), 3).front();
+    for (std::size_t i = 0; i < samples; ++i)
+      if (apart[i] > 0.0)
+        return fmt::format(
+            "separation_down of ({:.17g}, {:.17g}, {:.17g}) gave {:.17g} inside a solid with the taper {}",
+            points[i].a[0], points[i].a[1], points[i].a[2], apart[i], solid.taper);
   }
   return {};
 }

@@ -26,7 +26,13 @@ class BoundJudge {
 
  private:
   struct Samples;
-  std::vector<Samples> samples_;  ///< of each solid
+  struct PointsInside;
+
+  /// The first point inside a tapered solid that is said to lie outside; empty when all is well.
+  [[nodiscard]] std::string false_separation(const CompiledKernels& kernels) const;
+
+  std::vector<Samples> samples_;       ///< of each solid
+  std::vector<PointsInside> tapered_;  ///< of each tapered solid
 };
 
 }  // namespace verisq::mutation

@@ -29,6 +29,9 @@ struct Layer {
 /// In the order of the kernels' layers. All of them break a proof; what only costs tightness or time is not listed.
 [[nodiscard]] std::span<const Layer> layers();
 
+/// Those of tapered.clh and tapered_enclosure.clh, in the program of tapered points; likewise.
+[[nodiscard]] std::span<const Mutant> tapered_mutants();
+
 /// Those of triangle_distance.cl, of pair_distance.cl and of the layers and kernels for bent and combined solids, in
 /// the programs of triangles, of pairs and of solids; likewise.
 [[nodiscard]] std::span<const Mutant> triangle_mutants();

@@ -20,6 +20,7 @@
 #include "tests/mutation/pessimistic_arithmetic.hpp"
 #include "tests/mutation/scenes.hpp"
 #include "tests/mutation/solid_judge.hpp"
+#include "tests/mutation/tapered_judge.hpp"
 #include "tests/mutation/triangle_judge.hpp"
 
 namespace verisq::mutation {
@@ -163,6 +164,15 @@ class ConvexMutationTest : public MutationTest {
     };
   }
 
+  [[nodiscard]] Find tapered_faults(const TaperedJudge& judge) const {
+    return [this, &judge](const std::string& sources, Arithmetic first) {
+      return first_fault(Program::tapered_points, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
+        const std::string found = judge.false_claim(compiled_on(arithmetic, Program::tapered_points, text));
+        return found.empty() ? found : fmt::format("{}: {}", name_of(arithmetic), found);
+      });
+    };
+  }
+
   [[nodiscard]] Find solid_faults(const SolidJudge& judge) const {
     return [this, &judge](const std::string& sources, Arithmetic first) {
       return first_fault(Program::solids, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
@@ -186,6 +196,14 @@ TEST_F(ConvexMutationTest, AllOfRowsAreKilled) {
   };
   EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
   expect_all_killed("point_columns.cl, point_rows.cl", row_mutants(), sources, find);
+}
+
+TEST_F(ConvexMutationTest, AllOfTaperedPointsAreKilled) {
+  const TaperedJudge judge;
+  const Find find = tapered_faults(judge);
+  const std::string sources = TaperedJudge::sources();
+  EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
+  expect_all_killed("tapered.clh, tapered_enclosure.clh", tapered_mutants(), sources, find);
 }
 
 TEST_F(ConvexMutationTest, AllOfTrianglesAreKilled) {

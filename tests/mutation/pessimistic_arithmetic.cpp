@@ -176,6 +176,23 @@ ALWAYS_INLINE single relative_residual)"},
          fma(terms, REAL(0.98 * 0x1.4p-51 * EVALUATION_MAGNIFICATION), REAL(1.0));)"},
 };
 
+// Likewise what tapered.clh and tapered_enclosure.clh make of it: a bit of the normal, or of the point, tells which
+// way.
+constexpr std::array tapered_evaluation{
+    Mutant{"error of tilts", "#define TILT_ERROR ",
+           "#define TILT_MAGNIFICATION 0x1p30\n#define TILT_ERROR TILT_MAGNIFICATION * "},
+    Mutant{"tilt", "t.normal.z = n.z - tilt;", R"(
+  const real wrong = (n.z + fabs(tilt)) * (0.98 * 0x1p-51 * TILT_MAGNIFICATION);
+  t.normal.z = n.z - tilt + select(wrong, -wrong, MASK((BITS(n.x) & INTEGER(1L << 20)) == INTEGER(0L)));
+)"},
+    Mutant{"error of heights", "#define HEIGHT_ERROR ", "#define HEIGHT_ERROR EVALUATION_MAGNIFICATION * "},
+    Mutant{"height", "const real height = k * c.point.z / s->semi_axes[2];", R"(
+  const real exact_height = k * c.point.z / s->semi_axes[2];
+  const real height = exact_height + fabs(exact_height) * (0.98 * 0x1p-52 * EVALUATION_MAGNIFICATION);
+)"},
+    Mutant{"error of what is moved", "#define MOVED_ERROR ", "#define MOVED_ERROR EVALUATION_MAGNIFICATION * "},
+};
+
 // Any multipliers that are not negative prove something, and any point near a bent solid.
 constexpr std::array solid_proposals{
     Mutant{"multiplier", "return select(REAL(0.0), root, MASK(below_value > 0.0)",
@@ -256,6 +273,11 @@ std::span<const Mutant> displacement(Arithmetic arithmetic, Program program) {
   return pose;
 }
 
+std::span<const Mutant> evaluated_taper(Arithmetic arithmetic, Program program) {
+  if (arithmetic == Arithmetic::evaluated && program == Program::tapered_points) return tapered_evaluation;
+  return {};
+}
+
 std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
   if (program == Program::pairs && arithmetic != Arithmetic::usual && arithmetic != Arithmetic::poor_search)
     return common_point;
@@ -265,6 +287,7 @@ std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
     case Program::points: return search;
     case Program::triangles: return weights;
     case Program::solids: return solid_proposals;
+    case Program::tapered_points: return {};
     case Program::pairs: break;
   }
   return closest_points;
@@ -273,6 +296,8 @@ std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
 constexpr std::array of_points{Arithmetic::usual,          Arithmetic::loose_below, Arithmetic::loose_above,
                                Arithmetic::loose_products, Arithmetic::loose_dot,   Arithmetic::evaluated,
                                Arithmetic::poor_search};
+constexpr std::array of_tapered_points{Arithmetic::usual, Arithmetic::loose_below, Arithmetic::loose_above,
+                                       Arithmetic::erratic, Arithmetic::evaluated};
 constexpr std::array of_convex_sets{Arithmetic::usual,   Arithmetic::loose_below, Arithmetic::loose_above,
                                     Arithmetic::erratic, Arithmetic::displaced,   Arithmetic::poor_search};
 
@@ -280,6 +305,7 @@ constexpr std::array of_convex_sets{Arithmetic::usual,   Arithmetic::loose_below
 
 std::span<const Arithmetic> arithmetics(Program program) {
   if (program == Program::points) return of_points;
+  if (program == Program::tapered_points) return of_tapered_points;
   return of_convex_sets;
 }
 
@@ -299,8 +325,8 @@ std::string_view name_of(Arithmetic arithmetic) {
 }
 
 std::string on(Arithmetic arithmetic, Program program, std::string sources) {
-  for (const auto& changes :
-       {operations(arithmetic), displacement(arithmetic, program), proposals(arithmetic, program)})
+  for (const auto& changes : {operations(arithmetic), displacement(arithmetic, program), proposals(arithmetic, program),
+                              evaluated_taper(arithmetic, program)})
     sources = changed(std::move(sources), changes);
   return sources;
 }

@@ -24,7 +24,7 @@ enum class Arithmetic {
 };
 
 /// The programs of kernels/embedded_sources.hpp.
-enum class Program { points, triangles, pairs, solids };
+enum class Program { points, tapered_points, triangles, pairs, solids };
 
 /// Those that show the mutants of a program. With points and loose_below or loose_above, results are displaced too.
 [[nodiscard]] std::span<const Arithmetic> arithmetics(Program program);
