@@ -75,8 +75,11 @@ class TaperedContactProblem {
 
   [[nodiscard]] Float farthest() const { return -log(Float(resolution_.surface)) + 4; }
 
+  /// So far that the height's rounding leaves digits of z - q3. Nearer, the normal at the radial projection is as good:
+  /// a bound loses the square of the distance.
   [[nodiscard]] bool outside() const {
-    return Boundary<long double>(solid_).gauge({std::fabs(q_[0]), std::fabs(q_[1]), q_[2]}) > 1 + resolution_.surface;
+    const auto nearest = std::max<long double>(1e6 * resolution_.surface, 1e-18L);
+    return Boundary<long double>(solid_).gauge({std::fabs(q_[0]), std::fabs(q_[1]), q_[2]}) > 1.0L + nearest;
   }
 
   [[nodiscard]] Contact radial() const {
