@@ -134,7 +134,9 @@ double radius_at_most(const UncertainModel& model) {
   std::vector<Point> corners;
   for (const UncertainPrimitive& primitive : model.primitives) {
     const auto& [a1, a2, a3] = primitive.semi_axes;
-    const double reach = std::hypot(a1.hi, a2.hi, a3.hi);  // of the corners of the box around any superquadric
+    const double widening = 1.0 + std::abs(primitive.taper - 1.0) / (primitive.taper + 1.0);
+    // Of the corners of the box around any superquadric.
+    const double reach = std::hypot(widening * a1.hi, widening * a2.hi, a3.hi);
     for (const double sign : {-1.0, 1.0}) {
       const auto& t = primitive.translation;
       corners.push_back({t[0].lo + sign * reach, t[1].lo + sign * reach, t[2].lo + sign * reach});
