@@ -24,7 +24,7 @@ namespace verisq::oracle {
 namespace {
 
 constexpr double largest_ratio = 19.0;
-constexpr std::size_t usual_cases = 4'000;
+constexpr std::size_t usual_cases = 1'000;
 
 std::size_t cases() {
   return requested_count("VERISQ_TAPERED_CASES", usual_cases);
