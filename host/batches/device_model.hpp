@@ -31,12 +31,12 @@ inline constexpr std::size_t usual_processor_chunk = std::size_t{1} << 14U;
 struct DeviceModel {
   DeviceModel(const Device& device, const Model& model, std::size_t processor_chunk = usual_processor_chunk);
 
-  int scale_exponent;      ///< numbers of the device are model units times 2^scale_exponent
-  cl::Buffer primitives;   ///< PrimitiveParameters of each
-  std::size_t count;       ///< of primitives
+  int scale_exponent;         ///< numbers of the device are model units times 2^scale_exponent
+  cl::Buffer primitives;      ///< PrimitiveParameters of each
+  std::size_t count;          ///< of primitives
   std::vector<bool> tapered;  ///< which of them
-  std::string memory;      ///< option of programs that read them (model_memory.hpp)
-  std::size_t chunk_size;  ///< queries a chunk may hold: memory stays bounded however large the model
+  std::string memory;         ///< option of programs that read them (model_memory.hpp)
+  std::size_t chunk_size;     ///< queries a chunk may hold: memory stays bounded however large the model
 
   [[nodiscard]] bool has_tapered() const { return std::ranges::find(tapered, true) != tapered.end(); }
 };

@@ -102,7 +102,8 @@ std::unique_ptr<Batch<Point>> point_batch(const Device& device, const Model& mod
                                           bool certificates) {
   return reporting_failures(device.name, [&] {
     const DeviceModel uploaded(device, model);
-    return pipeline(device, point_programs(device, uploaded.memory, uploaded.has_tapered()), model, uploaded, tolerance, certificates);
+    return pipeline(device, point_programs(device, uploaded.memory, uploaded.has_tapered()), model, uploaded, tolerance,
+                    certificates);
   });
 }
 

@@ -91,10 +91,11 @@ void set_reach(PrimitiveParameters& out, const std::array<double, 2>& exponents)
   out.reach_up = round_up(reach(section, out.semi_axes[2], exponents[0]) * (1 + Extended(0x1p-100)));
 }
 
-// With k' the rounded k, a point of the solid, ((1 + k z) x, (1 + k z) y, a3 z) with z = (Z - k)/(1 - k Z), moves with k
-// along z by a3 (1 - Z^2)/(1 - k Z)^2 <= a3/(1 - k^2), and across by |(a1, a2)| |z + k dz/dk| <= |(a1, a2)| (1 + |k|/(1 -
-// k^2)), per unit of k: between k and k', at most |k - k'| times their sum for the greater of both. The distances of
-// convex sets of which each point has one of the other within that, and those about a rounded focus, differ by no more.
+// With k' the rounded k, a point of the solid, ((1 + k z) x, (1 + k z) y, a3 z) with z = (Z - k)/(1 - k Z), moves with
+// k along z by a3 (1 - Z^2)/(1 - k Z)^2 <= a3/(1 - k^2), and across by |(a1, a2)| |z + k dz/dk| <= |(a1, a2)| (1 +
+// |k|/(1 - k^2)), per unit of k: between k and k', at most |k - k'| times their sum for the greater of both. The
+// distances of convex sets of which each point has one of the other within that, and those about a rounded focus,
+// differ by no more.
 void set_taper(PrimitiveParameters& out, double ratio) {
   const Extended k = (Extended(ratio) - 1) / (Extended(ratio) + 1);
   out.taper = k.convert_to<double>();
@@ -107,7 +108,8 @@ void set_taper(PrimitiveParameters& out, double ratio) {
   const Extended off = abs(k - out.taper);
   const Extended magnitude = abs(Extended(out.taper)) + off;
   const Extended least_fall = 1 - magnitude * magnitude;
-  const Extended across = sqrt(Extended(out.semi_axes[0]) * out.semi_axes[0] + Extended(out.semi_axes[1]) * out.semi_axes[1]);
+  const Extended across =
+      sqrt(Extended(out.semi_axes[0]) * out.semi_axes[0] + Extended(out.semi_axes[1]) * out.semi_axes[1]);
   const Extended moved = off * (across * (1 + magnitude / least_fall) + out.semi_axes[2] / least_fall);
   const Extended error = (moved + abs(focus - out.focus)) * (1 + Extended(0x1p-80));
   out.taper_error = error == 0 ? 0.0 : round_up(error);

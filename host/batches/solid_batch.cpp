@@ -120,7 +120,9 @@ class SolidSlot : public ChunkSlot {
   static constexpr std::size_t searches_per_group = 16;  // long work-items: small groups keep cores busy
 
   // On its own: what was found for other primitives says nothing about a tree of set operations.
-  void enqueue_convex(std::size_t i) { convex_distance_->enqueue(queue_, parts_[i].convex, 0, parts_[i].tapered, groups(), views_[i]); }
+  void enqueue_convex(std::size_t i) {
+    convex_distance_->enqueue(queue_, parts_[i].convex, 0, parts_[i].tapered, groups(), views_[i]);
+  }
 
   void enqueue_bent(std::size_t i) {
     bent_distance_.set("groups", groups(solid_width_));

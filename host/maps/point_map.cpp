@@ -187,9 +187,9 @@ std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions&
       return device::solid_batch(device, model, tolerance);
     };
   }
-  return std::make_unique<PipedMap<PointProver>>(PointProver(model, options), options, model,
-                                                 criterion(options, radius, make_search != nullptr, tightest_outside_of(model)),
-                                                 make_search);
+  return std::make_unique<PipedMap<PointProver>>(
+      PointProver(model, options), options, model,
+      criterion(options, radius, make_search != nullptr, tightest_outside_of(model)), make_search);
 }
 
 }  // namespace verisq

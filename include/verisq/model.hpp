@@ -15,11 +15,12 @@ using Point = std::array<double, 3>;
 
 /// The solid of the paper's Eq. (1), centred at the origin, convex:
 /// ((x/a1)^(2/e2) + (y/a2)^(2/e2))^(e2/e1) + (z/a3)^(2/e1) <= 1.
-/// A taper t scales the sections along z linearly, by 2/(1 + t) at the lower end z = -a3, 1 in the middle, 2t/(1 + t) at
-/// the upper end, so that those of the ends have the ratio t, and moves them along z so that the solid stays convex:
+/// A taper t scales the sections along z linearly, by 2/(1 + t) at the lower end z = -a3, 1 in the middle, 2t/(1 + t)
+/// at the upper end, so that those of the ends have the ratio t, and moves them along z so that the solid stays convex:
 /// with k = (t - 1)/(t + 1), the point (x, y, z) of Eq. (1) goes to ((1 + k z'/a3) x, (1 + k z'/a3) y, z'), where
 /// z' = (z - k a3)/(1 - k z/a3) (docs/mathematics.md §18).
-/// Precondition everywhere: semi-axes positive and finite, exponents in (0, 2], taper from smallest_taper to largest_taper.
+/// Precondition everywhere: semi-axes positive and finite, exponents in (0, 2], taper from smallest_taper to
+/// largest_taper.
 struct Superquadric {
   std::array<double, 3> semi_axes;  ///< a1, a2, a3 in model units
   std::array<double, 2> exponents;  ///< e1 (along z), e2 (in the x-y section)
@@ -70,7 +71,9 @@ inline constexpr double smallest_taper = 0.01;
 inline constexpr double largest_taper = 100.0;
 
 /// Whether the taper changes anything.
-[[nodiscard]] constexpr bool is_tapered(const Superquadric& superquadric) { return superquadric.taper != 1.0; }
+[[nodiscard]] constexpr bool is_tapered(const Superquadric& superquadric) {
+  return superquadric.taper != 1.0;
+}
 
 /// Whether the primitive has a bend that moves anything: without one it is convex.
 [[nodiscard]] bool is_bent(const Primitive& primitive);

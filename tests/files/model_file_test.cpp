@@ -281,14 +281,14 @@ const std::string to_be_below_1 = ", must be below 1";
 
 const std::string out_of_range = ": the section at z = a3 over that at z = -a3 must be in [0.01, 100]";
 
-INSTANTIATE_TEST_SUITE_P(
-    Tapers, ModelRefusal,
-    ::testing::Values(Refusal{"TaperZero", tapered("0"), first + "taper = 0" + out_of_range},
-                      Refusal{"TaperNegative", tapered("-2"), first + "taper = -2" + out_of_range},
-                      Refusal{"TaperTooLarge", tapered("100.00000000000001"),
-                              first + "taper = 100.00000000000001" + out_of_range},
-                      Refusal{"TaperInterval", tapered("[1, 2]"), first + "taper = [1,2]: must be a number"}),
-    name_of);
+INSTANTIATE_TEST_SUITE_P(Tapers, ModelRefusal,
+                         ::testing::Values(Refusal{"TaperZero", tapered("0"), first + "taper = 0" + out_of_range},
+                                           Refusal{"TaperNegative", tapered("-2"), first + "taper = -2" + out_of_range},
+                                           Refusal{"TaperTooLarge", tapered("100.00000000000001"),
+                                                   first + "taper = 100.00000000000001" + out_of_range},
+                                           Refusal{"TaperInterval", tapered("[1, 2]"),
+                                                   first + "taper = [1,2]: must be a number"}),
+                         name_of);
 
 INSTANTIATE_TEST_SUITE_P(
     Values, ModelRefusal,

@@ -122,8 +122,7 @@ TEST_P(TaperedBentDistanceTest, NoPointOfTheSolidIsNearerThanTheLowerEnd) {
     for (int n = 0; n < 20; ++n) {
       const Point x{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-2, 2)};
       double nearest = infinity;
-      for (const Point& s : surface)
-        nearest = std::min(nearest, std::hypot(x[0] - s[0], x[1] - s[1], x[2] - s[2]));
+      for (const Point& s : surface) nearest = std::min(nearest, std::hypot(x[0] - s[0], x[1] - s[1], x[2] - s[2]));
       const Enclosure found = distance(x).distance;
       ASSERT_LE(found.lo, nearest + 1e-14);
       ASSERT_GE(found.hi, found.lo);

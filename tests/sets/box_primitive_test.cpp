@@ -1,4 +1,5 @@
-// Colours and half-spaces of posed, tapered and bent superquadrics over cubes against points evaluated at 200 bits and more.
+// Colours and half-spaces of posed, tapered and bent superquadrics over cubes against points evaluated at 200 bits and
+// more.
 #include "verify/sets/box_primitive.hpp"
 
 #include <fmt/format.h>
@@ -46,8 +47,8 @@ class Reference {
     return turned(bend_ ? bent(changed) : changed, 1);
   }
 
-  /// g of the untapered, unbent point, for a point of the model frame: more than 1 beyond the heights that a taper knows.
-  /// Nothing within 1e-30 of the centre of curvature.
+  /// g of the untapered, unbent point, for a point of the model frame: more than 1 beyond the heights that a taper
+  /// knows. Nothing within 1e-30 of the centre of curvature.
   [[nodiscard]] Real gauge(const Vector& x) const {
     Vector own = turned(oracle::difference(x, translation_), -1);
     if (bend_ && bend_->curvature != 0.0) own = unbent(own);
@@ -163,9 +164,8 @@ std::string description(const Primitive& p, const Cube& cube) {
   };
   return fmt::format("axes {} exponents {} taper {:.17g} t {} q {} bend {:.17g} {:.17g} cube {} {:.17g}",
                      list(p.superquadric.semi_axes), list(p.superquadric.exponents), p.superquadric.taper,
-                     list(p.pose.translation),
-                     list(p.pose.quaternion), p.bend ? p.bend->curvature : 0.0, p.bend ? p.bend->angle_degrees : 0.0,
-                     list(cube.centre), cube.half_width);
+                     list(p.pose.translation), list(p.pose.quaternion), p.bend ? p.bend->curvature : 0.0,
+                     p.bend ? p.bend->angle_degrees : 0.0, list(cube.centre), cube.half_width);
 }
 
 /// n . (x - c)

@@ -70,18 +70,19 @@ class Tally {
     if (escapes) {
       ++escapes_;
       const auto& [axes, exponents, taper] = tested.primitive.superquadric;
-      ADD_FAILURE() << fmt::format("[{:.17g}, {:.17g}] for [{}, {}]: axes {} {} {}, exponents {} {}, taper {}, at {} {} {}",
-                                   found.lo, found.hi, text(contact.lower), text(contact.upper), axes[0], axes[1],
-                                   axes[2], exponents[0], exponents[1], taper, contact.query[0], contact.query[1],
-                                   contact.query[2]);
+      ADD_FAILURE() << fmt::format(
+          "[{:.17g}, {:.17g}] for [{}, {}]: axes {} {} {}, exponents {} {}, taper {}, at {} {} {}", found.lo, found.hi,
+          text(contact.lower), text(contact.upper), axes[0], axes[1], axes[2], exponents[0], exponents[1], taper,
+          contact.query[0], contact.query[1], contact.query[2]);
     }
     if (outside && tolerance == 0.0) largest_width_ = std::max(largest_width_, found.width() / magnitude);
     if (tolerance > 0.0 && found.width() > tolerance) ++wide_;
   }
 
   void print(const std::string& prover, std::uint64_t by_device) const {
-    fmt::print("{}: {} cases, {} escapes, {} wide at 1e-6 of the size, {} by the device; largest width outside at 0: {:.3g}\n",
-               prover, cases_, escapes_, wide_, by_device, largest_width_);
+    fmt::print(
+        "{}: {} cases, {} escapes, {} wide at 1e-6 of the size, {} by the device; largest width outside at 0: {:.3g}\n",
+        prover, cases_, escapes_, wide_, by_device, largest_width_);
   }
 
   [[nodiscard]] bool hopeless() const { return escapes_ > 10; }

@@ -99,9 +99,7 @@ class BallProof {
     return {direction, precise(Proposal{}), {}};
   }
 
-  [[nodiscard]] bool inside(const PreciseVector& d) const {
-    return bounds_.gauge_up(q_ + d) <= Real(1);
-  }
+  [[nodiscard]] bool inside(const PreciseVector& d) const { return bounds_.gauge_up(q_ + d) <= Real(1); }
 
   /// Cuts the longest edge of the face at the middle direction.
   [[nodiscard]] std::array<Cone, 2> bisect(const Cone& cone) {

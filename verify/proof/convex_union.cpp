@@ -25,9 +25,11 @@ void require_union_of_convex(const Model& model, std::string_view what) {
 }
 
 void require_no_taper(const Model& model, std::string_view what) {
-  const auto tapered = std::ranges::find_if(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
+  const auto tapered =
+      std::ranges::find_if(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
   if (tapered == model.primitives.end()) return;
-  refuse(what, "tapered solids: primitives[" + std::to_string(tapered - model.primitives.begin()) + "].superquadric.taper");
+  refuse(what,
+         "tapered solids: primitives[" + std::to_string(tapered - model.primitives.begin()) + "].superquadric.taper");
 }
 
 void require_convex(const Primitive& primitive, std::string_view what) {

@@ -164,8 +164,8 @@ template <class T>
 T SuperquadricBounds<T>::tapered_support(const T& section, const BasicInterval<T>& z, Direction direction) const {
   const T root = near_root_of_support(nearest(section), (nearest(z.lower()) + nearest(z.upper())) / 2);
   const BasicInterval<T> moved = abs(z + taper_.k * BasicInterval<T>(root));
-  const T norm = norm_of_two(section, direction == Direction::down ? moved.lower() : moved.upper(), dual_outer_,
-                             direction);
+  const T norm =
+      norm_of_two(section, direction == Direction::down ? moved.lower() : moved.upper(), dual_outer_, direction);
   const BasicInterval<T> f = BasicInterval<T>(norm) - BasicInterval<T>(root);
   const BasicInterval<T> room = BasicInterval<T>(1) + abs(taper_.k);  // (1 - k²) / (1 - |k|)
   const BasicInterval<T> at_root = taper_.fall * BasicInterval<T>(root);

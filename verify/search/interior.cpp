@@ -18,8 +18,8 @@ constexpr int kBudget = 50'000;
 /// The proofs of surface points in binary64 lose some 4e-15 of the largest semi-axis.
 constexpr double kFinestTolerance = 1e-14;
 
-/// The same problem in the octant of nonnegative coordinates, of a tapered solid also below it, the largest semi-axis in
-/// [1, 2).
+/// The same problem in the octant of nonnegative coordinates, of a tapered solid also below it, the largest semi-axis
+/// in [1, 2).
 struct Reduced {
   Superquadric solid;
   std::array<double, 3> q;  ///< at least the exact coordinates: by monotony, balls about it that lie inside prove more
@@ -42,8 +42,8 @@ double scaled_up(double value, int exponent) {
 
 Reduced reduce(const Superquadric& solid, const PreciseVector& q) {
   const RevolvedPoint point = revolved(solid, q);
-  Reduced reduced{point.solid,  {}, PreciseInterval(0), point.planar, point.order,
-                  std::ilogb(std::ranges::max(solid.semi_axes))};
+  Reduced reduced{point.solid,  {},          PreciseInterval(0),
+                  point.planar, point.order, std::ilogb(std::ranges::max(solid.semi_axes))};
   for (double& axis : reduced.solid.semi_axes) axis = std::ldexp(axis, -reduced.scale);  // see searchable()
   for (std::size_t k = 0; k < 3; ++k) {
     const double coordinate = point.q[k].upper().to_double(Direction::up);

@@ -1,8 +1,8 @@
 /// Bend and inverse in forms that are accurate for every curvature, zero included.
 #include "verify/sets/bend.hpp"
 
-#include "verify/analysis/trigonometry.hpp"
 #include "verify/analysis/fast_functions.hpp"
+#include "verify/analysis/trigonometry.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

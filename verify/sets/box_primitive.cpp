@@ -162,8 +162,8 @@ HalfSpace pulled_back(const AffineMap& map, const Coordinates& direction, double
 }
 
 /// The least of a tapered solid's gauge over boxes of any size. With r the norm of the section, (1 - k²) g = f(z) =
-/// N(r, z) - k z/a3, which is convex and nowhere less than (1 - |k|^q)^(1/q) r, as Hölder's inequality for the conjugate
-/// exponent q says.
+/// N(r, z) - k z/a3, which is convex and nowhere less than (1 - |k|^q)^(1/q) r, as Hölder's inequality for the
+/// conjugate exponent q says.
 class TaperedGauge {
  public:
   explicit TaperedGauge(const Superquadric& solid) {
@@ -257,8 +257,8 @@ std::optional<AffineMap> BoxPrimitive::State::affine(const Vector3<double>& own,
   const double step = (Interval(reach) * Interval(half_width)).upper();
   const auto expansion = own_frame.bend()->expansion(own, step);
   if (!expansion) return std::nullopt;
-  return AffineMap{own_frame.about_focus(expansion->centre), expansion->derivative * own_frame.rotation(), own_frame.bend()->direction(),
-                   expansion->radial, expansion->axial};
+  return AffineMap{own_frame.about_focus(expansion->centre), expansion->derivative * own_frame.rotation(),
+                   own_frame.bend()->direction(), expansion->radial, expansion->axial};
 }
 
 Vector3<double> BoxPrimitive::State::natural_range(const Vector3<double>& own, double half_width) const {
@@ -303,8 +303,7 @@ std::optional<Coordinates> BoxPrimitive::State::gradient(const Coordinates& x) c
   const Coordinates folded{std::fabs(x[0]), std::fabs(x[1]), bounds.is_tapered() ? x[2] : std::fabs(x[2])};
   Coordinates result = boundary.normal(folded);
   // Euler: g is homogeneous of degree 1.
-  const double scale =
-      boundary.gauge(folded) / (result[0] * folded[0] + result[1] * folded[1] + result[2] * folded[2]);
+  const double scale = boundary.gauge(folded) / (result[0] * folded[0] + result[1] * folded[1] + result[2] * folded[2]);
   for (std::size_t i = 0; i < 3; ++i) result[i] = folded[i] == x[i] ? result[i] * scale : -(result[i] * scale);
   if (!is_finite(result)) return std::nullopt;
   return result;
