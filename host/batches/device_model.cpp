@@ -8,6 +8,7 @@
 
 #include "host/batches/model_memory.hpp"
 #include "host/batches/primitive_parameters.hpp"
+#include "verify/proof/convex_union.hpp"
 
 namespace verisq::device {
 namespace {
@@ -43,10 +44,6 @@ cl::Buffer uploaded(const Device& device, const Model& model, int scale) {
           parameters.data()};
 }
 
-bool has_taper(const Model& model) {
-  return std::ranges::any_of(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
-}
-
 std::vector<bool> which_are_tapered(const Model& model) {
   std::vector<bool> result;
   for (const Primitive& primitive : model.primitives) result.push_back(is_tapered(primitive.superquadric));
@@ -61,12 +58,13 @@ std::string why_not_on_devices(const Model& model) {
 }
 
 std::string why_not_in_cubes(const Model& model) {
-  return has_taper(model) ? "the device's kernels know no cubes of tapered solids: the host does all" : std::string();
+  return verify::has_taper(model) ? "the device's kernels know no cubes of tapered solids: the host does all"
+                                  : std::string();
 }
 
 std::string why_not_as_triangles_or_pairs(const Model& model) {
-  return has_taper(model) ? "the device's kernels know points about tapered solids alone: the host does all"
-                          : std::string();
+  return verify::has_taper(model) ? "the device's kernels know points about tapered solids alone: the host does all"
+                                  : std::string();
 }
 
 bool within_device_range(const Model& model) {

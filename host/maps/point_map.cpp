@@ -52,12 +52,8 @@ void refuse_empty(const Model& model, const SignedDistance& distance, const std:
     throw Error(ErrorKind::input, "the model has no point at all: its set operations leave nothing");
 }
 
-bool has_taper(const Model& model) {
-  return std::ranges::any_of(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
-}
-
 double tightest_outside_of(const Model& model) {
-  return has_taper(model) ? tightest_outside_of_tapered : tightest_outside;
+  return verify::has_taper(model) ? tightest_outside_of_tapered : tightest_outside;
 }
 
 constexpr std::size_t most_known_centres = 16;

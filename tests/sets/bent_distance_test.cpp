@@ -117,8 +117,8 @@ TEST_P(TaperedBentDistanceTest, NoPointOfTheSolidIsNearerThanTheLowerEnd) {
                                     GetParam()};
     const Primitive primitive = bent_primitive(superquadric, {random.uniform(-0.9, 0.9), 0.0});
     const BentDistance distance(primitive);
-    std::vector<Point> surface;
-    for (int n = 0; n < 3000; ++n) surface.push_back(surface_point(primitive, random));
+    std::vector<Point> surface(3000);
+    std::ranges::generate(surface, [&] { return surface_point(primitive, random); });
     for (int n = 0; n < 20; ++n) {
       const Point x{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-2, 2)};
       double nearest = infinity;

@@ -29,28 +29,10 @@ constexpr std::size_t usual_cases = 4'000;
 struct Case {
   Primitive primitive;
   std::vector<KnownContact> contacts;
-  double size;
-  double radius;
-
-  explicit Case(std::uint64_t index) {
-    std::mt19937_64 random(index);
-    primitive = random_tapered(random, 19.0);
-    size = std::ranges::max(primitive.superquadric.semi_axes);
-    radius = bounding_radius(model());
-    const TaperedSolid solid(primitive);
-    std::normal_distribution<double> normal;
-    for (std::size_t i = 0; i < points_a_solid; ++i) {
-      const Triple<double> direction{normal(random), normal(random), normal(random)};
-      const double apart = size * std::exp(std::uniform_real_distribution(std::log(1e-6), std::log(10.0))(random));
-      if (i % 8 == 5) {  // on the surface, but for rounding
-        contacts.push_back(solid.contact(direction, 0.0));
-        continue;
-      }
-      contacts.push_back(solid.contact(direction, i % 4 == 3 ? -std::min(apart, 0.01 * size) : apart));
-    }
-  }
 
   [[nodiscard]] Model model() const { return {"", {primitive}}; }
+  [[nodiscard]] double size() const { return std::ranges::max(primitive.superquadric.semi_axes); }
+  [[nodiscard]] double radius() const { return bounding_radius(model()); }
   [[nodiscard]] std::vector<Point> points() const {
     std::vector<Point> result;
     for (const KnownContact& contact : contacts) result.push_back(contact.query);
@@ -58,12 +40,30 @@ struct Case {
   }
 };
 
+Case random_case(std::uint64_t index) {
+  std::mt19937_64 random(index);
+  Case result{random_tapered(random, 19.0), {}};
+  const TaperedSolid solid(result.primitive);
+  const double size = result.size();
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < points_a_solid; ++i) {
+    const Triple<double> direction{normal(random), normal(random), normal(random)};
+    const double apart = size * std::exp(std::uniform_real_distribution(std::log(1e-6), std::log(10.0))(random));
+    if (i % 8 == 5) {  // on the surface, but for rounding
+      result.contacts.push_back(solid.contact(direction, 0.0));
+      continue;
+    }
+    result.contacts.push_back(solid.contact(direction, i % 4 == 3 ? -std::min(apart, 0.01 * size) : apart));
+  }
+  return result;
+}
+
 class Tally {
  public:
   void add(const Case& tested, const KnownContact& contact, const Enclosure& found, double tolerance) {
     const bool escapes = !(Real(found.lo) <= contact.upper && Real(found.hi) >= contact.lower);
     const bool outside = contact.lower > 0;
-    double magnitude = tested.radius;  // of what rounding errors are in proportion to
+    double magnitude = tested.radius();  // of what rounding errors are in proportion to
     for (const double x : contact.query) magnitude = std::max(magnitude, std::fabs(x));
     const std::lock_guard lock(mutex_);
     ++cases_;
@@ -105,10 +105,10 @@ TEST(TaperedSoundnessTest, HostContainsTheKnownDistance) {
   Tally tally;
   in_parallel(solids(2), [&](std::size_t k) {
     if (tally.hopeless()) return;
-    const Case tested(k);
+    const Case tested = random_case(k);
     const SignedDistance distance(tested.model());
     for (const KnownContact& contact : tested.contacts) {
-      for (const double tolerance : {0.0, 1e-6 * tested.size})
+      for (const double tolerance : {0.0, 1e-6 * tested.size()})
         tally.add(tested, contact, distance(contact.query, tolerance), tolerance);
     }
   });
@@ -122,8 +122,8 @@ TEST(TaperedSoundnessTest, DeviceContainsTheKnownDistance) {
   Tally tally;
   std::uint64_t by_device = 0;
   for (std::size_t k = 0; k < solids(1) && !tally.hopeless(); ++k) {
-    const Case tested(k);
-    for (const double tolerance : {0.0, 1e-6 * tested.size}) {
+    const Case tested = random_case(k);
+    for (const double tolerance : {0.0, 1e-6 * tested.size()}) {
       const FinishedMap map = map_in_memory(tested.model(), tested.points(), {.tolerance = tolerance});
       by_device += map.summary.device_verified;
       for (std::size_t i = 0; i < tested.contacts.size(); ++i)

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/proof/superquadric.hpp"
+
 namespace verisq::verify {
 
 namespace {
@@ -24,7 +26,7 @@ Boundary<Float>::Boundary(const Superquadric& solid)
     : semi_axes_{solid.semi_axes[0], solid.semi_axes[1], solid.semi_axes[2]},
       p1_(2 / std::max<Float>(solid.exponents[0], 1e-12)),
       p2_(2 / std::max<Float>(solid.exponents[1], 1e-12)),
-      k_((solid.taper - Float(1)) / (solid.taper + Float(1))),
+      k_(taper_coefficient<Float>(solid.taper)),
       fall_(1 - k_ * k_) {}
 
 template <class Float>

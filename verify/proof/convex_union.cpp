@@ -24,6 +24,10 @@ void require_union_of_convex(const Model& model, std::string_view what) {
   if (!is_union_of_convex(model)) refuse(what, "csg other than the union of all primitives");
 }
 
+bool has_taper(const Model& model) {
+  return std::ranges::any_of(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
+}
+
 void require_no_taper(const Model& model, std::string_view what) {
   const auto tapered =
       std::ranges::find_if(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });

@@ -162,7 +162,10 @@ T SuperquadricBounds<T>::support_up(const Vector3<T>& v) const {
 // is, the root is at most τ + max(0, f) / (1 - |k|) and at least τ - max(0, -f) / (1 - |k|).
 template <class T>
 T SuperquadricBounds<T>::tapered_support(const T& section, const BasicInterval<T>& z, Direction direction) const {
-  const T root = near_root_of_support(nearest(section), (nearest(z.lower()) + nearest(z.upper())) / 2);
+  // What the root is off is lost once.
+  const long double exponent = dual_outer_.infinite ? infinity : nearest(dual_outer_.value.upper());
+  const long double height = (nearest(z.lower()) + nearest(z.upper())) / 2;
+  const auto root = static_cast<T>(near_root_of_support(nearest(section), height, nearest(taper_.k.upper()), exponent));
   const BasicInterval<T> moved = abs(z + taper_.k * BasicInterval<T>(root));
   const T norm =
       norm_of_two(section, direction == Direction::down ? moved.lower() : moved.upper(), dual_outer_, direction);
@@ -171,26 +174,6 @@ T SuperquadricBounds<T>::tapered_support(const T& section, const BasicInterval<T
   const BasicInterval<T> at_root = taper_.fall * BasicInterval<T>(root);
   if (direction == Direction::up) return (at_root + room * BasicInterval<T>(std::max(T(0), f.upper()))).upper();
   return (at_root + room * BasicInterval<T>(std::min(T(0), f.lower()))).lower();
-}
-
-// About the root, in long double: nothing rests on it, and what it is off is lost once. f is convex and not negative at
-// the start, from where Newton ascends to the root.
-template <class T>
-T SuperquadricBounds<T>::near_root_of_support(long double section, long double z) const {
-  const long double k = nearest(taper_.k.upper());
-  const long double q = nearest(dual_outer_.value.upper());
-  long double root = std::max({section, z / (1 - k), -z / (1 + k)});
-  for (int i = 0; i < 60 && !dual_outer_.infinite && root > 0; ++i) {
-    const long double moved = z + k * root;
-    const long double large = std::max(section, std::fabs(moved));
-    const long double small = std::min(section, std::fabs(moved));
-    const long double norm = large * std::pow(1 + std::pow(small / large, q), 1 / q);
-    const long double slope = std::copysign(k, k * moved) * std::pow(std::fabs(moved) / norm, q - 1) - 1;
-    const long double step = (root - norm) / slope;
-    root += step;
-    if (!(step > 0x1p-60L * root)) break;
-  }
-  return T(root);
 }
 
 }  // namespace verisq::verify

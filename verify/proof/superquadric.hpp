@@ -27,6 +27,17 @@ template <class T>
   return {magnitude(v[0]), magnitude(v[1]), magnitude(v[2])};
 }
 
+/// k = (t - 1)/(t + 1) of docs/mathematics.md §18, to nearest.
+template <class Float>
+[[nodiscard]] Float taper_coefficient(double taper) {
+  return (Float(taper) - 1) / (Float(taper) + 1);
+}
+
+/// About the root τ of ‖(r, Z + k τ)‖_q = τ, r >= 0, q the exponent of the outer dual norm, which may be infinite.
+/// Nothing is proven.
+template <class Float>
+[[nodiscard]] Float near_root_of_support(Float section, Float height, Float k, Float q);
+
 /// What a taper t makes of the solid, k = (t - 1)/(t + 1).
 template <class T>
 struct TaperNumbers {
@@ -79,7 +90,6 @@ class SuperquadricBounds {
   [[nodiscard]] T dual_norm(const std::array<T, 3>& coordinates, Direction direction) const;
   [[nodiscard]] BasicInterval<T> tapered_gauge(const T& norm, const BasicInterval<T>& z) const;
   [[nodiscard]] T tapered_support(const T& section, const BasicInterval<T>& z, Direction direction) const;
-  [[nodiscard]] T near_root_of_support(long double section, long double z) const;
 
   std::array<T, 3> semi_axes_;
   NormExponent<T> inner_, outer_;            // p2 = 2/e2, p1 = 2/e1

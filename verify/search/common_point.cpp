@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "verify/proof/boundary.hpp"
+#include "verify/proof/superquadric.hpp"
 
 namespace verisq::verify {
 
@@ -48,7 +49,7 @@ struct Ellipsoid {
 /// Through the corners of a box that contains the solid: a taper makes no section larger than 1 + |k| times the middle
 /// one, and moves the middle to k a3 from the origin.
 Ellipsoid ellipsoid_about(const Superquadric& solid) {
-  const double k = (solid.taper - 1.0) / (solid.taper + 1.0);
+  const auto k = taper_coefficient<double>(solid.taper);
   const auto& [x, y, z] = solid.semi_axes;
   const double widest = 1.0 + std::fabs(k);
   return {{0.0, 0.0, k * z}, {3.0 * std::pow(x * widest, 2), 3.0 * std::pow(y * widest, 2), 3.0 * std::pow(z, 2)}};

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/proof/superquadric.hpp"
+
 namespace verisq::verify {
 
 namespace {
@@ -16,6 +18,11 @@ struct DualNorm {
   std::array<Float, 2> support;  ///< cos^e φ and sin^e φ: where on the unit ball the norm is attained
 };
 
+template <class Float>
+Float dual_exponent_of(Float e) {
+  return e == 2 ? std::numeric_limits<Float>::infinity() : 2 / (2 - e);
+}
+
 /// For nonnegative x, y; both shares 0 for x = y = 0.
 template <class Float>
 DualNorm<Float> dual_norm(Float x, Float y, Float e) {
@@ -23,7 +30,7 @@ DualNorm<Float> dual_norm(Float x, Float y, Float e) {
   const Float small = std::min(x, y);
   if (small == 0) return {large, {x > 0 ? Float(1) : Float(0), y > 0 ? Float(1) : Float(0)}};
   // e = 2 has q = infinity: the power is 0 or, of equal terms, 1, which is the middle of an edge.
-  const Float q = e == 2 ? std::numeric_limits<Float>::infinity() : 2 / (2 - e);
+  const Float q = dual_exponent_of(e);
   const Float term = std::pow(small / large, q);
   const Float log_sum = std::log1p(term);
   // (cos^2)^(e/2), the cosine's share being 1/(1 + term) or term/(1 + term); term^(e/2) = (small/large)^(q - 1).
@@ -45,28 +52,21 @@ template <class Float>
 SuperquadricSet<Float>::SuperquadricSet(const Superquadric& superquadric)
     : semi_axes_(converted<Float>(superquadric.semi_axes)),
       exponents_{Float(superquadric.exponents[0]), Float(superquadric.exponents[1])},
-      k_((superquadric.taper - Float(1)) / (superquadric.taper + Float(1))) {}
+      k_(taper_coefficient<Float>(superquadric.taper)) {}
 
 template <class Float>
 Coordinates<Float> SuperquadricSet<Float>::operator()(const Coordinates<Float>& v) const {
   return k_ == 0 ? untapered(v) : tapered(v);
 }
 
-// The root τ of ‖(r, a3 v_z + k τ)‖ = τ by Newton's method from below; there N's support point u along v + (0, 0, k τ /
-// a3), made longer or shorter until it lies on the surface.
+// At the root τ of ‖(r, a3 v_z + k τ)‖ = τ N's support point u along v + (0, 0, k τ / a3), made longer or shorter until
+// it lies on the surface.
 template <class Float>
 Coordinates<Float> SuperquadricSet<Float>::tapered(const Coordinates<Float>& v) const {
   const Float section =
       dual_norm(semi_axes_[0] * std::fabs(v[0]), semi_axes_[1] * std::fabs(v[1]), exponents_[1]).value;
   const Float z = semi_axes_[2] * v[2];
-  Float root = std::max({section, z / (1 - k_), -z / (1 + k_)});
-  for (int i = 0; i < 40 && root > 0; ++i) {
-    const Float moved = z + k_ * root;
-    const DualNorm<Float> norm = dual_norm(section, std::fabs(moved), exponents_[0]);
-    const Float step = (norm.value - root) / (1 - std::copysign(k_, k_ * moved) * norm.support[1]);
-    root += step;
-    if (!(step > 4 * std::numeric_limits<Float>::epsilon() * root)) break;
-  }
+  const Float root = near_root_of_support(section, z, k_, dual_exponent_of(exponents_[0]));
   const Coordinates<Float> u = untapered({v[0], v[1], v[2] + k_ * root / semi_axes_[2]});
   const Float scale = (1 - k_ * k_) / (1 - k_ * u[2] / semi_axes_[2]);
   return {scale * u[0], scale * u[1], scale * u[2]};
@@ -105,7 +105,7 @@ template <class Float>
 ApproximateMotion<Float> ApproximateMotion<Float>::of_own_frame(const Primitive& primitive) {
   ApproximateMotion motion(primitive.pose);
   const Superquadric& solid = primitive.superquadric;
-  const Float k = (solid.taper - Float(1)) / (solid.taper + Float(1));
+  const auto k = taper_coefficient<Float>(solid.taper);
   motion.translation_ = motion.point({0, 0, -k * Float(solid.semi_axes[2])});
   return motion;
 }

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "verify/proof/boundary.hpp"
+#include "verify/proof/superquadric.hpp"
 #include "verify/search/contact_problem.hpp"
 
 namespace verisq::verify::logarithmic {
@@ -28,7 +29,7 @@ class TaperedContactProblem {
       : solid_(solid),
         q_(q),
         resolution_(resolution),
-        k_((Float(solid.taper) - 1) / (Float(solid.taper) + 1)),
+        k_(taper_coefficient<Float>(solid.taper)),
         height_(solid.semi_axes[2]),
         excess_(excess(solid.exponents[0])),
         section_excess_(excess(solid.exponents[1])) {}

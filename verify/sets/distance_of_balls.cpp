@@ -20,14 +20,6 @@ bool is_ball(const Primitive& primitive) {
   return axes[0] == axes[1] && axes[1] == axes[2] && exponents == std::array{1.0, 1.0} && taper == 1.0;
 }
 
-/// `off` bounds how far x lies from the centre.
-double lower_of(const SolidDistance& solid, const Point& x, double off, double radius, double tolerance,
-                const std::function<bool()>& interrupted) {
-  const double lo = solid(x, tolerance, kNothingKnown, interrupted).lo;
-  if (lo == std::numeric_limits<double>::max()) return -infinity;  // the search of pairs says that there is no solid
-  return subtract(subtract(lo, off, Direction::down), radius, Direction::down);
-}
-
 }  // namespace
 
 std::optional<BallUnion> BallUnion::of(const Model& model) {
@@ -41,25 +33,35 @@ std::optional<BallUnion> BallUnion::of(const Model& model) {
   return BallUnion(std::move(result));
 }
 
-double BallUnion::lower_from_b(const SolidDistance& b, const BoundedMotion& motion, double tolerance,
-                               const std::function<bool()>& interrupted) const {
+double BallUnion::lower_from(const SolidDistance& solid, const std::function<Located(const Point&)>& locate,
+                             double tolerance, const std::function<bool()>& interrupted) const {
   double least = infinity;
   for (const auto& [centre, radius] : balls_) {
-    const Cube own = motion.enclosed_in_b(centre);
-    const double off = (sqrt(Interval(3)) * Interval(own.half_width)).upper();
-    least = std::min(least, lower_of(b, own.centre, off, radius, tolerance, interrupted));
+    const auto [own, off] = locate(centre);
+    const double lo = solid(own, tolerance, kNothingKnown, interrupted).lo;
+    // The search of pairs says that there is no solid.
+    if (lo == std::numeric_limits<double>::max()) return -infinity;
+    least = std::min(least, subtract(subtract(lo, off, Direction::down), radius, Direction::down));
   }
   return least;
 }
 
+double BallUnion::lower_from_b(const SolidDistance& b, const BoundedMotion& motion, double tolerance,
+                               const std::function<bool()>& interrupted) const {
+  const auto locate = [&](const Point& centre) {
+    const Cube cube = motion.enclosed_in_b(centre);
+    return Located{cube.centre, (sqrt(Interval(3)) * Interval(cube.half_width)).upper()};
+  };
+  return lower_from(b, locate, tolerance, interrupted);
+}
+
 double BallUnion::lower_from_a(const SolidDistance& a, const BoundedMotion& motion, double tolerance,
                                const std::function<bool()>& interrupted) const {
-  double least = infinity;
-  for (const auto& [centre, radius] : balls_) {
+  const auto locate = [&](const Point& centre) {
     const Point own = motion.to_a(centre);
-    least = std::min(least, lower_of(a, own, motion.distance_up(own, centre), radius, tolerance, interrupted));
-  }
-  return least;
+    return Located{own, motion.distance_up(own, centre)};
+  };
+  return lower_from(a, locate, tolerance, interrupted);
 }
 
 }  // namespace verisq::verify

@@ -31,6 +31,15 @@ class BallUnion {
                                     const std::function<bool()>& interrupted) const;
 
  private:
+  /// A centre in the frame of the other solid, and a bound of how far it lies from there.
+  struct Located {
+    Point centre;
+    double off;
+  };
+
+  [[nodiscard]] double lower_from(const SolidDistance& solid, const std::function<Located(const Point&)>& locate,
+                                  double tolerance, const std::function<bool()>& interrupted) const;
+
   explicit BallUnion(std::vector<Ball> balls) : balls_(std::move(balls)) {}
 
   std::vector<Ball> balls_;
