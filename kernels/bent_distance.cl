@@ -1,20 +1,22 @@
 // This file implements the enclosure of the distance of points to one bent superquadric by a single certificate, where
 // that is a convex problem.
 //
-// In the coordinates rho = 1/k - r, gamma = k z, s of the bend the squared distance of a point with coordinates rho_q,
-// gamma_q, s_q is f = rho^2 + rho_q^2 - 2 rho rho_q cos(gamma - gamma_q) + (s - s_q)^2, whose Hessian is positive
-// semidefinite where rho cos(gamma - gamma_q) >= rho_q sin^2(gamma - gamma_q). Where that holds on all of the unbent
-// solid K, which is convex, f lies above its tangent planes there: for any point x_0, with v = grad f(x_0) / 2,
-//   f(x) >= f(x_0) + 2 v.(x - x_0) >= f(x_0) - 2 (h(-v) + v.x_0) for all x in K,
-// h the support function of K, symmetric. Tight, to second order, where x_0 is the closest point. Gently bent solids
-// and queries not far beyond their ends satisfy the condition; the others are left to the branch and bound.
+// Let K be the unbent solid, convex, and in units of 1 / k let W and gamma = k z be the polar coordinates of a point of
+// the bent space about the centre of curvature, those of the query W_q and gamma_q. The squared distance to the query,
+// f = (W^2 + W_q^2 - 2 W W_q cos(gamma - gamma_q)) / k^2 + (s - s_q)^2, lies above its tangent plane at x_0 in all of
+// K,
+//   f(x) >= f(x_0) + 2 v.(x - x_0) >= f(x_0) - 2 (h(-v) + v.x_0), v = grad f(x_0) / 2, h the support function of K,
+// if with D = gamma_0 - gamma_q for all turns d from gamma_0 to a gamma of K
+//   W_0 (cos D - sin D phi(d)) >= W_q sin^2(D + d / 2), phi(d) = (d - sin d) / (1 - cos d)
+// (docs/mathematics.md §9). Tight, to second order, where x_0 is the closest point. Points whose closest one is an end
+// that turns away from them do not satisfy the condition; they are left to the branch and bound.
 //
 // x_0 is given by the point p of the bent space that unbends to it: then f(x_0) = |p - q|^2, and the derivatives of the
 // bend at x_0 are cosine and sine of the angle of p.
 
 #define BEND_STEPS 16
 #define BEND_CONVERGED 1e-9
-#define NEIGHBOURHOOD 0x1p-20 // x_0 may lie outside of K by this, relatively: convexity is asked for on that much more
+#define NEIGHBOURHOOD 0x1p-20 // x_0 may lie outside of K by this, relatively: so far upper ends are wanted
 
 // A point in the frame of the bend: R, S, Z; or unbent: r, s, z.
 ALWAYS_INLINE vector3 bend_nearest(vector3 x, double curvature) {
@@ -77,22 +79,83 @@ ALWAYS_INLINE vector3 closest_unbent(vector3 q, vector3 unbent_q, real w_q, MODE
   return x;
 }
 
-ALWAYS_INLINE interval interval_difference(real a, real b) { return interval_about(a - b, fabs(a - b) * 0x1p-52); }
+// Upper bound of sin^2 of all angles up to t: t^2 - t^4 / 3 + 2 t^6 / 45 breaks the alternating series of
+// (1 - cos 2t) / 2 off after a positive term, and rises with t.
+ALWAYS_INLINE real squared_sine_up(real t) {
+  const real square = mul_up(t, t);
+  const real square_down = mul_down(t, t);
+  const real fourth_down = mul_down(mul_down(square_down, square_down), REAL(0x1.5555555555555p-2)); // below 1/3
+  const real sixth = mul_up(mul_up(square, mul_up(square, square)), REAL(0x1.6c16c16c16c17p-5)); // above 2/45
+  return fmin(add_up(sub_up(square, fourth_down), sixth), REAL(1.0));
+}
 
-// Whether f is convex on K and NEIGHBOURHOOD more of it. With the largest |gamma - gamma_q| at most `angle`:
-// cos >= 1 - angle^2 / 2 and sin^2 <= angle^2.
-ALWAYS_INLINE integer convex_about(unbent q, MODEL_SPACE const box_primitive* p) {
-  const real along = mul_up(REAL(p->curvature), REAL(p->solid.semi_axes[2] * (1.0 + 2.0 * NEIGHBOURHOOD)));
-  const interval turned = interval_abs(interval_scaled_add(REAL(p->curvature), q.z, interval_of(REAL(0.0), REAL(0.0))));
-  const real angle = add_up(turned.hi, along);
-  const real square = mul_up(angle, angle);
-  const real least_w = REAL(p->least_w - 2.0 * NEIGHBOURHOOD);
-  return MASK(mul_down(least_w, sub_down(REAL(1.0), square)) >= mul_up(q.w.hi, square)) & MASK(square < 1.0) &
-         MASK(least_w > 0.0);
+// Upper bound of phi(d) = (d - sin d) / (1 - cos d) for the d in [0, turn], in which it rises: d - sin d <= d^3 / 6 and
+// 1 - cos d >= d^2 / 2 - d^4 / 24. Only where turn^2 < 12.
+ALWAYS_INLINE real turn_quotient_up(real turn) {
+  const real fall = sub_down(REAL(1.0), mul_up(mul_up(turn, turn), REAL(0x1.5555555555556p-4))); // above 1/12
+  const real quotient = div_up(mul_up(turn, REAL(0x1.5555555555556p-2)), fall);
+  return select(REAL(INFINITY), quotient, MASK(fall > 0.0));
+}
+
+// How far K lies along gamma from where it is looked at.
+typedef struct {
+  real turn;    // away from the query: largest |d| with the sign of D
+  real between; // largest |D + d / 2|
+} angles_of_solid;
+
+// All of K: |gamma| <= along.
+ALWAYS_INLINE angles_of_solid angles_of_all(interval gamma_0, interval gamma_q, interval apart,
+                                            MODEL_SPACE const box_primitive* p) {
+  const real along = mul_up(REAL(p->curvature), REAL(p->solid.semi_axes[2]));
+  const real ahead = select(REAL(0.0), sub_up(along, gamma_0.lo), MASK(apart.hi > 0.0));
+  const real behind = select(REAL(0.0), add_up(along, gamma_0.hi), MASK(apart.lo < 0.0));
+  const interval halved = interval_mul(gamma_0, interval_of(REAL(0.5), REAL(0.5)));
+  const angles_of_solid all = {fmax(fmax(ahead, behind), REAL(0.0)),
+                               add_up(interval_abs(interval_sub(halved, gamma_q)).hi, 0.5 * along)};
+  return all;
+}
+
+#define WHOLE_TURN 6.5
+#define BELOW_HALF_A_TURN 3.0
+#define THREE_QUARTERS_OF_A_TURN 4.712388980384689 // 3 pi / 2, rounded down
+
+// Of the points of K within `upper` of q: |sin(gamma - gamma_q)| <= k upper / W_q where that is below 1, and then the
+// cosine is positive. Every |gamma - gamma_q| of K is below three quarters of a turn, hence those are within a quarter,
+// and at most the tangent.
+ALWAYS_INLINE angles_of_solid angles_nearby(angles_of_solid all, interval apart, interval gamma_q, real w_q, real upper,
+                                            MODEL_SPACE const box_primitive* p) {
+  const real along = mul_up(REAL(p->curvature), REAL(p->solid.semi_axes[2]));
+  const real sine = div_up(mul_up(REAL(p->curvature), upper), w_q);
+  const real cosine = sqrt_down(sub_down(REAL(1.0), mul_up(sine, sine)));
+  const real angle = div_up(sine, cosine);
+  const integer holds = MASK(sine < 1.0) & MASK(cosine > 0.0) &
+                        MASK(add_up(along, interval_abs(gamma_q).hi) <= THREE_QUARTERS_OF_A_TURN);
+  const interval size = interval_abs(apart);
+  const angles_of_solid near = {
+      select(all.turn, fmin(all.turn, positive_part(sub_up(angle, size.lo))), holds),
+      select(all.between, fmin(all.between, mul_up(REAL(0.5), add_up(angle, size.hi))), holds)};
+  return near;
+}
+
+// Whether f lies above its tangent plane at x_0 in all points of K within `upper` of q.
+ALWAYS_INLINE integer above_tangent(unbent x, unbent q, real upper, MODEL_SPACE const box_primitive* p) {
+  const interval k = interval_of(REAL(p->curvature), REAL(p->curvature));
+  const interval gamma_0 = interval_mul(k, x.z);
+  const interval gamma_q = interval_mul(k, q.z);
+  const interval apart = interval_mul(k, interval_sub(x.z, q.z));
+  const interval cosine = interval_add(interval_mul(x.cosine, q.cosine), interval_mul(x.sine, q.sine));
+  const interval sine = interval_sub(interval_mul(x.sine, q.cosine), interval_mul(x.cosine, q.sine));
+  const angles_of_solid all = angles_of_all(gamma_0, gamma_q, apart, p);
+  const angles_of_solid near = angles_nearby(all, apart, gamma_q, q.w.lo, upper, p);
+  // Near the cut of the angle z is any number, or none. Within half a turn the sine has the sign of D.
+  const integer known = MASK(interval_abs(gamma_0).hi <= WHOLE_TURN) & MASK(interval_abs(gamma_q).hi <= WHOLE_TURN) &
+                        MASK(interval_abs(apart).hi <= BELOW_HALF_A_TURN);
+  const real curving = sub_down(cosine.lo, mul_up(interval_abs(sine).hi, turn_quotient_up(near.turn)));
+  return known & MASK(curving > 0.0) & MASK(mul_down(x.w.lo, curving) >= mul_up(q.w.hi, squared_sine_up(near.between)));
 }
 
 // What p proves about the distance of q to the bent solid, both in the axes of the bend.
-ALWAYS_INLINE interval distance_by_point(vector3 q, vector3 at, integer convex, MODEL_SPACE const box_primitive* p) {
+ALWAYS_INLINE interval distance_by_point(vector3 q, unbent unbent_q, vector3 at, MODEL_SPACE const box_primitive* p) {
   const unbent x = unbend(interval_of(at.x, at.x), interval_of(at.z, at.z), p->curvature);
   const interval dr = interval_difference(at.x, q.x);
   const interval ds = interval_difference(at.y, q.y);
@@ -114,16 +177,18 @@ ALWAYS_INLINE interval distance_by_point(vector3 q, vector3 at, integer convex, 
   const vector3 apart_down = {interval_abs(dr).lo, interval_abs(ds).lo, interval_abs(dz).lo};
 
   const real log_gauge = log_gauge_up(own, &p->solid);
-  const real loss = mul_up(REAL(2.0), add_up(support_up(v, &p->solid), along.hi));
-  const real square = sub_down(dot_down(apart_down, apart_down), loss);
-  const integer valid = convex & MASK(log_gauge <= 0.5 * NEIGHBOURHOOD) & MASK(square >= 0.0) & MASK(square <= DBL_MAX);
   // (1 - L) x_0 lies in K for L = max(log g(x_0), 0) <= 1 (superquadric.clh, distance_up), and bending moves it from p
   // by at most twice its way from x_0: 1 - k r <= 2 near K.
   const real outside = fmax(log_gauge, REAL(0.0));
   const real moved = mul_up(REAL(2.0), mul_up(outside, length_up(own)));
-  const real upper = add_up(length_up(apart), moved);
-  const integer near = MASK(log_gauge <= 0.5 * NEIGHBOURHOOD) & MASK(upper <= DBL_MAX);
-  return interval_of(select(REAL(0.0), sqrt_down(square), valid), select(REAL(INFINITY), upper, near));
+  const real farthest = add_up(length_up(apart), moved);
+  const integer near = MASK(log_gauge <= 0.5 * NEIGHBOURHOOD) & MASK(farthest <= DBL_MAX);
+  const real upper = select(REAL(INFINITY), farthest, near);
+
+  const real loss = mul_up(REAL(2.0), add_up(support_up(v, &p->solid), along.hi));
+  const real square = sub_down(dot_down(apart_down, apart_down), loss);
+  const integer valid = above_tangent(x, unbent_q, upper, p) & MASK(square >= 0.0) & MASK(square <= DBL_MAX);
+  return interval_of(select(REAL(0.0), sqrt_down(square), valid), upper);
 }
 
 // For points proven to lie outside; others get nothing (-infinity, infinity). Normals lead from the closest point to
@@ -144,14 +209,13 @@ kernel void bent_distance(ulong groups, global const double* xs, global const do
   const real size = add_up(fabs(d.x), add_up(fabs(d.y), fabs(d.z)));
   const real frame_error = fma_up(REAL(p->frame_error), size, REAL(0x1p-1000));
   const unbent u = unbend(interval_of(q.x, q.x), interval_of(q.z, q.z), p->curvature);
-  const integer convex = convex_about(u, p);
   const vector3 unbent_q = {middle_of(u.r), q.y, middle_of(u.z)};
-  const integer usable = own.white & convex & MASK(fabs(unbent_q.x) <= DBL_MAX) & MASK(fabs(unbent_q.z) <= DBL_MAX);
+  const integer usable = own.white & MASK(fabs(unbent_q.x) <= DBL_MAX) & MASK(fabs(unbent_q.z) <= DBL_MAX);
   interval distance = interval_of(REAL(-INFINITY), REAL(INFINITY));
   vector3 normal = {REAL(0.0), REAL(0.0), REAL(0.0)};
   if (any(usable)) {
     const vector3 at = bend_nearest(closest_unbent(q, where(usable, unbent_q), u.w.hi, p), p->curvature);
-    const interval found = distance_by_point(q, at, convex, p);
+    const interval found = distance_by_point(q, u, at, p);
     distance.lo = select(distance.lo, sub_down(found.lo, frame_error), usable);
     distance.hi = select(distance.hi, add_up(found.hi, frame_error), usable);
     const vector3 apart = {q.x - at.x, q.y - at.y, q.z - at.z};

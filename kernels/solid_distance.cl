@@ -303,7 +303,8 @@ ALWAYS_INLINE decided decided_by_parts(parts known) {
 }
 
 // `part_*` and `normal_*` are what point_distance and interior_depth, or bent_distance, found for each primitive,
-// `stride` numbers apart; infinite ends where that is nothing. Writes the enclosure of the signed distance.
+// `stride` numbers apart; infinite ends where that is nothing. Makes the enclosures of the signed distance, those of
+// set_bounds or infinite ones, as narrow as the tolerance.
 kernel void solid_distance(ulong count, ulong stride, global const double* xs, global const double* ys,
                            global const double* zs, MODEL_SPACE const box_primitive* primitives, double root_x,
                            double root_y, double root_z, double root_half_width, double tolerance, uint round_limit,
@@ -311,7 +312,7 @@ kernel void solid_distance(ulong count, ulong stride, global const double* xs, g
                            global const double* normal_xs, global const double* normal_ys,
                            global const double* normal_zs, global double* los, global double* his) {
   const ulong index = get_global_id(0);
-  if (index >= count) return;
+  if (index >= count || his[index] - los[index] <= tolerance) return;
   search own;
   own.query.x = xs[index];
   own.query.y = ys[index];
@@ -332,7 +333,7 @@ kernel void solid_distance(ulong count, ulong stride, global const double* xs, g
   for (uint side = 0; side < 2; ++side) {
     own.outside = side == 1;
     if (own.outside ? beyond : inside) continue;
-    own.upper = INFINITY;
+    own.upper = own.outside ? -los[index] : his[index];
     try_parts(&own, known, 0x1p-10 * root_half_width, primitives);
     const double lower = searched_lower(&own, root, root_half_width, round_limit, primitives);
     if (own.outside) {
@@ -343,6 +344,6 @@ kernel void solid_distance(ulong count, ulong stride, global const double* xs, g
       if (beyond) lo = lower;
     }
   }
-  los[index] = lo;
-  his[index] = hi;
+  los[index] = fmax(los[index], lo);
+  his[index] = fmin(his[index], hi);
 }

@@ -41,10 +41,8 @@ PointPrograms point_programs(const Device& device, const std::string& memory, bo
 }
 
 ConvexDistance::ConvexDistance(const Device& device, const PointPrograms& programs, ChunkQueue& queue,
-                               const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance)
+                               std::size_t capacity, double tolerance)
     : groups_per_block_(device.vector_width > 1 ? block_points_of_vector_work_item / device.vector_width : 1),
-      coordinates_(coordinates),
-      nearest_(queue.numbers(capacity)),
       listed_(queue.numbers(capacity / 2 + 1)),  // as 32-bit numbers
       scratch_(queue.numbers(capacity * scratch_per_point)),
       point_distance_(programs.untapered, kernels::embedded_point_sources(), "point_distance"),
@@ -54,24 +52,24 @@ ConvexDistance::ConvexDistance(const Device& device, const PointPrograms& progra
   }
   for (NamedKernel* const kernel : {&point_distance_, tapered_distance_ ? &*tapered_distance_ : nullptr}) {
     if (kernel == nullptr) continue;
-    kernel->set(coordinate_arguments, coordinates_);
     kernel->set("listed", listed_);
-    kernel->set("nearest", nearest_);
     kernel->set("groups_per_block", groups_per_block_);
   }
   interior_depth_.set("groups_per_block", groups_per_block_);
-  interior_depth_.set(coordinate_arguments, coordinates_);
   interior_depth_.set("tolerance", std::max(tolerance, smallest_interior_tolerance));
   interior_depth_.set("scratch", scratch_);
 }
 
-void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, std::size_t index, bool tapered,
-                             std::size_t groups, const EvidenceBuffers& evidence) {
+void ConvexDistance::enqueue(ChunkQueue& queue, const Points& points, const cl::Buffer& primitives, std::size_t index,
+                             bool tapered, std::size_t groups, const EvidenceBuffers& evidence) {
+  points_ = points;
   primitives_ = primitives;
   std::vector<NamedKernel*> launched{&point_distance_, &interior_depth_};
   if (tapered) launched = {&*tapered_distance_};
   for (NamedKernel* const kernel : launched) {
     kernel->set("groups", groups);
+    kernel->set(coordinate_arguments, points_.coordinates);
+    if (kernel != &interior_depth_) kernel->set("nearest", points_.nearest);
     kernel->set("primitives", primitives_);
     kernel->set("index", index);
     kernel->set(evidence_arguments, evidence);

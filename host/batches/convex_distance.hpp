@@ -38,21 +38,26 @@ class ConvexDistance {
  public:
   /// `programs` are for the memory that the primitives lie in. `tolerance` in the device's numbers:
   /// depths are searched to it, and not far beyond what branch and bound can do.
-  ConvexDistance(const Device& device, const PointPrograms& programs, ChunkQueue& queue,
-                 const std::array<cl::Buffer, 3>& coordinates, std::size_t capacity, double tolerance);
+  ConvexDistance(const Device& device, const PointPrograms& programs, ChunkQueue& queue, std::size_t capacity,
+                 double tolerance);
+
+  /// Where points lie, and what is known of them: a column each.
+  struct Points {
+    std::array<cl::Buffer, 3> coordinates;
+    cl::Buffer nearest;  ///< smallest upper end so far
+  };
 
   /// Enqueues the primitive `index` of `primitives` for the first `groups` vectors of points. With index 0 nothing is
   /// known yet about the points; a later one is passed over where a sphere or a box about it is farther than what was
   /// found.
-  void enqueue(ChunkQueue& queue, const cl::Buffer& primitives, std::size_t index, bool tapered, std::size_t groups,
-               const EvidenceBuffers& evidence);
+  void enqueue(ChunkQueue& queue, const Points& points, const cl::Buffer& primitives, std::size_t index, bool tapered,
+               std::size_t groups, const EvidenceBuffers& evidence);
 
  private:
   std::size_t groups_per_block_;
   // Kernels do not keep the buffers that they are given.
-  std::array<cl::Buffer, 3> coordinates_;
+  Points points_;
   cl::Buffer primitives_;
-  cl::Buffer nearest_;
   cl::Buffer listed_;
   cl::Buffer scratch_;
   NamedKernel point_distance_;

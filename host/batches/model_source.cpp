@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <vector>
 
+#include "host/batches/model_terms.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "verify/sets/set_tree.hpp"
 
@@ -108,6 +110,23 @@ std::string solid_node(const SetNode& tree) {
                      root);
 }
 
+std::string bits_of(const ModelTerms& terms, std::uint32_t verify::SetTerm::*literals) {
+  std::string text;
+  for (const auto* const target : {&terms.of_solid, &terms.of_complement})
+    for (const verify::SetTerm& term : *target) text += fmt::format("{:#x}U, ", term.*literals);
+  return text + "0U";  // no array is empty
+}
+
+/// Those of the closure of the complement after those of the solid.
+std::string terms_of_both(const Model& model) {
+  const ModelTerms terms = model_terms(model);
+  return fmt::format(
+      "#define TERMS_OF_SOLID {}U\n#define TERMS_OF_COMPLEMENT {}U\n"
+      "constant uint term_inside[] = {{{}}};\nconstant uint term_outside[] = {{{}}};\n",
+      terms.of_solid.size(), terms.of_complement.size(), bits_of(terms, &verify::SetTerm::inside),
+      bits_of(terms, &verify::SetTerm::outside));
+}
+
 }  // namespace
 
 std::string why_not_compiled(const Model& model) {
@@ -120,8 +139,8 @@ std::string why_not_compiled(const Model& model) {
 
 std::string model_source(const Model& model, std::string_view entry_points) {
   const SetNode tree = verify::normal_form(model, Side::inside);
-  return fmt::format("#define PRIMITIVES {}U\n{}{}{}{}", model.primitives.size(), kernels::embedded_solid_layers(),
-                     entry_points, solid_colour(tree), solid_node(tree));
+  return fmt::format("#define PRIMITIVES {}U\n{}{}{}{}{}", model.primitives.size(), terms_of_both(model),
+                     kernels::embedded_solid_layers(), entry_points, solid_colour(tree), solid_node(tree));
 }
 
 }  // namespace verisq::device

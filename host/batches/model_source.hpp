@@ -18,10 +18,10 @@ inline constexpr std::size_t most_compiled_leaves = 100;
 /// Why the model has no program of its own; empty where it has one.
 [[nodiscard]] std::string why_not_compiled(const Model& model);
 
-/// The text of a program for one model: PRIMITIVES (their number), the layers, the kernels that are its entry points,
-/// and the functions `solid_colour` and `solid_node` that kernels/set_tree.clh declares. Numbers of the model do not
-/// enter, only its structure: models that differ by numbers alone share a program. Precondition: the model may be
-/// compiled.
+/// The text of a program for one model: PRIMITIVES (their number), its terms (model_terms.hpp), the layers, the kernels
+/// that are its entry points, and the functions `solid_colour` and `solid_node` that kernels/set_tree.clh declares.
+/// Numbers of the model do not enter, only its structure: models that differ by numbers alone share a program.
+/// Precondition: the model may be compiled.
 [[nodiscard]] std::string model_source(const Model& model, std::string_view entry_points);
 
 }  // namespace verisq::device

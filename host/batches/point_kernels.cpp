@@ -18,8 +18,9 @@ PointKernels::PointKernels(const Device& device, const PointPrograms& programs, 
     : count_(model.count),
       primitives_(model.primitives),
       tapered_(model.tapered),
-      coordinates_{queue.numbers(model.chunk_size), queue.numbers(model.chunk_size), queue.numbers(model.chunk_size)},
-      convex_distance_(device, programs, queue, coordinates_, model.chunk_size, tolerance),
+      points_{{queue.numbers(model.chunk_size), queue.numbers(model.chunk_size), queue.numbers(model.chunk_size)},
+              queue.numbers(model.chunk_size)},
+      convex_distance_(device, programs, queue, model.chunk_size, tolerance),
       union_distance_(programs.untapered, kernels::embedded_point_sources(), "union_distance") {
   const std::size_t capacity = model.chunk_size;
   for (cl::Buffer& evidence : per_primitive_) evidence = queue.numbers(capacity * count_);
@@ -28,7 +29,7 @@ PointKernels::PointKernels(const Device& device, const PointPrograms& programs, 
   for (cl::Buffer& escape : escapes_) escape = queue.numbers(count_ > 1 ? capacity : 1);
 
   union_distance_.set("stride", capacity);
-  union_distance_.set(coordinate_arguments, coordinates_);
+  union_distance_.set(coordinate_arguments, points_.coordinates);
   union_distance_.set("primitives", primitives_);
   union_distance_.set("count", count_);
   union_distance_.set(evidence_arguments, per_primitive_);
@@ -39,7 +40,7 @@ PointKernels::PointKernels(const Device& device, const PointPrograms& programs, 
 
 void PointKernels::enqueue(ChunkQueue& queue, std::size_t groups) {
   for (std::size_t index = 0; index < count_; ++index)
-    convex_distance_.enqueue(queue, primitives_, index, tapered_[index], groups, views_[index]);
+    convex_distance_.enqueue(queue, points_, primitives_, index, tapered_[index], groups, views_[index]);
   if (count_ == 1) return;
   union_distance_.set("groups", groups);
   queue.launch(union_distance_, groups);

@@ -21,7 +21,7 @@ class PointKernels {
                double tolerance);
 
   /// x, y, z, in the device's numbers: to be written before `enqueue`, in whole vectors.
-  [[nodiscard]] const std::array<cl::Buffer, 3>& coordinates() const { return coordinates_; }
+  [[nodiscard]] const std::array<cl::Buffer, 3>& coordinates() const { return points_.coordinates; }
   /// Lower and upper ends, likewise.
   [[nodiscard]] const std::array<cl::Buffer, 2>& ends() const { return ends_; }
   /// What is found for each primitive, and a point outside of all of them for each point: not of a single primitive.
@@ -36,7 +36,7 @@ class PointKernels {
   // Kernels do not keep the buffers that they are given.
   cl::Buffer primitives_;
   std::vector<bool> tapered_;  // which primitives are
-  std::array<cl::Buffer, 3> coordinates_;
+  ConvexDistance::Points points_;
   ConvexDistance convex_distance_;
   NamedKernel union_distance_;
   EvidenceBuffers per_primitive_;  // primitive by primitive

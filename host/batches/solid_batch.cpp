@@ -14,6 +14,7 @@
 #include "host/batches/device_model.hpp"
 #include "host/batches/kernel_arguments.hpp"
 #include "host/batches/model_source.hpp"
+#include "host/batches/model_terms.hpp"
 #include "host/batches/primitive_parameters.hpp"
 #include "host/batches/solid_model.hpp"
 #include "host/opencl/program.hpp"
@@ -30,21 +31,27 @@ constexpr cl_uint round_limit = 512;
 
 // What is known of each primitive on its own.
 constexpr std::array<std::string_view, 5> part_arguments{"part_los", "part_his", "normal_xs", "normal_ys", "normal_zs"};
+// Of points whose nearest one may lie on an edge.
+constexpr std::array<std::string_view, 5> edge_arguments{"others", "edges", "foot_xs", "foot_ys", "foot_zs"};
+constexpr std::array<std::string_view, 3> centre_arguments{"centre_xs", "centre_ys", "centre_zs"};
 
 cl::Program solid_program(const Device& device, const Model& model) {
   return build_program(device.context, device.device, solid_vector_width(device),
                        model_source(model, kernels::embedded_solid_distance()), box_primitives_memory(device, model));
 }
 
+// Twice: the first of a model is evaluated at all points, later ones at those that they may be nearest to.
 cl::Buffer uploaded_alone(const Device& device, const Primitive& primitive, int scale) {
-  PrimitiveParameters parameters = primitive_parameters(primitive, scale);
-  return {device.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof(parameters), &parameters};
+  const PrimitiveParameters parameters = primitive_parameters(primitive, scale);
+  std::array both{parameters, parameters};
+  return {device.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof(both), both.data()};
 }
 
 struct Part {
   bool bent;
   bool tapered;
-  cl::Buffer convex;  // PrimitiveParameters: a primitive on its own is the first of one, in constant memory
+  bool holds_balls;
+  cl::Buffer convex;  // PrimitiveParameters
 };
 
 // What all slots share.
@@ -54,8 +61,10 @@ struct SolidModel {
         program(solid_program(device, model)),
         box_primitives(uploaded_box_primitives(device, model, size.scale_exponent)),
         root(root_cube(model, size.scale_exponent)) {
+    const ModelTerms terms = model_terms(model);
     for (const Primitive& primitive : model.primitives)
       parts.push_back({is_bent(primitive), is_tapered(primitive.superquadric),
+                       !is_bent(primitive) && holds_balls(terms, parts.size()),
                        uploaded_alone(device, primitive, size.scale_exponent)});
     if (!std::ranges::all_of(parts, &Part::bent)) convex_programs = point_programs(device, "", size.has_tapered());
   }
@@ -76,29 +85,47 @@ class SolidSlot : public ChunkSlot {
         solid_width_(static_cast<std::size_t>(solid_vector_width(device))),
         parts_(model.parts),
         box_primitives_(model.box_primitives),
-        coordinates_{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
+        points_{{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
+                queue_.numbers(capacity_)},
         bent_distance_(model.program, kernels::embedded_solid_distance(), "bent_distance"),
+        set_feet_(model.program, kernels::embedded_solid_distance(), "set_feet"),
+        set_bounds_(model.program, kernels::embedded_solid_distance(), "set_bounds"),
         solid_distance_(model.program, kernels::embedded_solid_distance(), "solid_distance") {
     if (model.convex_programs) {
-      convex_distance_.emplace(device, *model.convex_programs, queue_, coordinates_, capacity_,
-                               scale_.to_device(tolerance));
+      convex_distance_.emplace(device, *model.convex_programs, queue_, capacity_, scale_.to_device(tolerance));
     }
+    const double own_tolerance = std::max(scale_.to_device(tolerance), smallest_tolerance);
     for (cl::Buffer& evidence : per_primitive_) evidence = queue_.numbers(capacity_ * count_);
     views_ = views_of_primitives(per_primitive_, count_, capacity_);
     for (cl::Buffer& end : result_) end = queue_.numbers(capacity_);
-    bent_distance_.set(coordinate_arguments, coordinates_);
-    bent_distance_.set("primitives", box_primitives_);
-    solid_distance_.set("stride", capacity_);
-    solid_distance_.set(coordinate_arguments, coordinates_);
-    solid_distance_.set("primitives", box_primitives_);
+    for (cl::Buffer& column : edges_) column = queue_.numbers(capacity_);
+    for (cl::Buffer& column : centres_) column = queue_.numbers(capacity_ * count_);
+    wanted_balls_ = queue_.numbers(capacity_ * count_);
+    for (cl::Buffer& column : of_balls_) column = queue_.numbers(capacity_);
+    ball_his_ = queue_.numbers(capacity_ * count_);
+    for (NamedKernel* const kernel : {&bent_distance_, &set_feet_, &set_bounds_, &solid_distance_}) {
+      kernel->set(coordinate_arguments, points_.coordinates);
+      kernel->set("primitives", box_primitives_);
+    }
+    for (NamedKernel* const kernel : {&set_feet_, &set_bounds_}) {
+      kernel->set(edge_arguments, edges_);
+      kernel->set(centre_arguments, centres_);
+    }
+    for (NamedKernel* const kernel : {&set_feet_, &set_bounds_, &solid_distance_}) {
+      kernel->set("stride", capacity_);
+      kernel->set(enclosure_arguments, result_);
+    }
+    for (NamedKernel* const kernel : {&set_feet_, &solid_distance_}) {
+      kernel->set("tolerance", own_tolerance);
+      kernel->set(part_arguments, per_primitive_);
+    }
+    set_feet_.set("wanted_balls", wanted_balls_);
+    set_bounds_.set("ball_his", ball_his_);
     solid_distance_.set("root_x", model.root.centre[0]);
     solid_distance_.set("root_y", model.root.centre[1]);
     solid_distance_.set("root_z", model.root.centre[2]);
     solid_distance_.set("root_half_width", model.root.half_width);
-    solid_distance_.set("tolerance", std::max(scale_.to_device(tolerance), smallest_tolerance));
     solid_distance_.set("round_limit", width_ > 1 ? round_limit_of_processor : round_limit);
-    solid_distance_.set(part_arguments, per_primitive_);
-    solid_distance_.set(enclosure_arguments, result_);
     for (auto& column : columns_) column.resize(capacity_);
   }
 
@@ -106,9 +133,10 @@ class SolidSlot : public ChunkSlot {
     size_ = points.size();
     for (std::size_t i = 0; i < 3; ++i) {
       fill(columns_[i], [&](std::size_t n) { return scale_.to_device(points[n][i]); });
-      queue_.write(coordinates_[i], std::span(columns_[i]).first(padded()));
+      queue_.write(points_.coordinates[i], std::span(columns_[i]).first(padded()));
     }
     for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].bent ? enqueue_bent(i) : enqueue_convex(i);
+    enqueue_bounds();
     solid_distance_.set("count", size_);
     width_ > 1 ? queue_.launch(solid_distance_, size_, searches_per_group) : queue_.launch(solid_distance_, size_);
     enclosures_.read(queue_, result_, size_);
@@ -121,25 +149,53 @@ class SolidSlot : public ChunkSlot {
 
   // On its own: what was found for other primitives says nothing about a tree of set operations.
   void enqueue_convex(std::size_t i) {
-    convex_distance_->enqueue(queue_, parts_[i].convex, 0, parts_[i].tapered, groups(), views_[i]);
+    convex_distance_->enqueue(queue_, points_, parts_[i].convex, 0, parts_[i].tapered, groups(), views_[i]);
   }
 
   void enqueue_bent(std::size_t i) {
-    bent_distance_.set("groups", groups(solid_width_));
+    bent_distance_.set("groups", padded() / solid_width_);
     bent_distance_.set("index", i);
     bent_distance_.set(evidence_arguments, views_[i]);
-    queue_.launch(bent_distance_, groups(solid_width_));
+    queue_.launch(bent_distance_, padded() / solid_width_);
+  }
+
+  // What needs no search: feet are proposed, balls about them proven, then bounds.
+  void enqueue_bounds() {
+    const std::size_t vectors = padded() / solid_width_;
+    set_feet_.set("groups", vectors);
+    queue_.launch(set_feet_, vectors);
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+      if (parts_[i].holds_balls) enqueue_balls(i);
+    set_bounds_.set("groups", vectors);
+    queue_.launch(set_bounds_, vectors);
+  }
+
+  // Centres of balls as points, where one is wanted. Of what is found about them their upper ends are kept.
+  void enqueue_balls(std::size_t i) {
+    const auto window = [&](const cl::Buffer& column) { return windows(column, count_, capacity_)[i]; };
+    of_balls_[1] = window(ball_his_);
+    const ConvexDistance::Points centres{{window(centres_[0]), window(centres_[1]), window(centres_[2])},
+                                         window(wanted_balls_)};
+    convex_distance_->enqueue(queue_, centres, parts_[i].convex, 1, parts_[i].tapered, groups(), of_balls_);
   }
 
   std::size_t solid_width_;  // of the kernels of the model's own program
   // Kernels do not keep the buffers that they are given.
   std::vector<Part> parts_;
   cl::Buffer box_primitives_;
-  std::array<cl::Buffer, 3> coordinates_;
+  ConvexDistance::Points points_;
   std::optional<ConvexDistance> convex_distance_;  // nothing where all are bent
   NamedKernel bent_distance_;
+  NamedKernel set_feet_;
+  NamedKernel set_bounds_;
   NamedKernel solid_distance_;
   EvidenceBuffers per_primitive_;  // primitive by primitive
+  std::array<cl::Buffer, 5> edges_;
+  // Primitive by primitive: centres of balls, infinity where one is wanted, and upper ends of their signed distances.
+  std::array<cl::Buffer, 3> centres_;
+  cl::Buffer wanted_balls_;
+  cl::Buffer ball_his_;
+  EvidenceBuffers of_balls_;
   std::array<cl::Buffer, 2> result_;
   std::vector<EvidenceBuffers> views_;  // windows of those, one for each primitive
   std::array<std::vector<double>, 3> columns_;

@@ -30,7 +30,7 @@ using Columns = std::vector<std::vector<double>>;
 [[nodiscard]] inline cl::Buffer uploaded(const CompiledKernels& kernels, const Columns& columns) {
   std::vector<double> numbers;
   for (const std::vector<double>& column : columns) numbers.insert(numbers.end(), column.begin(), column.end());
-  return {kernels.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, numbers.size() * sizeof(double), numbers.data()};
+  return {kernels.context, CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, numbers.size() * sizeof(double), numbers.data()};
 }
 
 /// `count` numbers, zero at first.

@@ -88,6 +88,16 @@ kernel void examine_cubes(ulong groups, ulong stride, global const double* cubes
     put(results, stride, group, &column, TO_REAL(more.white));
   }
 }
+kernel void examine_tangents(ulong groups, ulong stride, global const double* pairs,
+                             constant const box_primitive* primitives, global double* results) {
+  const ulong group = get_global_id(0);
+  if (group >= groups) return;
+  interval axes[4];
+  for (uint i = 0; i < 4; ++i) axes[i] = interval_of(LOAD(group, pairs + i * stride), LOAD(group, pairs + i * stride));
+  const unbent x = unbend(axes[0], axes[1], primitives->curvature);
+  const unbent q = unbend(axes[2], axes[3], primitives->curvature);
+  STORE(TO_REAL(above_tangent(x, q, LOAD(group, pairs + 4 * stride), primitives)), group, results);
+}
 )";
 
 constexpr std::size_t columns_of_primitive = 10;
@@ -280,13 +290,24 @@ class Launcher {
     return columns;
   }
 
+  /// Of points and queries R, Z, R, Z in the plane of the bend, and bounds of a distance: what is said of the tangent
+  /// plane.
+  [[nodiscard]] std::vector<double> tangents(const Columns& pairs) const {
+    const std::size_t length = pairs.front().size();
+    const cl::Buffer results = zeros(kernels_, length);
+    run("examine_tangents", groups_of(length), groups_of(length), cl_ulong{length}, uploaded(kernels_, pairs),
+        primitives_, results);
+    return read(queue_, results, length);
+  }
+
   /// `of_primitives` are five columns of all primitives, one after the other.
   [[nodiscard]] std::vector<Enclosure> searched(const std::vector<Point>& points, const Columns& of_primitives) const {
     const std::size_t length = padded(points.size(), kernels_);
     const auto axes = uploaded_axes(points, length);
     std::vector<cl::Buffer> parts;
     for (const std::vector<double>& column : of_primitives) parts.push_back(uploaded(kernels_, Columns{column}));
-    const std::array ends{zeros(kernels_, length), zeros(kernels_, length)};
+    const std::array ends{uploaded(kernels_, Columns{std::vector<double>(length, -infinity)}),
+                          uploaded(kernels_, Columns{std::vector<double>(length, infinity)})};
     run("solid_distance", points.size(), cl_ulong{points.size()}, cl_ulong{length}, axes[0], axes[1], axes[2],
         primitives_, root_.centre[0], root_.centre[1], root_.centre[2], root_.half_width, search_tolerance, round_limit,
         parts[0], parts[1], parts[2], parts[3], parts[4], ends[0], ends[1]);
@@ -360,6 +381,65 @@ std::string bent_fault(const Launcher& launcher, const std::vector<Witness>& wit
   return {};
 }
 
+/// A point and a query in the plane of a bend by their polar coordinates about its centre, in units of its radius.
+struct PolarPair {
+  double w_0, gamma_0, w_q, gamma_q;
+  double reach;  ///< in the same units: no point farther from the query counts
+};
+
+PolarPair random_pair(RandomCases& random, double largest_angle) {
+  const double gamma_0 = std::clamp(1.2 * largest_angle * random.uniform(-1.0, 1.0), -3.1, 3.1);
+  const double gamma_q =
+      random.choice(2) == 0 ? random.uniform(-3.1, 3.1) : std::clamp(gamma_0 + random.uniform(-0.8, 0.8), -3.1, 3.1);
+  return {random.uniform(0.05, 2.0), gamma_0, random.log_uniform(0.01, 10.0), gamma_q,
+          random.choice(2) == 0 ? infinity : random.log_uniform(0.01, 10.0)};
+}
+
+/// Whether there is a point with this angle in reach of the query.
+bool in_reach(const PolarPair& pair, double gamma) {
+  const double apart = gamma - pair.gamma_q;
+  const double least = std::cos(apart) > 0.0 ? pair.w_q * std::fabs(std::sin(apart)) : pair.w_q;
+  return least < (1.0 - rounding) * pair.reach;
+}
+
+/// By how much f exceeds its tangent plane at the angle gamma where that is least (verify/sets/bent_distance.hpp).
+double excess(const PolarPair& pair, double gamma) {
+  const double apart = pair.gamma_0 - pair.gamma_q;
+  const double u = std::cos(gamma - pair.gamma_q) - std::cos(apart);
+  const double e = -u - (gamma - pair.gamma_0) * std::sin(apart);
+  return 2.0 * pair.w_0 * e - pair.w_q * u * u;
+}
+
+/// A tangent plane said to lie below f that cuts it over the solid.
+std::string tangent_fault(const Launcher& launcher, const Primitive& bent) {
+  constexpr std::size_t pairs_of_scene = 20'000;
+  const double k = std::fabs(bent.bend->curvature);
+  if (k < 1e-3) return {};  // coordinates about the centre would lose the plane
+  const double largest_angle = k * bent.superquadric.semi_axes[2];
+  RandomCases random(7);
+  std::vector<PolarPair> pairs(pairs_of_scene);
+  Columns columns(5, std::vector<double>(pairs_of_scene));
+  for (std::size_t n = 0; n < pairs.size(); ++n) {
+    const PolarPair& pair = pairs[n] = random_pair(random, largest_angle);
+    columns[0][n] = (1.0 - pair.w_0 * std::cos(pair.gamma_0)) / k;
+    columns[1][n] = pair.w_0 * std::sin(pair.gamma_0) / k;
+    columns[2][n] = (1.0 - pair.w_q * std::cos(pair.gamma_q)) / k;
+    columns[3][n] = pair.w_q * std::sin(pair.gamma_q) / k;
+    columns[4][n] = pair.reach / k;
+  }
+  const std::vector<double> said = launcher.tangents(columns);
+  for (std::size_t n = 0; n < pairs.size(); ++n) {
+    if (said[n] == 0.0) continue;
+    for (int i = -64; i <= 64; ++i) {
+      const double gamma = i * largest_angle / 64;
+      if (in_reach(pairs[n], gamma) && excess(pairs[n], gamma) < -1e-9)
+        return fmt::format("tangent plane at W {}, angle {} of a query at W {}, angle {} within {} cuts at {}",
+                           pairs[n].w_0, pairs[n].gamma_0, pairs[n].w_q, pairs[n].gamma_q, pairs[n].reach, gamma);
+    }
+  }
+  return {};
+}
+
 /// Of the other primitive the host knows; it tells no normals. The last row fills the columns up.
 void append_known(Columns& parts, const std::vector<Enclosure>& distances) {
   for (std::size_t c = 0; c < parts.size(); ++c) {
@@ -405,7 +485,8 @@ std::string SolidJudge::false_claim(const CompiledKernels& kernels, bool with_se
       const std::string fault = cube_fault(Claims(claims, n), placed, known.witnesses[n]);
       if (!fault.empty()) return fmt::format("{}, cube {}: {}", known.scene.name, n, fault);
     }
-    const std::string fault = bent_fault(launcher, known.witnesses);
+    std::string fault = tangent_fault(launcher, known.scene.model.primitives.front());
+    if (fault.empty()) fault = bent_fault(launcher, known.witnesses);
     if (!fault.empty()) return fmt::format("{}: {}", known.scene.name, fault);
     Columns parts = launcher.bent(known.scene.points);
     for (std::size_t n = 0; n < known.scene.points.size(); ++n) {

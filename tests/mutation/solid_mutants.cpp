@@ -6,6 +6,8 @@
 /// - Whatever only gives up a cube sooner with its bound, or keeps it longer.
 /// - Cubes of the target's interior that are passed over without their bound: the point that is nearest to a query
 ///   beyond the target lies on its boundary, in another cube.
+/// - Queries nearer to a point than to the centre of curvature: where they are not, the angle of points nearby is
+/// infinite.
 /// - The nearness to K that an upper end of bent_distance asks for: it holds farther out, too.
 /// Survivors, known and not listed: the constants that cover roundings to nearest of a few operations each (2^-50 in
 /// pull_back, outside_half_space and of the turn about z, 2^-48 in proven_cut, 2^-51 in evaluate_children). Their slack
@@ -158,15 +160,31 @@ constexpr std::array mutants{
            "c = colour_of(y, extents, p);"},
 
     // bent_distance.cl
-    Mutant{"convex everywhere",
-           "MASK(mul_down(least_w, sub_down(REAL(1.0), square)) >= mul_up(q.w.hi, square)) & MASK(square < 1.0) &\n"
-           "         MASK(least_w > 0.0)",
-           "INTEGER(-1L)", Arithmetic::poor_search},
-    Mutant{"convex without the query's W", ">= mul_up(q.w.hi, square))", ">= 0.0 * square)", Arithmetic::poor_search},
-    Mutant{"convex without the query's angle", "const real angle = add_up(turned.hi, along);",
-           "const real angle = along;", Arithmetic::poor_search},
-    Mutant{"convex without the solid's angle", "const real angle = add_up(turned.hi, along);",
-           "const real angle = turned.hi;", Arithmetic::poor_search},
+    Mutant{"above the tangent plane everywhere",
+           "known & MASK(curving > 0.0) & MASK(mul_down(x.w.lo, curving) >= mul_up(q.w.hi, "
+           "squared_sine_up(near.between)))",
+           "known"},
+    Mutant{"tangent plane without the query's W", "mul_up(q.w.hi, squared_sine_up(near.between))",
+           "squared_sine_up(near.between)"},
+    Mutant{"tangent plane without the point's W", "mul_down(x.w.lo, curving)", "curving"},
+    Mutant{"tangent plane without the sine",
+           "sub_down(cosine.lo, mul_up(interval_abs(sine).hi, turn_quotient_up(near.turn)))", "cosine.lo",
+           Arithmetic::poor_search},
+    Mutant{"tangent plane, the turns ahead", "select(REAL(0.0), sub_up(along, gamma_0.lo), MASK(apart.hi > 0.0))",
+           "REAL(0.0)"},
+    Mutant{"tangent plane, the turns behind", "select(REAL(0.0), add_up(along, gamma_0.hi), MASK(apart.lo < 0.0))",
+           "REAL(0.0)"},
+    Mutant{"tangent plane without the solid's angle",
+           "add_up(interval_abs(interval_sub(halved, gamma_q)).hi, 0.5 * along)",
+           "interval_abs(interval_sub(halved, gamma_q)).hi"},
+    Mutant{"tangent plane without the query's angle", "interval_abs(interval_sub(halved, gamma_q)).hi",
+           "interval_abs(halved).hi"},
+    Mutant{"tangent plane from the other side", "MASK(interval_abs(apart).hi <= BELOW_HALF_A_TURN)",
+           "MASK(interval_abs(apart).hi <= WHOLE_TURN)"},
+    Mutant{"turns nearby without the query's W", "div_up(mul_up(REAL(p->curvature), upper), w_q)",
+           "mul_up(REAL(p->curvature), upper)"},
+    Mutant{"turns nearby of points the other way round",
+           "MASK(add_up(along, interval_abs(gamma_q).hi) <= THREE_QUARTERS_OF_A_TURN)", "INTEGER(-1L)"},
     Mutant{"bent, gradient's sine", "interval_sub(interval_mul(dr, x.cosine), interval_mul(dz, x.sine))",
            "interval_add(interval_mul(dr, x.cosine), interval_mul(dz, x.sine))"},
     Mutant{"bent, gradient without W",
@@ -186,7 +204,8 @@ constexpr std::array mutants{
            Arithmetic::displaced},
     Mutant{"bent, upper end without the frame's error", "add_up(found.hi, frame_error)", "found.hi",
            Arithmetic::displaced},
-    Mutant{"bent, points inside", "const integer usable = own.white & convex", "const integer usable = convex"},
+    Mutant{"bent, points inside", "const integer usable = own.white & MASK(fabs(unbent_q.x)",
+           "const integer usable = MASK(fabs(unbent_q.x)"},
 
     // solid_distance.cl
     Mutant{"search, x of the children", "(double)(2 * (2 * parent.x + (child & 1)) + 1)",

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/fixtures/large_models.hpp"
+#include "verify/sets/set_terms.hpp"
 
 namespace verisq::verify {
 namespace {
@@ -228,6 +229,53 @@ TEST(SetTreeTest, DecidedOperandsLeaveTheTree) {
   ASSERT_EQ(shorter.kind, SetNode::Kind::leaf);
   EXPECT_EQ(shorter.primitive, 1U);
   EXPECT_EQ(shorter.side, Side::outside);
+}
+
+bool member(const SetTerm& term, const Membership& of) {
+  for (std::uint32_t i = 0; i < of.size(); ++i)
+    if ((((of[i] ? term.outside : term.inside) >> i) & 1U) != 0) return false;
+  return true;
+}
+
+TEST(SetTermsTest, HaveTheSamePoints) {
+  std::mt19937 random(11);
+  for (int n = 0; n < 300; ++n) {
+    const Model model = model_of(random_expression(random, 4));
+    for (const Side side : {Side::inside, Side::outside}) {
+      const SetNode tree = normal_form(model, side);
+      const auto terms = terms_of(tree, 1000);
+      ASSERT_TRUE(terms);
+      for (std::uint32_t bits = 0; bits < 1U << primitive_count; ++bits) {
+        Membership of;
+        for (std::uint32_t i = 0; i < primitive_count; ++i) of.push_back((bits >> i & 1U) != 0);
+        const auto has = [&](const SetTerm& term) { return member(term, of); };
+        EXPECT_EQ(std::ranges::any_of(*terms, has), member(tree, of));
+      }
+    }
+  }
+}
+
+TEST(SetTermsTest, NoneIsInAnother) {
+  const auto leaf_of = [](std::uint32_t i, Side side) { return SetNode{SetNode::Kind::leaf, i, side}; };
+  const SetNode a = leaf_of(0, Side::inside);
+  const SetNode b = leaf_of(1, Side::outside);
+  const SetNode both{SetNode::Kind::intersection_of, 0, Side::inside, {a, b}};
+  EXPECT_EQ(terms_of(both, 1), (std::vector<SetTerm>{{1U, 2U}}));
+  for (const auto& operands : {std::vector{both, a}, std::vector{a, both}, std::vector{a, both, a}})
+    EXPECT_EQ(terms_of({SetNode::Kind::union_of, 0, Side::inside, operands}, 2), (std::vector<SetTerm>{{1U, 0U}}));
+}
+
+TEST(SetTermsTest, NothingOfTooManyOrOfPrimitivesWithoutABit) {
+  const SetNode late{SetNode::Kind::leaf, 32, Side::inside};
+  EXPECT_FALSE(terms_of(late, 10));
+  SetNode product{SetNode::Kind::intersection_of, 0, Side::inside, {}};
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const SetNode a{SetNode::Kind::leaf, 2 * i, Side::inside};
+    const SetNode b{SetNode::Kind::leaf, 2 * i + 1, Side::inside};
+    product.operands.push_back({SetNode::Kind::union_of, 0, Side::inside, {a, b}});
+  }
+  EXPECT_FALSE(terms_of(product, 32));
+  EXPECT_EQ(terms_of(product, 1024)->size(), 1024U);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "verify/analysis/trigonometry.hpp"
 #include "verify/proof/boundary.hpp"
@@ -13,12 +14,6 @@
 namespace verisq::verify {
 
 namespace {
-
-/// x0 may lie outside of K: within 1 + this times K, about its focus.
-constexpr double kNeighbourhood = 0x1p-20;
-/// What (1 + kNeighbourhood) K extends from the axis and along it is at most 1 + this times what K does: about a focus
-/// |k| a3 from the centre, that is (1 + kNeighbourhood (1 + |k|)) a3 along the axis.
-constexpr double kWidening = 2 * kNeighbourhood;
 
 /// f and K in plain floating point, in the frame of the bend (docs/mathematics.md §9): unbent (r, s, z), bent (R, S,
 /// Z).
@@ -129,9 +124,19 @@ bool is_finite(const Proposal& x) {
   return std::ranges::all_of(x, [](long double c) { return std::isfinite(c); });
 }
 
-/// |k| (1 + kWidening): what the curvature is to the scaled solid.
-PreciseInterval scaled_curvature(const Bend& bend) {
-  return abs(PreciseInterval(Real(bend.curvature))) * PreciseInterval(Real(1.0 + kWidening));
+/// Upper bound of φ(δ) = (δ - sin δ) / (1 - cos δ) for δ in [0, turn], in which it rises: there δ - sin δ <= δ³/6 and
+/// 1 - cos δ >= δ²/2 - δ⁴/24. Nothing where turn² >= 12.
+std::optional<Real> turn_quotient_up(const Real& turn) {
+  const PreciseInterval t(turn);
+  const PreciseInterval fall = PreciseInterval(1) - square(t) / PreciseInterval(12);
+  if (!(fall.lower() > Real(0))) return std::nullopt;
+  return (t / (PreciseInterval(3) * fall)).upper();
+}
+
+/// Upper bound of sin² of all angles up to `angle` >= 0.
+Real squared_sine_up(const Real& angle) {
+  const PreciseInterval quarter = pi<Real>() / PreciseInterval(2);
+  return angle < quarter.lower() ? square(sin(PreciseInterval(angle))).upper() : Real(1);
 }
 
 PreciseInterval squared_length(const PreciseVector& v) {
@@ -147,8 +152,7 @@ BentDistance::BentDistance(const Primitive& primitive)
       focus_(focus(primitive.superquadric)),
       motion_(primitive.pose),
       map_(bend_),
-      least_w_(PreciseInterval(1) - scaled_curvature(bend_) * extent(bend_, superquadric_)),
-      angle_(scaled_curvature(bend_) * PreciseInterval(Real(superquadric_.semi_axes[2]))),
+      angle_(abs(PreciseInterval(Real(bend_.curvature))) * PreciseInterval(Real(superquadric_.semi_axes[2]))),
       radius_(length<Real>(bent_box(bend_, superquadric_))) {}
 
 double BentDistance::lower_by_sphere(const Point& x) const {
@@ -195,33 +199,46 @@ Real BentDistance::lower_bound(const Query& q, const Real& upper, const Proposal
   const PreciseVector x0 = map_.unbent(q.bent + apart);
   const PreciseVector from_focus = x0 - focus_;
   const PreciseInterval squared = squared_length(apart);
-  const bool near = bounds_.gauge(from_focus).upper() <= Real(1.0 + kNeighbourhood);
-  if (!near || !is_convex(q, std::max(upper, sqrt(squared).upper()))) return 0;
+  if (!lies_above_tangent(q, x0, std::max(upper, sqrt(squared).upper()))) return 0;
   const PreciseVector v = map_.pulled_back(apart, x0);
   const PreciseInterval loss = PreciseInterval(2) * (bounds_.support(-v) + v.dot(from_focus));
   return sqrt(PreciseInterval(std::max((squared - loss).lower(), Real(0)))).lower();
 }
 
-/// The condition on K' = {x in (1 + kNeighbourhood) K : W >= least_w, |sin δ| <= sine, cos δ > 0}, which is convex
-/// because δ is linear and stays within three quarters of a turn: it lies in one interval between its zero and a
-/// quarter to either side. There W cos δ - W_q sin² δ is at least what it is for the least W and the largest sine.
-bool BentDistance::is_convex(const Query& q, const Real& upper) const {
-  const PreciseVector turned = map_.turned(q.unbent);
+/// The condition for all turns δ from x0 to a point of K. Of points within `upper` of the query, where that is nearer
+/// than the centre of curvature, |sin(γ - γ_q)| <= |k| upper / W_q and the cosine is positive; with |γ - γ_q| below
+/// three quarters of a turn they are within a quarter.
+bool BentDistance::lies_above_tangent(const Query& q, const PreciseVector& x0, const Real& upper) const {
+  const PreciseVector turned_q = map_.turned(q.unbent);
+  const PreciseVector turned_0 = map_.turned(x0);
+  const PreciseInterval one(1), two(2);
   const PreciseInterval k = Real(bend_.curvature);
-  const PreciseInterval w = PreciseInterval(1) - k * turned[0];
-  const PreciseInterval reach = abs(k) * PreciseInterval(upper);
-  const PreciseInterval largest_angle((angle_ + abs(k * turned[2])).upper());
-  const PreciseInterval quarter = pi<Real>() / PreciseInterval(2);
+  const PreciseInterval w_q = one - k * turned_q[0];
+  const PreciseInterval w_0 = one - k * turned_0[0];
+  const PreciseInterval gamma_q = k * turned_q[2];
+  const PreciseInterval gamma_0 = k * turned_0[2];
+  const PreciseInterval apart = gamma_0 - gamma_q;
+  const PreciseInterval quarter = pi<Real>() / two;
+  if (!(abs(apart).upper() < (two * quarter).lower())) return false;  // the sine has not the sign of the turn
 
-  Real sine(1);
-  if (largest_angle.upper() < quarter.lower()) sine = sin(largest_angle).upper();  // of all of that
-  if (reach.upper() < w.lower() && largest_angle.upper() < (PreciseInterval(3) * quarter).lower()) {
-    sine = std::min(sine, (reach / w).upper());
+  Real turn(0);  // the largest δ away from the query
+  if (apart.upper() > Real(0)) turn = std::max(turn, (angle_ - gamma_0).upper());
+  if (apart.lower() < Real(0)) turn = std::max(turn, (angle_ + gamma_0).upper());
+  Real between = (abs(gamma_0 / two - gamma_q) + angle_ / two).upper();  // the largest |apart + δ/2|
+
+  const PreciseInterval reach = abs(k) * PreciseInterval(upper);
+  if (reach.upper() < w_q.lower() && (angle_ + abs(gamma_q)).upper() < (PreciseInterval(3) * quarter).lower()) {
+    const PreciseInterval sine((reach / w_q).upper());
+    const PreciseInterval cosine = sqrt(one - square(sine));
+    const PreciseInterval angle = cosine.lower() > Real(0) ? atan(sine / cosine) : quarter;
+    turn = std::min(turn, std::max(Real(0), (angle - abs(apart)).upper()));
+    between = std::min(between, ((angle + abs(apart)) / two).upper());
   }
-  const PreciseInterval least_w(std::max(least_w_.lower(), (w - reach).lower()));
-  if (!(sine < Real(1)) || !(least_w.lower() > Real(0))) return false;
-  const PreciseInterval squared_sine = square(PreciseInterval(sine));
-  return (least_w * sqrt(PreciseInterval(1) - squared_sine) - w * squared_sine).lower() >= Real(0);
+  const std::optional<Real> quotient = turn_quotient_up(turn);
+  if (!quotient) return false;
+  const PreciseInterval curving = cos(apart) - abs(sin(apart)) * PreciseInterval(*quotient);
+  return curving.lower() > Real(0) &&
+         (w_0 * curving).lower() >= (w_q * PreciseInterval(squared_sine_up(between))).upper();
 }
 
 }  // namespace verisq::verify

@@ -1,4 +1,5 @@
-/// The distance of a point to one bent superquadric by a single certificate, where that is a convex problem.
+/// The distance of a point to one bent superquadric by a single certificate, where its square lies above a tangent
+/// plane.
 #pragma once
 
 #include "verify/proof/certificate.hpp"
@@ -10,18 +11,19 @@ namespace verisq::verify {
 
 /// Let K be the unbent solid, convex, and β its bend. In the plane of the bend let a point have the polar coordinates
 /// W / |k| and γ about the centre of curvature: of β(x) for x = (r, s, z) in K they are W = 1 - k r, γ = k z, of the
-/// query q they are W_q, γ_q. With δ = γ - γ_q the squared distance to the query is
-///     f(x) = |β(x) - q|² = (W² + W_q² - 2 W W_q cos δ) / k² + (s - s_q)².
-/// W and γ are linear in x, and the Hessian of f is positive semidefinite where W cos δ >= W_q sin² δ. Let p be a
-/// point, x0 with β(x0) = p its unbent place, and U >= |p - q|, U >= d(q, β(K)). Where the condition holds on a convex
-/// set K' that contains x0 and all points of K with f <= U², f lies above its tangent planes on K', and the nearest
-/// point is in K': with v = ∇f(x0) / 2 = β'(x0)ᵀ (p - q) and the support function h of K, which is symmetric,
-///     d(q, β(K))² >= |p - q|² - 2 (h(v) + v·x0).
-/// Where p is close to the nearest point and v normal to K, this is tight to rounding. In the plane of the bend a point
-/// with f <= U² lies in the disc of radius |k| U about the query's, in units of 1 / |k|: W >= W_q - |k| U, and where
-/// |k| U < W_q, |sin δ| <= |k| U / W_q and cos δ > 0. For |k| U <= 0.56 W_q this implies the condition, as long as only
-/// one δ of each point, not δ +- 2π too, counts: the convex case is that of queries half as far from the solid as from
-/// the centre of curvature, and of all queries for which the bend is gentle.
+/// query q they are W_q, γ_q. The squared distance to the query is
+///     f(x) = |β(x) - q|² = (W² + W_q² - 2 W W_q cos(γ - γ_q)) / k² + (s - s_q)².
+/// Let p be a point, x0 with β(x0) = p its unbent place, v = ∇f(x0) / 2 = β'(x0)ᵀ (p - q), and Δ = γ_0 - γ_q. W and γ
+/// are linear in x, and in x0 + (e, δ) in W and γ, f exceeds its tangent plane at x0 by
+///     (e² - 2 e W_q u + 2 W_0 W_q E) / k²,  u = cos(Δ + δ) - cos Δ,  E = cos Δ - cos(Δ + δ) - δ sin Δ,
+/// and (s - s_0)²: whatever e is, by (2 W_0 E - W_q u²) W_q / k² or more. With half angles that is not negative where
+///     W_0 (cos Δ - φ(δ) sin Δ) >= W_q sin²(Δ + δ/2),  φ(δ) = (δ - sin δ) / (1 - cos δ), |δ| < 2π,
+/// where φ is odd and rises; |Δ| < π is asked for, so that only turns away from the query count on the left.
+/// Let U >= d(q, β(K)). Where this holds for all points of K with f <= U², one of which is nearest,
+///     d(q, β(K))² >= |p - q|² - 2 (h(v) + v·x0),
+/// h the support function of K, which is symmetric. Where p is close to the nearest point and v normal to K, this is
+/// tight to rounding. Of points beside the solid Δ is small, and only strong bends, or points far outside of the bend,
+/// fail; points beyond an end do where that end turns away from them by more than about 50°.
 class BentDistance {
  public:
   /// Precondition: `primitive` has a bend.
@@ -56,7 +58,7 @@ class BentDistance {
   [[nodiscard]] Nearest proven(const Query& q, const Candidate& candidate) const;
   [[nodiscard]] PreciseVector in_solid(const Proposal& point) const;
   [[nodiscard]] Real lower_bound(const Query& q, const Real& upper, const Proposal& direction) const;
-  [[nodiscard]] bool is_convex(const Query& q, const Real& upper) const;
+  [[nodiscard]] bool lies_above_tangent(const Query& q, const PreciseVector& x0, const Real& upper) const;
 
   Superquadric superquadric_;
   Bend bend_;
@@ -64,9 +66,7 @@ class BentDistance {
   PreciseVector focus_;  ///< from the centre, which is the origin here, because bends act about it
   RigidMotion motion_;
   BendMap<Real> map_;
-  // Of the scaled solid in which x0 has to lie:
-  PreciseInterval least_w_;
-  PreciseInterval angle_;  ///< the largest |γ|
+  PreciseInterval angle_;  ///< the largest |γ| of K
   PreciseInterval radius_;
 };
 
