@@ -18,39 +18,6 @@
 #define BEND_CONVERGED 1e-9
 #define NEIGHBOURHOOD 0x1p-20 // x_0 may lie outside of K by this, relatively: so far upper ends are wanted
 
-// A point in the frame of the bend: R, S, Z; or unbent: r, s, z.
-ALWAYS_INLINE vector3 bend_nearest(vector3 x, double curvature) {
-  const real k = REAL(curvature);
-  const real angle = k * x.z;
-  const real half_angle = 0.5 * angle;
-  const real half_sine = sin(half_angle);
-  const real half_ratio = select(half_sine / half_angle, REAL(1.0), MASK(fabs(half_angle) < 1e-8));
-  const real sine = sin(angle);
-  const real ratio = select(sine / angle, REAL(1.0), MASK(fabs(angle) < 1e-8));
-  const vector3 bent = {fma(x.x, cos(angle), x.z * half_sine * half_ratio), x.y, fma(x.z, ratio, -x.x * sine)};
-  return bent;
-}
-
-// Half the gradient of f at x, whose bent image is `bent`.
-ALWAYS_INLINE vector3 half_gradient(vector3 x, vector3 bent, vector3 q, double curvature) {
-  const real k = REAL(curvature);
-  const real c = cos(k * x.z);
-  const real n = sin(k * x.z);
-  const vector3 d = {bent.x - q.x, bent.y - q.y, bent.z - q.z};
-  const vector3 v = {d.x * c - d.z * n, d.y, (1.0 - k * x.x) * (d.x * n + d.z * c)};
-  return v;
-}
-
-// About z by the angle of the bend, and back.
-ALWAYS_INLINE vector3 to_own_axes(vector3 x, MODEL_SPACE const box_primitive* p) {
-  const vector3 y = {x.x * p->bend_cos - x.y * p->bend_sin, x.x * p->bend_sin + x.y * p->bend_cos, x.z};
-  return y;
-}
-ALWAYS_INLINE vector3 to_bend_axes(vector3 y, MODEL_SPACE const box_primitive* p) {
-  const vector3 x = {y.x * p->bend_cos + y.y * p->bend_sin, y.y * p->bend_cos - y.x * p->bend_sin, y.z};
-  return x;
-}
-
 // The point of K closest to t, both in the axes of the bend.
 NEVER_INLINE vector3 closest_in_solid(vector3 t, MODEL_SPACE const box_primitive* p) {
   MODEL_SPACE const superquadric* s = &p->solid;
@@ -191,8 +158,8 @@ ALWAYS_INLINE interval distance_by_point(vector3 q, unbent unbent_q, vector3 at,
   return interval_of(select(REAL(0.0), sqrt_down(square), valid), upper);
 }
 
-// For points proven to lie outside; others get nothing (-infinity, infinity). Normals lead from the closest point to
-// the query in the frame of the bend.
+// For points proven to lie outside or inside; others get nothing (-infinity, infinity), as do those inside of which no
+// ball is proven. Normals lead from the closest point to the query in the frame of the bend, inside from the query.
 kernel void bent_distance(ulong groups, global const double* xs, global const double* ys, global const double* zs,
                           MODEL_SPACE const box_primitive* primitives, uint index, global double* los,
                           global double* his, global double* normal_xs, global double* normal_ys,
@@ -220,6 +187,13 @@ kernel void bent_distance(ulong groups, global const double* xs, global const do
     distance.hi = select(distance.hi, add_up(found.hi, frame_error), usable);
     const vector3 apart = {q.x - at.x, q.y - at.y, q.z - at.z};
     normal = where(usable, apart);
+  }
+  const integer deep = own.black & MASK(fabs(unbent_q.x) <= DBL_MAX) & MASK(fabs(unbent_q.z) <= DBL_MAX);
+  if (p->solid.p_down[0] >= 2.0 && p->solid.p_down[1] >= 2.0 && any(deep)) {
+    const proven_depth found = depth_by_ball(q, u, deep, p);
+    distance.lo = select(distance.lo, sub_down(found.distance.lo, frame_error), deep);
+    distance.hi = select(distance.hi, add_up(found.distance.hi, frame_error), deep);
+    normal = select_vector(normal, found.way, deep);
   }
   STORE(distance.lo, group, los);
   STORE(distance.hi, group, his);

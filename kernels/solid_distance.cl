@@ -63,11 +63,6 @@ ALWAYS_INLINE vector3 broadcast(point p) {
   return v;
 }
 
-ALWAYS_INLINE vector3 between(vector3 from, vector3 to) {
-  const vector3 d = {to.x - from.x, to.y - from.y, to.z - from.z};
-  return d;
-}
-
 // |p - q|, rounded up: each difference is within one rounding.
 ALWAYS_INLINE real distance_between_up(vector3 p, vector3 q) {
   const vector3 d = between(p, q);
