@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "verify/sets/box_primitive.hpp"
+#include "verify/sets/primitive_pair_distance.hpp"
 #include "verify/sets/set_tree.hpp"
 #include "verify/sets/solid_pair_polytope.hpp"
 #include "verisq/model.hpp"
@@ -24,7 +25,8 @@ struct SearchSolid {
   };
 
   std::vector<BoxPrimitive> primitives;
-  std::vector<Part> parts;  ///< the solid is their union
+  std::vector<SeparablePrimitive> separable;  ///< the same
+  std::vector<Part> parts;                    ///< the solid is their union
 };
 
 /// Whether the cube is proven to lie in the interior of the set.

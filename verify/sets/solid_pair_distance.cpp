@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <queue>
+#include <utility>
 #include <vector>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
@@ -20,6 +22,8 @@ constexpr std::size_t kMostPairs = std::size_t{1} << 22U;      // 24 bytes each
 constexpr std::uint64_t kMostCubes = std::uint64_t{1} << 20U;  // some 200 bytes each
 constexpr std::uint64_t kReportInterval = 64;                  // refined pairs between two looks at the options
 constexpr std::uint64_t kStepsForCommonPoint = 4096;           // refined pairs, once the distance is known to be small
+constexpr std::uint64_t kFirstSeparations = 512;               // pairs of sections, before the first refined pair
+constexpr std::uint64_t kSeparationsAStep = 4;                 // as many as cost about as much as a refined pair
 
 /// No enclosure is asked to be narrower than this share of the coordinates: rounding errors would keep every pair.
 constexpr double kFinestRelativeTolerance = 0x1p-42;
@@ -39,6 +43,16 @@ struct LaterThan {
   }
 };
 
+/// The primitives that the set is proven to lie in, as a part of an intersection.
+template <class Visit>
+void for_each_containing(const SetNode& set, const Visit& visit) {
+  const auto visit_leaf = [&](const SetNode& node) {
+    if (node.kind == SetNode::Kind::leaf && node.side == Side::inside) visit(node.primitive);
+  };
+  visit_leaf(set);
+  if (set.kind == SetNode::Kind::intersection_of) std::ranges::for_each(set.operands, visit_leaf);
+}
+
 class Search {
   struct Child {
     CellPair pair;
@@ -47,7 +61,14 @@ class Search {
 
  public:
   Search(const SearchSolid& a, const SearchSolid& b, const Pose& pose, const SearchOptions& options)
-      : motion_(pose), points_(a, b, motion_), a_(a), b_(b), options_(&options) {
+      : motion_(pose),
+        points_(a, b, motion_),
+        solid_a_(&a),
+        solid_b_(&b),
+        pose_(pose),
+        a_(a),
+        b_(b),
+        options_(&options) {
     tolerance_ = std::max(options.tolerance, kFinestRelativeTolerance * magnitude());
   }
 
@@ -60,9 +81,15 @@ class Search {
     if (!consider_roots()) return result();
     while (!finished()) {
       if (known()) ++steps_when_known_;
-      const CellPair pair = queue_.top();
+      const double separated = separation(queue_.top());
+      CellPair pair = queue_.top();
       queue_.pop();
-      refine(pair);
+      if (separated > pair.lower) {
+        pair.lower = separated;
+        keep(pair);
+      } else {
+        refine(pair);
+      }
       if (++steps_ % kReportInterval == 0 && options_->progress) options_->progress(enclosure(), cubes());
     }
     if (queue_.empty() && left_out_ == infinity && upper_ == infinity) {
@@ -131,15 +158,59 @@ class Search {
     // Of models that do not meet, closest points lie on both boundaries: from a point in the interior of one the way to
     // the other gets shorter within the model.
     if ((x.inside || y.inside) && found.lower > 0.0) return;
-    if (found.lower > 0.0 && found.lower >= enough()) {
-      left_out_ = std::min(left_out_, found.lower);
-      return;
-    }
     const CellPair pair{found.lower, found.lower > 0.0 ? 0.0 : eccentricity(x.polytope.cube(), y.polytope.cube()), i,
                         j};
-    queue_.push(pair);
+    if (!keep(pair)) return;
     if (!nearest_child_ || LaterThan{}(nearest_child_->pair, pair)) nearest_child_ = {pair, found};
   }
+
+  /// Whether the pair may have points nearer than the tolerance allows to leave out.
+  bool keep(const CellPair& pair) {
+    if (pair.lower > 0.0 && pair.lower >= enough()) {
+      left_out_ = std::min(left_out_, pair.lower);
+      return false;
+    }
+    queue_.push(pair);
+    return true;
+  }
+
+  /// What separates the primitives that the pair's sets lie in, from below. Their near points are tried in the sets.
+  double separation(const CellPair& pair) {
+    double greatest = 0.0;
+    for_each_containing(*a_[pair.a].set, [&](std::uint32_t i) {
+      for_each_containing(*b_[pair.b].set, [&](std::uint32_t j) {
+        if (greatest < enough()) greatest = std::max(greatest, separation_of(i, j, pair));
+      });
+    });
+    return greatest;
+  }
+
+  double separation_of(std::uint32_t i, std::uint32_t j, const CellPair& pair) {
+    const auto found = separations_.find({i, j});
+    if (found == separations_.end() && separation_steps_ >= separation_budget()) return 0.0;
+    PrimitivePairDistance& primitives =
+        found != separations_.end()
+            ? found->second
+            : separations_
+                  .emplace(std::pair(i, j),
+                           PrimitivePairDistance(solid_a_->separable[i], solid_b_->separable[j], pose_, tolerance_ / 4))
+                  .first->second;
+    const auto interrupted = [&] {
+      ++separation_steps_;
+      return options_->interrupted && options_->interrupted();
+    };
+    while (primitives.lower() < enough() && separation_steps_ < separation_budget()) {
+      const double before = primitives.lower();
+      const std::uint64_t steps_before = separation_steps_;
+      primitives.raise(enough(), before == 0.0 && !primitives.near_points() ? 1 : 64, interrupted);
+      if (const auto near = primitives.near_points()) try_points(a_[pair.a], b_[pair.b], near->on_a, near->on_b);
+      if (separation_steps_ == steps_before || !(primitives.lower() > before)) break;
+      if (options_->progress) options_->progress(enclosure(), cubes());
+    }
+    return primitives.lower();
+  }
+
+  [[nodiscard]] std::uint64_t separation_budget() const { return kFirstSeparations + kSeparationsAStep * steps_; }
 
   void refine(const CellPair& pair) {
     nearest_child_.reset();
@@ -169,9 +240,13 @@ class Search {
     const Cell& y = b_[child.pair.b];
     const Approach& found = child.approach;
     if (found.lower <= 0.0 && find_common(x, y)) return;
-    if (found.between >= upper_ - 0.1 * (upper_ - lower())) return;
+    if (found.between < upper_ - 0.1 * (upper_ - lower())) try_points(x, y, found.on_a, found.on_b);
+  }
+
+  /// And the nearer ones that they lead to.
+  void try_points(const Cell& x, const Cell& y, const Point& near_a, const Point& near_b) {
     const double scale = std::max(x.polytope.cube().half_width, y.polytope.cube().half_width);
-    auto points = points_.settled(x, y, found.on_a, found.on_b, scale);
+    auto points = points_.settled(x, y, near_a, near_b, scale);
     if (!points || points->distance >= upper_) return;
     points = points_.improved(x, y, *points, scale, 0.1 * tolerance_);
     upper_ = points->distance;
@@ -215,6 +290,9 @@ class Search {
 
   BoundedMotion motion_;
   PointSearch points_;
+  const SearchSolid* solid_a_;
+  const SearchSolid* solid_b_;
+  Pose pose_;
   Cells a_;
   Cells b_;
   const SearchOptions* options_;
@@ -227,6 +305,8 @@ class Search {
   std::optional<std::array<Point, 2>> near_points_;
   std::optional<Point> common_;
   std::optional<Child> nearest_child_;  ///< of the pair that is being refined
+  std::map<std::pair<std::uint32_t, std::uint32_t>, PrimitivePairDistance> separations_;  ///< of primitives of A and B
+  std::uint64_t separation_steps_ = 0;
   std::uint64_t steps_ = 0;
   std::uint64_t steps_when_known_ = 0;
 };

@@ -1,0 +1,133 @@
+/// GJK proposes planes; one evaluation of both support functions proves each.
+#include "verify/sets/primitive_pair_distance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "verify/search/gjk.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+Interval in_binary64(const PreciseInterval& a) {
+  return {a.lower().to_double(Direction::down), a.upper().to_double(Direction::up)};
+}
+
+Vector3<double> in_binary64(const PreciseVector& v) {
+  return {in_binary64(v[0]), in_binary64(v[1]), in_binary64(v[2])};
+}
+
+Matrix3<double> in_binary64(const PreciseMatrix& m) {
+  return {in_binary64(m.row(0)), in_binary64(m.row(1)), in_binary64(m.row(2))};
+}
+
+Vector3<double> exact(const Coordinates<double>& v) {
+  return {Interval(v[0]), Interval(v[1]), Interval(v[2])};
+}
+
+}  // namespace
+
+PrimitivePairDistance::PrimitivePairDistance(const SeparablePrimitive& a, const SeparablePrimitive& b, const Pose& pose,
+                                             double tolerance)
+    : a_(&a), b_(&b), motion_(pose), tolerance_(tolerance), settled_(infinity) {
+  const RigidMotion moved = RigidMotion(pose).after(b.motion);
+  to_a_ = in_binary64(a.motion.rotation.transpose());
+  to_b_ = in_binary64(moved.rotation.transpose());
+  between_ = in_binary64(PreciseVector(moved.translation - a.motion.translation));
+  const auto root = [](const SectionedPrimitive& primitive) {
+    const SectionedPrimitive::Section whole = primitive.whole();
+    return Node{whole, primitive.slack(whole)};
+  };
+  nodes_a_ = {root(a.sections)};
+  nodes_b_ = {root(b.sections)};
+  queue_.push({0.0, 0, 0, {}, {}, {}});
+}
+
+double PrimitivePairDistance::lower() const {
+  return std::min(settled_, queue_.empty() ? infinity : queue_.top().lower);
+}
+
+std::optional<PrimitivePairDistance::Points> PrimitivePairDistance::near_points() const {
+  if (!begun_ || queue_.empty()) return std::nullopt;
+  const SectionPair& best = queue_.top();
+  return Points{best.on_a, motion_.inverse_point(best.on_b)};
+}
+
+void PrimitivePairDistance::raise(double enough, std::uint64_t steps, const std::function<bool()>& interrupted) {
+  for (std::uint64_t step = 0; step < steps && !queue_.empty() && !(lower() >= enough); ++step) {
+    if (interrupted()) return;
+    const SectionPair pair = queue_.top();
+    if (!begun_) {
+      queue_.pop();
+      begun_ = true;
+      const Vector3<double>& c = between_;
+      bound({0.0, 0, 0, {c[0].lower(), c[1].lower(), c[2].lower()}, {}, {}}, enough);
+      continue;
+    }
+    const double slack_a = nodes_a_[pair.a].slack;
+    const double slack_b = nodes_b_[pair.b].slack;
+    if (slack_a + slack_b <= tolerance_) return;
+    const bool first = slack_a >= slack_b;
+    const auto children = first ? divided(a_->sections, nodes_a_, pair.a) : divided(b_->sections, nodes_b_, pair.b);
+    if (!children) return;
+    queue_.pop();
+    for (std::uint32_t i = *children; i < *children + 2; ++i) {
+      SectionPair half = pair;
+      (first ? half.a : half.b) = i;
+      bound(half, enough);
+    }
+  }
+}
+
+/// The plane that separated the whole pair often separates its parts.
+void PrimitivePairDistance::bound(SectionPair pair, double enough) {
+  pair.lower = std::max(pair.lower, lower_by(pair.separation, pair.a, pair.b));
+  if (pair.lower >= enough) {
+    settled_ = std::min(settled_, pair.lower);
+    return;
+  }
+  const auto set_a = [&](const Plain& v) {
+    const SectionedPrimitive& primitive = a_->sections;
+    return a_->about.point(primitive.support_point(a_->about.inverse_direction(v), nodes_a_[pair.a].section));
+  };
+  const auto set_b = [&](const Plain& v) {
+    const SectionedPrimitive& primitive = b_->sections;
+    const Plain own = b_->about.inverse_direction(motion_.inverse_direction(v));
+    return motion_.point(b_->about.point(primitive.support_point(own, nodes_b_[pair.b].section)));
+  };
+  const GjkTolerance<double> tolerance{.relative = 0.0, .absolute = 0.25 * tolerance_};
+  const GjkResult<double> found = gjk<double>(set_a, set_b, pair.separation, tolerance);
+  pair.separation = found.separation;
+  pair.on_a = found.on_a;
+  pair.on_b = found.on_b;
+  pair.lower = std::max(pair.lower, lower_by(pair.separation, pair.a, pair.b));
+  queue_.push(pair);
+}
+
+/// Minus infinity where it says nothing.
+double PrimitivePairDistance::lower_by(const Plain& direction, std::uint32_t a, std::uint32_t b) const {
+  const double length_about = std::hypot(direction[0], direction[1], direction[2]);
+  if (!(length_about > 0.0) || !std::isfinite(length_about)) return -infinity;
+  const Vector3<double> n =
+      exact({direction[0] / length_about, direction[1] / length_about, direction[2] / length_about});
+  const Interval support_a(a_->sections.support_up(to_a_ * n, nodes_a_[a].section));
+  const Interval support_b(b_->sections.support_up(-(to_b_ * n), nodes_b_[b].section));
+  if (!std::isfinite(support_a.upper()) || !std::isfinite(support_b.upper())) return -infinity;
+  const Interval gap = n.dot(between_) - support_a - support_b;
+  return (gap / length<double>(n)).lower();
+}
+
+std::optional<std::uint32_t> PrimitivePairDistance::divided(const SectionedPrimitive& primitive,
+                                                            std::vector<Node>& nodes, std::uint32_t index) {
+  if (nodes[index].children != 0) return nodes[index].children;
+  const auto halves = primitive.halves(nodes[index].section);
+  if (!halves) return std::nullopt;
+  const auto first = static_cast<std::uint32_t>(nodes.size());
+  nodes[index].children = first;
+  for (const SectionedPrimitive::Section& half : *halves) nodes.push_back({half, primitive.slack(half)});
+  return first;
+}
+
+}  // namespace verisq::verify
