@@ -11,6 +11,8 @@ namespace verisq::verify {
 
 namespace {
 
+constexpr std::uint64_t kStepsWhereHullsMeet = 64;
+
 Interval in_binary64(const PreciseInterval& a) {
   return {a.lower().to_double(Direction::down), a.upper().to_double(Direction::up)};
 }
@@ -42,7 +44,7 @@ PrimitivePairDistance::PrimitivePairDistance(const SeparablePrimitive& a, const 
   };
   nodes_a_ = {root(a.sections)};
   nodes_b_ = {root(b.sections)};
-  queue_.push({0.0, 0, 0, {}, {}, {}});
+  queue_.push({0.0, nodes_a_[0].slack + nodes_b_[0].slack, 0, 0, {}, {}, {}});
 }
 
 double PrimitivePairDistance::lower() const {
@@ -50,35 +52,44 @@ double PrimitivePairDistance::lower() const {
 }
 
 std::optional<PrimitivePairDistance::Points> PrimitivePairDistance::near_points() const {
-  if (!begun_ || queue_.empty()) return std::nullopt;
+  if (steps_ == 0 || queue_.empty()) return std::nullopt;
   const SectionPair& best = queue_.top();
   return Points{best.on_a, motion_.inverse_point(best.on_b)};
 }
 
-void PrimitivePairDistance::raise(double enough, std::uint64_t steps, const std::function<bool()>& interrupted) {
-  for (std::uint64_t step = 0; step < steps && !queue_.empty() && !(lower() >= enough); ++step) {
-    if (interrupted()) return;
-    const SectionPair pair = queue_.top();
-    if (!begun_) {
-      queue_.pop();
-      begun_ = true;
-      const Vector3<double>& c = between_;
-      bound({0.0, 0, 0, {c[0].lower(), c[1].lower(), c[2].lower()}, {}, {}}, enough);
-      continue;
-    }
-    const double slack_a = nodes_a_[pair.a].slack;
-    const double slack_b = nodes_b_[pair.b].slack;
-    if (slack_a + slack_b <= tolerance_) return;
-    const bool first = slack_a >= slack_b;
-    const auto children = first ? divided(a_->sections, nodes_a_, pair.a) : divided(b_->sections, nodes_b_, pair.b);
-    if (!children) return;
-    queue_.pop();
-    for (std::uint32_t i = *children; i < *children + 2; ++i) {
-      SectionPair half = pair;
-      (first ? half.a : half.b) = i;
-      bound(half, enough);
-    }
+bool PrimitivePairDistance::raise(double enough, std::uint64_t steps, const std::function<bool()>& interrupted) {
+  const std::uint64_t before = steps_;
+  while (steps_ - before < steps && !queue_.empty() && !(lower() >= enough)) {
+    if (lower() == 0.0 && steps_ >= kStepsWhereHullsMeet) break;
+    if (interrupted() || !step(enough)) break;
   }
+  return steps_ > before;
+}
+
+/// False where dividing promises nothing.
+bool PrimitivePairDistance::step(double enough) {
+  const SectionPair pair = queue_.top();
+  if (steps_ == 0) {
+    queue_.pop();
+    ++steps_;
+    SectionPair whole = pair;
+    for (std::size_t i = 0; i < 3; ++i) whole.separation[i] = between_[i].lower();
+    bound(whole, enough);
+    return true;
+  }
+  if (pair.slack <= tolerance_) return false;
+  const bool first = nodes_a_[pair.a].slack >= nodes_b_[pair.b].slack;
+  const auto children = first ? divided(a_->sections, nodes_a_, pair.a) : divided(b_->sections, nodes_b_, pair.b);
+  if (!children) return false;
+  queue_.pop();
+  ++steps_;
+  for (std::uint32_t i = *children; i < *children + 2; ++i) {
+    SectionPair half = pair;
+    (first ? half.a : half.b) = i;
+    half.slack = nodes_a_[half.a].slack + nodes_b_[half.b].slack;
+    bound(half, enough);
+  }
+  return true;
 }
 
 /// The plane that separated the whole pair often separates its parts.

@@ -34,9 +34,10 @@ class PrimitivePairDistance {
   /// At least 0, proven.
   [[nodiscard]] double lower() const;
 
-  /// Divides sections until `lower` is at least `enough`, no finer sections promise more than the tolerance, `steps`
-  /// are taken, or `interrupted`, polled between them.
-  void raise(double enough, std::uint64_t steps, const std::function<bool()>& interrupted);
+  /// Divides sections until `lower` is at least `enough`, no finer sections promise more than the tolerance, hulls of
+  /// fairly fine ones still meet, `steps` are taken, or `interrupted`, polled between them, says so. Whether any step
+  /// was taken.
+  bool raise(double enough, std::uint64_t steps, const std::function<bool()>& interrupted);
 
   struct Points {
     Point on_a;  ///< in the frame of model A
@@ -57,15 +58,20 @@ class PrimitivePairDistance {
 
   struct SectionPair {
     double lower;
+    double slack;  ///< of both sections
     std::uint32_t a, b;
     Plain separation;  ///< from A to B; of any length
     Plain on_a, on_b;
   };
 
+  /// The least bound first; where hulls meet, the larger sections.
   struct Later {
-    bool operator()(const SectionPair& p, const SectionPair& q) const { return p.lower > q.lower; }
+    bool operator()(const SectionPair& p, const SectionPair& q) const {
+      return p.lower != q.lower ? p.lower > q.lower : p.slack < q.slack;
+    }
   };
 
+  bool step(double enough);
   void bound(SectionPair pair, double enough);
   [[nodiscard]] double lower_by(const Plain& n, std::uint32_t a, std::uint32_t b) const;
   [[nodiscard]] std::optional<std::uint32_t> divided(const SectionedPrimitive& primitive, std::vector<Node>& nodes,
@@ -80,7 +86,7 @@ class PrimitivePairDistance {
   std::vector<Node> nodes_a_, nodes_b_;
   std::priority_queue<SectionPair, std::vector<SectionPair>, Later> queue_;
   double settled_;  ///< the least bound of pairs that are in the queue no more
-  bool begun_ = false;
+  std::uint64_t steps_ = 0;
 };
 
 }  // namespace verisq::verify

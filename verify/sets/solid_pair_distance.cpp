@@ -18,40 +18,34 @@ namespace verisq::verify {
 
 namespace {
 
-constexpr std::size_t kMostPairs = std::size_t{1} << 22U;      // 24 bytes each
+constexpr std::size_t kMostPairs = std::size_t{1} << 22U;      // 32 bytes each
 constexpr std::uint64_t kMostCubes = std::uint64_t{1} << 20U;  // some 200 bytes each
 constexpr std::uint64_t kReportInterval = 64;                  // refined pairs between two looks at the options
 constexpr std::uint64_t kStepsForCommonPoint = 4096;           // refined pairs, once the distance is known to be small
-constexpr std::uint64_t kFirstSeparations = 512;               // pairs of sections, before the first refined pair
-constexpr std::uint64_t kSeparationsAStep = 4;                 // as many as cost about as much as a refined pair
+constexpr std::uint64_t kFirstSeparations = 256;               // pairs of sections, before the first refined pair
+constexpr std::uint64_t kFirstWhereHullsMeet = 16;             // the same: rather look for a common point
+constexpr std::uint64_t kStepsBetweenPoints = 16;              // pairs of sections, between two proposals of points
+constexpr std::uint64_t kStepsASeparation = 2;                 // refined pairs that cost about as much
 
 /// No enclosure is asked to be narrower than this share of the coordinates: rounding errors would keep every pair.
 constexpr double kFinestRelativeTolerance = 0x1p-42;
 
 struct CellPair {
   double lower;
+  double polytopes;     ///< the bound of the two polytopes alone, or of those that they are parts of
   double eccentricity;  ///< how far apart the cubes' centres are, in half-widths, where the bound is 0
   std::uint32_t a;
   std::uint32_t b;
 };
 
-/// The least lower bound first; where the models seem to meet, cubes that coincide before those that hardly touch: they
-/// lead to common points.
+/// The least lower bound first, of pairs whose primitives are separated alike that of the polytopes; where the models
+/// seem to meet, cubes that coincide before those that hardly touch: they lead to common points.
 struct LaterThan {
   bool operator()(const CellPair& p, const CellPair& q) const {
-    return p.lower != q.lower ? p.lower > q.lower : p.eccentricity > q.eccentricity;
+    if (p.lower != q.lower) return p.lower > q.lower;
+    return p.polytopes != q.polytopes ? p.polytopes > q.polytopes : p.eccentricity > q.eccentricity;
   }
 };
-
-/// The primitives that the set is proven to lie in, as a part of an intersection.
-template <class Visit>
-void for_each_containing(const SetNode& set, const Visit& visit) {
-  const auto visit_leaf = [&](const SetNode& node) {
-    if (node.kind == SetNode::Kind::leaf && node.side == Side::inside) visit(node.primitive);
-  };
-  visit_leaf(set);
-  if (set.kind == SetNode::Kind::intersection_of) std::ranges::for_each(set.operands, visit_leaf);
-}
 
 class Search {
   struct Child {
@@ -109,7 +103,7 @@ class Search {
           left_out_ = 0.0;
           return false;
         }
-        consider(i, j, known_);
+        consider({known_, 0.0, 0.0, i, j});
       }
     }
     return true;
@@ -149,17 +143,19 @@ class Search {
     return steps_ > 0 && steps_ % kReportInterval == 0 && options_->interrupted && options_->interrupted();
   }
 
-  /// Bounds a pair that is part of one with the bound `least`, and keeps it where it may have closest points.
-  void consider(std::uint32_t i, std::uint32_t j, double least) {
-    const Cell& x = a_[i];
-    const Cell& y = b_[j];
+  /// Bounds a pair, which inherits the bounds of the one that it is a part of, and keeps it where it may have closest
+  /// points.
+  void consider(CellPair pair) {
+    const Cell& x = a_[pair.a];
+    const Cell& y = b_[pair.b];
     Approach found = approach(x.polytope, y.polytope, motion_, direction_, enough());
-    found.lower = std::max(found.lower, least);
+    pair.polytopes = std::max(pair.polytopes, found.lower);
+    found.lower = std::max(found.lower, pair.lower);
+    pair.lower = found.lower;
     // Of models that do not meet, closest points lie on both boundaries: from a point in the interior of one the way to
     // the other gets shorter within the model.
     if ((x.inside || y.inside) && found.lower > 0.0) return;
-    const CellPair pair{found.lower, found.lower > 0.0 ? 0.0 : eccentricity(x.polytope.cube(), y.polytope.cube()), i,
-                        j};
+    pair.eccentricity = found.lower > 0.0 ? 0.0 : eccentricity(x.polytope.cube(), y.polytope.cube());
     if (!keep(pair)) return;
     if (!nearest_child_ || LaterThan{}(nearest_child_->pair, pair)) nearest_child_ = {pair, found};
   }
@@ -187,7 +183,7 @@ class Search {
 
   double separation_of(std::uint32_t i, std::uint32_t j, const CellPair& pair) {
     const auto found = separations_.find({i, j});
-    if (found == separations_.end() && separation_steps_ >= separation_budget()) return 0.0;
+    if (found == separations_.end() && separation_steps_ >= separation_budget(0.0)) return 0.0;
     PrimitivePairDistance& primitives =
         found != separations_.end()
             ? found->second
@@ -199,18 +195,19 @@ class Search {
       ++separation_steps_;
       return options_->interrupted && options_->interrupted();
     };
-    while (primitives.lower() < enough() && separation_steps_ < separation_budget()) {
-      const double before = primitives.lower();
-      const std::uint64_t steps_before = separation_steps_;
-      primitives.raise(enough(), before == 0.0 && !primitives.near_points() ? 1 : 64, interrupted);
-      if (const auto near = primitives.near_points()) try_points(a_[pair.a], b_[pair.b], near->on_a, near->on_b);
-      if (separation_steps_ == steps_before || !(primitives.lower() > before)) break;
+    while (primitives.lower() < enough() && separation_steps_ < separation_budget(primitives.lower())) {
+      const bool begun = primitives.near_points().has_value();
+      if (!primitives.raise(enough(), begun ? kStepsBetweenPoints : 1, interrupted)) break;
+      const auto near = primitives.near_points();
+      if (near && primitives.lower() > 0.0) try_points(a_[pair.a], b_[pair.b], near->on_a, near->on_b);
       if (options_->progress) options_->progress(enclosure(), cubes());
     }
     return primitives.lower();
   }
 
-  [[nodiscard]] std::uint64_t separation_budget() const { return kFirstSeparations + kSeparationsAStep * steps_; }
+  [[nodiscard]] std::uint64_t separation_budget(double lower) const {
+    return (lower > 0.0 ? kFirstSeparations : kFirstWhereHullsMeet) + steps_ / kStepsASeparation;
+  }
 
   void refine(const CellPair& pair) {
     nearest_child_.reset();
@@ -223,14 +220,18 @@ class Search {
   bool refine_a(const CellPair& pair) {
     const std::optional<CellRange> children = a_.children(pair.a);
     if (!children) return false;
-    for (std::uint32_t i = children->first; i < children->end; ++i) consider(i, pair.b, pair.lower);
+    for (std::uint32_t i = children->first; i < children->end; ++i) {
+      consider({pair.lower, pair.polytopes, 0.0, i, pair.b});
+    }
     return true;
   }
 
   bool refine_b(const CellPair& pair) {
     const std::optional<CellRange> children = b_.children(pair.b);
     if (!children) return false;
-    for (std::uint32_t j = children->first; j < children->end; ++j) consider(pair.a, j, pair.lower);
+    for (std::uint32_t j = children->first; j < children->end; ++j) {
+      consider({pair.lower, pair.polytopes, 0.0, pair.a, j});
+    }
     return true;
   }
 
@@ -240,13 +241,15 @@ class Search {
     const Cell& y = b_[child.pair.b];
     const Approach& found = child.approach;
     if (found.lower <= 0.0 && find_common(x, y)) return;
-    if (found.between < upper_ - 0.1 * (upper_ - lower())) try_points(x, y, found.on_a, found.on_b);
+    const bool promising = upper_ == infinity || found.between < upper_ - 0.1 * (upper_ - lower());
+    if (promising) try_points(x, y, found.on_a, found.on_b);
   }
 
   /// And the nearer ones that they lead to.
   void try_points(const Cell& x, const Cell& y, const Point& near_a, const Point& near_b) {
     const double scale = std::max(x.polytope.cube().half_width, y.polytope.cube().half_width);
     auto points = points_.settled(x, y, near_a, near_b, scale);
+    if (!points && upper_ == infinity) points = points_.settled_towards_centres(x, y, near_a, near_b);
     if (!points || points->distance >= upper_) return;
     points = points_.improved(x, y, *points, scale, 0.1 * tolerance_);
     upper_ = points->distance;
