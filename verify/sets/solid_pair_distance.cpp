@@ -316,18 +316,30 @@ class Search {
 
 }  // namespace
 
-PairSearch::PairSearch(const Model& a, const Model& b)
-    : a_(a), b_(b), balls_of_a_(BallUnion::of(a)), balls_of_b_(BallUnion::of(b)) {
-  if (balls_of_a_) distance_from_b_.emplace(b);
-  if (balls_of_b_) distance_from_a_.emplace(a);
+std::optional<PairSearch::Enclosed> PairSearch::enclosed(const Model& model, const Model& other) {
+  auto balls = EnclosingBalls::of(model);
+  if (!balls) return std::nullopt;
+  std::vector<Ball> hollows_of_other = hollows(other);
+  if (hollows_of_other.empty() && !balls->all_are_balls()) return std::nullopt;
+  return Enclosed{std::move(*balls), std::move(hollows_of_other), SolidDistance(other)};
 }
+
+PairSearch::PairSearch(const Model& a, const Model& b)
+    : a_(a), b_(b), enclosed_a_(enclosed(a, b)), enclosed_b_(enclosed(b, a)) {}
 
 SearchedDistance PairSearch::operator()(const Pose& pose, const SearchOptions& options) const {
   Search search(a_, b_, pose, options);
   const auto interrupted = [&] { return options.interrupted && options.interrupted(); };
+  const BoundedMotion& motion = search.motion();
   const double share = search.tolerance() / 4;
-  if (balls_of_a_) search.know(balls_of_a_->lower_from_b(*distance_from_b_, search.motion(), share, interrupted));
-  if (balls_of_b_) search.know(balls_of_b_->lower_from_a(*distance_from_a_, search.motion(), share, interrupted));
+  if (enclosed_a_) {
+    const auto& [balls, hollows, distance] = *enclosed_a_;
+    search.know(balls.lower_from_b(distance, hollows, motion, share, interrupted));
+  }
+  if (enclosed_b_) {
+    const auto& [balls, hollows, distance] = *enclosed_b_;
+    search.know(balls.lower_from_a(distance, hollows, motion, share, interrupted));
+  }
   return search.run();
 }
 
