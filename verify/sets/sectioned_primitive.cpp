@@ -150,25 +150,42 @@ double SectionedPrimitive::slope(const Plain& n, const Section& section) const {
   if (height >= lower.height && height <= upper.height) return v;
   const End& end = height < lower.height ? lower : upper;
   const Plain x = turned(untapered_(turned_back({along(end), n[1], 0.0})));
-  return -scale_slope_at(end.height) * (along(end) * x[0] + n[1] * x[1]);
+  const double at_end = -scale_slope_at(end.height) * (along(end) * x[0] + n[1] * x[1]);
+  return std::isfinite(at_end) ? at_end : v;  // at a pole, which no height is beyond
 }
 
 Coordinates<double> SectionedPrimitive::support_point(const Coordinates<double>& direction,
                                                       const Section& section) const {
   const Plain n = turned(direction);
   if (!map_) return turned_back(farthest(n[0], n[1], n[2]));
+  Plain best{};
+  double reach = -infinity;
+  const auto try_point = [&](const Plain& unbent) {
+    const Plain image = bent(unbent);
+    const double found = dot(n, image);
+    if (found > reach) best = image;
+    reach = std::max(reach, found);
+  };
   double height = 0.5 * section.lower.height + 0.5 * section.upper.height;
-  Plain x{0.0, 0.0, height};
+  double before = height;
+  double r = 0.0;
   for (int i = 0; i < kMostFixedPoints; ++i) {
-    const double c = n[0] * std::cos(curvature_ * height) - n[2] * std::sin(curvature_ * height);
-    const double along_axis = n[0] * std::sin(curvature_ * height) + n[2] * std::cos(curvature_ * height);
-    x = farthest(c, n[1], along_axis * (1.0 - curvature_ * x[0]));
+    const double cosine = std::cos(curvature_ * height);
+    const double sine = std::sin(curvature_ * height);
+    const double c = n[0] * cosine - n[2] * sine;
+    Plain x = farthest(c, n[1], (n[0] * sine + n[2] * cosine) * (1.0 - curvature_ * r));
     const double next = std::clamp(x[2], section.lower.height, section.upper.height);
     if (next != x[2]) x = farthest_at(next, c, n[1]);
-    const double moved = std::fabs(next - std::exchange(height, next));
-    if (moved <= 0x1p-50 * superquadric_.semi_axes[2]) break;
+    try_point(x);
+    r = x[0];
+    before = std::exchange(height, next);
+    if (std::fabs(height - before) <= 0x1p-50 * superquadric_.semi_axes[2]) return turned_back(best);
   }
-  return turned_back(bent(x));
+  // Between two corners, perhaps, which take turns.
+  const double between = 0.5 * (height + before);
+  const double c = n[0] * std::cos(curvature_ * between) - n[2] * std::sin(curvature_ * between);
+  try_point(farthest_at(between, c, n[1]));
+  return turned_back(best);
 }
 
 // --- The proof ---
