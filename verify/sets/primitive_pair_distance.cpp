@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "verify/search/gjk.hpp"
+#include "verify/sets/in_binary64.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -13,29 +14,24 @@ namespace {
 
 constexpr std::uint64_t kStepsWhereHullsMeet = 64;
 
-Interval in_binary64(const PreciseInterval& a) {
-  return {a.lower().to_double(Direction::down), a.upper().to_double(Direction::up)};
-}
-
-Vector3<double> in_binary64(const PreciseVector& v) {
-  return {in_binary64(v[0]), in_binary64(v[1]), in_binary64(v[2])};
-}
-
-Matrix3<double> in_binary64(const PreciseMatrix& m) {
-  return {in_binary64(m.row(0)), in_binary64(m.row(1)), in_binary64(m.row(2))};
-}
-
 Vector3<double> exact(const Coordinates<double>& v) {
   return {Interval(v[0]), Interval(v[1]), Interval(v[2])};
 }
 
 }  // namespace
 
+SeparablePrimitive::SeparablePrimitive(const Primitive& primitive)
+    : sections(primitive),
+      centre(primitive.pose.translation),
+      bent(is_bent(primitive)),
+      motion(primitive.pose),
+      about(primitive.pose),
+      to_own_frame(in_binary64(motion.rotation.transpose())) {}
+
 PrimitivePairDistance::PrimitivePairDistance(const SeparablePrimitive& a, const SeparablePrimitive& b, const Pose& pose,
                                              double tolerance)
     : a_(&a), b_(&b), motion_(pose), tolerance_(tolerance), settled_(infinity) {
   const RigidMotion moved = RigidMotion(pose).after(b.motion);
-  to_a_ = in_binary64(a.motion.rotation.transpose());
   to_b_ = in_binary64(moved.rotation.transpose());
   between_ = in_binary64(PreciseVector(moved.translation - a.motion.translation));
   const auto root = [](const SectionedPrimitive& primitive) {
@@ -123,7 +119,7 @@ double PrimitivePairDistance::lower_by(const Plain& direction, std::uint32_t a, 
   if (!(length_about > 0.0) || !std::isfinite(length_about)) return -infinity;
   const Vector3<double> n =
       exact({direction[0] / length_about, direction[1] / length_about, direction[2] / length_about});
-  const Interval support_a(a_->sections.support_up(to_a_ * n, nodes_a_[a].section));
+  const Interval support_a(a_->sections.support_up(a_->to_own_frame * n, nodes_a_[a].section));
   const Interval support_b(b_->sections.support_up(-(to_b_ * n), nodes_b_[b].section));
   if (!std::isfinite(support_a.upper()) || !std::isfinite(support_b.upper())) return -infinity;
   const Interval gap = n.dot(between_) - support_a - support_b;

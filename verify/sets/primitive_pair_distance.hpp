@@ -15,12 +15,14 @@ namespace verisq::verify {
 
 /// A primitive of a model, ready to be separated from others.
 struct SeparablePrimitive {
-  explicit SeparablePrimitive(const Primitive& primitive)
-      : sections(primitive), motion(primitive.pose), about(primitive.pose) {}
+  explicit SeparablePrimitive(const Primitive& primitive);
 
   SectionedPrimitive sections;
+  Point centre;
+  bool bent;
   RigidMotion motion;               ///< to its model's frame
   ApproximateMotion<double> about;  ///< the same, about
+  Matrix3<double> to_own_frame;     ///< of directions
 };
 
 /// d >= (n·(t_B - t_A) - h_A(R_Aᵀ n) - h_B(-R_Bᵀ n)) / |n| for any n, with support functions about the centres t
@@ -80,7 +82,7 @@ class PrimitivePairDistance {
   const SeparablePrimitive* a_;
   const SeparablePrimitive* b_;
   ApproximateMotion<double> motion_;  ///< B's model to A's, about
-  Matrix3<double> to_a_, to_b_;       ///< rotations from the frame of model A to both primitives' own
+  Matrix3<double> to_b_;              ///< directions of model A's frame to those of B's primitive
   Vector3<double> between_;           ///< of the centres
   double tolerance_;
   std::vector<Node> nodes_a_, nodes_b_;

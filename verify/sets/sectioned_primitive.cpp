@@ -7,6 +7,7 @@
 
 #include "verify/analysis/trigonometry.hpp"
 #include "verify/sets/bend_range.hpp"
+#include "verify/sets/in_binary64.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -14,10 +15,6 @@ namespace verisq::verify {
 namespace {
 
 constexpr int kMostFixedPoints = 6;
-
-Interval in_binary64(const PreciseInterval& a) {
-  return {a.lower().to_double(Direction::down), a.upper().to_double(Direction::up)};
-}
 
 double middle(const Interval& a) {
   return 0.5 * a.lower() + 0.5 * a.upper();

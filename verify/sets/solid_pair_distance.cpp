@@ -1,4 +1,5 @@
-/// Best first: the pair of cells with the least lower bound is refined, in the cell whose polytope is looser.
+/// Best first: of the pair of cells with the least lower bound the primitives are separated, where they can be; else it
+/// is refined, in the cell whose polytope is looser.
 #include "verify/sets/solid_pair_distance.hpp"
 
 #include <algorithm>
@@ -148,7 +149,7 @@ class Search {
   void consider(CellPair pair) {
     const Cell& x = a_[pair.a];
     const Cell& y = b_[pair.b];
-    Approach found = approach(x.polytope, y.polytope, motion_, direction_, enough());
+    Approach found = approach_of(pair);
     pair.polytopes = std::max(pair.polytopes, found.lower);
     found.lower = std::max(found.lower, pair.lower);
     pair.lower = found.lower;
@@ -158,6 +159,27 @@ class Search {
     pair.eccentricity = found.lower > 0.0 ? 0.0 : eccentricity(x.polytope.cube(), y.polytope.cube());
     if (!keep(pair)) return;
     if (!nearest_child_ || LaterThan{}(nearest_child_->pair, pair)) nearest_child_ = {pair, found};
+  }
+
+  /// A whole convex primitive counts as such, unless both are: then they are separated already, if they can be.
+  [[nodiscard]] Approach approach_of(const CellPair& pair) const {
+    const CutCube& x = a_[pair.a].polytope;
+    const CutCube& y = b_[pair.b].polytope;
+    const bool whole_a = is_whole(a_, pair.a, *solid_a_);
+    const bool whole_b = is_whole(b_, pair.b, *solid_b_);
+    if (whole_a == whole_b) return approach(x, y, motion_, direction_, enough());
+    const SearchSolid& solid = whole_a ? *solid_a_ : *solid_b_;
+    const SetNode& leaf = whole_a ? *a_[pair.a].set : *b_[pair.b].set;
+    const WholePrimitive whole(solid.separable[leaf.primitive], whole_a ? x.cube() : y.cube(), tolerance_ / 16);
+    return whole_a ? approach(whole, y, motion_, direction_, enough())
+                   : approach(x, whole, motion_, direction_, enough());
+  }
+
+  /// Whether the cell holds all of a part that is one convex primitive.
+  [[nodiscard]] static bool is_whole(const Cells& cells, std::uint32_t index, const SearchSolid& solid) {
+    const SetNode& set = *cells[index].set;
+    return index < cells.roots() && set.kind == SetNode::Kind::leaf && set.side == Side::inside &&
+           !solid.separable[set.primitive].bent;
   }
 
   /// Whether the pair may have points nearer than the tolerance allows to leave out.
@@ -182,15 +204,11 @@ class Search {
   }
 
   double separation_of(std::uint32_t i, std::uint32_t j, const CellPair& pair) {
-    const auto found = separations_.find({i, j});
-    if (found == separations_.end() && separation_steps_ >= separation_budget(0.0)) return 0.0;
+    const std::pair key(i, j);
+    if (separation_steps_ >= separation_budget(0.0) && !separations_.contains(key)) return 0.0;
     PrimitivePairDistance& primitives =
-        found != separations_.end()
-            ? found->second
-            : separations_
-                  .emplace(std::pair(i, j),
-                           PrimitivePairDistance(solid_a_->separable[i], solid_b_->separable[j], pose_, tolerance_ / 4))
-                  .first->second;
+        separations_.try_emplace(key, solid_a_->separable[i], solid_b_->separable[j], pose_, tolerance_ / 4)
+            .first->second;
     const auto interrupted = [&] {
       ++separation_steps_;
       return options_->interrupted && options_->interrupted();
@@ -211,7 +229,11 @@ class Search {
 
   void refine(const CellPair& pair) {
     nearest_child_.reset();
-    const bool a_first = a_[pair.a].slack >= b_[pair.b].slack;
+    bool a_first = a_[pair.a].slack >= b_[pair.b].slack;
+    // A whole primitive's bound is tight already, once there is one.
+    if (pair.polytopes > 0.0 && is_whole(a_, pair.a, *solid_a_) != is_whole(b_, pair.b, *solid_b_)) {
+      a_first = is_whole(b_, pair.b, *solid_b_);
+    }
     const bool refined = a_first ? refine_a(pair) || refine_b(pair) : refine_b(pair) || refine_a(pair);
     if (!refined) left_out_ = std::min(left_out_, pair.lower);
     if (nearest_child_) propose(*nearest_child_);
