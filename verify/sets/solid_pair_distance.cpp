@@ -26,7 +26,9 @@ constexpr std::uint64_t kStepsForCommonPoint = 4096;           // refined pairs,
 constexpr std::uint64_t kFirstSeparations = 256;               // pairs of sections, before the first refined pair
 constexpr std::uint64_t kFirstWhereHullsMeet = 16;             // the same: rather look for a common point
 constexpr std::uint64_t kStepsBetweenPoints = 16;              // pairs of sections, between two proposals of points
-constexpr std::uint64_t kStepsASeparation = 2;                 // refined pairs that cost about as much
+/// After so many, only one in as many proposals of points is tried: each costs as much as a few refined pairs.
+constexpr std::uint64_t kFailuresInARow = 16;
+constexpr std::uint64_t kStepsASeparation = 2;  // refined pairs that cost about as much
 
 /// No enclosure is asked to be narrower than this share of the coordinates: rounding errors would keep every pair.
 constexpr double kFinestRelativeTolerance = 0x1p-42;
@@ -264,7 +266,9 @@ class Search {
     const Approach& found = child.approach;
     if (found.lower <= 0.0 && find_common(x, y)) return;
     const bool promising = upper_ == infinity || found.between < upper_ - 0.1 * (upper_ - lower());
-    if (promising) try_points(x, y, found.on_a, found.on_b);
+    if (promising && (failures_ < kFailuresInARow || steps_ % kFailuresInARow == 0)) {
+      try_points(x, y, found.on_a, found.on_b);
+    }
   }
 
   /// And the nearer ones that they lead to.
@@ -272,7 +276,9 @@ class Search {
     const double scale = std::max(x.polytope.cube().half_width, y.polytope.cube().half_width);
     auto points = points_.settled(x, y, near_a, near_b, scale);
     if (!points && upper_ == infinity) points = points_.settled_towards_centres(x, y, near_a, near_b);
+    ++failures_;
     if (!points || points->distance >= upper_) return;
+    failures_ = 0;
     points = points_.improved(x, y, *points, scale, 0.1 * tolerance_);
     upper_ = points->distance;
     near_points_ = {points->on_a, points->on_b};
@@ -333,6 +339,7 @@ class Search {
   std::map<std::pair<std::uint32_t, std::uint32_t>, PrimitivePairDistance> separations_;  ///< of primitives of A and B
   std::uint64_t separation_steps_ = 0;
   std::uint64_t steps_ = 0;
+  std::uint64_t failures_ = 0;  ///< of points to be better than those known, since they last were
   std::uint64_t steps_when_known_ = 0;
 };
 
