@@ -232,8 +232,8 @@ class Search {
   void refine(const CellPair& pair) {
     nearest_child_.reset();
     bool a_first = a_[pair.a].slack >= b_[pair.b].slack;
-    // A whole primitive's bound is tight already, once there is one.
-    if (pair.polytopes > 0.0 && is_whole(a_, pair.a, *solid_a_) != is_whole(b_, pair.b, *solid_b_)) {
+    // Of a whole primitive the bound is tight already; where models may meet, cubes of both lead to common points.
+    if (pair.lower > 0.0 && is_whole(a_, pair.a, *solid_a_) != is_whole(b_, pair.b, *solid_b_)) {
       a_first = is_whole(b_, pair.b, *solid_b_);
     }
     const bool refined = a_first ? refine_a(pair) || refine_b(pair) : refine_b(pair) || refine_a(pair);
