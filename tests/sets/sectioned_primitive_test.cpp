@@ -77,6 +77,7 @@ TEST(SectionedPrimitiveTest, NoPointOfASectionReachesFarther) {
       sections.insert(sections.end(), halves->begin(), halves->end());
     }
     std::vector<Sample> samples;
+    samples.reserve(2000);
     for (int i = 0; i < 2000; ++i) {
       samples.push_back(sample(solid, bend, cases.uniform(-1.0, 1.0) * std::numbers::pi / 2,
                                cases.uniform(-1.0, 1.0) * std::numbers::pi));

@@ -83,7 +83,8 @@ double farthest_up(const Primitive& primitive, const Point& x) {
   std::array<double, 3> about{};
   for (std::size_t i = 0; i < 3; ++i) about[i] = centre[i].upper().to_double(Direction::up);
   const double chosen = multiplier(b, about);
-  if (!std::isfinite(chosen)) return infinity;
+  const auto finite = [](double number) { return std::isfinite(number); };
+  if (!finite(chosen) || !std::ranges::all_of(b, finite)) return infinity;
   const PreciseInterval mu{Real(chosen)};
   PreciseInterval squared = mu;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "verify/search/gjk.hpp"
 #include "verify/sets/in_binary64.hpp"
@@ -50,7 +51,10 @@ double PrimitivePairDistance::lower() const {
 std::optional<PrimitivePairDistance::Points> PrimitivePairDistance::near_points() const {
   if (steps_ == 0 || queue_.empty()) return std::nullopt;
   const SectionPair& best = queue_.top();
-  return Points{best.on_a, motion_.inverse_point(best.on_b)};
+  const Points points{best.on_a, motion_.inverse_point(best.on_b)};
+  const auto finite = [](double c) { return std::isfinite(c); };
+  if (!std::ranges::all_of(points.on_a, finite) || !std::ranges::all_of(points.on_b, finite)) return std::nullopt;
+  return points;
 }
 
 bool PrimitivePairDistance::raise(double enough, std::uint64_t steps, const std::function<bool()>& interrupted) {
@@ -113,8 +117,16 @@ void PrimitivePairDistance::bound(SectionPair pair, double enough) {
   queue_.push(pair);
 }
 
-/// Minus infinity where it says nothing.
+/// Minus infinity where it says nothing, as where numbers overflow and intervals have none.
 double PrimitivePairDistance::lower_by(const Plain& direction, std::uint32_t a, std::uint32_t b) const {
+  try {
+    return proven_by(direction, a, b);
+  } catch (const std::domain_error&) {
+    return -infinity;
+  }
+}
+
+double PrimitivePairDistance::proven_by(const Plain& direction, std::uint32_t a, std::uint32_t b) const {
   const double length_about = std::hypot(direction[0], direction[1], direction[2]);
   if (!(length_about > 0.0) || !std::isfinite(length_about)) return -infinity;
   const Vector3<double> n =

@@ -46,7 +46,8 @@ class PrimitivePairDistance {
     Point on_b;  ///< in the frame of model B
   };
 
-  /// Of the hulls of those sections that seem nearest: proves nothing. Nothing before the first step.
+  /// Of the hulls of those sections that seem nearest: proves nothing. Nothing before the first step, or where
+  /// numbers overflow.
   [[nodiscard]] std::optional<Points> near_points() const;
 
  private:
@@ -75,7 +76,8 @@ class PrimitivePairDistance {
 
   bool step(double enough);
   void bound(SectionPair pair, double enough);
-  [[nodiscard]] double lower_by(const Plain& n, std::uint32_t a, std::uint32_t b) const;
+  [[nodiscard]] double lower_by(const Plain& direction, std::uint32_t a, std::uint32_t b) const;
+  [[nodiscard]] double proven_by(const Plain& direction, std::uint32_t a, std::uint32_t b) const;
   [[nodiscard]] std::optional<std::uint32_t> divided(const SectionedPrimitive& primitive, std::vector<Node>& nodes,
                                                      std::uint32_t index);
 

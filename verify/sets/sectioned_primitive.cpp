@@ -190,8 +190,9 @@ Coordinates<double> SectionedPrimitive::support_point(const Coordinates<double>&
 double SectionedPrimitive::support_up(const Vector3<double>& direction, const Section& section) const {
   if (!map_) return (Interval(bounds_.support_up(direction)) + direction[2] * focus_).upper();
   const Vector3<double> n = map_->turned(direction);
-  const Interval v(slope({middle(n[0]), middle(n[1]), middle(n[2])}, section));
-  if (!std::isfinite(v.lower())) return infinity;
+  const double chosen = slope({middle(n[0]), middle(n[1]), middle(n[2])}, section);
+  if (!std::isfinite(chosen)) return infinity;
+  const Interval v(chosen);
   const Vector3<double> r = map_->direction();
   double largest = -infinity;
   Interval c_of_both;

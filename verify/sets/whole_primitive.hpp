@@ -22,6 +22,8 @@ class WholePrimitive {
   [[nodiscard]] Point nearest(const Point& x) const;
 
  private:
+  [[nodiscard]] double proven_support(const Point& direction) const;
+
   const SeparablePrimitive* primitive_;
   Cube cube_;
   double tolerance_;
