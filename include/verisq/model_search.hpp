@@ -1,4 +1,5 @@
-/// The distance of any two models, bent or built by set operations, by branch and bound over pairs of cubes.
+/// The distance of any two models, bent or built by set operations: by planes between their primitives where these
+/// decide, else by branch and bound over pairs of cubes.
 #pragma once
 
 #include <array>

@@ -15,6 +15,7 @@
 
 #include "tests/fixtures/bitten_ball.hpp"
 #include "verify/sets/solid_pair_bound.hpp"
+#include "verify/sets/solid_pair_cells.hpp"
 #include "verify/sets/solid_pair_polytope.hpp"
 
 namespace verisq {
@@ -392,6 +393,88 @@ TEST(SolidPairDistanceTest, TwoHeadsInTheirCups) {
   EXPECT_LE(found.distance.lo, 2.0);
   EXPECT_GE(found.distance.hi, 2.0 - 1e-14);
   EXPECT_TRUE(found.reached);
+}
+
+TEST(SolidPairDistanceTest, AHeadThatIsNoBallInItsCup) {
+  // The farthest point of the head from the centre of the bore is nearest to its wall: a circle of them, or two.
+  for (const Superquadric& head : {Superquadric{{16.0, 16.0, 15.9}, {1.0, 1.0}},
+                                   {{16.0, 15.9, 15.9}, {1.0, 1.0}},
+                                   Superquadric{{15.9, 15.9, 16.0}, {1.0, 1.0}}}) {
+    for (const bool cup_first : {false, true}) {
+      const SearchedDistance found = cup_first ? search(cup(), model(head), 1e-6) : search(model(head), cup(), 1e-6);
+      EXPECT_TRUE(found.reached);
+      EXPECT_LE(found.distance.lo, 2.0 + 1e-14);
+      EXPECT_GE(found.distance.hi, 2.0 - 1e-14);
+      EXPECT_LT(found.cubes, 100'000U);  // by pairs of cubes alone more than a million
+      EXPECT_TRUE(found.near_points);
+    }
+  }
+  // Deeper in the cup along its own longest axis.
+  const SearchedDistance deep = search(model({{15.9, 15.9, 16.0}, {1.0, 1.0}}), cup(), 1e-6, at(0.0, 0.0, 0.5));
+  EXPECT_LE(deep.distance.lo, 1.5 + 1e-14);
+  EXPECT_GE(deep.distance.hi, 1.5 - 1e-14);
+  EXPECT_LT(deep.cubes, 100'000U);
+}
+
+TEST(SolidPairDistanceTest, SeparatedPrimitivesNeedNoCubes) {
+  const Pose pose{{7.3, 3.9, 2.6}, {0.6, -0.3, 0.5, 0.7}};
+  for (const std::optional<Bend>& bend : {std::optional<Bend>(), std::optional<Bend>(Bend{0.001, 70.0})}) {
+    const SearchedDistance found = search(model(capsule), model(soap, {}, bend), 1e-6, pose);
+    EXPECT_LE(found.distance.width(), 1e-6);
+    EXPECT_LT(found.cubes, 10U);
+  }
+  // What is removed on the far side does not matter, nor do the other operands of an intersection.
+  const Model bitten = combined(SetOperation::subtract, {{"ball", ball(2.0), {}}, {"bite", ball(1.0), at(-2, 0, 0)}});
+  const SearchedDistance beside = search(bitten, model(ball(1.0)), 1e-6, at(5, 0, 0));
+  EXPECT_LE(beside.distance.lo, 2.0);
+  EXPECT_GE(beside.distance.hi, 2.0);
+  EXPECT_LE(beside.distance.width(), 1e-6);
+  EXPECT_LT(beside.cubes, 20U);
+}
+
+TEST(SolidPairDistanceTest, RandomTreesAreNoFartherThanTheirPoints) {
+  std::mt19937_64 generator(23);
+  std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
+  const auto number = [&] { return symmetric(generator); };
+  const auto primitive = [&] {
+    const Superquadric solid{{0.8 + 0.4 * number(), 0.8 + 0.4 * number(), 1.2 + 0.6 * number()},
+                             {1.0 + 0.9 * number(), 1.0 + 0.9 * number()}};
+    return Primitive{"p",
+                     solid,
+                     {{0.5 * number(), 0.5 * number(), 0.5 * number()}, {number(), number(), number(), 0.5}},
+                     Bend{0.4 * number(), 180.0 * number()}};
+  };
+  constexpr std::array operations{SetOperation::unite, SetOperation::intersect, SetOperation::subtract};
+  const auto tree = [&](int i) { return combined(operations[i % 3], {primitive(), primitive()}); };
+  for (int trial = 0; trial < 9; ++trial) {
+    const Model a = tree(trial);
+    const Model b = tree(trial / 3);
+    const Pose pose{{2.5 + number(), 2.5 + number(), number()}, {number(), number(), number(), 0.5}};
+    SCOPED_TRACE(fmt::format("trial {}", trial));
+    const SearchedDistance found = search(a, b, 1e-3, pose);
+    const verify::SearchSolid solid_a(a);
+    const verify::SearchSolid solid_b(b);
+    const auto points = [&](const verify::SearchSolid& solid) {
+      std::vector<Point> inside;
+      for (int i = 0; i < 4000; ++i) {
+        const Point x{2.5 * number(), 2.5 * number(), 2.5 * number()};
+        const auto within = [&](const auto& part) { return strictly_inside(solid, part.set, {x, 0.0}); };
+        if (std::ranges::any_of(solid.parts, within)) inside.push_back(x);
+      }
+      return inside;
+    };
+    const verify::BoundedMotion motion(pose);
+    double least = infinity;
+    const std::vector<Point> of_a = points(solid_a);
+    for (const Point& y : points(solid_b)) {
+      for (const Point& x : of_a) least = std::min(least, motion.distance_up(x, y));
+    }
+    EXPECT_LE(found.distance.lo, least);
+    if (found.near_points) {
+      const auto& [x, y] = *found.near_points;
+      EXPECT_EQ(motion.distance_up(x, y), found.distance.hi);
+    }
+  }
 }
 
 TEST(SolidPairDistanceTest, RefusesAModelWithoutAnyPoint) {

@@ -9,6 +9,7 @@
 #include "verify/proof/boundary.hpp"
 #include "verify/proof/rigid_motion.hpp"
 #include "verify/sets/bend.hpp"
+#include "verify/sets/in_binary64.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -24,7 +25,7 @@ constexpr HalfSpace kNothing{{0.0, 0.0, 0.0}, infinity};
 using Coordinates = std::array<double, 3>;
 
 BasicInterval<double> in_precision(const PreciseInterval& a, double /*of the ends*/) {
-  return {a.lower().to_double(Direction::down), a.upper().to_double(Direction::up)};
+  return in_binary64(a);
 }
 
 PreciseInterval in_precision(const PreciseInterval& a, const Real& /*of the ends*/) {

@@ -31,7 +31,8 @@ Point unit(const Point& n) {
   return {n[0] / length, n[1] / length, n[2] / length};
 }
 
-double lower_by_direction(const CutCube& x, const CutCube& y, const BoundedMotion& motion, const Point& n) {
+template <Separable X, Separable Y>
+double lower_by_direction(const X& x, const Y& y, const BoundedMotion& motion, const Point& n) {
   // n·(R y + t - x) = (R^T n)·y + n·t - n·x, with m for R^T n: what m is off by meets |y|_1 at most.
   const Point m = motion.direction_in_b(n);
   const double support_x = x.support(n);
@@ -50,8 +51,10 @@ double lower_by_direction(const CutCube& x, const CutCube& y, const BoundedMotio
   return proven / length * (1.0 - 0x1p-50);
 }
 
-Approach approach(const CutCube& x, const CutCube& y, const BoundedMotion& motion, const Point& guess, double enough) {
+template <Separable X, Separable Y>
+Approach approach(const X& x, const Y& y, const BoundedMotion& motion, const Point& guess, double enough) {
   Approach found{lower_by_direction(x, y, motion, guess), 0.0, x.cube().centre, y.cube().centre};
+  const double little = 0x1p-10 * std::min(x.cube().half_width, y.cube().half_width);
   for (int step = 0; step < kMostProjections && found.lower < enough; ++step) {
     found.on_b = y.nearest(motion.to_b(found.on_a));
     const Point on_b = motion.to_a(found.on_b);
@@ -59,9 +62,14 @@ Approach approach(const CutCube& x, const CutCube& y, const BoundedMotion& motio
     const Point between{on_b[0] - found.on_a[0], on_b[1] - found.on_a[1], on_b[2] - found.on_a[2]};
     found.between = std::hypot(between[0], between[1], between[2]);
     found.lower = std::max(found.lower, lower_by_direction(x, y, motion, unit(between)));
-    if (found.between - found.lower <= 0x1p-10 * x.cube().half_width) break;  // little is left to be gained
+    if (found.between - found.lower <= little) break;
   }
   return found;
 }
+
+template double lower_by_direction(const CutCube&, const CutCube&, const BoundedMotion&, const Point&);
+template Approach approach(const CutCube&, const CutCube&, const BoundedMotion&, const Point&, double);
+template Approach approach(const WholePrimitive&, const CutCube&, const BoundedMotion&, const Point&, double);
+template Approach approach(const CutCube&, const WholePrimitive&, const BoundedMotion&, const Point&, double);
 
 }  // namespace verisq::verify

@@ -83,7 +83,11 @@ double turn(const CutCube& p, const CutCube& q) {
 
 SearchSolid::SearchSolid(const Model& model) {
   primitives.reserve(model.primitives.size());
-  for (const Primitive& primitive : model.primitives) primitives.emplace_back(primitive);
+  separable.reserve(model.primitives.size());
+  for (const Primitive& primitive : model.primitives) {
+    primitives.emplace_back(primitive);
+    separable.emplace_back(primitive);
+  }
   const Box whole = bounding_box(model);
   for_each_part(normal_form(model, Side::inside), [&](const SetNode& set) {
     parts.push_back({set, cube_around(box_of(set, model).value_or(whole))});

@@ -1,12 +1,14 @@
 /// One solid refined into cubes as a search asks for them; each cube is evaluated once.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <optional>
 #include <vector>
 
 #include "verify/sets/box_primitive.hpp"
+#include "verify/sets/primitive_pair_distance.hpp"
 #include "verify/sets/set_tree.hpp"
 #include "verify/sets/solid_pair_polytope.hpp"
 #include "verisq/model.hpp"
@@ -24,8 +26,19 @@ struct SearchSolid {
   };
 
   std::vector<BoxPrimitive> primitives;
-  std::vector<Part> parts;  ///< the solid is their union
+  std::vector<SeparablePrimitive> separable;  ///< the same
+  std::vector<Part> parts;                    ///< the solid is their union
 };
+
+/// The primitives that the set is proven to lie in, as a part of an intersection.
+template <class Visit>
+void for_each_containing(const SetNode& set, const Visit& visit) {
+  const auto visit_leaf = [&](const SetNode& node) {
+    if (node.kind == SetNode::Kind::leaf && node.side == Side::inside) visit(node.primitive);
+  };
+  visit_leaf(set);
+  if (set.kind == SetNode::Kind::intersection_of) std::ranges::for_each(set.operands, visit_leaf);
+}
 
 /// Whether the cube is proven to lie in the interior of the set.
 [[nodiscard]] bool strictly_inside(const SearchSolid& solid, const SetNode& set, const Cube& cube);

@@ -1,10 +1,13 @@
-/// Best first: the pair of cells with the least lower bound is refined, in the cell whose polytope is looser.
+/// Best first: of the pair of cells with the least lower bound the primitives are separated, where they can be; else it
+/// is refined, in the cell whose polytope is looser.
 #include "verify/sets/solid_pair_distance.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <queue>
+#include <utility>
 #include <vector>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
@@ -16,26 +19,34 @@ namespace verisq::verify {
 
 namespace {
 
-constexpr std::size_t kMostPairs = std::size_t{1} << 22U;      // 24 bytes each
+constexpr std::size_t kMostPairs = std::size_t{1} << 22U;      // 32 bytes each
 constexpr std::uint64_t kMostCubes = std::uint64_t{1} << 20U;  // some 200 bytes each
 constexpr std::uint64_t kReportInterval = 64;                  // refined pairs between two looks at the options
 constexpr std::uint64_t kStepsForCommonPoint = 4096;           // refined pairs, once the distance is known to be small
+constexpr std::uint64_t kFirstSeparations = 256;               // pairs of sections, before the first refined pair
+constexpr std::uint64_t kFirstWhereHullsMeet = 16;             // the same: rather look for a common point
+constexpr std::uint64_t kStepsBetweenPoints = 16;              // pairs of sections, between two proposals of points
+/// After so many, only one in as many proposals of points is tried: each costs as much as a few refined pairs.
+constexpr std::uint64_t kFailuresInARow = 16;
+constexpr std::uint64_t kStepsASeparation = 2;  // refined pairs that cost about as much
 
 /// No enclosure is asked to be narrower than this share of the coordinates: rounding errors would keep every pair.
 constexpr double kFinestRelativeTolerance = 0x1p-42;
 
 struct CellPair {
   double lower;
+  double polytopes;     ///< the bound of the two polytopes alone, or of those that they are parts of
   double eccentricity;  ///< how far apart the cubes' centres are, in half-widths, where the bound is 0
   std::uint32_t a;
   std::uint32_t b;
 };
 
-/// The least lower bound first; where the models seem to meet, cubes that coincide before those that hardly touch: they
-/// lead to common points.
+/// The least lower bound first, of pairs whose primitives are separated alike that of the polytopes; where the models
+/// seem to meet, cubes that coincide before those that hardly touch: they lead to common points.
 struct LaterThan {
   bool operator()(const CellPair& p, const CellPair& q) const {
-    return p.lower != q.lower ? p.lower > q.lower : p.eccentricity > q.eccentricity;
+    if (p.lower != q.lower) return p.lower > q.lower;
+    return p.polytopes != q.polytopes ? p.polytopes > q.polytopes : p.eccentricity > q.eccentricity;
   }
 };
 
@@ -47,7 +58,14 @@ class Search {
 
  public:
   Search(const SearchSolid& a, const SearchSolid& b, const Pose& pose, const SearchOptions& options)
-      : motion_(pose), points_(a, b, motion_), a_(a), b_(b), options_(&options) {
+      : motion_(pose),
+        points_(a, b, motion_),
+        solid_a_(&a),
+        solid_b_(&b),
+        pose_(pose),
+        a_(a),
+        b_(b),
+        options_(&options) {
     tolerance_ = std::max(options.tolerance, kFinestRelativeTolerance * magnitude());
   }
 
@@ -60,9 +78,15 @@ class Search {
     if (!consider_roots()) return result();
     while (!finished()) {
       if (known()) ++steps_when_known_;
-      const CellPair pair = queue_.top();
+      const double separated = separation(queue_.top());
+      CellPair pair = queue_.top();
       queue_.pop();
-      refine(pair);
+      if (separated > pair.lower) {
+        pair.lower = separated;
+        keep(pair);
+      } else {
+        refine(pair);
+      }
       if (++steps_ % kReportInterval == 0 && options_->progress) options_->progress(enclosure(), cubes());
     }
     if (queue_.empty() && left_out_ == infinity && upper_ == infinity) {
@@ -82,7 +106,7 @@ class Search {
           left_out_ = 0.0;
           return false;
         }
-        consider(i, j, known_);
+        consider({known_, 0.0, 0.0, i, j});
       }
     }
     return true;
@@ -122,28 +146,96 @@ class Search {
     return steps_ > 0 && steps_ % kReportInterval == 0 && options_->interrupted && options_->interrupted();
   }
 
-  /// Bounds a pair that is part of one with the bound `least`, and keeps it where it may have closest points.
-  void consider(std::uint32_t i, std::uint32_t j, double least) {
-    const Cell& x = a_[i];
-    const Cell& y = b_[j];
-    Approach found = approach(x.polytope, y.polytope, motion_, direction_, enough());
-    found.lower = std::max(found.lower, least);
+  /// Bounds a pair, which inherits the bounds of the one that it is a part of, and keeps it where it may have closest
+  /// points.
+  void consider(CellPair pair) {
+    const Cell& x = a_[pair.a];
+    const Cell& y = b_[pair.b];
+    Approach found = approach_of(pair);
+    pair.polytopes = std::max(pair.polytopes, found.lower);
+    found.lower = std::max(found.lower, pair.lower);
+    pair.lower = found.lower;
     // Of models that do not meet, closest points lie on both boundaries: from a point in the interior of one the way to
     // the other gets shorter within the model.
     if ((x.inside || y.inside) && found.lower > 0.0) return;
-    if (found.lower > 0.0 && found.lower >= enough()) {
-      left_out_ = std::min(left_out_, found.lower);
-      return;
-    }
-    const CellPair pair{found.lower, found.lower > 0.0 ? 0.0 : eccentricity(x.polytope.cube(), y.polytope.cube()), i,
-                        j};
-    queue_.push(pair);
+    pair.eccentricity = found.lower > 0.0 ? 0.0 : eccentricity(x.polytope.cube(), y.polytope.cube());
+    if (!keep(pair)) return;
     if (!nearest_child_ || LaterThan{}(nearest_child_->pair, pair)) nearest_child_ = {pair, found};
+  }
+
+  /// A whole convex primitive counts as such, unless both are: then they are separated already, if they can be.
+  [[nodiscard]] Approach approach_of(const CellPair& pair) const {
+    const CutCube& x = a_[pair.a].polytope;
+    const CutCube& y = b_[pair.b].polytope;
+    const bool whole_a = is_whole(a_, pair.a, *solid_a_);
+    const bool whole_b = is_whole(b_, pair.b, *solid_b_);
+    if (whole_a == whole_b) return approach(x, y, motion_, direction_, enough());
+    const SearchSolid& solid = whole_a ? *solid_a_ : *solid_b_;
+    const SetNode& leaf = whole_a ? *a_[pair.a].set : *b_[pair.b].set;
+    const WholePrimitive whole(solid.separable[leaf.primitive], whole_a ? x.cube() : y.cube(), tolerance_ / 16);
+    return whole_a ? approach(whole, y, motion_, direction_, enough())
+                   : approach(x, whole, motion_, direction_, enough());
+  }
+
+  /// Whether the cell holds all of a part that is one convex primitive.
+  [[nodiscard]] static bool is_whole(const Cells& cells, std::uint32_t index, const SearchSolid& solid) {
+    const SetNode& set = *cells[index].set;
+    return index < cells.roots() && set.kind == SetNode::Kind::leaf && set.side == Side::inside &&
+           !solid.separable[set.primitive].bent;
+  }
+
+  /// Whether the pair may have points nearer than the tolerance allows to leave out.
+  bool keep(const CellPair& pair) {
+    if (pair.lower > 0.0 && pair.lower >= enough()) {
+      left_out_ = std::min(left_out_, pair.lower);
+      return false;
+    }
+    queue_.push(pair);
+    return true;
+  }
+
+  /// What separates the primitives that the pair's sets lie in, from below. Their near points are tried in the sets.
+  double separation(const CellPair& pair) {
+    double greatest = 0.0;
+    for_each_containing(*a_[pair.a].set, [&](std::uint32_t i) {
+      for_each_containing(*b_[pair.b].set, [&](std::uint32_t j) {
+        if (greatest < enough()) greatest = std::max(greatest, separation_of(i, j, pair));
+      });
+    });
+    return greatest;
+  }
+
+  double separation_of(std::uint32_t i, std::uint32_t j, const CellPair& pair) {
+    const std::pair key(i, j);
+    if (separation_steps_ >= separation_budget(0.0) && !separations_.contains(key)) return 0.0;
+    PrimitivePairDistance& primitives =
+        separations_.try_emplace(key, solid_a_->separable[i], solid_b_->separable[j], pose_, tolerance_ / 4)
+            .first->second;
+    const auto interrupted = [&] {
+      ++separation_steps_;
+      return options_->interrupted && options_->interrupted();
+    };
+    while (primitives.lower() < enough() && separation_steps_ < separation_budget(primitives.lower())) {
+      const bool begun = primitives.near_points().has_value();
+      if (!primitives.raise(enough(), begun ? kStepsBetweenPoints : 1, interrupted)) break;
+      const auto near = primitives.near_points();
+      if (near && primitives.lower() > 0.0) try_points(a_[pair.a], b_[pair.b], near->on_a, near->on_b);
+      if (options_->progress) options_->progress(enclosure(), cubes());
+    }
+    return primitives.lower();
+  }
+
+  [[nodiscard]] std::uint64_t separation_budget(double lower) const {
+    return (lower > 0.0 ? kFirstSeparations : kFirstWhereHullsMeet) + steps_ / kStepsASeparation;
   }
 
   void refine(const CellPair& pair) {
     nearest_child_.reset();
-    const bool a_first = a_[pair.a].slack >= b_[pair.b].slack;
+    bool a_first = a_[pair.a].slack >= b_[pair.b].slack;
+    // Of a whole primitive the bound is tight already; where models may meet, cubes of both lead to common points.
+    if (pair.lower > 0.0 && is_whole(a_, pair.a, *solid_a_) != is_whole(b_, pair.b, *solid_b_)) {
+      a_first = is_whole(b_, pair.b, *solid_b_);
+    }
     const bool refined = a_first ? refine_a(pair) || refine_b(pair) : refine_b(pair) || refine_a(pair);
     if (!refined) left_out_ = std::min(left_out_, pair.lower);
     if (nearest_child_) propose(*nearest_child_);
@@ -152,14 +244,18 @@ class Search {
   bool refine_a(const CellPair& pair) {
     const std::optional<CellRange> children = a_.children(pair.a);
     if (!children) return false;
-    for (std::uint32_t i = children->first; i < children->end; ++i) consider(i, pair.b, pair.lower);
+    for (std::uint32_t i = children->first; i < children->end; ++i) {
+      consider({pair.lower, pair.polytopes, 0.0, i, pair.b});
+    }
     return true;
   }
 
   bool refine_b(const CellPair& pair) {
     const std::optional<CellRange> children = b_.children(pair.b);
     if (!children) return false;
-    for (std::uint32_t j = children->first; j < children->end; ++j) consider(pair.a, j, pair.lower);
+    for (std::uint32_t j = children->first; j < children->end; ++j) {
+      consider({pair.lower, pair.polytopes, 0.0, pair.a, j});
+    }
     return true;
   }
 
@@ -169,10 +265,20 @@ class Search {
     const Cell& y = b_[child.pair.b];
     const Approach& found = child.approach;
     if (found.lower <= 0.0 && find_common(x, y)) return;
-    if (found.between >= upper_ - 0.1 * (upper_ - lower())) return;
+    const bool promising = upper_ == infinity || found.between < upper_ - 0.1 * (upper_ - lower());
+    if (promising && (failures_ < kFailuresInARow || steps_ % kFailuresInARow == 0)) {
+      try_points(x, y, found.on_a, found.on_b);
+    }
+  }
+
+  /// And the nearer ones that they lead to.
+  void try_points(const Cell& x, const Cell& y, const Point& near_a, const Point& near_b) {
     const double scale = std::max(x.polytope.cube().half_width, y.polytope.cube().half_width);
-    auto points = points_.settled(x, y, found.on_a, found.on_b, scale);
+    auto points = points_.settled(x, y, near_a, near_b, scale);
+    if (!points && upper_ == infinity) points = points_.settled_towards_centres(x, y, near_a, near_b);
+    ++failures_;
     if (!points || points->distance >= upper_) return;
+    failures_ = 0;
     points = points_.improved(x, y, *points, scale, 0.1 * tolerance_);
     upper_ = points->distance;
     near_points_ = {points->on_a, points->on_b};
@@ -215,6 +321,9 @@ class Search {
 
   BoundedMotion motion_;
   PointSearch points_;
+  const SearchSolid* solid_a_;
+  const SearchSolid* solid_b_;
+  Pose pose_;
   Cells a_;
   Cells b_;
   const SearchOptions* options_;
@@ -227,24 +336,39 @@ class Search {
   std::optional<std::array<Point, 2>> near_points_;
   std::optional<Point> common_;
   std::optional<Child> nearest_child_;  ///< of the pair that is being refined
+  std::map<std::pair<std::uint32_t, std::uint32_t>, PrimitivePairDistance> separations_;  ///< of primitives of A and B
+  std::uint64_t separation_steps_ = 0;
   std::uint64_t steps_ = 0;
+  std::uint64_t failures_ = 0;  ///< of points to be better than those known, since they last were
   std::uint64_t steps_when_known_ = 0;
 };
 
 }  // namespace
 
-PairSearch::PairSearch(const Model& a, const Model& b)
-    : a_(a), b_(b), balls_of_a_(BallUnion::of(a)), balls_of_b_(BallUnion::of(b)) {
-  if (balls_of_a_) distance_from_b_.emplace(b);
-  if (balls_of_b_) distance_from_a_.emplace(a);
+std::optional<PairSearch::Enclosed> PairSearch::enclosed(const Model& model, const Model& other) {
+  auto balls = EnclosingBalls::of(model);
+  if (!balls) return std::nullopt;
+  std::vector<Ball> hollows_of_other = hollows(other);
+  if (hollows_of_other.empty() && !balls->all_are_balls()) return std::nullopt;
+  return Enclosed{std::move(*balls), std::move(hollows_of_other), SolidDistance(other)};
 }
+
+PairSearch::PairSearch(const Model& a, const Model& b)
+    : a_(a), b_(b), enclosed_a_(enclosed(a, b)), enclosed_b_(enclosed(b, a)) {}
 
 SearchedDistance PairSearch::operator()(const Pose& pose, const SearchOptions& options) const {
   Search search(a_, b_, pose, options);
   const auto interrupted = [&] { return options.interrupted && options.interrupted(); };
+  const BoundedMotion& motion = search.motion();
   const double share = search.tolerance() / 4;
-  if (balls_of_a_) search.know(balls_of_a_->lower_from_b(*distance_from_b_, search.motion(), share, interrupted));
-  if (balls_of_b_) search.know(balls_of_b_->lower_from_a(*distance_from_a_, search.motion(), share, interrupted));
+  if (enclosed_a_) {
+    const auto& [balls, hollows, distance] = *enclosed_a_;
+    search.know(balls.lower_from_b(distance, hollows, motion, share, interrupted));
+  }
+  if (enclosed_b_) {
+    const auto& [balls, hollows, distance] = *enclosed_b_;
+    search.know(balls.lower_from_a(distance, hollows, motion, share, interrupted));
+  }
   return search.run();
 }
 

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
-#include "verify/sets/distance_of_balls.hpp"
+#include "verify/sets/enclosing_balls.hpp"
 #include "verify/sets/solid_pair_cells.hpp"
 #include "verisq/model_search.hpp"
 
@@ -17,13 +18,20 @@ class PairSearch {
   [[nodiscard]] SearchedDistance operator()(const Pose& pose, const SearchOptions& options) const;
 
  private:
+  /// Where balls enclose a model, the distances of their centres bound that of the models, however much of the other
+  /// solid is about as near.
+  struct Enclosed {
+    EnclosingBalls balls;
+    std::vector<Ball> hollows;  ///< of the other model
+    SolidDistance distance;     ///< from the other model
+  };
+
+  [[nodiscard]] static std::optional<Enclosed> enclosed(const Model& model, const Model& other);
+
   SearchSolid a_;
   SearchSolid b_;
-  // Of balls the distances of their centres bound the distance, however much of the other solid is about as near.
-  std::optional<BallUnion> balls_of_a_;
-  std::optional<BallUnion> balls_of_b_;
-  std::optional<SolidDistance> distance_from_b_;
-  std::optional<SolidDistance> distance_from_a_;
+  std::optional<Enclosed> enclosed_a_;
+  std::optional<Enclosed> enclosed_b_;
 };
 
 }  // namespace verisq::verify

@@ -29,6 +29,21 @@ CutCube lowered(const SearchSolid& solid, const SetNode& set, const Point& x, do
   return {{x, half_width}, half_spaces};
 }
 
+/// Where no plane tells the shape, at a tip or an edge: on the ways into the primitives that it may be a tip of. Bent
+/// or not, a primitive contains its centre.
+std::optional<Point> settle_towards_centres(const SearchSolid& solid, const Cell& cell, const Point& x) {
+  std::optional<Point> settled;
+  for_each_containing(*cell.set, [&](std::uint32_t primitive) {
+    const Point centre = solid.separable[primitive].about.point({});
+    for (double part = 0x1p-46; !settled && part < 0x1p-4; part *= 16.0) {
+      Point inside = x;
+      for (std::size_t i = 0; i < 3; ++i) inside[i] += part * (centre[i] - x[i]);
+      if (strictly_inside(solid, *cell.part, {inside, 0.0})) settled = inside;
+    }
+  });
+  return settled;
+}
+
 /// A point proven to lie in the cell's part, near x. The tangent plane of a convex gauge lies outside, hence the
 /// margins: they begin with the rounding error and grow until the curvature is paid for.
 std::optional<Point> settle(const SearchSolid& solid, const Cell& cell, Point x, double scale) {
@@ -43,13 +58,21 @@ std::optional<Point> settle(const SearchSolid& solid, const Cell& cell, Point x,
 
 }  // namespace
 
+std::optional<NearPoints> PointSearch::both(const std::optional<Point>& on_a, const std::optional<Point>& on_b) const {
+  if (!on_a || !on_b) return std::nullopt;
+  return NearPoints{*on_a, *on_b, motion_->distance_up(*on_a, *on_b)};
+}
+
 std::optional<NearPoints> PointSearch::settled(const Cell& x, const Cell& y, const Point& near_a, const Point& near_b,
                                                double scale) const {
   const std::optional<Point> on_a = settle(*a_, x, near_a, scale);
-  if (!on_a) return std::nullopt;
-  const std::optional<Point> on_b = settle(*b_, y, near_b, scale);
-  if (!on_b) return std::nullopt;
-  return NearPoints{*on_a, *on_b, motion_->distance_up(*on_a, *on_b)};
+  return on_a ? both(on_a, settle(*b_, y, near_b, scale)) : std::nullopt;
+}
+
+std::optional<NearPoints> PointSearch::settled_towards_centres(const Cell& x, const Cell& y, const Point& near_a,
+                                                               const Point& near_b) const {
+  const std::optional<Point> on_a = settle_towards_centres(*a_, x, near_a);
+  return on_a ? both(on_a, settle_towards_centres(*b_, y, near_b)) : std::nullopt;
 }
 
 NearPoints PointSearch::improved(const Cell& x, const Cell& y, NearPoints points, double scale, double gain) const {

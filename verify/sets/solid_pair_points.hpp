@@ -26,6 +26,10 @@ class PointSearch {
   [[nodiscard]] std::optional<NearPoints> settled(const Cell& x, const Cell& y, const Point& near_a,
                                                   const Point& near_b, double scale) const;
 
+  /// The same where planes do not tell the shape, as at tips.
+  [[nodiscard]] std::optional<NearPoints> settled_towards_centres(const Cell& x, const Cell& y, const Point& near_a,
+                                                                  const Point& near_b) const;
+
   /// Descends to closer points of the same parts, until a step within a cube of the half-width `scale` or less promises
   /// no more than `gain`.
   [[nodiscard]] NearPoints improved(const Cell& x, const Cell& y, NearPoints points, double scale, double gain) const;
@@ -34,6 +38,9 @@ class PointSearch {
   [[nodiscard]] bool common(const Cell& x, const Cell& y, const Point& at) const;
 
  private:
+  [[nodiscard]] std::optional<NearPoints> both(const std::optional<Point>& on_a,
+                                               const std::optional<Point>& on_b) const;
+
   const SearchSolid* a_;
   const SearchSolid* b_;
   const BoundedMotion* motion_;

@@ -1,0 +1,72 @@
+/// The distance of a union of convex primitives from any solid, from below: that of the centres of balls that enclose
+/// them, less their radii. The head of a joint is a ball, or nearly one, and all of its cup may be about as far from it
+/// as the nearest point is.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "verify/sets/bounded_motion.hpp"
+#include "verify/sets/solid_distance.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+struct Ball {
+  Point centre;
+  double radius;
+};
+
+/// Balls that the model's set operations take away, in its frame.
+[[nodiscard]] std::vector<Ball> hollows(const Model& model);
+
+/// At least the largest distance from x, of the model's frame, to a point of the primitive, which must have neither
+/// bend nor taper. It lies in the ellipsoid {Σ (xᵢ/bᵢ)² <= 1} with its semi-axes, times the most that the norm of
+/// exponent 2 exceeds those of the primitive by: 2^(1/2 - 1/p) for each p > 2. For μ > max bᵢ² and every x in the
+/// ellipsoid
+///     |x - c|² <= |x - c|² + μ (1 - Σ (xᵢ/bᵢ)²) <= μ + Σ cᵢ² μ / (μ - bᵢ²),
+/// coordinate by coordinate the largest value of a parabola. The least of that over μ is exact for the ellipsoid (the
+/// S-lemma).
+[[nodiscard]] double farthest_up(const Primitive& primitive, const Point& x);
+
+class EnclosingBalls {
+ public:
+  /// Nothing unless the model is a union of convex primitives, of a few.
+  [[nodiscard]] static std::optional<EnclosingBalls> of(const Model& model);
+
+  /// Whether no hollow is needed.
+  [[nodiscard]] bool all_are_balls() const;
+
+  /// A lower bound of the distance of these primitives, in A's frame, from B's solid, or the other way round; minus
+  /// infinity where nothing is proven. A ball is its own enclosing one. Any other primitive has to lie in a hollow of
+  /// the other solid: the enclosing ball about the hollow's centre is as far from the hollow's wall as the primitive
+  /// is. Where it leaves the hollow, the ball about its own centre may serve. Distances of centres are searched for to
+  /// `tolerance`.
+  [[nodiscard]] double lower_from_b(const SolidDistance& b, std::span<const Ball> hollows_of_b,
+                                    const BoundedMotion& motion, double tolerance,
+                                    const std::function<bool()>& interrupted) const;
+  [[nodiscard]] double lower_from_a(const SolidDistance& a, std::span<const Ball> hollows_of_a,
+                                    const BoundedMotion& motion, double tolerance,
+                                    const std::function<bool()>& interrupted) const;
+
+ private:
+  /// A centre in the frame of the other solid, and a bound of how far it lies from there.
+  struct Located {
+    Point centre;
+    double off;
+  };
+
+  [[nodiscard]] static std::vector<Ball> enclosing(const Primitive& primitive, std::span<const Ball> hollows);
+  [[nodiscard]] double lower_from(const SolidDistance& solid, std::span<const Ball> hollows,
+                                  const std::function<Located(const Point&)>& locate, double tolerance,
+                                  const std::function<bool()>& interrupted) const;
+
+  explicit EnclosingBalls(std::vector<Primitive> primitives) : primitives_(std::move(primitives)) {}
+
+  std::vector<Primitive> primitives_;
+};
+
+}  // namespace verisq::verify

@@ -1,0 +1,152 @@
+/// GJK proposes planes; one evaluation of both support functions proves each.
+#include "verify/sets/primitive_pair_distance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "verify/search/gjk.hpp"
+#include "verify/sets/in_binary64.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+constexpr std::uint64_t kStepsWhereHullsMeet = 64;
+
+Vector3<double> exact(const Coordinates<double>& v) {
+  return {Interval(v[0]), Interval(v[1]), Interval(v[2])};
+}
+
+}  // namespace
+
+SeparablePrimitive::SeparablePrimitive(const Primitive& primitive)
+    : sections(primitive),
+      centre(primitive.pose.translation),
+      bent(is_bent(primitive)),
+      motion(primitive.pose),
+      about(primitive.pose),
+      to_own_frame(in_binary64(motion.rotation.transpose())) {}
+
+PrimitivePairDistance::PrimitivePairDistance(const SeparablePrimitive& a, const SeparablePrimitive& b, const Pose& pose,
+                                             double tolerance)
+    : a_(&a), b_(&b), motion_(pose), tolerance_(tolerance), settled_(infinity) {
+  const RigidMotion moved = RigidMotion(pose).after(b.motion);
+  to_b_ = in_binary64(moved.rotation.transpose());
+  between_ = in_binary64(PreciseVector(moved.translation - a.motion.translation));
+  const auto root = [](const SectionedPrimitive& primitive) {
+    const SectionedPrimitive::Section whole = primitive.whole();
+    return Node{whole, primitive.slack(whole)};
+  };
+  nodes_a_ = {root(a.sections)};
+  nodes_b_ = {root(b.sections)};
+  queue_.push({0.0, nodes_a_[0].slack + nodes_b_[0].slack, 0, 0, {}, {}, {}});
+}
+
+double PrimitivePairDistance::lower() const {
+  return std::min(settled_, queue_.empty() ? infinity : queue_.top().lower);
+}
+
+std::optional<PrimitivePairDistance::Points> PrimitivePairDistance::near_points() const {
+  if (steps_ == 0 || queue_.empty()) return std::nullopt;
+  const SectionPair& best = queue_.top();
+  const Points points{best.on_a, motion_.inverse_point(best.on_b)};
+  const auto finite = [](double c) { return std::isfinite(c); };
+  if (!std::ranges::all_of(points.on_a, finite) || !std::ranges::all_of(points.on_b, finite)) return std::nullopt;
+  return points;
+}
+
+bool PrimitivePairDistance::raise(double enough, std::uint64_t steps, const std::function<bool()>& interrupted) {
+  const std::uint64_t before = steps_;
+  while (steps_ - before < steps && !queue_.empty() && !(lower() >= enough)) {
+    if (lower() == 0.0 && steps_ >= kStepsWhereHullsMeet) break;
+    if (interrupted() || !step(enough)) break;
+  }
+  return steps_ > before;
+}
+
+/// False where dividing promises nothing.
+bool PrimitivePairDistance::step(double enough) {
+  const SectionPair pair = queue_.top();
+  if (steps_ == 0) {
+    queue_.pop();
+    ++steps_;
+    SectionPair whole = pair;
+    for (std::size_t i = 0; i < 3; ++i) whole.separation[i] = between_[i].lower();
+    bound(whole, enough);
+    return true;
+  }
+  if (pair.slack <= tolerance_) return false;
+  const bool first = nodes_a_[pair.a].slack >= nodes_b_[pair.b].slack;
+  const auto children = first ? divided(a_->sections, nodes_a_, pair.a) : divided(b_->sections, nodes_b_, pair.b);
+  if (!children) return false;
+  queue_.pop();
+  ++steps_;
+  for (std::uint32_t i = *children; i < *children + 2; ++i) {
+    SectionPair half = pair;
+    (first ? half.a : half.b) = i;
+    half.slack = nodes_a_[half.a].slack + nodes_b_[half.b].slack;
+    bound(half, enough);
+  }
+  return true;
+}
+
+/// The plane that separated the whole pair often separates its parts.
+void PrimitivePairDistance::bound(SectionPair pair, double enough) {
+  pair.lower = std::max(pair.lower, lower_by(pair.separation, pair.a, pair.b));
+  if (pair.lower >= enough) {
+    settled_ = std::min(settled_, pair.lower);
+    return;
+  }
+  const auto set_a = [&](const Plain& v) {
+    const SectionedPrimitive& primitive = a_->sections;
+    return a_->about.point(primitive.support_point(a_->about.inverse_direction(v), nodes_a_[pair.a].section));
+  };
+  const auto set_b = [&](const Plain& v) {
+    const SectionedPrimitive& primitive = b_->sections;
+    const Plain own = b_->about.inverse_direction(motion_.inverse_direction(v));
+    return motion_.point(b_->about.point(primitive.support_point(own, nodes_b_[pair.b].section)));
+  };
+  const GjkTolerance<double> tolerance{.relative = 0.0, .absolute = 0.25 * tolerance_};
+  const GjkResult<double> found = gjk<double>(set_a, set_b, pair.separation, tolerance);
+  pair.separation = found.separation;
+  pair.on_a = found.on_a;
+  pair.on_b = found.on_b;
+  pair.lower = std::max(pair.lower, lower_by(pair.separation, pair.a, pair.b));
+  queue_.push(pair);
+}
+
+/// Minus infinity where it says nothing, as where numbers overflow and intervals have none.
+double PrimitivePairDistance::lower_by(const Plain& direction, std::uint32_t a, std::uint32_t b) const {
+  try {
+    return proven_by(direction, a, b);
+  } catch (const std::domain_error&) {
+    return -infinity;
+  }
+}
+
+double PrimitivePairDistance::proven_by(const Plain& direction, std::uint32_t a, std::uint32_t b) const {
+  const double length_about = std::hypot(direction[0], direction[1], direction[2]);
+  if (!(length_about > 0.0) || !std::isfinite(length_about)) return -infinity;
+  const Vector3<double> n =
+      exact({direction[0] / length_about, direction[1] / length_about, direction[2] / length_about});
+  const Interval support_a(a_->sections.support_up(a_->to_own_frame * n, nodes_a_[a].section));
+  const Interval support_b(b_->sections.support_up(-(to_b_ * n), nodes_b_[b].section));
+  if (!std::isfinite(support_a.upper()) || !std::isfinite(support_b.upper())) return -infinity;
+  const Interval gap = n.dot(between_) - support_a - support_b;
+  return (gap / length<double>(n)).lower();
+}
+
+std::optional<std::uint32_t> PrimitivePairDistance::divided(const SectionedPrimitive& primitive,
+                                                            std::vector<Node>& nodes, std::uint32_t index) {
+  if (nodes[index].children != 0) return nodes[index].children;
+  const auto halves = primitive.halves(nodes[index].section);
+  if (!halves) return std::nullopt;
+  const auto first = static_cast<std::uint32_t>(nodes.size());
+  nodes[index].children = first;
+  for (const SectionedPrimitive::Section& half : *halves) nodes.push_back({half, primitive.slack(half)});
+  return first;
+}
+
+}  // namespace verisq::verify
