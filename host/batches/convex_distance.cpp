@@ -11,7 +11,7 @@
 namespace verisq::device {
 namespace {
 
-constexpr std::size_t scratch_per_point = 11;  // SCRATCH_SIZE in kernels/interior_depth.cl
+constexpr std::size_t scratch_per_point = 12;  // SCRATCH_SIZE in kernels/interior_depth.cl
 
 // Lanes of a processor's work-item share a block of points where only some need work, so that none idles; a graphics
 // processor's work-item owns one point.
@@ -47,30 +47,29 @@ ConvexDistance::ConvexDistance(const Device& device, const PointPrograms& progra
       nearest_(queue.numbers(capacity)),
       listed_(queue.numbers(capacity / 2 + 1)),  // as 32-bit numbers
       scratch_(queue.numbers(capacity * scratch_per_point)),
-      point_distance_(programs.untapered, kernels::embedded_point_sources(), "point_distance"),
-      interior_depth_(programs.untapered, kernels::embedded_point_sources(), "interior_depth") {
-  if (programs.tapered) {
-    tapered_distance_.emplace(*programs.tapered, kernels::embedded_tapered_sources(), "point_distance");
-  }
-  for (NamedKernel* const kernel : {&point_distance_, tapered_distance_ ? &*tapered_distance_ : nullptr}) {
-    if (kernel == nullptr) continue;
+      untapered_(kernels_of(programs.untapered, kernels::embedded_point_sources(), tolerance)) {
+  if (programs.tapered) tapered_ = kernels_of(*programs.tapered, kernels::embedded_tapered_sources(), tolerance);
+}
+
+ConvexDistance::Kernels ConvexDistance::kernels_of(const cl::Program& program, std::string_view sources,
+                                                   double tolerance) const {
+  Kernels kernels{{program, sources, "point_distance"}, {program, sources, "interior_depth"}};
+  for (NamedKernel* const kernel : {&kernels.distance, &kernels.depth}) {
     kernel->set(coordinate_arguments, coordinates_);
-    kernel->set("listed", listed_);
-    kernel->set("nearest", nearest_);
     kernel->set("groups_per_block", groups_per_block_);
   }
-  interior_depth_.set("groups_per_block", groups_per_block_);
-  interior_depth_.set(coordinate_arguments, coordinates_);
-  interior_depth_.set("tolerance", std::max(tolerance, smallest_interior_tolerance));
-  interior_depth_.set("scratch", scratch_);
+  kernels.distance.set("listed", listed_);
+  kernels.distance.set("nearest", nearest_);
+  kernels.depth.set("tolerance", std::max(tolerance, smallest_interior_tolerance));
+  kernels.depth.set("scratch", scratch_);
+  return kernels;
 }
 
 void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, std::size_t index, bool tapered,
                              std::size_t groups, const EvidenceBuffers& evidence) {
   primitives_ = primitives;
-  std::vector<NamedKernel*> launched{&point_distance_, &interior_depth_};
-  if (tapered) launched = {&*tapered_distance_};
-  for (NamedKernel* const kernel : launched) {
+  Kernels& kernels = tapered ? *tapered_ : untapered_;
+  for (NamedKernel* const kernel : {&kernels.distance, &kernels.depth}) {
     kernel->set("groups", groups);
     kernel->set("primitives", primitives_);
     kernel->set("index", index);
@@ -78,7 +77,7 @@ void ConvexDistance::enqueue(ChunkQueue& queue, const cl::Buffer& primitives, st
   }
   // A vector work-item with a block is long: one a work-group lets the cores share them evenly.
   const std::size_t blocks = (groups + groups_per_block_ - 1) / groups_per_block_;
-  for (const NamedKernel* const kernel : launched)
+  for (const NamedKernel* const kernel : {&kernels.distance, &kernels.depth})
     groups_per_block_ > 1 ? queue.launch(*kernel, blocks, 1) : queue.launch(*kernel, blocks);
 }
 

@@ -66,6 +66,25 @@ kernel void examine_tapered(uint function, ulong groups, global const double* op
       break;
     }
     case 3: found = enclosure_from_afar(own, s); break;
+    case 4: {
+      const vector3 w = {c, d, e};
+      found.lo = interior_terms_up(moved_out(a, b, w), s).power;
+      break;
+    }
+    case 5: found.hi = interior_gauge_up(a, s); break;
+    case 6: found.lo = REAL(inner_radius(s) * (1.0 - 0x1p-50)); break;
+    case 7: {
+      const vector3 v = {b, c, d};
+      found = distance_by_plane(a, v, e, s);
+      break;
+    }
+    case 8: {
+      const vector3 base = {c, d, e};
+      const integer below = MASK(k >= 2.0);
+      const cone none = {a, REAL(INFINITY)};
+      found.lo = TO_REAL(test_quarters(a, b, base, select(k, k - 2.0, below), select(REAL(1.0), REAL(-1.0), below), none, s).open);
+      break;
+    }
     default: found = enclosure_at(to_local(a, s), s); break;
   }
   STORE(found.lo, group, results);
