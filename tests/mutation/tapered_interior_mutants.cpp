@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::array interior{
     Mutant{"one side searched", "#define SIDES 2", "#define SIDES 1", Arithmetic::poor_search},
+    Mutant{"other side never finished", "SIDES == 1 || own->side < 0.0", "own->side > 0.0", Arithmetic::poor_search},
     Mutant{"other side not begun", "    own->side = -1.0;\n    own->cell = WHOLE_OCTANT;\n", "    own->side = -1.0;\n",
            Arithmetic::poor_search},
     Mutant{"the same side again", "    own->side = -1.0;\n    own->cell = WHOLE_OCTANT;\n",
