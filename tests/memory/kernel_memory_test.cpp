@@ -48,17 +48,19 @@ class KernelRun {
   /// A map of points, as host/batches/point_batch.cpp has it made.
   void map() {
     const auto coordinates = point_columns();
-    const auto of_primitives = distances(coordinates, primitives_);
+    const Distances distances = distances_of(coordinates, primitives_);
     const auto of_union = outputs<5>(queries_);  // ends and escape
-    launch("union_distance", cl_ulong{groups}, cl_ulong{queries_}, coordinates, primitives_, count, of_primitives,
-           of_union);
+    launch("union_distance", cl_ulong{groups}, cl_ulong{queries_}, coordinates, primitives_, count,
+           distances.of_primitives, of_union);
     rows_of(coordinates, {of_union[0], of_union[1]});
     queue_.finish();
   }
 
   /// Distances of points to tapered primitives: the first kernels of a map, in the program of those.
   void tapered_points() {
-    (void)distances(point_columns(), tapered_primitives());
+    const auto coordinates = point_columns();
+    const cl::Buffer parameters = tapered_primitives();
+    const Distances distances = distances_of(coordinates, parameters);
     queue_.finish();
   }
 
@@ -200,21 +202,24 @@ class KernelRun {
            cl::Local(work_group * sums_bytes));
   }
 
-  // Of points to each primitive.
-  [[nodiscard]] std::array<cl::Buffer, 5> distances(const std::array<cl::Buffer, 3>& coordinates,
-                                                    const cl::Buffer& primitives) {
-    const cl::Buffer nearest = numbers(queries_);
-    const cl::Buffer listed(context_, CL_MEM_READ_WRITE, queries_ * sizeof(cl_uint));
-    const cl::Buffer scratch = numbers(queries_ * scratch_per_point);
-    const auto of_primitives = outputs<5>(queries_ * model.primitives.size());
+  // Of points to each primitive, with what their kernels need besides: Oclgrind takes what later buffers hold in its
+  // place for uninitialised.
+  struct Distances {
+    cl::Buffer nearest, listed, scratch;
+    std::array<cl::Buffer, 5> of_primitives;
+  };
+
+  [[nodiscard]] Distances distances_of(const std::array<cl::Buffer, 3>& coordinates, const cl::Buffer& primitives) {
+    Distances distances{numbers(queries_), {context_, CL_MEM_READ_WRITE, queries_ * sizeof(cl_uint)},
+                        numbers(queries_ * scratch_per_point), outputs<5>(queries_ * model.primitives.size())};
     for (cl_uint index = 0; index < model.primitives.size(); ++index) {
-      const auto own = views(of_primitives, index);
-      launch("point_distance", cl_ulong{groups}, groups_per_block, coordinates, primitives, index, listed, nearest, own);
-      launch("interior_depth", cl_ulong{groups}, groups_per_block, coordinates, primitives, index, tolerance, scratch,
-             own);
+      const auto own = views(distances.of_primitives, index);
+      launch("point_distance", cl_ulong{groups}, groups_per_block, coordinates, primitives, index, distances.listed,
+             distances.nearest, own);
+      launch("interior_depth", cl_ulong{groups}, groups_per_block, coordinates, primitives, index, tolerance,
+             distances.scratch, own);
     }
-    queue_.finish();  // before what only they need is gone
-    return of_primitives;
+    return distances;
   }
 
   // Wider at either end.
