@@ -210,8 +210,10 @@ class KernelRun {
   };
 
   [[nodiscard]] Distances distances_of(const std::array<cl::Buffer, 3>& coordinates, const cl::Buffer& primitives) {
-    Distances distances{numbers(queries_), {context_, CL_MEM_READ_WRITE, queries_ * sizeof(cl_uint)},
-                        numbers(queries_ * scratch_per_point), outputs<5>(queries_ * model.primitives.size())};
+    Distances distances{numbers(queries_),
+                        {context_, CL_MEM_READ_WRITE, queries_ * sizeof(cl_uint)},
+                        numbers(queries_ * scratch_per_point),
+                        outputs<5>(queries_ * model.primitives.size())};
     for (cl_uint index = 0; index < model.primitives.size(); ++index) {
       const auto own = views(distances.of_primitives, index);
       launch("point_distance", cl_ulong{groups}, groups_per_block, coordinates, primitives, index, distances.listed,

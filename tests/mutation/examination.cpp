@@ -43,8 +43,9 @@ std::vector<Results> called(const CompiledKernels& kernels, const char* examinat
 }
 
 std::string described(const Operands& o, const Results& r) {
-  return fmt::format("of ({:.17g}, {:.17g}, {:.17g}), {:.17g}, ... claims [{:.17g}, {:.17g}] by ({:.17g}, {:.17g}, {:.17g})",
-                     o[0], o[1], o[2], o[3], r[0], r[1], r[2], r[3], r[4]);
+  return fmt::format(
+      "of ({:.17g}, {:.17g}, {:.17g}), {:.17g}, ... claims [{:.17g}, {:.17g}] by ({:.17g}, {:.17g}, {:.17g})", o[0],
+      o[1], o[2], o[3], r[0], r[1], r[2], r[3], r[4]);
 }
 
 }  // namespace verisq::mutation

@@ -20,8 +20,8 @@ struct Sample {
   std::function<bool(const Results&)> holds;
 };
 
-/// Calls the entry point `examination` for all samples of the function of this number: its arguments are the number, how
-/// many vectors of samples there are, columns of operands, their length, the primitive, and columns of results.
+/// Calls the entry point `examination` for all samples of the function of this number: its arguments are the number,
+/// how many vectors of samples there are, columns of operands, their length, the primitive, and columns of results.
 [[nodiscard]] std::vector<Results> called(const CompiledKernels& kernels, const char* examination, cl_uint function,
                                           const std::vector<Sample>& samples, device::PrimitiveParameters parameters);
 

@@ -1,5 +1,5 @@
-/// Tapered solids as their kernels know them, about the focus, at 200 bits: points of the surface and normals that are known
-/// by how they are made.
+/// Tapered solids as their kernels know them, about the focus, at 200 bits: points of the surface and normals that are
+/// known by how they are made.
 #pragma once
 
 #include <utility>
@@ -48,7 +48,9 @@ class FocalSolid {
   /// max v.w, or hardly less: (1 - k^2) t for the t with h_N(v + (0, 0, k t / a3)) = t. The difference is convex and
   /// falls: chords from the left stay there.
   [[nodiscard]] oracle::Real support(const oracle::Vector& v) const {
-    const auto excess = [&](const oracle::Real& t) { return norm_.support({v[0], v[1], v[2] + k_ * t / height()}) - t; };
+    const auto excess = [&](const oracle::Real& t) {
+      return norm_.support({v[0], v[1], v[2] + k_ * t / height()}) - t;
+    };
     oracle::Real t = 0;
     for (int round = 0; round < 16; ++round) {
       const oracle::Real at = excess(t);

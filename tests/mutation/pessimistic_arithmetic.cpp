@@ -313,8 +313,8 @@ std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
 constexpr std::array of_points{Arithmetic::usual,          Arithmetic::loose_below, Arithmetic::loose_above,
                                Arithmetic::loose_products, Arithmetic::loose_dot,   Arithmetic::evaluated,
                                Arithmetic::poor_search};
-constexpr std::array of_tapered_points{Arithmetic::usual, Arithmetic::loose_below, Arithmetic::loose_above,
-                                       Arithmetic::erratic, Arithmetic::evaluated, Arithmetic::poor_search};
+constexpr std::array of_tapered_points{Arithmetic::usual,   Arithmetic::loose_below, Arithmetic::loose_above,
+                                       Arithmetic::erratic, Arithmetic::evaluated,   Arithmetic::poor_search};
 constexpr std::array of_convex_sets{Arithmetic::usual,   Arithmetic::loose_below, Arithmetic::loose_above,
                                     Arithmetic::erratic, Arithmetic::displaced,   Arithmetic::poor_search};
 

@@ -24,8 +24,8 @@ using oracle::RandomCases;
 using oracle::Real;
 using Vector = oracle::Vector;
 
-constexpr std::size_t samples = 256;       // of each function and solid
-constexpr std::size_t scratch_size = 12;   // SCRATCH_SIZE in kernels/interior_depth.cl
+constexpr std::size_t samples = 256;      // of each function and solid
+constexpr std::size_t scratch_size = 12;  // SCRATCH_SIZE in kernels/interior_depth.cl
 constexpr double depth_tolerance = 1e-6;
 
 constexpr const char* entry_point = R"(
@@ -125,8 +125,8 @@ class Drawing {
 
   /// No longer than to any point of the surface, the ends of the axis among them.
   Sample inner_ball() {
-    const Point direction = random_.choice(4) == 0 ? Point{0.0, 0.0, random_.choice(2) == 0 ? 1.0 : -1.0}
-                                                   : direction_of(random_);
+    const Point direction =
+        random_.choice(4) == 0 ? Point{0.0, 0.0, random_.choice(2) == 0 ? 1.0 : -1.0} : direction_of(random_);
     const Real distance = oracle::length<Real>(known_.surface(at_direction(direction, known_.norm()).u));
     return {{}, [distance](const Results& found) { return Real(found[0]) <= distance; }};
   }
@@ -158,11 +158,11 @@ class Drawing {
     const std::array<Vector, 3> corners = corners_of(base, inverted, chosen, below ? -1.0 : 1.0);
     const Vector middle{corners[0][0] + corners[1][0] + corners[2][0], corners[0][1] + corners[1][1] + corners[2][1],
                         corners[0][2] + corners[1][2] + corners[2][2]};
-    const double t = ((1 + Real(random_.log_uniform(1e-13, 0.1))) * way_out(oracle::widened(q), middle)).convert_to<double>();
+    const double t =
+        ((1 + Real(random_.log_uniform(1e-13, 0.1))) * way_out(oracle::widened(q), middle)).convert_to<double>();
     const double kind = (inverted ? 1.0 : 0.0) + (below ? 2.0 : 0.0);
-    return {{q[0], q[1], q[2], t, base[0], base[1], base[2], kind}, [chosen](const Results& found) {
-              return (static_cast<long>(found[0]) & (1L << chosen)) != 0;
-            }};
+    return {{q[0], q[1], q[2], t, base[0], base[1], base[2], kind},
+            [chosen](const Results& found) { return (static_cast<long>(found[0]) & (1L << chosen)) != 0; }};
   }
 
   /// A point below the surface, along its normal.
@@ -222,8 +222,8 @@ std::vector<Results> depths(const CompiledKernels& kernels, const std::vector<Qu
     coordinates[axis] = uploaded(kernels, column);
   }
   const std::array<cl::Buffer, 5> evidence{uploaded(kernels, {std::vector<double>(count, -1e300)}),
-                                           uploaded(kernels, {std::vector<double>(count, 1e300)}), zeros(kernels, count),
-                                           zeros(kernels, count), zeros(kernels, count)};
+                                           uploaded(kernels, {std::vector<double>(count, 1e300)}),
+                                           zeros(kernels, count), zeros(kernels, count), zeros(kernels, count)};
   const cl::Buffer scratch = zeros(kernels, scratch_size * count);
   cl::Kernel kernel(kernels.program, "interior_depth");
   const cl_ulong groups = count / static_cast<std::size_t>(kernels.vector_width);
@@ -260,8 +260,8 @@ TaperedInteriorJudge::TaperedInteriorJudge() {
   for (const auto& [superquadric, loose_constants] : tested_solids) {
     const Primitive primitive{"", superquadric, {{1.0, 2.0, 3.0}, {0.3, 0.5, -0.7, 0.2}}};
     const device::PrimitiveParameters parameters = device::primitive_parameters(primitive, 0);
-    KnownSolid& known = solids_.emplace_back(
-        KnownSolid{primitive, loose_constants ? loosened(parameters) : parameters, {}, {}});
+    KnownSolid& known =
+        solids_.emplace_back(KnownSolid{primitive, loose_constants ? loosened(parameters) : parameters, {}, {}});
     Drawing drawing(primitive, parameters, ++seed);
     for (std::size_t i = 0; i < samples; ++i) {
       known.of_functions[0].push_back(drawing.beyond());

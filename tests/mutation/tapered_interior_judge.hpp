@@ -1,5 +1,5 @@
-/// Judges what the kernels claim of points inside tapered primitives, function by function and as a whole, against points
-/// of the surface that are known by how they are made, at 200 bits.
+/// Judges what the kernels claim of points inside tapered primitives, function by function and as a whole, against
+/// points of the surface that are known by how they are made, at 200 bits.
 #pragma once
 
 #include <string>

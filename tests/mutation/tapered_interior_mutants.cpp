@@ -1,7 +1,8 @@
 /// Mutants of tapered_interior.clh and of what interior_depth.cl does for it: depths of points in tapered primitives.
 ///
 /// Left out, because no enclosure can become false by them:
-/// - Changes of log_interior_gauge, tangent_at, plane_of and first_plane: planes that are proposed prove what they prove.
+/// - Changes of log_interior_gauge, tangent_at, plane_of and first_plane: planes that are proposed prove what they
+/// prove.
 /// - SMALLEST_ROOM: where S is not above 0, the power is infinite whatever the quotient is.
 /// - Which of the two bounds of 1 - k^2 the numerator of the gauge is divided by, for loose constants: seen as such.
 
