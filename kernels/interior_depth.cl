@@ -17,68 +17,10 @@
 #define SPLIT_LIMIT 4096
 #define STACK_SIZE (3 * DEEPEST_LEVEL + 4)
 
-// G(x) = g(x)^p1 and what the gradient of the gauge g needs. A point is proven to lie in the solid when power <= 1.
-typedef struct {
-  real log_x, log_y, log_z, log_r, power;
-} gauge_terms;
-
-// Rounded up as far as power <= 1 is concerned: with a logarithm above 0, power is above 1 anyway, and products of
-// those below 0 with p rounded down are upper bounds.
-ALWAYS_INLINE gauge_terms gauge_terms_up(vector3 x, MODEL_SPACE const superquadric* s) {
-  gauge_terms g;
-  g.log_x = log_up(mul_up(x.x, REAL(s->inverse_axes_up[0])));
-  g.log_y = log_up(mul_up(x.y, REAL(s->inverse_axes_up[1])));
-  g.log_z = log_up(mul_up(x.z, REAL(s->inverse_axes_up[2])));
-  g.log_r = log_norm_up(g.log_x, g.log_y, s->p_down[1], s->inverse_p_up[1]);
-  const real p1 = REAL(s->p_down[0]);
-  g.power = add_up(exp_up(mul_up(p1, g.log_r)), exp_up(mul_up(p1, g.log_z)));
-  return g;
-}
-
-// log g(x), to nearest.
-ALWAYS_INLINE real log_gauge_of(gauge_terms g, MODEL_SPACE const superquadric* s) {
-  return log_nearest(clamp(g.power, SMALLEST_NORMAL, DBL_MAX)) * s->inverse_p[0];
-}
-
-// Distance of q to the tangent plane at x / g(x), to nearest.
-typedef struct {
-  vector3 unit_normal;
-  real distance;
-} tangent_plane;
-
-ALWAYS_INLINE tangent_plane tangent_at(vector3 q, vector3 x, gauge_terms g, MODEL_SPACE const superquadric* s) {
-  const real log_gauge = log_gauge_of(g, s);
-  const vector3 n = exp_gradient(
-      log_gradient(g.log_x - log_gauge, g.log_y - log_gauge, g.log_z - log_gauge, g.log_r - log_gauge, s));
-  const real scale = exp_nearest(clamp(-log_gauge, -700.0, 700.0));
-  const real inverse_length = 1.0 / sqrt(dot_nearest(n, n));
-  tangent_plane plane;
-  plane.unit_normal.x = n.x * inverse_length;
-  plane.unit_normal.y = n.y * inverse_length;
-  plane.unit_normal.z = n.z * inverse_length;
-  plane.distance = plane.unit_normal.x * (x.x * scale - q.x) + plane.unit_normal.y * (x.y * scale - q.y) +
-                   plane.unit_normal.z * (x.z * scale - q.z);
-  return plane;
-}
-
-// The nearer of the radial plane and those of the box about the solid.
-ALWAYS_INLINE tangent_plane first_plane(vector3 q, gauge_terms g, MODEL_SPACE const superquadric* s) {
-  tangent_plane nearest = tangent_at(q, q, g, s);
-  const real of_box[3] = {s->semi_axes[0] - q.x, s->semi_axes[1] - q.y, s->semi_axes[2] - q.z};
-  for (int axis = 0; axis < 3; ++axis) {
-    const integer nearer = MASK(of_box[axis] < nearest.distance);
-    nearest.distance = select(nearest.distance, of_box[axis], nearer);
-    nearest.unit_normal.x = select(nearest.unit_normal.x, REAL(axis == 0 ? 1.0 : 0.0), nearer);
-    nearest.unit_normal.y = select(nearest.unit_normal.y, REAL(axis == 1 ? 1.0 : 0.0), nearer);
-    nearest.unit_normal.z = select(nearest.unit_normal.z, REAL(axis == 2 ? 1.0 : 0.0), nearer);
-  }
-  return nearest;
-}
-
-// a + by (b - a), >= 0, of length 1.
+// a + by (b - a), folded, of length 1.
 ALWAYS_INLINE vector3 unit_between(vector3 a, vector3 b, real by) {
   const vector3 v = {fmax(fma(by, b.x - a.x, a.x), REAL(0.0)), fmax(fma(by, b.y - a.y, a.y), REAL(0.0)),
-                     fmax(fma(by, b.z - a.z, a.z), REAL(0.0))};
+                     folded(fma(by, b.z - a.z, a.z))};
   const real inverse_length = 1.0 / sqrt(dot_nearest(v, v));
   const vector3 unit = {v.x * inverse_length, v.y * inverse_length, v.z * inverse_length};
   return unit;
@@ -96,10 +38,8 @@ ALWAYS_INLINE tangent_plane descend(vector3 q, gauge_terms g, integer wanted, do
   for (int step = 0; step < DESCENT_LIMIT; ++step) {
     const vector3 foot = {fma(nearest.distance, way.x, q.x), fma(nearest.distance, way.y, q.y),
                           fma(nearest.distance, way.z, q.z)};
-    const tangent_plane plane = tangent_at(q, foot, gauge_terms_up(foot, s), s);
-    const integer nearer = MASK(plane.distance < nearest.distance);
-    nearest.distance = select(nearest.distance, plane.distance, nearer);
-    nearest.unit_normal = select_vector(nearest.unit_normal, plane.unit_normal, nearer);
+    const tangent_plane plane = tangent_at(q, foot, interior_terms_up(foot, s), s);
+    nearest = nearer_plane(nearest, plane);
     const vector3 turn = {plane.unit_normal.x - way.x, plane.unit_normal.y - way.y, plane.unit_normal.z - way.z};
     const real residual = nearest.distance * dot_nearest(turn, turn);
     if (!any(wanted & MASK(residual > DESCENT_REMAINDER * allowance))) break;
@@ -143,10 +83,8 @@ typedef struct {
 ALWAYS_INLINE tested_point test_point(vector3 q, real t, vector3 w, real along, MODEL_SPACE const superquadric* s) {
   const real reach = div_up(t, along); // rounded up: c.(reach w) >= t
   tested_point p;
-  p.position.x = fma_up(reach, w.x, q.x);
-  p.position.y = fma_up(reach, w.y, q.y);
-  p.position.z = fma_up(reach, w.z, q.z);
-  p.gauge = gauge_terms_up(p.position, s);
+  p.position = moved_out(q, reach, w);
+  p.gauge = interior_terms_up(p.position, s);
   p.outside = ~MASK(p.gauge.power <= 1.0);
   return p;
 }
@@ -176,7 +114,7 @@ ALWAYS_INLINE integer in_cone(vector3 w, cone c) {
 }
 
 // Corners 1, 2, 3 of the cell and the midpoints a, b, c of the sides opposite to them, all times two: exact integers.
-ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted, cone cap,
+ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted, real side, cone cap,
                                           MODEL_SPACE const superquadric* s) {
   const vector3 on = {base.x + 1.0 - inverted, base.y + 1.0 - inverted, base.z + 1.0 - inverted};
   const vector3 off = {base.x + inverted, base.y + inverted, base.z + inverted};
@@ -203,27 +141,29 @@ ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real 
   const long quarters[6] = {1, 2, 4, 2 | 4 | 8, 1 | 4 | 8, 1 | 2 | 8};
 
   quarters_test test;
-  tested_point worst = test_point(q, t, directions[0], alongs[0], s);
+  const vector3 first = on_side(directions[0], side);
+  tested_point worst = test_point(q, t, first, alongs[0], s);
   test.open = worst.outside & quarters[0];
-  integer not_in_cap = ~in_cone(directions[0], cap) & quarters[0];
+  integer not_in_cap = ~in_cone(first, cap) & quarters[0];
 #pragma nounroll // six copies spill registers: a third slower to run, and to compile
   for (int i = 1; i < 6; ++i) {
-    const tested_point p = test_point(q, t, directions[i], alongs[i], s);
+    const vector3 w = on_side(directions[i], side);
+    const tested_point p = test_point(q, t, w, alongs[i], s);
     test.open |= p.outside & quarters[i];
-    not_in_cap |= ~in_cone(directions[i], cap) & quarters[i];
+    not_in_cap |= ~in_cone(w, cap) & quarters[i];
     worst = farther_out(worst, p);
   }
   test.open &= not_in_cap;
-  test.worst = log_gauge_of(worst.gauge, s);
+  test.worst = log_interior_gauge(worst.position, worst.gauge, s);
   test.plane = tangent_at(q, worst.position, worst.gauge, s);
   return test;
 }
 
-// `scratch` holds eleven numbers for each open point of a block, one after the other from the block's start: which one
+// `scratch` holds twelve numbers for each open point of a block, one after the other from the block's start: which one
 // of all it is, its local coordinates, the unit normal of the nearest tangent plane, the gauge (afterwards the proven
-// radius), the distance of that plane, or one of two marks, the radius to prove, and the cosine of the cap about that
-// normal which is proven for it.
-#define SCRATCH_SIZE 11
+// radius), the distance of that plane, or one of two marks, the radius to prove, the cosine of the cap about that normal
+// which is proven for it, and the level of the nearest plane.
+#define SCRATCH_SIZE 12
 #define INDEX 0
 #define COORDINATES 1
 #define NORMAL 4
@@ -232,6 +172,7 @@ ALWAYS_INLINE quarters_test test_quarters(vector3 q, real t, vector3 base, real 
 #define DISTANCE 8
 #define TARGET 9
 #define CAP_COSINE 10
+#define LEVEL 11
 #define NOT_OPEN -1.0
 #define SEARCHED -2.0
 
@@ -262,19 +203,21 @@ ALWAYS_INLINE void take_listed(uint start, uint count, global const double* bloc
 // Which of a vector of listed points are proven inside; a first tangent plane for each, and a cap.
 ALWAYS_INLINE void prepare_points(uint start, uint count, vector3 q, double allowance,
                                   MODEL_SPACE const superquadric* s, global double* block) {
-  const gauge_terms g = gauge_terms_up(q, s);
-  const integer inside = MASK(g.power <= 1.0) & MASK(q.x + q.y + q.z < INFINITY);
+  const gauge_terms g = interior_terms_up(q, s);
+  const integer inside = MASK(g.power <= 1.0) & MASK(q.x + q.y + fabs(q.z) < INFINITY);
   const tangent_plane plane = descend(q, g, inside, allowance, s);
   const real depth = fmax(plane.distance, REAL(0.0));
   const real target = fmax(depth - allowance, REAL(0.0));
   lanes3 coordinates, normals;
-  double gauges[VECTOR_WIDTH], distances[VECTOR_WIDTH], targets[VECTOR_WIDTH], cosines[VECTOR_WIDTH];
+  double gauges[VECTOR_WIDTH], distances[VECTOR_WIDTH], targets[VECTOR_WIDTH], cosines[VECTOR_WIDTH],
+      levels[VECTOR_WIDTH];
   store3(q, &coordinates);
   store3(plane.unit_normal, &normals);
-  STORE(exp_up(log_gauge_up(q, s)), 0, gauges);
+  STORE(interior_gauge_up(q, s), 0, gauges);
   STORE(select(REAL(NOT_OPEN), depth, inside), 0, distances);
   STORE(target, 0, targets);
   STORE(cap_cosine(q, target, plane.unit_normal, inside, s), 0, cosines);
+  STORE(plane.level, 0, levels);
   for (uint lane = 0; lane < min(count - start, (uint)VECTOR_WIDTH); ++lane) {
     global double* state = block + (start + lane) * SCRATCH_SIZE;
     state[COORDINATES] = coordinates.x[lane];
@@ -287,6 +230,7 @@ ALWAYS_INLINE void prepare_points(uint start, uint count, vector3 q, double allo
     state[DISTANCE] = distances[lane];
     state[TARGET] = targets[lane];
     state[CAP_COSINE] = cosines[lane];
+    state[LEVEL] = levels[lane];
   }
 }
 
@@ -300,6 +244,7 @@ typedef struct {
   double cosine;
   uint splits;          // so far
   uint stacked;
+  double side;          // of the section z = 0: 1, then -1 where both are searched
   ulong cell;           // whose quarters are under test
   ulong stack[STACK_SIZE];
 } search;
@@ -329,9 +274,10 @@ ALWAYS_INLINE uint take_point(search* own, uint next, uint count, MODEL_SPACE co
     own->cosine = state[CAP_COSINE];
     own->splits = 0;
     own->stacked = 0;
+    own->side = 1.0;
     own->cell = WHOLE_OCTANT;
-    // A ball about the origin lies in K, so the one of radius (1 - g) inradius about q does; three roundings.
-    const double known = fmax((1.0 - own->gauge) * s->inradius_down * (1.0 - 0x1p-50), 0.0);
+    // A ball about the origin lies in K, so the one of radius (1 - g) times that about q does; five roundings.
+    const double known = fmax((1.0 - own->gauge) * inner_radius(s) * (1.0 - 0x1p-50), 0.0);
     if (known >= own->target) finish(own, known, block);
     else if (own->cosine < 0.0) finish(own, own->target, block); // the cap is all of the ball
   }
@@ -356,19 +302,29 @@ ALWAYS_INLINE void split(search* own, long open, double worst) {
   if (!(own->target > 0x1p-100)) own->target = 0.0;
 }
 
+// After the last cell of a side.
+ALWAYS_INLINE void leave_side(search* own, global double* block) {
+  if (SIDES == 1 || own->side < 0.0) {
+    finish(own, own->target, block);
+  } else {
+    own->side = -1.0;
+    own->cell = WHOLE_OCTANT;
+  }
+}
+
 // Branch and bound over the listed points of a block, a point a lane.
 ALWAYS_INLINE void search_block(uint count, double allowance, MODEL_SPACE const superquadric* s,
                                 global double* block) {
   search searches[VECTOR_WIDTH];
   uint next = 0;
   lanes3 q, base, normal, axis;
-  double target[VECTOR_WIDTH], inverted[VECTOR_WIDTH], worst[VECTOR_WIDTH], distance[VECTOR_WIDTH],
-      cosine[VECTOR_WIDTH];
+  double target[VECTOR_WIDTH], inverted[VECTOR_WIDTH], side[VECTOR_WIDTH], worst[VECTOR_WIDTH], distance[VECTOR_WIDTH],
+      level[VECTOR_WIDTH], cosine[VECTOR_WIDTH];
   long open[VECTOR_WIDTH];
   for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
     searches[lane].point = NO_POINT;
     q.x[lane] = q.y[lane] = q.z[lane] = base.x[lane] = base.y[lane] = base.z[lane] = 0.0;
-    axis.x[lane] = axis.y[lane] = axis.z[lane] = target[lane] = inverted[lane] = cosine[lane] = 0.0;
+    axis.x[lane] = axis.y[lane] = axis.z[lane] = target[lane] = inverted[lane] = side[lane] = cosine[lane] = 0.0;
   }
   for (;;) {
     bool busy = false;
@@ -386,6 +342,7 @@ ALWAYS_INLINE void search_block(uint count, double allowance, MODEL_SPACE const 
       base.y[lane] = (double)cell.b;
       base.z[lane] = (double)cell.c;
       inverted[lane] = (double)cell.inverted;
+      side[lane] = own->side;
       target[lane] = own->target;
       axis.x[lane] = own->axis[0];
       axis.y[lane] = own->axis[1];
@@ -395,10 +352,12 @@ ALWAYS_INLINE void search_block(uint count, double allowance, MODEL_SPACE const 
     if (!busy) return;
 
     const cone cap = {load3(&axis), LOAD(0, cosine)};
-    const quarters_test test = test_quarters(load3(&q), LOAD(0, target), load3(&base), LOAD(0, inverted), cap, s);
+    const quarters_test test =
+        test_quarters(load3(&q), LOAD(0, target), load3(&base), LOAD(0, inverted), LOAD(0, side), cap, s);
     STORE(test.open, 0, open);
     STORE(test.worst, 0, worst);
     STORE(test.plane.distance, 0, distance);
+    STORE(test.plane.level, 0, level);
     store3(test.plane.unit_normal, &normal);
 
     for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
@@ -411,10 +370,11 @@ ALWAYS_INLINE void search_block(uint count, double allowance, MODEL_SPACE const 
         state[NORMAL] = normal.x[lane];
         state[NORMAL + 1] = normal.y[lane];
         state[NORMAL + 2] = normal.z[lane];
+        state[LEVEL] = level[lane];
       }
       if (open[lane] != 0) split(own, open[lane], worst[lane]);
       else if (own->stacked > 0) own->cell = own->stack[--own->stacked];
-      else finish(own, own->target, block);
+      else leave_side(own, block);
       // With target 0 nothing is left to prove but that q lies in K, which it does.
       if (own->point != NO_POINT && own->target == 0.0) finish(own, 0.0, block);
     }
@@ -427,7 +387,7 @@ ALWAYS_INLINE void deliver_points(uint start, uint count, const lane_indices* in
                                   global double* his, global double* normal_xs, global double* normal_ys,
                                   global double* normal_zs) {
   lanes3 normals;
-  double radii[VECTOR_WIDTH], marks[VECTOR_WIDTH];
+  double radii[VECTOR_WIDTH], marks[VECTOR_WIDTH], levels[VECTOR_WIDTH];
   for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
     global const double* state = block + min(start + lane, count - 1) * SCRATCH_SIZE;
     normals.x[lane] = state[NORMAL];
@@ -435,10 +395,11 @@ ALWAYS_INLINE void deliver_points(uint start, uint count, const lane_indices* in
     normals.z[lane] = state[NORMAL + 2];
     radii[lane] = state[RADIUS];
     marks[lane] = state[DISTANCE];
+    levels[lane] = state[LEVEL];
   }
   const integer searched = MASK(LOAD(0, marks) == SEARCHED);
-  const vector3 v = load3(&normals);
-  const real lo = sub_down(distance_down(q.point, v, s), q.error);
+  const proven_distance by_plane = distance_by_plane(q.point, load3(&normals), LOAD(0, levels), s);
+  const real lo = sub_down(by_plane.lo, q.error);
   const real hi = add_up(-LOAD(0, radii), q.error);
   const real known_lo = gathered(los, indices);
   const real known_hi = gathered(his, indices);
@@ -446,7 +407,7 @@ ALWAYS_INLINE void deliver_points(uint start, uint count, const lane_indices* in
   const uint size = min(count - start, (uint)VECTOR_WIDTH);
   scatter(select(known_lo, lo, better), size, indices, los);
   scatter(select(known_hi, fmin(known_hi, hi), searched), size, indices, his);
-  const vector3 normal = out_of_octant(v, q.sign);
+  const vector3 normal = out_of_octant(by_plane.normal, q.sign);
   scatter(select(gathered(normal_xs, indices), normal.x, better), size, indices, normal_xs);
   scatter(select(gathered(normal_ys, indices), normal.y, better), size, indices, normal_ys);
   scatter(select(gathered(normal_zs, indices), normal.z, better), size, indices, normal_zs);
@@ -467,14 +428,15 @@ kernel void interior_depth(ulong groups, uint groups_per_block, global const dou
   for (uint start = 0; start < count; start += VECTOR_WIDTH) {
     lane_indices indices;
     take_listed(start, count, block, &indices);
-    prepare_points(start, count, to_local(gathered_point(&indices, xs, ys, zs), s).point, allowance, s, block);
+    const local_point q = interior_point(to_local(gathered_point(&indices, xs, ys, zs), s), s);
+    prepare_points(start, count, q.point, allowance, s, block);
   }
   search_block(count, allowance, s, block);
 
   for (uint start = 0; start < count; start += VECTOR_WIDTH) {
     lane_indices indices;
     take_listed(start, count, block, &indices);
-    const local_point q = to_local(gathered_point(&indices, xs, ys, zs), s);
+    const local_point q = interior_point(to_local(gathered_point(&indices, xs, ys, zs), s), s);
     deliver_points(start, count, &indices, q, s, block, los, his, normal_xs, normal_ys, normal_zs);
   }
 }

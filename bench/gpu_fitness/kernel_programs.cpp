@@ -10,14 +10,15 @@ namespace verisq::bench {
 
 std::vector<KernelProgram> kernel_programs(const std::string& examples) {
   const Model solid = read_model(examples + "/bent_stem.json");
-  return {{"points", std::string(kernels::embedded_point_sources()), ""},
-          {"tapered points", std::string(kernels::embedded_tapered_sources()),
-           "-Dpoint_distance=tapered_point_distance"},  // of the same name as that of points
-          {"triangles", std::string(kernels::embedded_triangle_sources()), ""},
-          {"pairs", std::string(kernels::embedded_pair_sources()), ""},
-          {"fit", std::string(kernels::embedded_pose_objective_sources()), ""},
-          {"solid", device::model_source(solid, kernels::embedded_solid_distance()), ""},
-          {"octree", device::model_source(solid, kernels::embedded_octree()), ""}};
+  return {
+      {"points", std::string(kernels::embedded_point_sources()), ""},
+      {"tapered points", std::string(kernels::embedded_tapered_sources()),
+       "-Dpoint_distance=tapered_point_distance -Dinterior_depth=tapered_interior_depth"},  // names of those of points
+      {"triangles", std::string(kernels::embedded_triangle_sources()), ""},
+      {"pairs", std::string(kernels::embedded_pair_sources()), ""},
+      {"fit", std::string(kernels::embedded_pose_objective_sources()), ""},
+      {"solid", device::model_source(solid, kernels::embedded_solid_distance()), ""},
+      {"octree", device::model_source(solid, kernels::embedded_octree()), ""}};
 }
 
 }  // namespace verisq::bench

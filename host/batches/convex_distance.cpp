@@ -11,7 +11,7 @@
 namespace verisq::device {
 namespace {
 
-constexpr std::size_t scratch_per_point = 11;  // SCRATCH_SIZE in kernels/interior_depth.cl
+constexpr std::size_t scratch_per_point = 12;  // SCRATCH_SIZE in kernels/interior_depth.cl
 
 // Lanes of a processor's work-item share a block of points where only some need work, so that none idles; a graphics
 // processor's work-item owns one point.
@@ -45,38 +45,37 @@ ConvexDistance::ConvexDistance(const Device& device, const PointPrograms& progra
     : groups_per_block_(device.vector_width > 1 ? block_points_of_vector_work_item / device.vector_width : 1),
       listed_(queue.numbers(capacity / 2 + 1)),  // as 32-bit numbers
       scratch_(queue.numbers(capacity * scratch_per_point)),
-      point_distance_(programs.untapered, kernels::embedded_point_sources(), "point_distance"),
-      interior_depth_(programs.untapered, kernels::embedded_point_sources(), "interior_depth") {
-  if (programs.tapered) {
-    tapered_distance_.emplace(*programs.tapered, kernels::embedded_tapered_sources(), "point_distance");
-  }
-  for (NamedKernel* const kernel : {&point_distance_, tapered_distance_ ? &*tapered_distance_ : nullptr}) {
-    if (kernel == nullptr) continue;
-    kernel->set("listed", listed_);
+      untapered_(kernels_of(programs.untapered, kernels::embedded_point_sources(), tolerance)) {
+  if (programs.tapered) tapered_ = kernels_of(*programs.tapered, kernels::embedded_tapered_sources(), tolerance);
+}
+
+ConvexDistance::Kernels ConvexDistance::kernels_of(const cl::Program& program, std::string_view sources,
+                                                   double tolerance) const {
+  Kernels kernels{{program, sources, "point_distance"}, {program, sources, "interior_depth"}};
+  for (NamedKernel* const kernel : {&kernels.distance, &kernels.depth})
     kernel->set("groups_per_block", groups_per_block_);
-  }
-  interior_depth_.set("groups_per_block", groups_per_block_);
-  interior_depth_.set("tolerance", std::max(tolerance, smallest_interior_tolerance));
-  interior_depth_.set("scratch", scratch_);
+  kernels.distance.set("listed", listed_);
+  kernels.depth.set("tolerance", std::max(tolerance, smallest_interior_tolerance));
+  kernels.depth.set("scratch", scratch_);
+  return kernels;
 }
 
 void ConvexDistance::enqueue(ChunkQueue& queue, const Points& points, const cl::Buffer& primitives, std::size_t index,
                              bool tapered, std::size_t groups, const EvidenceBuffers& evidence) {
   points_ = points;
   primitives_ = primitives;
-  std::vector<NamedKernel*> launched{&point_distance_, &interior_depth_};
-  if (tapered) launched = {&*tapered_distance_};
-  for (NamedKernel* const kernel : launched) {
+  Kernels& kernels = tapered ? *tapered_ : untapered_;
+  kernels.distance.set("nearest", points_.nearest);
+  for (NamedKernel* const kernel : {&kernels.distance, &kernels.depth}) {
     kernel->set("groups", groups);
     kernel->set(coordinate_arguments, points_.coordinates);
-    if (kernel != &interior_depth_) kernel->set("nearest", points_.nearest);
     kernel->set("primitives", primitives_);
     kernel->set("index", index);
     kernel->set(evidence_arguments, evidence);
   }
   // A vector work-item with a block is long: one a work-group lets the cores share them evenly.
   const std::size_t blocks = (groups + groups_per_block_ - 1) / groups_per_block_;
-  for (const NamedKernel* const kernel : launched)
+  for (const NamedKernel* const kernel : {&kernels.distance, &kernels.depth})
     groups_per_block_ > 1 ? queue.launch(*kernel, blocks, 1) : queue.launch(*kernel, blocks);
 }
 

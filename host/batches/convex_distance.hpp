@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,8 +33,8 @@ struct PointPrograms {
 /// primitives lie (DeviceModel).
 [[nodiscard]] PointPrograms point_programs(const Device& device, const std::string& memory, bool tapered);
 
-/// The kernels point_distance and interior_depth with the buffers that they need besides. Points inside a tapered
-/// primitive keep a first lower end: the host proves how deep they are.
+/// The kernels point_distance and interior_depth, of untapered and of tapered primitives, with the buffers that they
+/// need besides.
 class ConvexDistance {
  public:
   /// `programs` are for the memory that the primitives lie in. `tolerance` in the device's numbers:
@@ -54,15 +55,21 @@ class ConvexDistance {
                std::size_t groups, const EvidenceBuffers& evidence);
 
  private:
+  /// Of one program.
+  struct Kernels {
+    NamedKernel distance, depth;
+  };
+
+  [[nodiscard]] Kernels kernels_of(const cl::Program& program, std::string_view sources, double tolerance) const;
+
   std::size_t groups_per_block_;
   // Kernels do not keep the buffers that they are given.
   Points points_;
   cl::Buffer primitives_;
   cl::Buffer listed_;
   cl::Buffer scratch_;
-  NamedKernel point_distance_;
-  NamedKernel interior_depth_;
-  std::optional<NamedKernel> tapered_distance_;
+  Kernels untapered_;
+  std::optional<Kernels> tapered_;
 };
 
 }  // namespace verisq::device

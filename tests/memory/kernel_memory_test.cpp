@@ -48,34 +48,19 @@ class KernelRun {
   /// A map of points, as host/batches/point_batch.cpp has it made.
   void map() {
     const auto coordinates = point_columns();
-    const cl::Buffer nearest = numbers(queries_);
-    const cl::Buffer listed(context_, CL_MEM_READ_WRITE, queries_ * sizeof(cl_uint));
-    const cl::Buffer scratch = numbers(queries_ * scratch_per_point);
-    const auto of_primitives = outputs<5>(queries_ * model.primitives.size());
-    for (cl_uint index = 0; index < model.primitives.size(); ++index) {
-      const auto own = views(of_primitives, index);
-      launch("point_distance", cl_ulong{groups}, groups_per_block, coordinates, primitives_, index, listed, nearest,
-             own);
-      launch("interior_depth", cl_ulong{groups}, groups_per_block, coordinates, primitives_, index, tolerance, scratch,
-             own);
-    }
+    const Distances distances = distances_of(coordinates, primitives_);
     const auto of_union = outputs<5>(queries_);  // ends and escape
-    launch("union_distance", cl_ulong{groups}, cl_ulong{queries_}, coordinates, primitives_, count, of_primitives,
-           of_union);
+    launch("union_distance", cl_ulong{groups}, cl_ulong{queries_}, coordinates, primitives_, count,
+           distances.of_primitives, of_union);
     rows_of(coordinates, {of_union[0], of_union[1]});
     queue_.finish();
   }
 
-  /// Distances of points to tapered primitives: the first kernel of a map, in the program of those.
+  /// Distances of points to tapered primitives: the first kernels of a map, in the program of those.
   void tapered_points() {
     const auto coordinates = point_columns();
     const cl::Buffer parameters = tapered_primitives();
-    const cl::Buffer nearest = numbers(queries_);
-    const cl::Buffer listed(context_, CL_MEM_READ_WRITE, queries_ * sizeof(cl_uint));
-    const auto of_primitives = outputs<5>(queries_ * model.primitives.size());
-    for (cl_uint index = 0; index < model.primitives.size(); ++index)
-      launch("point_distance", cl_ulong{groups}, groups_per_block, coordinates, parameters, index, listed, nearest,
-             views(of_primitives, index));
+    const Distances distances = distances_of(coordinates, parameters);
     queue_.finish();
   }
 
@@ -185,7 +170,7 @@ class KernelRun {
   static constexpr cl_uint groups_per_block = 4;
   static constexpr std::size_t work_items = 80;  // more than there is work: some have nothing to do
   static constexpr std::size_t work_group = 8;
-  static constexpr std::size_t scratch_per_point = 11;  // SCRATCH_SIZE in kernels/interior_depth.cl
+  static constexpr std::size_t scratch_per_point = 12;  // SCRATCH_SIZE in kernels/interior_depth.cl
   static constexpr double tolerance = 1e-3;
 
   // The last is far away: triangles pass it over.
@@ -232,6 +217,28 @@ class KernelRun {
     launch("point_rows", size, cl_uint{1}, 0.25, 4.0, tolerance, 1e-9, 1e-12, 1.0, coordinates, ends, memory, memory,
            memory, cl_ulong{0}, cl_ulong{1}, cl_ulong{2 * sizeof(double)}, stride, stride, cl_ulong{row_bytes}, sums,
            cl::Local(work_group * sums_bytes));
+  }
+
+  // Of points to each primitive, with what their kernels need besides: Oclgrind takes what later buffers hold in its
+  // place for uninitialised.
+  struct Distances {
+    cl::Buffer nearest, listed, scratch;
+    std::array<cl::Buffer, 5> of_primitives;
+  };
+
+  [[nodiscard]] Distances distances_of(const std::array<cl::Buffer, 3>& coordinates, const cl::Buffer& primitives) {
+    Distances distances{numbers(queries_),
+                        {context_, CL_MEM_READ_WRITE, queries_ * sizeof(cl_uint)},
+                        numbers(queries_ * scratch_per_point),
+                        outputs<5>(queries_ * model.primitives.size())};
+    for (cl_uint index = 0; index < model.primitives.size(); ++index) {
+      const auto own = views(distances.of_primitives, index);
+      launch("point_distance", cl_ulong{groups}, groups_per_block, coordinates, primitives, index, distances.listed,
+             distances.nearest, own);
+      launch("interior_depth", cl_ulong{groups}, groups_per_block, coordinates, primitives, index, tolerance,
+             distances.scratch, own);
+    }
+    return distances;
   }
 
   // Wider at either end.

@@ -114,7 +114,7 @@ kernel void open_quarters(ulong groups, global const double* operands, ulong str
   const vector3 axis = {LOAD(group, operands + 8 * stride), LOAD(group, operands + 9 * stride),
                         LOAD(group, operands + 10 * stride)};
   const cone cap = {axis, LOAD(group, operands + 11 * stride)};
-  STORE(TO_REAL(test_quarters(q, t, base, inverted, cap, s).open), group, results);
+  STORE(TO_REAL(test_quarters(q, t, base, inverted, REAL(1.0), cap, s).open), group, results);
 }
 )";
 

@@ -32,6 +32,9 @@ struct Layer {
 /// Those of tapered.clh and tapered_enclosure.clh, in the program of tapered points; likewise.
 [[nodiscard]] std::span<const Mutant> tapered_mutants();
 
+/// Those of tapered_interior.clh and of what interior_depth.cl does for it, in the same program; likewise.
+[[nodiscard]] std::span<const Mutant> tapered_interior_mutants();
+
 /// Those of triangle_distance.cl, of pair_distance.cl and of the layers and kernels for bent and combined solids, in
 /// the programs of triangles, of pairs and of solids; likewise. Those of set_bounds.cl in a program of more primitives.
 [[nodiscard]] std::span<const Mutant> triangle_mutants();

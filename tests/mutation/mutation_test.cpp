@@ -21,6 +21,7 @@
 #include "tests/mutation/scenes.hpp"
 #include "tests/mutation/set_judge.hpp"
 #include "tests/mutation/solid_judge.hpp"
+#include "tests/mutation/tapered_interior_judge.hpp"
 #include "tests/mutation/tapered_judge.hpp"
 #include "tests/mutation/triangle_judge.hpp"
 
@@ -165,7 +166,8 @@ class ConvexMutationTest : public MutationTest {
     };
   }
 
-  [[nodiscard]] Find tapered_faults(const TaperedJudge& judge) const {
+  template <class Judge>
+  [[nodiscard]] Find tapered_faults(const Judge& judge) const {
     return [this, &judge](const std::string& sources, Arithmetic first) {
       return first_fault(Program::tapered_points, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
         const std::string found = judge.false_claim(compiled_on(arithmetic, Program::tapered_points, text));
@@ -214,6 +216,15 @@ TEST_F(ConvexMutationTest, AllOfTaperedPointsAreKilled) {
   const std::string sources = TaperedJudge::sources();
   EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
   expect_all_killed("tapered.clh, tapered_enclosure.clh", tapered_mutants(), sources, find);
+}
+
+TEST_F(ConvexMutationTest, AllOfPointsInsideTaperedOnesAreKilled) {
+  const TaperedInteriorJudge judge;
+  const Find find = tapered_faults(judge);
+  const std::string sources = std::string(kernels::embedded_tapered_sources()) + TaperedInteriorJudge::examination();
+  for (const Arithmetic arithmetic : arithmetics(Program::tapered_points))
+    EXPECT_EQ(find(sources, arithmetic), "") << "the true kernels";
+  expect_all_killed("tapered_interior.clh, interior_depth.cl", tapered_interior_mutants(), sources, find);
 }
 
 TEST_F(ConvexMutationTest, AllOfTrianglesAreKilled) {

@@ -191,6 +191,23 @@ constexpr std::array tapered_evaluation{
   const real height = exact_height + fabs(exact_height) * (0.98 * 0x1p-52 * EVALUATION_MAGNIFICATION);
 )"},
     Mutant{"error of what is moved", "#define MOVED_ERROR ", "#define MOVED_ERROR EVALUATION_MAGNIFICATION * "},
+    Mutant{"error of z inside", "#define POSITION_ERROR ", "#define POSITION_ERROR EVALUATION_MAGNIFICATION * "},
+    Mutant{"z inside", "fma(reach, w.z, q.z)};", R"(fma(reach, w.z, q.z)};
+  const real amiss = fabs(x.z) * (0.98 * 0x1p-53 * EVALUATION_MAGNIFICATION);
+  x.z -= select(amiss, -amiss, MASK((BITS(w.x) & INTEGER(1L << 40)) == INTEGER(0L)));)"},
+    Mutant{"z inside is changed", "const vector3 x = {fma_up(reach, w.x, q.x)", "vector3 x = {fma_up(reach, w.x, q.x)"},
+    Mutant{"height inside", "const real height = s->taper * z / s->semi_axes[2];", R"(
+  const real exact_height = s->taper * z / s->semi_axes[2];
+  const real height = exact_height + fabs(exact_height) * (0.98 * 0x1.8p-51 * EVALUATION_MAGNIFICATION);
+)"},
+};
+
+// Planes that are too far away, and searches cut short.
+constexpr std::array tapered_search{
+    Mutant{"tangent planes", "  plane.level = inverse_length;\n",
+           "  plane.level = inverse_length;\n"
+           "  plane.distance *= 1.0 + TO_REAL((BITS(plane.distance) >> 8) & INTEGER(255L)) * 0x1p-8;\n"},
+    Mutant{"limit", "#define SPLIT_LIMIT 4096", "#define SPLIT_LIMIT 128"},
 };
 
 // Any multipliers that are not negative prove something, any point near a bent solid, and any foot and ball of an edge.
@@ -297,7 +314,7 @@ std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
     case Program::points: return search;
     case Program::triangles: return weights;
     case Program::solids: return solid_proposals;
-    case Program::tapered_points: return {};
+    case Program::tapered_points: return tapered_search;
     case Program::pairs: break;
   }
   return closest_points;
@@ -306,8 +323,8 @@ std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
 constexpr std::array of_points{Arithmetic::usual,          Arithmetic::loose_below, Arithmetic::loose_above,
                                Arithmetic::loose_products, Arithmetic::loose_dot,   Arithmetic::evaluated,
                                Arithmetic::poor_search};
-constexpr std::array of_tapered_points{Arithmetic::usual, Arithmetic::loose_below, Arithmetic::loose_above,
-                                       Arithmetic::erratic, Arithmetic::evaluated};
+constexpr std::array of_tapered_points{Arithmetic::usual,   Arithmetic::loose_below, Arithmetic::loose_above,
+                                       Arithmetic::erratic, Arithmetic::evaluated,   Arithmetic::poor_search};
 constexpr std::array of_convex_sets{Arithmetic::usual,   Arithmetic::loose_below, Arithmetic::loose_above,
                                     Arithmetic::erratic, Arithmetic::displaced,   Arithmetic::poor_search};
 

@@ -12,7 +12,8 @@
 
 #include "host/batches/primitive_parameters.hpp"
 #include "kernels/embedded_sources.hpp"
-#include "tests/mutation/launch.hpp"
+#include "tests/mutation/examination.hpp"
+#include "tests/mutation/focal_solid.hpp"
 #include "tests/oracle/mixed_norm.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/reference_distance.hpp"
@@ -24,13 +25,8 @@ using oracle::MixedNorm;
 using oracle::RandomCases;
 using oracle::Real;
 using Vector = oracle::Vector;
-using Operands = TaperedJudge::Operands;
-using Results = TaperedJudge::Results;
-using Sample = TaperedJudge::Sample;
 
 constexpr std::size_t samples = 256;  // of each function and solid
-constexpr std::size_t operand_count = std::tuple_size_v<Operands>;
-constexpr std::size_t result_count = std::tuple_size_v<Results>;
 
 constexpr const char* examination = R"(
 kernel void examine_tapered(uint function, ulong groups, global const double* operands, ulong stride,
@@ -76,117 +72,13 @@ kernel void examine_tapered(uint function, ulong groups, global const double* op
 }
 )";
 
-/// Widened far beyond rounding, as a host might that computes with fewer digits: bounds they still are.
-constexpr double loose = 0x1p-24;
-constexpr double loose_focus = 0x1p-20;  // seen beside that
-
-struct TestedSolid {
-  Superquadric superquadric;
-  bool loose_constants;
-};
-
-/// Sharp, smooth and flat, wider at either end; the largest semi-axis in [1, 2), as the kernels have it.
-constexpr TestedSolid tested_solids[] = {
-    {{{1.0, 1.5, 0.7}, {1.0, 1.0}, 19.0}, false}, {{{1.1, 0.3, 0.6}, {0.3, 1.7}, 1.0 / 19.0}, false},
-    {{{0.5, 1.2, 1.9}, {1.8, 0.4}, 2.0}, true},   {{{1.2, 1.0, 1.4}, {0.05, 0.9}, 0.02}, false},
-    {{{1.3, 0.9, 1.0}, {1.2, 0.8}, 0.4}, true},   {{{1.0, 1.1, 1.7}, {0.7, 1.0}, 1.001}, false}};
-
-/// The tapered solid as the kernels know it, or, with another k, as it is: about its focus, where it is the set of w
-/// with N(w) <= 1 - k^2 + k w_z / a3. Its surface is M u, u on the untapered one, M = (1 - k^2) / (1 - k u_z / a3).
-class FocalSolid {
- public:
-  FocalSolid(const MixedNorm<Real>& norm, Real k) : norm_(norm), k_(std::move(k)) {}
-
-  [[nodiscard]] const MixedNorm<Real>& norm() const { return norm_; }
-  [[nodiscard]] const Real& k() const { return k_; }
-  [[nodiscard]] const Real& height() const { return norm_.semi_axes()[2]; }
-  [[nodiscard]] Real fall() const { return 1 - k_ * k_; }
-
-  [[nodiscard]] Vector surface(const Vector& u) const {
-    return oracle::scaled<Real>(u, fall() / (1 - k_ * u[2] / height()));
-  }
-
-  /// That of the surface where the untapered one has the normal n with n.u = 1.
-  [[nodiscard]] Vector normal(const Vector& n) const { return {n[0], n[1], n[2] - k_ / height()}; }
-
-  /// max v.w, or hardly less: (1 - k^2) t for the t with h_N(v + (0, 0, k t / a3)) = t. The difference is convex and
-  /// falls: chords from the left stay there.
-  [[nodiscard]] Real support(const Vector& v) const {
-    const auto excess = [&](const Real& t) { return norm_.support({v[0], v[1], v[2] + k_ * t / height()}) - t; };
-    Real t = 0;
-    for (int round = 0; round < 16; ++round) {
-      const Real at = excess(t);
-      const Real back = Real(1e-25) * (t + 1);
-      const Real slope = (at - excess(t - back)) / back;
-      if (at <= 0 || slope >= 0) break;
-      t -= at / slope;
-    }
-    return fall() * t * (1 - Real(1e-20));
-  }
-
-  /// How deep the focus lies at least: the ball lies in the octahedron of the semi-axes.
-  [[nodiscard]] Real inradius() const {
-    const auto& a = norm_.semi_axes();
-    const Real steepness = sqrt(1 / (a[0] * a[0]) + 1 / (a[1] * a[1]) + 1 / (a[2] * a[2]));
-    return fall() / (steepness + abs(k_) / height());
-  }
-
- private:
-  MixedNorm<Real> norm_;
-  Real k_;
-};
-
-/// A point of the untapered surface and its normal n, n.u = 1.
-struct SurfacePoint {
-  Vector u, n;
-};
-
-SurfacePoint at_direction(const Point& direction, const MixedNorm<Real>& norm) {
-  const Vector x = oracle::widened(direction);
-  const Vector u = oracle::scaled<Real>(x, 1 / norm.gauge(x));
-  Vector n = norm.gradient({abs(u[0]), abs(u[1]), abs(u[2])}, Real(1));
-  for (std::size_t i = 0; i < 3; ++i)
-    if (u[i] < 0) n[i] = -n[i];
-  return {u, n};
-}
-
-/// Towards anywhere, one of the axes, or the widest section.
-Point direction_of(RandomCases& random) {
-  Point direction = random.direction();
-  const std::size_t kind = random.choice(8);
-  for (std::size_t i = 0; i < 3; ++i)
-    if (kind < 3 && i != kind) direction[i] *= 0.01;
-  if (kind == 3) direction[2] *= 1e-3;
-  return direction;
-}
-
 Point in_octant(const Point& x) {
   return {std::fabs(x[0]), std::fabs(x[1]), std::fabs(x[2])};
-}
-
-Vector sum(const Vector& a, const Vector& b) {
-  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
 double rounded_up(const Real& x) {
   const auto nearest = x.convert_to<double>();
   return Real(nearest) >= x ? nearest : std::nextafter(nearest, infinity);
-}
-
-/// Whether a direction proves the lower end that it comes with, as far as one point p of the solid tells, whose
-/// distance from q is known too: h(v) >= v.p.
-bool proves(const Results& found, const Vector& q, const Vector& p) {
-  const Vector v = oracle::widened({found[2], found[3], found[4]});
-  if (!(std::isfinite(found[2]) && std::isfinite(found[3]) && std::isfinite(found[4]))) return found[0] == -infinity;
-  return Real(found[0]) * oracle::length<Real>(v) <= oracle::dot<Real>(v, oracle::difference<Real>(q, p));
-}
-
-/// A query outside of a convex set at p, where `v` is normal.
-bool encloses(const Results& found, const Vector& q, const Vector& p, const Vector& v) {
-  const Vector apart = oracle::difference<Real>(q, p);
-  const Real lower = oracle::dot<Real>(apart, v) / oracle::length<Real>(v);
-  const Real upper = lower > 0 ? oracle::length<Real>(apart) : Real(0);
-  return found[0] <= found[1] && Real(found[0]) <= upper && Real(found[1]) >= lower && proves(found, q, p);
 }
 
 }  // namespace
@@ -306,10 +198,6 @@ class Drawing {
     return std::make_shared<FocalSolid>(known_->norm(), k);
   }
 
-  [[nodiscard]] static Vector stepped(const Vector& from, const Vector& v, double apart) {
-    return sum(from, oracle::scaled<Real>(v, Real(apart) / oracle::length<Real>(v)));
-  }
-
   /// The farther of the sphere about the focus and the box.
   [[nodiscard]] Real from_afar(const Vector& q) const {
     const auto& a = known_->norm().semi_axes();
@@ -337,41 +225,6 @@ class Drawing {
   std::shared_ptr<FocalSolid> known_;  ///< of the rounded k
   FocalSolid exact_;
 };
-
-KnownParameters loosened(KnownParameters parameters) {
-  parameters.fall_down *= 1.0 - loose;
-  parameters.fall_up *= 1.0 + loose;
-  parameters.taper_error += loose_focus;
-  parameters.focus += std::copysign(0.98 * loose_focus, parameters.focus);
-  return parameters;
-}
-
-/// Calls `examine_tapered` for all samples of a function.
-std::vector<Results> called(const CompiledKernels& kernels, cl_uint function, const std::vector<Sample>& of_function,
-                            KnownParameters parameters) {
-  Columns columns(operand_count);
-  for (const Sample& sample : of_function)
-    for (std::size_t i = 0; i < operand_count; ++i) columns[i].push_back(sample.operands[i]);
-  const cl::Buffer operands = uploaded(kernels, columns);
-  const cl::Buffer primitive(kernels.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof parameters, &parameters);
-  const std::size_t stride = of_function.size();
-  const cl::Buffer output = zeros(kernels, result_count * stride);
-  const cl_ulong groups = stride / static_cast<std::size_t>(kernels.vector_width);
-  cl::Kernel kernel(kernels.program, "examine_tapered");
-  kernel.setArg(0, function);
-  kernel.setArg(1, groups);
-  kernel.setArg(2, operands);
-  kernel.setArg(3, cl_ulong{stride});
-  kernel.setArg(4, primitive);
-  kernel.setArg(5, output);
-  const cl::CommandQueue queue(kernels.context, kernels.device);
-  queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups));
-  const std::vector<double> numbers = read(queue, output, result_count * stride);
-  std::vector<Results> results(stride);
-  for (std::size_t n = 0; n < stride; ++n)
-    for (std::size_t i = 0; i < result_count; ++i) results[n][i] = numbers[i * stride + n];
-  return results;
-}
 
 constexpr std::array<const char*, 5> functions{"about_focus", "tilted_up", "distance_by_tapered_contact",
                                                "enclosure_from_afar", "enclosure_at"};
@@ -406,15 +259,11 @@ std::string TaperedJudge::false_claim(const CompiledKernels& kernels) const {
   for (const KnownSolid& known : solids_) {
     for (cl_uint function = 0; function < functions.size(); ++function) {
       const std::vector<Sample>& of_function = known.of_functions[function];
-      const std::vector<Results> results = called(kernels, function, of_function, known.parameters);
+      const std::vector<Results> results = called(kernels, "examine_tapered", function, of_function, known.parameters);
       for (std::size_t n = 0; n < results.size(); ++n) {
         if (of_function[n].holds(results[n])) continue;
-        const Operands& o = of_function[n].operands;
-        const Results& r = results[n];
-        return fmt::format(
-            "{}, taper {:.3g}, of ({:.17g}, {:.17g}, {:.17g}), ... claims [{:.17g}, {:.17g}] by "
-            "({:.17g}, {:.17g}, {:.17g})",
-            functions[function], known.primitive.superquadric.taper, o[0], o[1], o[2], r[0], r[1], r[2], r[3], r[4]);
+        return fmt::format("{}, taper {:.3g}, {}", functions[function], known.primitive.superquadric.taper,
+                           described(of_function[n].operands, results[n]));
       }
     }
   }

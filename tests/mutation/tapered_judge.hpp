@@ -2,14 +2,11 @@
 /// are known by how they are made, at 200 bits: strictly, for what is a bound is one to the last digit.
 #pragma once
 
-#include <array>
-#include <functional>
 #include <string>
 #include <vector>
 #include <verisq/model.hpp>
 
 #include "tests/mutation/compiled_kernels.hpp"
-#include "tests/oracle/real.hpp"
 
 namespace verisq::mutation {
 
@@ -26,15 +23,6 @@ class TaperedJudge {
 
   /// A first claim that is false; empty when all is well.
   [[nodiscard]] std::string false_claim(const CompiledKernels& kernels) const;
-
-  using Operands = std::array<double, 8>;
-  using Results = std::array<double, 5>;
-
-  /// Operands of one function, and whether its results are true.
-  struct Sample {
-    Operands operands;
-    std::function<bool(const Results&)> holds;
-  };
 
  private:
   struct KnownSolid;
