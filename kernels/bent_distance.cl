@@ -1,5 +1,5 @@
-// This file implements the enclosure of the distance of points to one bent superquadric by a single certificate, where
-// that is a convex problem.
+// This file implements the enclosure of the signed distance of points to one bent superquadric by a single certificate:
+// outside where the squared distance lies above a tangent plane, inside by bent_depth.clh.
 //
 // Let K be the unbent solid, convex, and in units of 1 / k let W and gamma = k z be the polar coordinates of a point of
 // the bent space about the centre of curvature, those of the query W_q and gamma_q. The squared distance to the query,
