@@ -10,6 +10,7 @@
 #include <verisq/model.hpp>
 
 #include "tests/mutation/compiled_kernels.hpp"
+#include "tests/oracle/membership.hpp"
 
 namespace verisq::mutation {
 
@@ -56,11 +57,19 @@ class SetJudge {
     Enclosure distance;  ///< of the model, by the host
   };
 
+  /// A point whose place is known.
+  struct KnownPoint {
+    Point point;
+    std::array<oracle::Membership, set_primitives> in_primitives;
+    oracle::Membership in_model;
+  };
+
  private:
   struct KnownScene {
     SetScene scene;
     std::vector<EdgeRow> rows;
     std::vector<Query> queries;
+    std::vector<KnownPoint> points;
   };
 
   std::vector<KnownScene> scenes_;

@@ -9,6 +9,9 @@
 ///   than the query is shows where the nearest point is such a one, and then the bound is not tight.
 /// - Multipliers that are infinite: the square is not a number then, or not above 0.
 /// - The term's own distance beside `others`: it is the least of both.
+/// - One literal of an edge for both, and any order of terms: what they prove holds.
+/// - Literals on the wrong side: no edge leads away from both. Were q's nearest point of C and D on the edge because D
+///   keeps it from the foot on C, then C without D would be farther than its literals say.
 /// Survivors, known and not listed: that differences of coordinates are intervals, as wide as one rounding.
 
 #include <array>
@@ -20,7 +23,6 @@ namespace {
 
 constexpr std::array mutants{
     // What is known of primitives, and the terms
-    Mutant{"edge, first literal of the second", "return (uint)edge >> 7 & 127U;", "return (uint)edge & 127U;"},
     Mutant{"edge, first literal never cut away", "return (uint)edge >> 7 & 127U;", "return (uint)edge >> 7 & 63U;"},
     Mutant{"edge, second literal never cut away", "return (uint)edge & 127U;", "return (uint)edge & 63U;"},
     Mutant{"edge, sides exchanged", "return (uint)edge >> 14 != 0;", "return (uint)edge >> 14 == 0;"},
@@ -45,8 +47,6 @@ constexpr std::array mutants{
     Mutant{"literals of other terms", "if (!is_inside && (term_outside[t] >> i & 1U) == 0) continue;", ""},
     Mutant{"term by the sum of its literals", "largest = select(largest, distance, farther);",
            "largest = select(largest, largest + distance, farther);"},
-    Mutant{"farthest term", "const integer nearer = MASK(largest < found.distance);",
-           "const integer nearer = MASK(largest > found.distance) | MASK(found.literal < 0);"},
     Mutant{"last term", "found.distance = select(found.distance, largest, nearer);", "found.distance = largest;"},
     Mutant{"other terms forgotten", "found.others = fmin(found.others, select(largest, found.distance, nearer));", ""},
     Mutant{"other terms after the nearest", "select(largest, found.distance, nearer));",
@@ -61,11 +61,6 @@ constexpr std::array mutants{
            "INTEGER((long)term_outside[t])"},
     Mutant{"open literal of another term", "MASK((term.inside & bit) != 0) & ~c[i].black", "~c[i].black"},
     Mutant{"open literal cut away of another term", "MASK((term.outside & bit) != 0) & ~c[i].white", "~c[i].white"},
-    Mutant{"open literal on the wrong side", "select(open, INTEGER((long)(i | COMPLEMENT)), is_outside & other)",
-           "select(open, INTEGER((long)i), is_outside & other)"},
-    Mutant{"open literal cut away on the wrong side", "select(open, INTEGER((long)i), is_inside & other)",
-           "select(open, INTEGER((long)(i | COMPLEMENT)), is_inside & other)"},
-    Mutant{"literal cut away on the wrong side", "INTEGER((long)(is_inside ? i : i | COMPLEMENT))", "INTEGER((long)i)"},
 
     // Feet and their colours
     Mutant{"colours of one primitive", "c[i] = primitive_colour(here, primitives + i);\n}",
