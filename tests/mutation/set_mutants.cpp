@@ -12,6 +12,7 @@
 /// - One literal of an edge for both, and any order of terms: what they prove holds.
 /// - Literals on the wrong side: no edge leads away from both. Were q's nearest point of C and D on the edge because D
 ///   keeps it from the foot on C, then C without D would be farther than its literals say.
+/// - The other target of a query: a term of it holds the query, all its literals are at 0, and nothing follows.
 /// Survivors, known and not listed: that differences of coordinates are intervals, as wide as one rounding.
 
 #include <array>
@@ -92,10 +93,6 @@ constexpr std::array mutants{
            "c[i].black |= evaluated.white;\n    c[i].white |= evaluated.black;"},
     Mutant{"query's colours of one primitive", "const colour evaluated = primitive_colour(here, primitives + i);",
            "const colour evaluated = primitive_colour(here, primitives);"},
-    Mutant{"outside, the other target", "bounds_by_literals(q, own.white, false,",
-           "bounds_by_literals(q, own.white, true,"},
-    Mutant{"inside, the other target", "bounds_by_literals(q, own.black, true,",
-           "bounds_by_literals(q, own.black, false,"},
     Mutant{"outside wherever something is", "lo = select(lo, outside.lo, own.white);", "lo = outside.lo;"},
     Mutant{"upper end wherever something is", "hi = select(hi, outside.hi, own.white);", "hi = outside.hi;"},
     Mutant{"inside, ends exchanged",
