@@ -32,6 +32,7 @@ using Query = SetJudge::Query;
 
 constexpr std::size_t rows_of_kind = 400;
 constexpr std::size_t queries_of_kind = 24;
+constexpr std::size_t queries_by_points = 160;  // of each scene, which known points alone judge
 constexpr std::size_t known_points = 2000;
 constexpr double beside_boundary = 2e-11;  // of the gauge: twice the margin of memberships
 constexpr double rounding = 1e-12;         // of what is computed here
@@ -342,10 +343,13 @@ std::vector<Query> queries_of(Maker& maker, const Model& model, const Hosts& hos
   for (const Make make : {&Maker::query_by_edge, &Maker::query_by_face, &Maker::query_anywhere})
     for (std::size_t n = 0; n < queries_of_kind; ++n)
       if (const auto query = (maker.*make)()) queries.push_back(*query);
+  const std::size_t with_truth = queries.size();
+  while (queries.size() < with_truth + queries_by_points)
+    if (const auto query = maker.query_by_edge()) queries.push_back(*query);
   const SignedDistance host(model);
   oracle::in_parallel(queries.size(), [&](std::size_t n) {
     Query& query = queries[n];
-    query.distance = host(query.point, truth_tolerance);
+    query.distance = n < with_truth ? host(query.point, truth_tolerance) : Enclosure{-infinity, infinity};
     for (std::size_t i = 0; i < set_primitives; ++i) query.of_primitives[i] = (*hosts[i])(query.point, truth_tolerance);
   });
   for (Query& query : queries) maker.widen(query);

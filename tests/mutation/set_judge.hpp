@@ -54,7 +54,7 @@ class SetJudge {
     Point point;
     std::array<Enclosure, set_primitives> of_primitives;
     std::array<Point, set_primitives> normals;
-    Enclosure distance;  ///< of the model, by the host
+    Enclosure distance;  ///< of the model, by the host; infinite ends where it was not asked
   };
 
   /// A point whose place is known.

@@ -12,6 +12,8 @@
 /// - One literal of an edge for both, and any order of terms: what they prove holds.
 /// - Literals on the wrong side: no edge leads away from both. Were q's nearest point of C and D on the edge because D
 ///   keeps it from the foot on C, then C without D would be farther than its literals say.
+/// - A point of the solid as an upper end for queries that may lie on either side: it is one. Likewise one of the
+///   complement as a lower end.
 /// - The other target of a query: a term of it holds the query, all its literals are at 0, and nothing follows.
 /// Survivors, known and not listed: that differences of coordinates are intervals, as wide as one rounding.
 
@@ -94,11 +96,9 @@ constexpr std::array mutants{
     Mutant{"query's colours of one primitive", "const colour evaluated = primitive_colour(here, primitives + i);",
            "const colour evaluated = primitive_colour(here, primitives);"},
     Mutant{"outside wherever something is", "lo = select(lo, outside.lo, own.white);", "lo = outside.lo;"},
-    Mutant{"upper end wherever something is", "hi = select(hi, outside.hi, own.white);", "hi = outside.hi;"},
     Mutant{"inside, ends exchanged",
            "lo = select(lo, -inside.hi, own.black);\n    hi = select(hi, -inside.lo, own.black);",
            "lo = select(lo, -inside.lo, own.black);\n    hi = select(hi, -inside.hi, own.black);"},
-    Mutant{"inside wherever something is", "lo = select(lo, -inside.hi, own.black);", "lo = -inside.hi;"},
     Mutant{"inside, upper end wherever something is", "hi = select(hi, -inside.lo, own.black);", "hi = -inside.lo;"},
 
     // Half-spaces and balls
