@@ -327,7 +327,9 @@ Hosts hosts_of_primitives(const Model& model) {
 std::vector<EdgeRow> rows_of(Maker& maker, const Hosts& hosts) {
   std::vector<EdgeRow> rows;
   using Make = std::optional<EdgeRow> (Maker::*)();
-  for (const Make make : {&Maker::on_edge, &Maker::on_ball, &Maker::on_face, &Maker::of_anything})
+  // Most on balls, where the bound shows every rounding.
+  for (const Make make : {&Maker::on_edge, &Maker::on_ball, &Maker::on_ball, &Maker::on_ball, &Maker::on_ball,
+                          &Maker::on_ball, &Maker::on_face, &Maker::of_anything})
     for (std::size_t n = 0; n < rows_of_kind; ++n)
       if (const auto row = (maker.*make)()) rows.push_back(*row);
   oracle::in_parallel(rows.size(), [&](std::size_t n) {
