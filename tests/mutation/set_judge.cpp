@@ -27,10 +27,13 @@ using oracle::PlacedModel;
 using oracle::PlacedPrimitive;
 using oracle::RandomCases;
 using EdgeRow = SetJudge::EdgeRow;
+using KnownPoint = SetJudge::KnownPoint;
 using Query = SetJudge::Query;
 
 constexpr std::size_t rows_of_kind = 400;
 constexpr std::size_t queries_of_kind = 24;
+constexpr std::size_t queries_by_points = 160;  // of each scene, which known points alone judge
+constexpr std::size_t known_points = 2000;
 constexpr double beside_boundary = 2e-11;  // of the gauge: twice the margin of memberships
 constexpr double rounding = 1e-12;         // of what is computed here
 constexpr double tolerance = 1e-6;
@@ -83,6 +86,12 @@ struct Literal {
   [[nodiscard]] double level() const { return complement ? 1.0 + beside_boundary : 1.0 - beside_boundary; }
 };
 
+bool is_of_complement(double edge) {
+  return edge >= 16384.0;
+}
+Literal literal_of(unsigned number) {
+  return {number & 63U, (number & 64U) != 0};
+}
 double edge_number(const Literal& a, const Literal& b, bool of_complement) {
   return a.number() * 128.0 + b.number() + (of_complement ? 16384.0 : 0.0);
 }
@@ -183,6 +192,17 @@ class Maker {
   }
 
   [[nodiscard]] std::optional<Query> query_anywhere() { return query_at(anywhere()); }
+
+  /// Just beside the boundaries of primitives, and on edges.
+  [[nodiscard]] KnownPoint known_point() {
+    const auto [a, b] = literals();
+    const auto on_both = random_.choice(2) == 0 ? edge_point(a, b) : std::nullopt;
+    KnownPoint known{on_both ? *on_both : boundary_point(a).point, {}, {}};
+    for (std::size_t i = 0; i < set_primitives; ++i)
+      known.in_primitives[i] = placed_.primitives()[i].membership(known.point);
+    known.in_model = placed_(known.point);
+    return known;
+  }
 
   /// Enclosures as wide as they may be.
   void widen(Query& query) {
@@ -307,7 +327,9 @@ Hosts hosts_of_primitives(const Model& model) {
 std::vector<EdgeRow> rows_of(Maker& maker, const Hosts& hosts) {
   std::vector<EdgeRow> rows;
   using Make = std::optional<EdgeRow> (Maker::*)();
-  for (const Make make : {&Maker::on_edge, &Maker::on_ball, &Maker::on_face, &Maker::of_anything})
+  // Most on balls, where the bound shows every rounding.
+  for (const Make make : {&Maker::on_edge, &Maker::on_ball, &Maker::on_ball, &Maker::on_ball, &Maker::on_ball,
+                          &Maker::on_ball, &Maker::on_face, &Maker::of_anything})
     for (std::size_t n = 0; n < rows_of_kind; ++n)
       if (const auto row = (maker.*make)()) rows.push_back(*row);
   oracle::in_parallel(rows.size(), [&](std::size_t n) {
@@ -323,15 +345,25 @@ std::vector<Query> queries_of(Maker& maker, const Model& model, const Hosts& hos
   for (const Make make : {&Maker::query_by_edge, &Maker::query_by_face, &Maker::query_anywhere})
     for (std::size_t n = 0; n < queries_of_kind; ++n)
       if (const auto query = (maker.*make)()) queries.push_back(*query);
+  const std::size_t with_truth = queries.size();
+  while (queries.size() < with_truth + queries_by_points)
+    if (const auto query = maker.query_by_edge()) queries.push_back(*query);
   const SignedDistance host(model);
   oracle::in_parallel(queries.size(), [&](std::size_t n) {
     Query& query = queries[n];
-    query.distance = host(query.point, truth_tolerance);
+    query.distance = n < with_truth ? host(query.point, truth_tolerance) : Enclosure{-infinity, infinity};
     for (std::size_t i = 0; i < set_primitives; ++i) query.of_primitives[i] = (*hosts[i])(query.point, truth_tolerance);
   });
   for (Query& query : queries) maker.widen(query);
   return queries;
 }
+
+/// What the kernels say of a query.
+struct Found {
+  Enclosure distance;
+  double edge;
+  double others;
+};
 
 class Launcher {
  public:
@@ -361,7 +393,7 @@ class Launcher {
   }
 
   /// Enclosures of the queries' distances by set_feet and set_bounds.
-  [[nodiscard]] std::vector<Enclosure> enclosed(const std::vector<Query>& queries, const Hosts& hosts) const {
+  [[nodiscard]] std::vector<Found> enclosed(const std::vector<Query>& queries, const Hosts& hosts) const {
     const std::size_t size = queries.size();
     const std::size_t length = padded(size, kernels_);
     const auto of_primitives = [&](const auto& number) { return uploaded_columns(queries, number); };
@@ -382,7 +414,12 @@ class Launcher {
         primitives_, tolerance, part_los, part_his, normals[0], normals[1], normals[2], ends[0], ends[1], others, edges,
         feet[0], feet[1], feet[2], centres[0], centres[1], centres[2], wanted_balls);
     run_bounds(size, points, others, edges, feet, centres, depths(hosts, size, wanted_balls, centres), ends);
-    return read_ends(ends, size);
+    const std::vector<double> of_edges = read(queue_, edges, size);
+    const std::vector<double> of_others = read(queue_, others, size);
+    std::vector<Found> found;
+    for (const Enclosure& distance : read_ends(ends, size))
+      found.push_back({distance, of_edges[found.size()], of_others[found.size()]});
+    return found;
   }
 
  private:
@@ -485,11 +522,37 @@ std::string row_fault(const EdgeRow& row, const Enclosure& found) {
   return {};
 }
 
+std::string described(const Query& query, const Enclosure& found) {
+  return fmt::format("({:.17g}, {:.17g}, {:.17g}) gave [{:.17g}, {:.17g}]", query.point[0], query.point[1],
+                     query.point[2], found.lo, found.hi);
+}
+
+/// The host's enclosure is missed. NaN misses everything.
 std::string query_fault(const Query& query, const Enclosure& found) {
   const Enclosure& truth = query.distance;
   if (found.lo <= truth.hi + rounding && found.hi >= truth.lo - rounding) return {};
-  return fmt::format("({:.17g}, {:.17g}, {:.17g}) gave [{:.17g}, {:.17g}], the truth is in [{:.17g}, {:.17g}]",
-                     query.point[0], query.point[1], query.point[2], found.lo, found.hi, truth.lo, truth.hi);
+  return fmt::format("{}, the truth is in [{:.17g}, {:.17g}]", described(query, found), truth.lo, truth.hi);
+}
+
+bool in_both(double edge, const KnownPoint& known) {
+  const auto number = static_cast<unsigned>(edge);
+  const auto may_hold = [&](const Literal& literal) {
+    return known.in_primitives[literal.primitive] != (literal.complement ? Membership::inside : Membership::outside);
+  };
+  return may_hold(literal_of(number >> 7U & 127U)) && may_hold(literal_of(number & 127U));
+}
+
+/// A point of a target that is nearer than said of the target, or of its terms other than the edge's.
+std::string point_fault(const Query& query, const Found& found, const KnownPoint& known) {
+  if (known.in_model == Membership::boundary) return {};
+  const bool in_solid = known.in_model == Membership::inside;
+  const double distance = (1.0 + rounding) * norm(between(query.point, known.point)) + rounding;
+  if (!((in_solid ? found.distance.lo : -found.distance.hi) <= distance))
+    return fmt::format("{}, a point is at {:.17g}", described(query, found.distance), distance);
+  if (found.edge == no_edge || is_of_complement(found.edge) == in_solid) return {};
+  if (found.others <= distance || in_both(found.edge, known)) return {};
+  return fmt::format("{}: edge {}, other terms at {:.17g}, a point of theirs at {:.17g}",
+                     described(query, found.distance), found.edge, found.others, distance);
 }
 
 }  // namespace
@@ -500,7 +563,9 @@ SetJudge::SetJudge(std::vector<SetScene> scenes) {
     const Hosts hosts = hosts_of_primitives(scene.model);
     std::vector<EdgeRow> rows = rows_of(maker, hosts);
     std::vector<Query> queries = queries_of(maker, scene.model, hosts);
-    scenes_.push_back({std::move(scene), std::move(rows), std::move(queries)});
+    std::vector<KnownPoint> points;
+    for (std::size_t n = 0; n < known_points; ++n) points.push_back(maker.known_point());
+    scenes_.push_back({std::move(scene), std::move(rows), std::move(queries), std::move(points)});
   }
 }
 
@@ -516,9 +581,11 @@ std::string SetJudge::false_claim(const CompiledKernels& kernels) const {
       const std::string fault = row_fault(known.rows[n], bounded[n]);
       if (!fault.empty()) return fmt::format("{}, row {}: {}", known.scene.name, n, fault);
     }
-    const std::vector<Enclosure> enclosed = launcher.enclosed(known.queries, hosts_of_primitives(known.scene.model));
+    const std::vector<Found> enclosed = launcher.enclosed(known.queries, hosts_of_primitives(known.scene.model));
     for (std::size_t n = 0; n < enclosed.size(); ++n) {
-      const std::string fault = query_fault(known.queries[n], enclosed[n]);
+      std::string fault = query_fault(known.queries[n], enclosed[n].distance);
+      for (const KnownPoint& point : known.points)
+        if (fault.empty()) fault = point_fault(known.queries[n], enclosed[n], point);
       if (!fault.empty()) return fmt::format("{}, query {}: {}", known.scene.name, n, fault);
     }
   }

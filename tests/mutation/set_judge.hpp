@@ -10,6 +10,7 @@
 #include <verisq/model.hpp>
 
 #include "tests/mutation/compiled_kernels.hpp"
+#include "tests/oracle/membership.hpp"
 
 namespace verisq::mutation {
 
@@ -53,7 +54,14 @@ class SetJudge {
     Point point;
     std::array<Enclosure, set_primitives> of_primitives;
     std::array<Point, set_primitives> normals;
-    Enclosure distance;  ///< of the model, by the host
+    Enclosure distance;  ///< of the model, by the host; infinite ends where it was not asked
+  };
+
+  /// A point whose place is known.
+  struct KnownPoint {
+    Point point;
+    std::array<oracle::Membership, set_primitives> in_primitives;
+    oracle::Membership in_model;
   };
 
  private:
@@ -61,6 +69,7 @@ class SetJudge {
     SetScene scene;
     std::vector<EdgeRow> rows;
     std::vector<Query> queries;
+    std::vector<KnownPoint> points;
   };
 
   std::vector<KnownScene> scenes_;
