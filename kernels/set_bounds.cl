@@ -44,8 +44,9 @@ ALWAYS_INLINE bool is_of_complement(double edge) { return (uint)edge >> 14 != 0;
 ALWAYS_INLINE double take_edge(double* edges) {
   double taken = NO_EDGE;
   for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
-    if (taken == NO_EDGE) taken = edges[lane];
-    if (edges[lane] == taken) edges[lane] = NO_EDGE;
+    if (taken != NO_EDGE && edges[lane] != taken) continue;
+    taken = edges[lane];
+    edges[lane] = NO_EDGE;
   }
   return taken;
 }
@@ -323,7 +324,9 @@ ALWAYS_INLINE interval bounds_by_literals(vector3 q, integer wanted, bool comple
   colours_at(foot, c, primitives);
   real upper = distance_of_foot(q, foot, c, complement);
   const integer open = open_literal(term, c);
-  const integer missed = wanted & MASK(!(upper - term.distance <= tolerance)) & MASK(open >= 0);
+  // Of a term of which nothing is known no literal is the farthest.
+  const integer missed =
+      wanted & MASK(!(upper - term.distance <= tolerance)) & MASK(term.literal >= 0) & MASK(open >= 0);
   if (any(missed)) {
     const real edge = select(REAL(NO_EDGE), edge_number(term.literal, open, complement), missed);
     upper = fmin(upper, find_edges(q, foot, edge, complement, group, out, primitives));

@@ -118,16 +118,25 @@ class KernelRun {
     queue_.finish();
   }
 
-  /// A bent solid minus one that is not, as host/batches/solid_batch.cpp has it mapped; the other is bent by nothing.
+  /// A combined solid, as host/batches/solid_batch.cpp has it mapped; those that are not bent are bent by nothing.
   void solids() {
     const auto coordinates = point_columns();
     const cl::Buffer parameters = box_primitives();
-    const auto of_primitives = outputs<5>(queries_ * solid_model().primitives.size());
-    for (cl_uint index = 0; index < solid_model().primitives.size(); ++index)
+    const std::size_t primitives = solid_model().primitives.size();
+    const auto of_primitives = outputs<5>(queries_ * primitives);
+    for (cl_uint index = 0; index < primitives; ++index)
       launch("bent_distance", cl_ulong{groups}, coordinates, parameters, index, views(of_primitives, index));
+    const auto ends = outputs<2>(queries_);
+    const auto edges = outputs<5>(queries_);  // other terms, numbers, feet
+    const auto centres = outputs<3>(queries_ * primitives);
+    const auto wanted_balls = outputs<1>(queries_ * primitives);
+    launch("set_feet", cl_ulong{groups}, cl_ulong{queries_}, coordinates, parameters, tolerance, of_primitives, ends,
+           edges, centres, wanted_balls);
+    const cl::Buffer ball_his = written(std::vector<double>(queries_ * primitives, -0.1));
+    launch("set_bounds", cl_ulong{groups}, cl_ulong{queries_}, coordinates, parameters, edges, centres, ball_his, ends);
     const std::array<double, 4> root{0.0, 0.0, 0.0, 4.0};  // centre and half-width
     launch("solid_distance", cl_ulong{searches}, cl_ulong{queries_}, coordinates, parameters, root[0], root[1], root[2],
-           root[3], tolerance, rounds, of_primitives, outputs<2>(searches));
+           root[3], tolerance, rounds, of_primitives, ends);
     queue_.finish();
   }
 
@@ -148,12 +157,20 @@ class KernelRun {
     queue_.finish();
   }
 
+  /// A bent solid minus another, united with what that has in common with a third: edges of intersections, and of what
+  /// is cut away.
   [[nodiscard]] static Model solid_model() {
-    SetExpression difference{{}, SetOperation::subtract, 0};
-    for (const std::uint32_t i : {0U, 1U}) difference.operands.push_back({{}, SetOperation::unite, i});
-    Model both{"", {model.primitives[0], model.primitives[1]}, difference};
-    both.primitives[0].bend = Bend{0.3, 20.0};
-    return both;
+    const auto node = [](SetOperation operation, std::uint32_t first, std::uint32_t second) {
+      SetExpression made{{}, operation, 0};
+      for (const std::uint32_t i : {first, second}) made.operands.push_back({{}, SetOperation::unite, i});
+      return made;
+    };
+    SetExpression tree{{}, SetOperation::unite, 0};
+    tree.operands = {node(SetOperation::subtract, 0, 1), node(SetOperation::intersect, 1, 2)};
+    Model all{"", model.primitives, tree};
+    all.primitives[0].bend = Bend{0.3, 20.0};
+    all.primitives[2].pose.translation = {1.2, 0.3, 0.0};
+    return all;
   }
 
  private:
@@ -436,9 +453,9 @@ TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffers) {
               HasSubstr("Invalid read"));
   EXPECT_THAT(reported_of(&KernelRun::solids, unguarded(solid_sources(), "MODEL_SPACE const box_primitive* p")),
               HasSubstr("Invalid read"));
-  EXPECT_THAT(reported_of(&KernelRun::solids,
-                          broken(solid_sources(), "if (index >= count) return;\n  search own;", "search own;")),
-              HasSubstr("Invalid write"));
+  EXPECT_THAT(
+      reported_of(&KernelRun::solids, broken(solid_sources(), "if (index >= count || his[index]", "if (his[index]")),
+      HasSubstr("Invalid read"));
 }
 
 TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffersOfTaperedPrimitives) {
@@ -448,7 +465,20 @@ TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffersOfTaperedPrimitives) {
               HasSubstr("Invalid read"));
 }
 
-// A test of its own: oclgrind falls silent after 1000 errors of a process.
+// Tests of their own: oclgrind falls silent after 1000 errors of a process.
+TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffersOfEdges) {
+  constexpr std::string_view next = "const real edge = LOAD(group, edges);";
+  const std::string guard = "if (group >= groups) return;\n  ";
+  EXPECT_THAT(reported_of(&KernelRun::solids, broken(solid_sources(), guard + std::string(next), next)),
+              HasSubstr("Invalid read"));
+}
+
+TEST_P(KernelMemoryTest, FindsAnEdgeOfNoPrimitive) {
+  EXPECT_THAT(reported_of(&KernelRun::solids,
+                          broken(solid_sources(), "MASK(term.literal >= 0) & MASK(open >= 0)", "MASK(open >= 0)")),
+              HasSubstr("Invalid read"));
+}
+
 TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffersOfTheObjective) {
   EXPECT_THAT(reported_of(&KernelRun::pose_objective,
                           broken(pose_objective_sources(), "if (item >= (ulong)candidates * slices) return;\n", "")),
@@ -467,6 +497,9 @@ TEST_P(KernelMemoryTest, FindsAReadOfWhatWasNotWritten) {
               HasSubstr("ninitialized"));
   EXPECT_THAT(reported_of(&KernelRun::solids, broken(solid_sources(), "  STORE(distance.hi, group, his);\n", "")),
               HasSubstr("ninitialized"));
+  EXPECT_THAT(
+      reported_of(&KernelRun::solids, broken(solid_sources(), "  STORE(REAL(NO_EDGE), group, out.edges);\n", "")),
+      HasSubstr("ninitialized"));
   EXPECT_THAT(reported_of(&KernelRun::pose_objective,
                           broken(pose_objective_sources(), "  sums[BOUND] = sum_of_lanes(bound);\n", "")),
               HasSubstr("ninitialized"));

@@ -33,10 +33,11 @@ struct Layer {
 [[nodiscard]] std::span<const Mutant> tapered_mutants();
 
 /// Those of triangle_distance.cl, of pair_distance.cl and of the layers and kernels for bent and combined solids, in
-/// the programs of triangles, of pairs and of solids; likewise.
+/// the programs of triangles, of pairs and of solids; likewise. Those of set_bounds.cl in a program of more primitives.
 [[nodiscard]] std::span<const Mutant> triangle_mutants();
 [[nodiscard]] std::span<const Mutant> pair_mutants();
 [[nodiscard]] std::span<const Mutant> solid_mutants();
+[[nodiscard]] std::span<const Mutant> set_mutants();
 
 /// Those of the kernels between the caller's memory and those of distances, in the program of points; likewise, but
 /// that a false status, a false sum or a number in the wrong place counts as a false proof.

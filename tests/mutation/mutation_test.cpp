@@ -19,6 +19,7 @@
 #include "tests/mutation/pair_judge.hpp"
 #include "tests/mutation/pessimistic_arithmetic.hpp"
 #include "tests/mutation/scenes.hpp"
+#include "tests/mutation/set_judge.hpp"
 #include "tests/mutation/solid_judge.hpp"
 #include "tests/mutation/tapered_judge.hpp"
 #include "tests/mutation/triangle_judge.hpp"
@@ -183,6 +184,15 @@ class ConvexMutationTest : public MutationTest {
     };
   }
 
+  [[nodiscard]] Find set_faults(const SetJudge& judge) const {
+    return [this, &judge](const std::string& sources, Arithmetic first) {
+      return first_fault(Program::solids, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
+        const std::string found = judge.false_claim(compiled_on(arithmetic, Program::solids, text));
+        return found.empty() ? found : fmt::format("{}: {}", name_of(arithmetic), found);
+      });
+    };
+  }
+
   const std::string triangle_sources{kernels::embedded_triangle_sources()};
   const std::string pair_sources{kernels::embedded_pair_sources()};
 };
@@ -226,6 +236,14 @@ TEST_F(ConvexMutationTest, AllOfSolidsAreKilled) {
   const std::string sources = SolidJudge::sources();
   EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
   expect_all_killed("solid_distance.cl", solid_mutants(), sources, find);
+}
+
+TEST_F(ConvexMutationTest, AllOfSetBoundsAreKilled) {
+  const SetJudge judge(set_scenes());
+  const Find find = set_faults(judge);
+  const std::string sources = SetJudge::sources();
+  EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
+  expect_all_killed("set_bounds.cl", set_mutants(), sources, find);
 }
 
 }  // namespace

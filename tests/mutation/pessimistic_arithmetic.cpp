@@ -193,7 +193,7 @@ constexpr std::array tapered_evaluation{
     Mutant{"error of what is moved", "#define MOVED_ERROR ", "#define MOVED_ERROR EVALUATION_MAGNIFICATION * "},
 };
 
-// Any multipliers that are not negative prove something, and any point near a bent solid.
+// Any multipliers that are not negative prove something, any point near a bent solid, and any foot and ball of an edge.
 constexpr std::array solid_proposals{
     Mutant{"multiplier", "return select(REAL(0.0), root, MASK(below_value > 0.0)",
            "return select(REAL(0.05), 0.7 * root, MASK(below_value > 0.0)"},
@@ -206,6 +206,16 @@ constexpr std::array solid_proposals{
     const real end = select(found_x.z * scale, REAL(0.9 * p->solid.semi_axes[2]), ~low & high);
     const vector3 spoilt = {found_x.x * scale, found_x.y * scale, end};
     const vector3 at = bend_nearest(spoilt, p->curvature);)"},
+    Mutant{"shares of an edge", "  const two shares = combination(along_a, along_b, products);\n  // Whatever", R"(
+  two shares = combination(along_a, along_b, products);
+  shares.a *= 0.5 + TO_REAL((BITS(q.x) >> 8) & INTEGER(255L)) * 0x1p-8;
+  shares.b *= 0.5 + TO_REAL((BITS(q.y) >> 8) & INTEGER(255L)) * 0x1p-8;
+  // Whatever)"},
+    Mutant{"foot on an edge", "  return edge;\n}", R"(
+  edge.foot.x += 0x1p-16 * TO_REAL((BITS(q.x) >> 8) & INTEGER(255L)) - 0x1p-9;
+  edge.foot.z += 0x1p-16 * TO_REAL((BITS(q.z) >> 8) & INTEGER(255L)) - 0x1p-9;
+  return edge;
+})"},
 };
 
 // Normals turned, so that lower ends are loose; planes too far away; searches cut short.
