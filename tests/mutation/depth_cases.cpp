@@ -46,7 +46,7 @@ Point cross(const Point& a, const Point& b) {
 
 // Solids.
 
-enum class Kind { sphere, ellipsoid, hardly_bent, mixed, slender, square, bent_sphere, flat, count };
+enum class Kind { sphere, ellipsoid, hardly_bent, mixed, slender, square, bent_sphere, flat, pointed, count };
 
 Superquadric shape(RandomCases& random, Kind kind) {
   const auto exponent = [&] { return random.choice(4) == 0 ? 1.0 : random.uniform(0.15, 1.0); };
@@ -57,8 +57,13 @@ Superquadric shape(RandomCases& random, Kind kind) {
     case Kind::bent_sphere: return {{1.5 * a, 1.5 * a, 1.5 * a}, {1.0, 1.0}};
     case Kind::ellipsoid: return {{a, b, random.uniform(0.3, 1.9)}, {1.0, 1.0}};
     case Kind::slender: return {{0.3 * a, 0.3 * b, random.uniform(1.0, 1.9)}, {exponent(), exponent()}};
-    case Kind::square: return {{a, a, random.uniform(0.3, 1.9)}, {random.uniform(0.15, 0.4), random.uniform(0.15, 0.4)}};
+    case Kind::square:
+      return {{a, a, random.uniform(0.3, 1.9)}, {random.uniform(0.15, 0.4), random.uniform(0.15, 0.4)}};
     case Kind::flat: return {{1.5 * a, 1.5 * b, random.uniform(0.1, 0.4)}, {exponent(), 1.0}};
+    case Kind::pointed:
+      return {{a, b, random.uniform(0.5, 1.9)},
+              random.choice(2) == 0 ? std::array{random.uniform(1.1, 1.9), exponent()}
+                                    : std::array{exponent(), random.uniform(1.1, 1.9)}};
     default: return {{a, b, random.uniform(0.5, 1.9)}, {exponent(), exponent()}};
   }
 }
@@ -100,8 +105,8 @@ struct Excess {
 Excess excess(Long w_q, const Polar& c, Long e, Long delta) {
   const Long half = std::sin(delta / 2);
   const Long u = -2 * std::sin(c.angle + delta / 2) * half;
-  const Long rest = std::fabs(delta) < 1e-3L ? delta * delta * delta / 6 * (1 - delta * delta / 20)
-                                            : delta - std::sin(delta);
+  const Long rest =
+      std::fabs(delta) < 1e-3L ? delta * delta * delta / 6 * (1 - delta * delta / 20) : delta - std::sin(delta);
   const Long big_e = 2 * half * half * std::cos(c.angle) - rest * std::sin(c.angle);
   const Long higher = e * (2 * c.w + e) - 2 * w_q * (e * std::cos(c.angle + delta) + c.w * u);
   return {e * e - 2 * e * w_q * u + 2 * c.w * w_q * big_e, higher <= 0};
@@ -111,7 +116,9 @@ MetricCase metric_case(RandomCases& random) {
   constexpr Long k = metric_curvature;
   const Long w_q = random.uniform(0.1, 2.0);
   const Long gamma_q = random.choice(3) == 0 ? random.uniform(3.0, 3.14) : random.uniform(-3.0, 3.0);
-  const Long sine = random.choice(2) == 0 ? random.uniform(0.02, 0.65) : random.log_uniform(1e-6, 1.0);
+  const Long sine = random.choice(4) == 0   ? random.uniform(0.6, 1.0)
+                    : random.choice(2) == 0 ? random.uniform(0.02, 0.65)
+                                            : random.log_uniform(1e-6, 1.0);
   const Long radius = sine * w_q;
   const Long extreme = std::acos(-std::min<Long>(sine, 1));
   const bool at_extreme = random.choice(2) == 0;
@@ -205,8 +212,7 @@ SecondCase second_case(RandomCases& random, const Superquadric& s) {
       const Long hi = made.given[2 * i + 1];
       x[i] = n < 8 ? ((n >> i & 1U) == 0 ? lo : hi) : lo + (hi - lo) * random.uniform(0.0, 1.0);
     }
-    made.largest =
-        std::max(made.largest, static_cast<double>(largest_step(gauge.second_derivative(x), stretch).value));
+    made.largest = std::max(made.largest, static_cast<double>(largest_step(gauge.second_derivative(x), stretch).value));
   }
   return made;
 }
@@ -390,33 +396,29 @@ std::vector<Case> made(std::size_t solids, std::size_t of_solid, const Make& mak
 
 }  // namespace
 
-std::vector<Primitive> depth_solids() {
+DepthSolids depth_solids() {
   RandomCases random(5);
-  std::vector<Primitive> all;
+  DepthSolids made{{}, static_cast<std::size_t>(Kind::pointed) * solids_of_kind};
   for (std::size_t kind = 0; kind < static_cast<std::size_t>(Kind::count); ++kind)
-    for (std::size_t n = 0; n < solids_of_kind; ++n) all.push_back(solid(random, static_cast<Kind>(kind)));
-  return all;
+    for (std::size_t n = 0; n < solids_of_kind; ++n) made.all.push_back(solid(random, static_cast<Kind>(kind)));
+  return made;
 }
 
-DepthCases::DepthCases(const std::vector<Primitive>& solids) : depths(solids.size()) {
-  std::vector<PlacedPrimitive> placed(solids.begin(), solids.end());
-  std::vector<device::BoxPrimitiveParameters> parameters;
-  for (const Primitive& primitive : solids) parameters.push_back(device::box_primitive_parameters(primitive, 0));
-  const std::size_t count = solids.size();
+DepthCases::DepthCases(const DepthSolids& solids) : depths(solids.all.size()) {
+  const std::vector<PlacedPrimitive> placed(solids.all.begin(), solids.all.end());
+  const auto shape = [&](std::size_t i) { return solids.all[i].superquadric; };
+  const std::size_t count = solids.of_lemmas;
   metrics = made<MetricCase>(1, metric_count, [](RandomCases& random, std::size_t) { return metric_case(random); });
-  seconds = made<SecondCase>(count, seconds_of_solid, [&](RandomCases& random, std::size_t i) {
-    return second_case(random, solids[i].superquadric);
-  });
-  ways = made<WayCase>(count, ways_of_solid, [&](RandomCases& random, std::size_t i) {
-    return way_case(random, solids[i].superquadric);
-  });
-  gradients = made<GradientCase>(count, gradients_of_solid, [&](RandomCases& random, std::size_t i) {
-    return gradient_case(random, solids[i].superquadric);
-  });
+  seconds = made<SecondCase>(count, seconds_of_solid,
+                             [&](RandomCases& random, std::size_t i) { return second_case(random, shape(i)); });
+  ways = made<WayCase>(count, ways_of_solid,
+                       [&](RandomCases& random, std::size_t i) { return way_case(random, shape(i)); });
+  gradients = made<GradientCase>(count, gradients_of_solid,
+                                 [&](RandomCases& random, std::size_t i) { return gradient_case(random, shape(i)); });
   balls = made<BallCase>(count, balls_of_solid, [&](RandomCases& random, std::size_t i) {
-    return ball_case(random, placed[i], parameters[i]);
+    return ball_case(random, placed[i], device::box_primitive_parameters(solids.all[i], 0));
   });
-  oracle::in_parallel(count, [&](std::size_t i) {
+  oracle::in_parallel(solids.all.size(), [&](std::size_t i) {
     RandomCases random(i);
     for (std::size_t n = 0; n < depths_of_solid; ++n) depths[i].push_back(depth_case(random, placed[i]));
   });

@@ -11,8 +11,13 @@ namespace verisq::mutation {
 /// Kernels take so many cases of one solid at a time, and then as many of the next.
 inline constexpr std::size_t cases_at_a_time = 4;
 
-/// Bent solids with exponents of at most 1. No semi-axis is above 2: the frame of the device is the model's.
-[[nodiscard]] std::vector<Primitive> depth_solids();
+/// Bent solids with exponents of at most 1, for which lemmas hold, and then others. No semi-axis is above 2: the frame
+/// of the device is the model's.
+struct DepthSolids {
+  std::vector<Primitive> all;
+  std::size_t of_lemmas;  ///< the first of them
+};
+[[nodiscard]] DepthSolids depth_solids();
 
 inline constexpr double metric_curvature = 0.5;
 
@@ -24,8 +29,8 @@ struct MetricCase {
     double across, along;  ///< squares of the steps in r and z from c
   };
   std::vector<Point> points;
-  double apart;               ///< z of c less that of q, the short way
-  double reach_r, reach_z;    ///< how far points of the ball lie from q
+  double apart;             ///< z of c less that of q, the short way
+  double reach_r, reach_z;  ///< how far points of the ball lie from q
 };
 
 /// Points of a box, where the second derivative is known.
@@ -59,16 +64,16 @@ struct DepthCase {
   double least, most;
 };
 
-/// In the order of the solids, `cases_at_a_time` of each; metrics are of no solid.
+/// In the order of the solids of lemmas, `cases_at_a_time` of each; metrics are of no solid.
 struct DepthCases {
-  explicit DepthCases(const std::vector<Primitive>& solids);
+  explicit DepthCases(const DepthSolids& solids);
 
   std::vector<MetricCase> metrics;
   std::vector<SecondCase> seconds;
   std::vector<WayCase> ways;
   std::vector<GradientCase> gradients;
   std::vector<BallCase> balls;
-  std::vector<std::vector<DepthCase>> depths;  ///< of each solid
+  std::vector<std::vector<DepthCase>> depths;  ///< of each of all solids
 };
 
 }  // namespace verisq::mutation

@@ -16,9 +16,9 @@
 namespace verisq::mutation {
 namespace {
 
-constexpr double slack = 1e-12;          // of what is computed here, relatively
-constexpr double metric_slack = 1e-10;   // of excesses, whose arguments binary64 rounds
-constexpr double gradient_slack = 1e-13; // of powers of quotients
+constexpr double slack = 1e-12;           // of what is computed here, relatively
+constexpr double metric_slack = 1e-10;    // of excesses, whose arguments binary64 rounds
+constexpr double gradient_slack = 1e-13;  // of powers of quotients
 
 constexpr const char* examination = R"(
 ALWAYS_INLINE interval number_at(global const double* given, ulong stride, uint column, ulong group) {
@@ -105,11 +105,11 @@ Columns columns_of(const std::vector<Case>& cases) {
 
 class Launcher {
  public:
-  Launcher(const CompiledKernels& kernels, const std::vector<Primitive>& solids)
+  Launcher(const CompiledKernels& kernels, const DepthSolids& solids)
       : kernels_(kernels),
         queue_(kernels.context, kernels.device),
-        count_(static_cast<cl_uint>(solids.size())),
-        primitives_(device::uploaded_box_primitives(kernels, Model{"", solids, {}}, 0)) {}
+        count_(static_cast<cl_uint>(solids.of_lemmas)),
+        primitives_(device::uploaded_box_primitives(kernels, Model{"", solids.all, {}}, 0)) {}
 
   [[nodiscard]] Columns metrics(const std::vector<MetricCase>& cases) const {
     const std::size_t length = cases.size();
@@ -139,8 +139,8 @@ class Launcher {
     }
     std::array<cl::Buffer, 5> results;
     for (cl::Buffer& column : results) column = zeros(kernels_, length);
-    run("bent_distance", length, groups_of(length), axes[0], axes[1], axes[2], primitives_,
-        static_cast<cl_uint>(solid), results[0], results[1], results[2], results[3], results[4]);
+    run("bent_distance", length, groups_of(length), axes[0], axes[1], axes[2], primitives_, static_cast<cl_uint>(solid),
+        results[0], results[1], results[2], results[3], results[4]);
     const std::vector<double> los = read(queue_, results[0], length);
     const std::vector<double> his = read(queue_, results[1], length);
     std::vector<Enclosure> found;
@@ -269,7 +269,7 @@ double share(std::size_t part, std::size_t whole) {
 DepthJudge::DepthJudge() : solids_(depth_solids()), cases_(solids_) {}
 
 std::string DepthJudge::sources() {
-  return device::model_source(Model{"", {depth_solids().front()}, {}},
+  return device::model_source(Model{"", {depth_solids().all.front()}, {}},
                               std::string(kernels::embedded_solid_distance()) + examination);
 }
 
@@ -280,7 +280,8 @@ std::string DepthJudge::false_claim(const CompiledKernels& kernels) const {
   if (fault.empty()) fault = ways_fault(launcher, cases_.ways);
   if (fault.empty()) fault = gradients_fault(launcher, cases_.gradients);
   if (fault.empty()) fault = balls_fault(launcher, cases_.balls);
-  for (std::size_t i = 0; i < solids_.size() && fault.empty(); ++i) fault = depths_fault(launcher, cases_.depths[i], i);
+  for (std::size_t i = 0; i < solids_.all.size() && fault.empty(); ++i)
+    fault = depths_fault(launcher, cases_.depths[i], i);
   return fault;
 }
 
@@ -292,7 +293,7 @@ DepthJudge::Shares DepthJudge::shares(const CompiledKernels& kernels) const {
   for (const BallCase& ball : cases_.balls) inside += ball.outside ? 0 : 1;
   std::size_t known = 0;
   std::size_t tight = 0;
-  for (std::size_t i = 0; i < solids_.size(); ++i) {
+  for (std::size_t i = 0; i < solids_.all.size(); ++i) {
     const std::vector<Enclosure> found = launcher.depths(cases_.depths[i], i);
     for (std::size_t n = 0; n < found.size(); ++n) {
       if (cases_.depths[i][n].least == 0.0) continue;

@@ -27,7 +27,7 @@ class DepthJudge {
   [[nodiscard]] Shares shares(const CompiledKernels& kernels) const;
 
  private:
-  std::vector<Primitive> solids_;
+  DepthSolids solids_;
   DepthCases cases_;
 };
 

@@ -262,7 +262,8 @@ TEST(GaugeSquareTest, DerivativesAreThoseOfDifferences) {
   constexpr Long step = 1e-4L;
   for (const auto& exponents : {std::array{1.0, 1.0}, std::array{0.3, 0.7}, std::array{0.8, 0.25}}) {
     const GaugeSquare gauge({{0.7, 0.4, 1.3}, exponents});
-    for (const LongVector& x : {LongVector{0.3L, 0.2L, 0.9L}, LongVector{0.5L, 0.35L, 0.4L}, LongVector{0.1L, 0.3L, 1.1L}}) {
+    for (const LongVector& x :
+         {LongVector{0.3L, 0.2L, 0.9L}, LongVector{0.5L, 0.35L, 0.4L}, LongVector{0.1L, 0.3L, 1.1L}}) {
       const LongVector gradient = gauge.gradient(x);
       const LongMatrix second = gauge.second_derivative(x);
       for (std::size_t i = 0; i < 3; ++i) {
