@@ -195,7 +195,7 @@ Long stretch_at(RandomCases& random, const Superquadric& s, const LongVector& x)
 
 SecondCase second_case(RandomCases& random, const Superquadric& s) {
   const LongVector middle = place(random, s);
-  const double stretch = static_cast<double>(stretch_at(random, s, middle));
+  const auto stretch = static_cast<double>(stretch_at(random, s, middle));
   SecondCase made{};
   const double size = random.choice(2) == 0 ? 0.0 : random.log_uniform(1e-9, 0.5);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -242,7 +242,7 @@ Long weighted(const GaugeSquare& gauge, const LongVector& c, const LongVector& e
 WayCase way_case(RandomCases& random, const Superquadric& s) {
   const GaugeSquare gauge(s);
   const LongVector c = place(random, s);
-  const double stretch = static_cast<double>(stretch_at(random, s, c));
+  const auto stretch = static_cast<double>(stretch_at(random, s, c));
   const LongVector best = largest_step(gauge.second_derivative(c), stretch).step;
   const double length = (random.choice(2) == 0 ? -1.0 : 1.0) * random.log_uniform(1e-4, 1.0);
   const bool point = random.choice(2) == 0;

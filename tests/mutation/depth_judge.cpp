@@ -134,6 +134,7 @@ class Launcher {
     std::array<cl::Buffer, 3> axes;
     for (std::size_t k = 0; k < 3; ++k) {
       std::vector<double> column;
+      column.reserve(length);
       for (const DepthCase& one : cases) column.push_back(one.point[k]);
       axes[k] = uploaded(kernels_, Columns{column});
     }
