@@ -154,6 +154,7 @@ class KernelRun {
     tree.operands = {node(SetOperation::subtract, 0, 1), node(SetOperation::intersect, 1, 2)};
     Model all{"", model.primitives, tree};
     all.primitives[0].bend = Bend{0.3, 20.0};
+    all.primitives[0].superquadric.exponents = {1.0, 0.8};  // depths are bounded up to 1
     all.primitives[2].pose.translation = {1.2, 0.3, 0.0};
     return all;
   }

@@ -14,6 +14,8 @@
 #include "kernels/embedded_sources.hpp"
 #include "tests/kernels/row_judge.hpp"
 #include "tests/mutation/bound_judge.hpp"
+#include "tests/mutation/depth_judge.hpp"
+#include "tests/mutation/gauge_square.hpp"
 #include "tests/mutation/map_judge.hpp"
 #include "tests/mutation/mutant.hpp"
 #include "tests/mutation/pair_judge.hpp"
@@ -195,6 +197,15 @@ class ConvexMutationTest : public MutationTest {
     };
   }
 
+  [[nodiscard]] Find depth_faults(const DepthJudge& judge) const {
+    return [this, &judge](const std::string& sources, Arithmetic first) {
+      return first_fault(Program::solids, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
+        const std::string found = judge.false_claim(compiled_on(arithmetic, Program::solids, text));
+        return found.empty() ? found : fmt::format("{}: {}", name_of(arithmetic), found);
+      });
+    };
+  }
+
   const std::string triangle_sources{kernels::embedded_triangle_sources()};
   const std::string pair_sources{kernels::embedded_pair_sources()};
 };
@@ -255,6 +266,48 @@ TEST_F(ConvexMutationTest, AllOfSetBoundsAreKilled) {
   const std::string sources = SetJudge::sources();
   EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
   expect_all_killed("set_bounds.cl", set_mutants(), sources, find);
+}
+
+/// What the judge of depths compares with.
+TEST(GaugeSquareTest, DerivativesAreThoseOfDifferences) {
+  constexpr Long step = 1e-4L;
+  for (const auto& exponents : {std::array{1.0, 1.0}, std::array{0.3, 0.7}, std::array{0.8, 0.25}}) {
+    const GaugeSquare gauge({{0.7, 0.4, 1.3}, exponents});
+    for (const LongVector& x :
+         {LongVector{0.3L, 0.2L, 0.9L}, LongVector{0.5L, 0.35L, 0.4L}, LongVector{0.1L, 0.3L, 1.1L}}) {
+      const LongVector gradient = gauge.gradient(x);
+      const LongMatrix second = gauge.second_derivative(x);
+      for (std::size_t i = 0; i < 3; ++i) {
+        LongVector up = x;
+        LongVector down = x;
+        up[i] += step;
+        down[i] -= step;
+        const Long slope = (gauge.half_square(up) - gauge.half_square(down)) / (2 * step);
+        EXPECT_NEAR(static_cast<double>(gradient[i]), static_cast<double>(slope), 1e-5);
+        for (std::size_t j = 0; j < 3; ++j) {
+          const Long change = (gauge.gradient(up)[j] - gauge.gradient(down)[j]) / (2 * step);
+          EXPECT_NEAR(static_cast<double>(second[i][j]), static_cast<double>(change), 1e-4) << i << j;
+        }
+      }
+      const LargestStep largest = largest_step(second, 0.7L);
+      const auto& [a, b, c] = largest.step;
+      EXPECT_NEAR(static_cast<double>(a * a + b * b + 0.49L * c * c), 1.0, 1e-12);
+    }
+  }
+}
+
+TEST_F(ConvexMutationTest, AllOfBentDepthsAreKilled) {
+  const DepthJudge judge;
+  const Find find = depth_faults(judge);
+  const std::string sources = DepthJudge::sources();
+  EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
+  const DepthJudge::Shares shares = judge.shares(compiled_on(Arithmetic::usual, Program::solids, sources));
+  fmt::print("claimed: {:.3f} of metrics, {:.3f} of balls, {:.3f} of depths\n", shares.metrics, shares.balls,
+             shares.depths);
+  EXPECT_GT(shares.metrics, 0.3);
+  EXPECT_GT(shares.balls, 0.3);
+  EXPECT_GT(shares.depths, 0.3);
+  expect_all_killed("bent_depth.clh", depth_mutants(), sources, find);
 }
 
 }  // namespace

@@ -210,7 +210,8 @@ constexpr std::array tapered_search{
     Mutant{"limit", "#define SPLIT_LIMIT 4096", "#define SPLIT_LIMIT 128"},
 };
 
-// Any multipliers that are not negative prove something, any point near a bent solid, and any foot and ball of an edge.
+// Any multipliers that are not negative prove something, any point near a bent solid, any foot and ball of an edge, and
+// any way out of a bent solid.
 constexpr std::array solid_proposals{
     Mutant{"multiplier", "return select(REAL(0.0), root, MASK(below_value > 0.0)",
            "return select(REAL(0.05), 0.7 * root, MASK(below_value > 0.0)"},
@@ -233,6 +234,15 @@ constexpr std::array solid_proposals{
   edge.foot.z += 0x1p-16 * TO_REAL((BITS(q.z) >> 8) & INTEGER(255L)) - 0x1p-9;
   return edge;
 })"},
+    Mutant{"way out", "  foot.point = on;\n  return foot;\n", R"(
+  const real farther = fma(REAL(0x1p-10), TO_REAL((BITS(q.x) >> 8) & INTEGER(255L)), REAL(0.875));
+  const vector3 spoilt = {on.x * farther, on.y * farther, on.z * farther};
+  foot.point = spoilt;
+  return foot;
+)"},
+    Mutant{"curvature of balls", "const real kappa = fmax(fma(v_0.x, g_0.x,",
+           "const real kappa = fma(REAL(0x1p-9), TO_REAL((BITS(q.x) >> 8) & INTEGER(255L)), REAL(0.75)) * "
+           "fmax(fma(v_0.x, g_0.x,"},
 };
 
 // Normals turned, so that lower ends are loose; planes too far away; searches cut short.

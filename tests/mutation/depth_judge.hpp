@@ -1,0 +1,34 @@
+/// Judges the kernels' lemmas of points inside bent primitives, each on its own, and the depths that come out of them.
+#pragma once
+
+#include <string>
+
+#include "tests/mutation/compiled_kernels.hpp"
+#include "tests/mutation/depth_cases.hpp"
+
+namespace verisq::mutation {
+
+class DepthJudge {
+ public:
+  DepthJudge();
+
+  /// The true kernels, with some that show what each lemma claims.
+  [[nodiscard]] static std::string sources();
+
+  /// A first claim that is false; empty when all is well.
+  [[nodiscard]] std::string false_claim(const CompiledKernels& kernels) const;
+
+  /// How much is claimed of what might be: where that is little, nothing is judged.
+  struct Shares {
+    double metrics;  ///< that are valid
+    double balls;    ///< claimed, of those not known to reach outside
+    double depths;   ///< claimed from both sides to 1e-9, of those known to it
+  };
+  [[nodiscard]] Shares shares(const CompiledKernels& kernels) const;
+
+ private:
+  DepthSolids solids_;
+  DepthCases cases_;
+};
+
+}  // namespace verisq::mutation
