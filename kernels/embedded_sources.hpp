@@ -22,6 +22,8 @@ namespace verisq::kernels {
 /// Of programs for models with bends or set operations: the layers, and kernels that call functions of the model's own
 /// tree, which come last (host/batches/model_source.hpp).
 [[nodiscard]] std::string_view embedded_solid_layers();
+[[nodiscard]] std::string_view embedded_bent_distance();
+[[nodiscard]] std::string_view embedded_set_bounds();
 [[nodiscard]] std::string_view embedded_solid_distance();
 [[nodiscard]] std::string_view embedded_octree();
 

@@ -63,13 +63,6 @@ ALWAYS_INLINE vector3 broadcast(point p) {
   return v;
 }
 
-// |p - q|, rounded up: each difference is within one rounding.
-ALWAYS_INLINE real distance_between_up(vector3 p, vector3 q) {
-  const vector3 d = between(p, q);
-  const vector3 apart = {step_up(fabs(d.x)), step_up(fabs(d.y)), step_up(fabs(d.z))};
-  return length_up(apart);
-}
-
 // Margins by which proposals try to lie inside the target, a lane each, in units of the size of the numbers.
 constant double margins[CHILDREN] = {0x1p-50, 0x1p-47, 0x1p-44, 0x1p-41, 0x1p-37, 0x1p-33, 0x1p-29, 0x1p-24};
 

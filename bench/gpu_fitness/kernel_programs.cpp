@@ -17,7 +17,7 @@ std::vector<KernelProgram> kernel_programs(const std::string& examples) {
       {"triangles", std::string(kernels::embedded_triangle_sources()), ""},
       {"pairs", std::string(kernels::embedded_pair_sources()), ""},
       {"fit", std::string(kernels::embedded_pose_objective_sources()), ""},
-      {"solid", device::model_source(solid, kernels::embedded_solid_distance()), ""},
+      {"solid", device::solid_source(solid), ""},
       {"octree", device::model_source(solid, kernels::embedded_octree()), ""}};
 }
 

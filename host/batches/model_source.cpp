@@ -143,4 +143,11 @@ std::string model_source(const Model& model, std::string_view entry_points) {
                      kernels::embedded_solid_layers(), entry_points, solid_colour(tree), solid_node(tree));
 }
 
+std::string solid_source(const Model& model) {
+  std::string entry_points(kernels::embedded_bent_distance());
+  entry_points += kernels::embedded_set_bounds();
+  entry_points += kernels::embedded_solid_distance();
+  return model_source(model, entry_points);
+}
+
 }  // namespace verisq::device

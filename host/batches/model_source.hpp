@@ -24,4 +24,7 @@ inline constexpr std::size_t most_compiled_leaves = 100;
 /// Precondition: the model may be compiled.
 [[nodiscard]] std::string model_source(const Model& model, std::string_view entry_points);
 
+/// That with all kernels that signed distances of points take.
+[[nodiscard]] std::string solid_source(const Model& model);
+
 }  // namespace verisq::device

@@ -36,8 +36,8 @@ constexpr std::array<std::string_view, 5> edge_arguments{"others", "edges", "foo
 constexpr std::array<std::string_view, 3> centre_arguments{"centre_xs", "centre_ys", "centre_zs"};
 
 cl::Program solid_program(const Device& device, const Model& model) {
-  return build_program(device.context, device.device, solid_vector_width(device),
-                       model_source(model, kernels::embedded_solid_distance()), box_primitives_memory(device, model));
+  return build_program(device.context, device.device, solid_vector_width(device), solid_source(model),
+                       box_primitives_memory(device, model));
 }
 
 // Twice: the first of a model is evaluated at all points, later ones at those that they may be nearest to.
@@ -87,9 +87,9 @@ class SolidSlot : public ChunkSlot {
         box_primitives_(model.box_primitives),
         points_{{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
                 queue_.numbers(capacity_)},
-        bent_distance_(model.program, kernels::embedded_solid_distance(), "bent_distance"),
-        set_feet_(model.program, kernels::embedded_solid_distance(), "set_feet"),
-        set_bounds_(model.program, kernels::embedded_solid_distance(), "set_bounds"),
+        bent_distance_(model.program, kernels::embedded_bent_distance(), "bent_distance"),
+        set_feet_(model.program, kernels::embedded_set_bounds(), "set_feet"),
+        set_bounds_(model.program, kernels::embedded_set_bounds(), "set_bounds"),
         solid_distance_(model.program, kernels::embedded_solid_distance(), "solid_distance") {
     if (model.convex_programs) {
       convex_distance_.emplace(device, *model.convex_programs, queue_, capacity_, scale_.to_device(tolerance));

@@ -378,8 +378,8 @@ class KernelMemoryTest : public ::testing::TestWithParam<int> {
 
   /// Likewise.
   static std::string solid_sources() {
-    return broken(model_source(KernelRun::solid_model(), kernels::embedded_solid_distance()),
-                  "static __attribute__((always_inline))", "static __attribute__((noinline))");
+    return broken(solid_source(KernelRun::solid_model()), "static __attribute__((always_inline))",
+                  "static __attribute__((noinline))");
   }
 
   /// Of one of the runs above.

@@ -271,7 +271,7 @@ DepthJudge::DepthJudge() : solids_(depth_solids()), cases_(solids_) {}
 
 std::string DepthJudge::sources() {
   return device::model_source(Model{"", {depth_solids().all.front()}, {}},
-                              std::string(kernels::embedded_solid_distance()) + examination);
+                              std::string(kernels::embedded_bent_distance()) + examination);
 }
 
 std::string DepthJudge::false_claim(const CompiledKernels& kernels) const {

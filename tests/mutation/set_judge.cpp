@@ -570,7 +570,7 @@ SetJudge::SetJudge(std::vector<SetScene> scenes) {
 }
 
 std::string SetJudge::sources() {
-  return device::model_source(set_scenes().front().model, kernels::embedded_solid_distance());
+  return device::model_source(set_scenes().front().model, kernels::embedded_set_bounds());
 }
 
 std::string SetJudge::false_claim(const CompiledKernels& kernels) const {

@@ -472,8 +472,9 @@ SolidJudge::SolidJudge(std::vector<SolidScene> scenes) {
 }
 
 std::string SolidJudge::sources() {
-  return device::model_source(solid_scenes().front().model,
-                              std::string(kernels::embedded_solid_distance()) + examination);
+  return device::model_source(
+      solid_scenes().front().model,
+      std::string(kernels::embedded_bent_distance()).append(kernels::embedded_solid_distance()) + examination);
 }
 
 std::string SolidJudge::false_claim(const CompiledKernels& kernels, bool with_searches) const {
