@@ -251,7 +251,6 @@ constexpr std::array mutants{
            "found.distance.lo", Arithmetic::displaced},
     Mutant{"depth, upper end without the frame's error", "add_up(found.distance.hi, frame_error)", "found.distance.hi",
            Arithmetic::displaced},
-    Mutant{"depth by any first exponent", "if (p->solid.p_down[0] >= 2.0 && ", "if ("},
     Mutant{"depth by any second exponent", "p->solid.p_down[1] >= 2.0 && any(deep)", "any(deep)"},
 };
 
