@@ -190,8 +190,8 @@ class ConvexMutationTest : public MutationTest {
 
   [[nodiscard]] Find set_faults(const SetJudge& judge) const {
     return [this, &judge](const std::string& sources, Arithmetic first) {
-      return first_fault(Program::solids, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
-        const std::string found = judge.false_claim(compiled_on(arithmetic, Program::solids, text));
+      return first_fault(Program::set_bounds, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
+        const std::string found = judge.false_claim(compiled_on(arithmetic, Program::set_bounds, text));
         return found.empty() ? found : fmt::format("{}: {}", name_of(arithmetic), found);
       });
     };
@@ -199,8 +199,8 @@ class ConvexMutationTest : public MutationTest {
 
   [[nodiscard]] Find depth_faults(const DepthJudge& judge) const {
     return [this, &judge](const std::string& sources, Arithmetic first) {
-      return first_fault(Program::solids, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
-        const std::string found = judge.false_claim(compiled_on(arithmetic, Program::solids, text));
+      return first_fault(Program::bent_depths, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
+        const std::string found = judge.false_claim(compiled_on(arithmetic, Program::bent_depths, text));
         return found.empty() ? found : fmt::format("{}: {}", name_of(arithmetic), found);
       });
     };
@@ -301,7 +301,7 @@ TEST_F(ConvexMutationTest, AllOfBentDepthsAreKilled) {
   const Find find = depth_faults(judge);
   const std::string sources = DepthJudge::sources();
   EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
-  const DepthJudge::Shares shares = judge.shares(compiled_on(Arithmetic::usual, Program::solids, sources));
+  const DepthJudge::Shares shares = judge.shares(compiled_on(Arithmetic::usual, Program::bent_depths, sources));
   fmt::print("claimed: {:.3f} of metrics, {:.3f} of balls, {:.3f} of depths\n", shares.metrics, shares.balls,
              shares.depths);
   EXPECT_GT(shares.metrics, 0.3);

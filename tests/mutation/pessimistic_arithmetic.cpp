@@ -135,6 +135,10 @@ ALWAYS_INLINE local_map posed_map(cube x)"},
     Mutant{"bent, row of z", "const vector3 along_z = combined(n * inverse_w, row_r, c * inverse_w, row_z);",
            "const vector3 along_z = either_way_row(0x1p-49 * SOLID_MAGNIFICATION * inverse_w, combined(n * inverse_w, "
            "row_r, c * inverse_w, row_z), x.centre.y);"},
+};
+
+// Likewise, what bent_distance starts from.
+constexpr std::array bent_queries{
     Mutant{"query", "dot3(p->frame[6], p->frame[7], p->frame[8], d)};\n  const real size",
            "dot3(p->frame[6], p->frame[7], p->frame[8], d)};\n  const real true_size"},
     Mutant{"query's frame",
@@ -210,11 +214,13 @@ constexpr std::array tapered_search{
     Mutant{"limit", "#define SPLIT_LIMIT 4096", "#define SPLIT_LIMIT 128"},
 };
 
-// Any multipliers that are not negative prove something, any point near a bent solid, any foot and ball of an edge, and
-// any way out of a bent solid.
-constexpr std::array solid_proposals{
+// Any multipliers that are not negative prove something, any point near a bent solid and any way out of it, and any
+// foot and ball of an edge.
+constexpr std::array multipliers{
     Mutant{"multiplier", "return select(REAL(0.0), root, MASK(below_value > 0.0)",
            "return select(REAL(0.05), 0.7 * root, MASK(below_value > 0.0)"},
+};
+constexpr std::array bent_proposals{
     Mutant{"closest point's place",
            "const vector3 at = bend_nearest(closest_unbent(q, where(usable, unbent_q), u.w.hi, p), p->curvature);",
            R"(const vector3 found_x = closest_unbent(q, where(usable, unbent_q), u.w.hi, p);
@@ -224,6 +230,18 @@ constexpr std::array solid_proposals{
     const real end = select(found_x.z * scale, REAL(0.9 * p->solid.semi_axes[2]), ~low & high);
     const vector3 spoilt = {found_x.x * scale, found_x.y * scale, end};
     const vector3 at = bend_nearest(spoilt, p->curvature);)"},
+    Mutant{"way out", "  foot.point = on;\n  return foot;\n", R"(
+  const real farther = fma(REAL(0x1p-10), TO_REAL((BITS(q.x) >> 8) & INTEGER(255L)), REAL(0.875));
+  const vector3 spoilt = {on.x * farther, on.y * farther, on.z * farther};
+  foot.point = spoilt;
+  return foot;
+)"},
+    Mutant{"curvature of balls", "const real kappa = fmax(fma(v_0.x, g_0.x,",
+           "const real kappa = fma(REAL(0x1p-9), TO_REAL((BITS(q.x) >> 8) & INTEGER(255L)), REAL(0.75)) * "
+           "fmax(fma(v_0.x, g_0.x,"},
+};
+
+constexpr std::array edge_proposals{
     Mutant{"shares of an edge", "  const two shares = combination(along_a, along_b, products);\n  // Whatever", R"(
   two shares = combination(along_a, along_b, products);
   shares.a *= 0.5 + TO_REAL((BITS(q.x) >> 8) & INTEGER(255L)) * 0x1p-8;
@@ -234,15 +252,6 @@ constexpr std::array solid_proposals{
   edge.foot.z += 0x1p-16 * TO_REAL((BITS(q.z) >> 8) & INTEGER(255L)) - 0x1p-9;
   return edge;
 })"},
-    Mutant{"way out", "  foot.point = on;\n  return foot;\n", R"(
-  const real farther = fma(REAL(0x1p-10), TO_REAL((BITS(q.x) >> 8) & INTEGER(255L)), REAL(0.875));
-  const vector3 spoilt = {on.x * farther, on.y * farther, on.z * farther};
-  foot.point = spoilt;
-  return foot;
-)"},
-    Mutant{"curvature of balls", "const real kappa = fmax(fma(v_0.x, g_0.x,",
-           "const real kappa = fma(REAL(0x1p-9), TO_REAL((BITS(q.x) >> 8) & INTEGER(255L)), REAL(0.75)) * "
-           "fmax(fma(v_0.x, g_0.x,"},
 };
 
 // Normals turned, so that lower ends are loose; planes too far away; searches cut short.
@@ -302,12 +311,26 @@ std::span<const Mutant> operations(Arithmetic arithmetic) {
   }
 }
 
+bool knows_cubes(Program program) {
+  return program == Program::solids || program == Program::set_bounds || program == Program::bent_depths;
+}
+
 std::span<const Mutant> displacement(Arithmetic arithmetic, Program program) {
   const bool with_points = arithmetic == Arithmetic::loose_below || arithmetic == Arithmetic::loose_above;
   if (arithmetic != Arithmetic::displaced && !(program == Program::points && with_points)) return {};
   if (program == Program::pairs) return placement;
-  if (program == Program::solids) return maps;
-  return pose;
+  return knows_cubes(program) ? std::span<const Mutant>(maps) : pose;
+}
+
+std::span<const Mutant> displaced_queries(Arithmetic arithmetic, Program program) {
+  const bool bent = program == Program::solids || program == Program::bent_depths;
+  if (arithmetic == Arithmetic::displaced && bent) return bent_queries;
+  return {};
+}
+
+std::span<const Mutant> poor_multipliers(Arithmetic arithmetic, Program program) {
+  if (arithmetic == Arithmetic::poor_search && knows_cubes(program)) return multipliers;
+  return {};
 }
 
 std::span<const Mutant> evaluated_taper(Arithmetic arithmetic, Program program) {
@@ -323,7 +346,9 @@ std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
   switch (program) {
     case Program::points: return search;
     case Program::triangles: return weights;
-    case Program::solids: return solid_proposals;
+    case Program::solids:
+    case Program::bent_depths: return bent_proposals;
+    case Program::set_bounds: return edge_proposals;
     case Program::tapered_points: return tapered_search;
     case Program::pairs: break;
   }
@@ -362,8 +387,9 @@ std::string_view name_of(Arithmetic arithmetic) {
 }
 
 std::string on(Arithmetic arithmetic, Program program, std::string sources) {
-  for (const auto& changes : {operations(arithmetic), displacement(arithmetic, program), proposals(arithmetic, program),
-                              evaluated_taper(arithmetic, program)})
+  for (const auto& changes :
+       {operations(arithmetic), displacement(arithmetic, program), displaced_queries(arithmetic, program),
+        proposals(arithmetic, program), poor_multipliers(arithmetic, program), evaluated_taper(arithmetic, program)})
     sources = changed(std::move(sources), changes);
   return sources;
 }

@@ -24,7 +24,8 @@ enum class Arithmetic {
 };
 
 /// The programs of kernels/embedded_sources.hpp.
-enum class Program { points, tapered_points, triangles, pairs, solids };
+/// `solids` are the searches with what bent_distance tells them; `bent_depths` that kernel alone.
+enum class Program { points, tapered_points, triangles, pairs, solids, set_bounds, bent_depths };
 
 /// Those that show the mutants of a program. With points and loose_below or loose_above, results are displaced too.
 [[nodiscard]] std::span<const Arithmetic> arithmetics(Program program);
