@@ -211,7 +211,8 @@ Real BentDistance::lower_bound(const Query& q, const Real& upper, const Proposal
 bool BentDistance::lies_above_tangent(const Query& q, const PreciseVector& x0, const Real& upper) const {
   const PreciseVector turned_q = map_.turned(q.unbent);
   const PreciseVector turned_0 = map_.turned(x0);
-  const PreciseInterval one(1), two(2);
+  const PreciseInterval one(1);
+  const PreciseInterval two(2);
   const PreciseInterval k = Real(bend_.curvature);
   const PreciseInterval w_q = one - k * turned_q[0];
   const PreciseInterval w_0 = one - k * turned_0[0];
