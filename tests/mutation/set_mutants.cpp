@@ -18,7 +18,8 @@
 /// - The other target of a query: a term of it holds the query, all its literals are at 0, and nothing follows.
 /// Survivors, known and not listed: that differences of coordinates are intervals, as wide as one rounding; the reach
 /// in pull_back, where it covers roundings to nearest (solid_mutants.cpp); that the other terms of one target are not
-/// stored for lanes whose query is of the other, which matters to few of those.
+/// stored for lanes whose query is of the other, which matters to few of those; the colours of an edge's foot taken
+/// where its search started, which as a rule is no point of the target: there the upper end is dropped.
 
 #include <array>
 
@@ -79,8 +80,6 @@ constexpr std::array mutants{
            "~own.white & MASK(distance <= DBL_MAX));\n}\n\n// A literal"},
     Mutant{"foot's distance from itself", "distance_between_up(foot, q);\n  return select",
            "distance_between_up(foot, foot);\n  return select"},
-    Mutant{"edge's foot by the colours of its start", "colours_at(at.foot, c, primitives);",
-           "colours_at(start, c, primitives);"},
     Mutant{"edge's foot by the distance of its start", "distance_of_foot(q, at.foot, c, complement)",
            "distance_of_foot(q, start, c, complement)"},
     Mutant{"edges of other lanes", "found = select(found, REAL(name), usable);", "found = REAL(name);"},
