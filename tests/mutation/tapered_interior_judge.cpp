@@ -133,14 +133,15 @@ class Drawing {
 
   /// The plane at a point of the surface, whose level is off now and then.
   Sample plane() {
-    const auto [w, v] = folded_contact();
+    const auto contact = folded_contact();
+    const auto& [w, v] = contact;
     const Real length = oracle::length<Real>(v);
     const Point q = oracle::rounded(stepped(w, v, -random_.log_uniform(1e-9, 0.1)));
     const Point unit = oracle::rounded(oracle::scaled<Real>(v, 1 / length));
     const double off = random_.choice(2) == 0 ? 0.0 : random_.uniform(-1e-3, 1e-3);
-    const double level = Real((1 + off) / length).convert_to<double>();
+    const auto level = Real((1 + off) / length).convert_to<double>();
     return {{q[0], q[1], q[2], 0.0, unit[0], unit[1], unit[2], level},
-            [q, w](const Results& found) { return proves(found, oracle::widened(q), w); }};
+            [q, touched = w](const Results& found) { return proves(found, oracle::widened(q), touched); }};
   }
 
   /// A ball that leaves the solid in one of the quarters, of a cell on either side.
@@ -158,7 +159,7 @@ class Drawing {
     const std::array<Vector, 3> corners = corners_of(base, inverted, chosen, below ? -1.0 : 1.0);
     const Vector middle{corners[0][0] + corners[1][0] + corners[2][0], corners[0][1] + corners[1][1] + corners[2][1],
                         corners[0][2] + corners[1][2] + corners[2][2]};
-    const double t =
+    const auto t =
         ((1 + Real(random_.log_uniform(1e-13, 0.1))) * way_out(oracle::widened(q), middle)).convert_to<double>();
     const double kind = (inverted ? 1.0 : 0.0) + (below ? 2.0 : 0.0);
     return {{q[0], q[1], q[2], t, base[0], base[1], base[2], kind},
