@@ -66,7 +66,7 @@ ALWAYS_INLINE real high_of(primitive_columns known, uint i, ulong group) {
   return LOAD(group, known.his + i * known.stride);
 }
 
-// The term that is nearest as far as its literals say.
+// The term that is nearest as far as its literals say. Literals are primitives that have a bit (set_tree.clh).
 typedef struct {
   real distance;           // lower bound of that to the term
   real others;             // and of those to all other terms
@@ -83,8 +83,8 @@ ALWAYS_INLINE nearest_term find_nearest_term(primitive_columns known, ulong grou
     real largest = REAL(0.0);
     integer literal = INTEGER(-1);
     for (uint i = 0; i < PRIMITIVES; ++i) {
-      const bool is_inside = (term_inside[t] >> i & 1U) != 0;
-      if (!is_inside && (term_outside[t] >> i & 1U) == 0) continue;
+      const bool is_inside = (term_inside[t] & bit_of(i)) != 0;
+      if (!is_inside && (term_outside[t] & bit_of(i)) == 0) continue;
       const real distance = is_inside ? low_of(known, i, group) : -high_of(known, i, group);
       const integer farther = MASK(distance > largest) | (MASK(distance == largest) & MASK(literal < 0));
       largest = select(largest, distance, farther);
@@ -104,7 +104,7 @@ ALWAYS_INLINE nearest_term find_nearest_term(primitive_columns known, ulong grou
 ALWAYS_INLINE vector3 foot_on_literal(vector3 q, integer literal, primitive_columns known, ulong group,
                                       MODEL_SPACE const box_primitive* primitives) {
   vector3 foot = {REAL(NAN), REAL(NAN), REAL(NAN)};
-  for (uint i = 0; i < PRIMITIVES; ++i) {
+  for (uint i = 0; i < min((uint)PRIMITIVES, REMEMBERED); ++i) {
     const integer is_inside = MASK(literal == (long)i);
     const integer is_outside = MASK(literal == (long)(i | COMPLEMENT));
     const integer wanted = is_inside | is_outside;
@@ -144,7 +144,7 @@ ALWAYS_INLINE real distance_of_foot(vector3 q, vector3 foot, const colour* c, bo
 ALWAYS_INLINE integer open_literal(nearest_term term, const colour* c) {
   integer open = INTEGER(-1);
   for (uint i = 0; i < PRIMITIVES; ++i) {
-    const long bit = 1L << i;
+    const long bit = (long)bit_of(i);
     const integer other = MASK((term.literal & (COMPLEMENT - 1)) != (long)i);
     const integer is_inside = MASK((term.inside & bit) != 0) & ~c[i].black;
     const integer is_outside = MASK((term.outside & bit) != 0) & ~c[i].white;

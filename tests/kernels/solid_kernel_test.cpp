@@ -124,6 +124,22 @@ TEST_P(SolidKernelTest, ContainsTheClosedFormOfSpheres) {
   EXPECT_GT(2 * verified_rows, count);
 }
 
+/// Terms have 32 bits: primitives without one are in no term, wherever they lie.
+TEST_P(SolidKernelTest, PrimitivesThatNoLeafNamesDoNotMatter) {
+  const Primitive whole{"", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}, {}};
+  const Primitive bite{"", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {{0.7, 0.0, 0.0}}, {}};
+  const Primitive elsewhere{"", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {{9.0, 0.0, 0.0}}, {}};
+  Model model{"", {whole, bite}, combined(SetOperation::subtract, {leaf(0), leaf(1)})};
+  model.primitives.resize(35, elsewhere);
+  oracle::RandomCases random(12);
+  std::vector<Point> points(80);
+  for (Point& point : points)
+    for (double& coordinate : point) coordinate = random.uniform(-2.0, 2.0);
+  std::size_t verified_rows = 0;
+  expect_closed_form(model, points, proven(model, points, 1e-5), 1e-5, verified_rows);
+  EXPECT_GT(2 * verified_rows, points.size());
+}
+
 /// Facing the middle of the arc, a bent tube is as far as the arc's circle less its radius.
 TEST_P(SolidKernelTest, ContainsTheClosedFormOfArcs) {
   constexpr double ends = 1e-9;  // (|z| / a3)^(2 / e1) e1 / 2 for |z| < 0.3 a3: what the tube tapers, relatively

@@ -51,7 +51,7 @@ constexpr std::array mutants{
     Mutant{"literals' sides exchanged", "const real distance = is_inside ? low_of(known, i, group) : -high_of(",
            "const real distance = !is_inside ? low_of(known, i, group) : -high_of("},
     Mutant{"literal cut away, the wrong sign", ": -high_of(known, i, group);", ": high_of(known, i, group);"},
-    Mutant{"literals of other terms", "if (!is_inside && (term_outside[t] >> i & 1U) == 0) continue;", ""},
+    Mutant{"literals of other terms", "if (!is_inside && (term_outside[t] & bit_of(i)) == 0) continue;", ""},
     Mutant{"term by the sum of its literals", "largest = select(largest, distance, farther);",
            "largest = select(largest, largest + distance, farther);"},
     Mutant{"last term", "found.distance = select(found.distance, largest, nearer);", "found.distance = largest;"},
