@@ -111,12 +111,12 @@ ALWAYS_INLINE real largest_coordinate(ulong group, global const double* xs, glob
   return fmax(fmax(fabs(LOAD(group, xs)), fabs(LOAD(group, ys))), fabs(LOAD(group, zs))) * inverse;
 }
 
-// As tight as the methods get, in model units: `inside` of points inside, outside `outside` times the larger of `radius`
-// and the largest coordinate (host/maps/tightest_enclosure.hpp). NaN, as which no row is tight, where the coordinate has
+// As tight as the methods get, in model units: `inside` of points proven inside, else `outside` times the larger of
+// `radius` and the largest coordinate (host/maps/tightest_enclosure.hpp). NaN, as which no row is tight, where the coordinate has
 // left the device's numbers.
-ALWAYS_INLINE real tightest_width(real lo, real largest, double inside, double outside, double radius) {
+ALWAYS_INLINE real tightest_width(real hi, real largest, double inside, double outside, double radius) {
   const real of_outside = select(REAL(NAN), outside * fmax(largest, REAL(radius)), MASK(isfinite(largest)));
-  return select(of_outside, REAL(inside), MASK(lo < 0.0));
+  return select(of_outside, REAL(inside), MASK(hi < 0.0));
 }
 
 // The first `count` lanes to memory, `first` the place of the first.
@@ -173,7 +173,7 @@ kernel void point_rows(ulong size, uint vectors, double factor, double inverse, 
     real limit = REAL(tolerance);
     if (tolerance == 0.0) {
       const real largest = largest_coordinate(group, xs, ys, zs, inverse);
-      limit = tightest_width(lo, largest, inside, outside, radius);
+      limit = tightest_width(hi, largest, inside, outside, radius);
     }
     integer good = verified_rows(lo, hi, limit);
     // As a rule one multiplication an end, which is exact where it leads back, and all rows are verified.
@@ -187,7 +187,7 @@ kernel void point_rows(ulong size, uint vectors, double factor, double inverse, 
       lo = lanes_scaled_down(scaled_lo, factor, inverse);
       hi = -lanes_scaled_down(-scaled_hi, factor, inverse);
       const real largest = largest_coordinate(group, xs, ys, zs, inverse);
-      const integer tightest = verified_rows(lo, hi, tightest_width(lo, largest, inside, outside, radius));
+      const integer tightest = verified_rows(lo, hi, tightest_width(hi, largest, inside, outside, radius));
       good = tolerance == 0.0 ? tightest : verified_rows(lo, hi, REAL(tolerance));
       settled = known & (good | tightest);
       own.verified += lanes_in(good & known);

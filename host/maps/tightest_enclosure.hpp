@@ -15,11 +15,12 @@ inline constexpr double tightest_inside = 2e-9;    // of the radius of the model
 // is tighter.
 inline constexpr double tightest_outside_of_tapered = 1e-14;
 
-/// The width of the tightest enclosures of a signed distance like `found`; of triangles, `found` is never below 0.
+/// The width of the tightest enclosures of a signed distance like `found`. Only a point proven to be inside may be as
+/// wide as those inside are: of one within rounding of the surface, certificates enclose the distance as outside.
 template <class Query>
 [[nodiscard]] double tightest_width(const Query& query, const Enclosure& found, double radius,
                                     double outside = tightest_outside) {
-  if (found.lo < 0.0) return tightest_inside * radius;
+  if (found.hi < 0.0) return tightest_inside * radius;
   return outside * std::max(largest_coordinate(query), radius);
 }
 

@@ -217,7 +217,7 @@ bool is_outermost(const RowScene& scene, const Enclosure& scaled, const Enclosur
 // Of the host: as tight as the methods get. Never where the coordinate has left the device's numbers.
 bool is_tightest(const RowScene& scene, const Point& point, const Enclosure& row) {
   const double inside = scene.criterion.inside;
-  if (row.lo < 0.0) return verified(row, inside);
+  if (row.hi < 0.0) return verified(row, inside);
   const bool held = std::isfinite(Scale(scene.exponent).to_device(verisq::largest_coordinate(point)));
   return held && verified(row, tightest_width(point, row, scene.criterion.radius));
 }
@@ -232,8 +232,10 @@ Enclosure ends_of_row(Ends kind, int exponent, Numbers& numbers) {
     return exponent % 2 == 0 ? Enclosure{-tiny, 0.0} : Enclosure{0.0, tiny};
   }
   constexpr std::array widths{0.0, 1e-15, 5e-13, 1e-11, 1.5e-9, 3e-9, 1e-6, 1e-3, -1e-10};
+  const double width = widths[static_cast<std::size_t>(numbers.unit() * widths.size())];
   double lo = numbers.one_in(3) ? -numbers.unit() : 3.0 * numbers.unit();
-  double hi = lo + widths[static_cast<std::size_t>(numbers.unit() * widths.size())];
+  if (numbers.one_in(8)) lo = -0.5 * width;  // neither inside nor outside
+  double hi = lo + width;
   if (kind == Ends::extreme && numbers.one_in(2)) lo = numbers.extreme(exponent);
   if (kind == Ends::extreme && numbers.one_in(2)) hi = numbers.one_in(2) ? lo : numbers.extreme(exponent);
   return {lo, hi};
