@@ -123,37 +123,29 @@ ALWAYS_INLINE integer above_tangent(unbent x, unbent q, real upper, MODEL_SPACE 
 
 // What p proves about the distance of q to the bent solid, both in the axes of the bend.
 ALWAYS_INLINE interval distance_by_point(vector3 q, unbent unbent_q, vector3 at, MODEL_SPACE const box_primitive* p) {
-  const unbent x = unbend(interval_of(at.x, at.x), interval_of(at.z, at.z), p->curvature);
-  const interval dr = interval_difference(at.x, q.x);
-  const interval ds = interval_difference(at.y, q.y);
-  const interval dz = interval_difference(at.z, q.z);
-  const interval v_r = interval_sub(interval_mul(dr, x.cosine), interval_mul(dz, x.sine));
-  const interval v_z = interval_mul(x.w, interval_add(interval_mul(dr, x.sine), interval_mul(dz, x.cosine)));
-  const interval s = interval_of(at.y, at.y);
+  const unbent x = unbend_point(at, p->curvature);
+  const interval3 d = difference_of(at, q);
+  const interval3 gradient = half_gradient_enclosed(d, x);
+  const interval3 place = unbent_place(x, at.y);
   const interval along =
-      interval_add(interval_mul(v_r, x.r), interval_add(interval_mul(ds, s), interval_mul(v_z, x.z)));
-
-  // In K's own axes, by a cosine and a sine that were rounded once.
-  const interval c = interval_about(REAL(p->bend_cos), REAL(0x1p-53));
-  const interval n = interval_about(REAL(p->bend_sin), REAL(0x1p-53));
-  const vector3 v = {interval_abs(interval_sub(interval_mul(c, v_r), interval_mul(n, ds))).hi,
-                     interval_abs(interval_add(interval_mul(n, v_r), interval_mul(c, ds))).hi, interval_abs(v_z).hi};
-  const vector3 own = {interval_abs(interval_sub(interval_mul(c, x.r), interval_mul(n, s))).hi,
-                       interval_abs(interval_add(interval_mul(n, x.r), interval_mul(c, s))).hi, interval_abs(x.z).hi};
-  const vector3 apart = {interval_abs(dr).hi, interval_abs(ds).hi, interval_abs(dz).hi};
-  const vector3 apart_down = {interval_abs(dr).lo, interval_abs(ds).lo, interval_abs(dz).lo};
+      interval_add(interval_mul(gradient.x, place.x),
+                   interval_add(interval_mul(gradient.y, place.y), interval_mul(gradient.z, place.z)));
+  const vector3 v = upper_ends(sizes_of(enclosed_in_own_axes(gradient, p)));
+  const vector3 own = upper_ends(sizes_of(enclosed_in_own_axes(place, p)));
+  const interval3 apart = sizes_of(d);
 
   const real log_gauge = log_gauge_up(own, &p->solid);
   // (1 - L) x_0 lies in K for L = max(log g(x_0), 0) <= 1 (superquadric.clh, distance_up), and bending moves it from p
   // by at most twice its way from x_0: 1 - k r <= 2 near K.
   const real outside = fmax(log_gauge, REAL(0.0));
   const real moved = mul_up(REAL(2.0), mul_up(outside, length_up(own)));
-  const real farthest = add_up(length_up(apart), moved);
+  const real farthest = add_up(length_up(upper_ends(apart)), moved);
   const integer near = MASK(log_gauge <= 0.5 * NEIGHBOURHOOD) & MASK(farthest <= DBL_MAX);
   const real upper = select(REAL(INFINITY), farthest, near);
 
   const real loss = mul_up(REAL(2.0), add_up(support_up(v, &p->solid), along.hi));
-  const real square = sub_down(dot_down(apart_down, apart_down), loss);
+  const vector3 least = lower_ends(apart);
+  const real square = sub_down(dot_down(least, least), loss);
   const integer valid = above_tangent(x, unbent_q, upper, p) & MASK(square >= 0.0) & MASK(square <= DBL_MAX);
   return interval_of(select(REAL(0.0), sqrt_down(square), valid), upper);
 }
@@ -175,7 +167,7 @@ kernel void bent_distance(ulong groups, global const double* xs, global const do
                      dot3(p->frame[6], p->frame[7], p->frame[8], d)};
   const real size = add_up(fabs(d.x), add_up(fabs(d.y), fabs(d.z)));
   const real frame_error = fma_up(REAL(p->frame_error), size, REAL(0x1p-1000));
-  const unbent u = unbend(interval_of(q.x, q.x), interval_of(q.z, q.z), p->curvature);
+  const unbent u = unbend_point(q, p->curvature);
   const vector3 unbent_q = {middle_of(u.r), q.y, middle_of(u.z)};
   const integer usable = own.white & MASK(fabs(unbent_q.x) <= DBL_MAX) & MASK(fabs(unbent_q.z) <= DBL_MAX);
   interval distance = interval_of(REAL(-INFINITY), REAL(INFINITY));
