@@ -58,6 +58,13 @@ Case random_case(std::uint64_t index) {
   return result;
 }
 
+std::string described(const Case& tested, const KnownContact& contact, const Enclosure& found) {
+  const auto& [axes, exponents, taper] = tested.primitive.superquadric;
+  return fmt::format("[{:.17g}, {:.17g}] for [{}, {}]: axes {} {} {}, exponents {} {}, taper {}, at {} {} {}", found.lo,
+                     found.hi, text(contact.lower), text(contact.upper), axes[0], axes[1], axes[2], exponents[0],
+                     exponents[1], taper, contact.query[0], contact.query[1], contact.query[2]);
+}
+
 class Tally {
  public:
   void add(const Case& tested, const KnownContact& contact, const Enclosure& found, double tolerance) {
@@ -69,20 +76,20 @@ class Tally {
     ++cases_;
     if (escapes) {
       ++escapes_;
-      const auto& [axes, exponents, taper] = tested.primitive.superquadric;
-      ADD_FAILURE() << fmt::format(
-          "[{:.17g}, {:.17g}] for [{}, {}]: axes {} {} {}, exponents {} {}, taper {}, at {} {} {}", found.lo, found.hi,
-          text(contact.lower), text(contact.upper), axes[0], axes[1], axes[2], exponents[0], exponents[1], taper,
-          contact.query[0], contact.query[1], contact.query[2]);
+      ADD_FAILURE() << described(tested, contact, found);
     }
-    if (outside && tolerance == 0.0) largest_width_ = std::max(largest_width_, found.width() / magnitude);
+    if (outside && tolerance == 0.0 && found.width() / magnitude > largest_width_) {
+      largest_width_ = found.width() / magnitude;
+      widest_ = described(tested, contact, found);
+    }
     if (tolerance > 0.0 && found.width() > tolerance) ++wide_;
   }
 
   void print(const std::string& prover, std::uint64_t by_device) const {
     fmt::print(
-        "{}: {} cases, {} escapes, {} wide at 1e-6 of the size, {} by the device; largest width outside at 0: {:.3g}\n",
-        prover, cases_, escapes_, wide_, by_device, largest_width_);
+        "{}: {} cases, {} escapes, {} wide at 1e-6 of the size, {} by the device; largest width outside at 0: {:.3g}: "
+        "{}\n",
+        prover, cases_, escapes_, wide_, by_device, largest_width_, widest_);
   }
 
   [[nodiscard]] bool hopeless() const { return escapes_ > 10; }
@@ -95,6 +102,7 @@ class Tally {
   std::size_t escapes_ = 0;
   std::size_t wide_ = 0;
   double largest_width_ = 0.0;
+  std::string widest_;  // its case
 };
 
 std::size_t solids(std::size_t share) {
