@@ -4,6 +4,7 @@
 #include "host/command_line/check_command.hpp"
 #include "host/command_line/devices_command.hpp"
 #include "host/command_line/distance_command.hpp"
+#include "host/command_line/features_command.hpp"
 #include "host/command_line/fit_command.hpp"
 #include "host/command_line/insert_command.hpp"
 #include "host/command_line/map_command.hpp"
@@ -28,6 +29,8 @@ int main(int argc, char** argv) {
       command("map", "Enclose the distance of each vertex, triangle or point to a model", declare_map, run_map),
       command("check", "Prove a finished map again from its certificates, without OpenCL", declare_check, run_check),
       command("distance", "Enclose the distance of two models, and closest points", declare_distance, run_distance),
+      command("features", "Enclose what a surgeon measures of a femur: head, offset, CCD, version", declare_features,
+              run_features),
       command("fit", "Find the best pose of an implant in a bone, and prove its clearance", declare_fit, run_fit),
       command("insert", "Enclose how deep an implant cuts into the bone on its way in", declare_insert, run_insert),
       command("octree", "Prove cubes inside and outside a model, and enclose its volume", declare_octree, run_octree),

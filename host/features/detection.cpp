@@ -1,0 +1,236 @@
+/// From a mesh to a femur's landmarks: one bone, its head, its shaft, its neck, and its condyles where it has them.
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+#include <verisq/error.hpp>
+#include <verisq/features.hpp>
+#include <verisq/mesh_topology.hpp>
+
+#include "host/features/condyles.hpp"
+#include "host/features/head_sphere.hpp"
+#include "host/features/neck_section.hpp"
+#include "host/features/plane_section.hpp"
+#include "host/features/shaft_axis.hpp"
+
+namespace verisq {
+namespace {
+
+using Eigen::Vector3d;
+using features::point_of;
+using features::vector_of;
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Error(ErrorKind::input, what);
+}
+
+/// The representative of each vertex's connected part.
+std::vector<std::uint32_t> parts_of(const Mesh& mesh) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto root = [&](std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const auto& [a, b, c] : mesh.triangles) {
+    parent[root(b)] = root(a);
+    parent[root(c)] = root(a);
+  }
+  for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = root(i);
+  return parent;
+}
+
+double area_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+  const Vector3d a = vector_of(mesh.vertices[triangle[0]]);
+  return 0.5 * (vector_of(mesh.vertices[triangle[1]]) - a).cross(vector_of(mesh.vertices[triangle[2]]) - a).norm();
+}
+
+struct Box {
+  Vector3d lowest = Vector3d::Constant(infinity);
+  Vector3d highest = Vector3d::Constant(-infinity);
+
+  void add(const Vector3d& x) {
+    lowest = lowest.cwiseMin(x);
+    highest = highest.cwiseMax(x);
+  }
+  [[nodiscard]] bool contains(const Box& other) const {
+    return (lowest.array() <= other.lowest.array()).all() && (highest.array() >= other.highest.array()).all();
+  }
+  [[nodiscard]] double size() const { return (highest - lowest).norm(); }
+};
+
+Box box_of(const Mesh& mesh) {
+  Box box;
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t i : triangle) box.add(vector_of(mesh.vertices[i]));
+  }
+  return box;
+}
+
+/// The largest of the mesh's connected parts, outward. Small crumbs and what lies within, such as a canal, are left
+/// out; a second bone is refused.
+Mesh one_bone(const Mesh& mesh) {
+  const std::vector<std::uint32_t> part = parts_of(mesh);
+  std::vector<double> area(mesh.vertices.size(), 0.0);
+  std::vector<Box> boxes(mesh.vertices.size());
+  for (const auto& triangle : mesh.triangles) {
+    area[part[triangle[0]]] += area_of(mesh, triangle);
+    for (const std::uint32_t i : triangle) boxes[part[i]].add(vector_of(mesh.vertices[i]));
+  }
+  const auto largest = static_cast<std::uint32_t>(std::ranges::max_element(area) - area.begin());
+  constexpr double crumb = 0.25;  // of the bone's size
+  for (std::uint32_t i = 0; i < area.size(); ++i) {
+    if (i == largest || area[i] == 0.0 || boxes[largest].contains(boxes[i])) continue;
+    if (boxes[i].size() > crumb * boxes[largest].size()) refuse("mesh: holds several bones; give one of them");
+  }
+  Mesh bone{mesh.vertices, {}};
+  for (const auto& triangle : mesh.triangles) {
+    if (part[triangle[0]] == largest) bone.triangles.push_back(triangle);
+  }
+  if (signed_volume(bone) < 0.0) {
+    for (auto& triangle : bone.triangles) std::swap(triangle[1], triangle[2]);
+  }
+  // Vertices of the other parts lie on no section, but in the extent.
+  std::vector<std::uint32_t> place(mesh.vertices.size(), 0);
+  Mesh result;
+  for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (part[i] != largest) continue;
+    place[i] = static_cast<std::uint32_t>(result.vertices.size());
+    result.vertices.push_back(mesh.vertices[i]);
+  }
+  for (const auto& [a, b, c] : bone.triangles) result.triangles.push_back({place[a], place[b], place[c]});
+  return result;
+}
+
+/// The direction in which the surface spreads most, of length 1; refuses what has none.
+Vector3d long_axis(const Mesh& mesh) {
+  double area = 0.0;
+  Vector3d mean = Vector3d::Zero();
+  std::vector<std::pair<Vector3d, double>> elements;
+  for (const auto& triangle : mesh.triangles) {
+    const Vector3d centre = (vector_of(mesh.vertices[triangle[0]]) + vector_of(mesh.vertices[triangle[1]]) +
+                             vector_of(mesh.vertices[triangle[2]])) /
+                            3.0;
+    elements.emplace_back(centre, area_of(mesh, triangle));
+    area += elements.back().second;
+    mean += elements.back().second * centre;
+  }
+  mean /= area;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto& [centre, weight] : elements) covariance += weight * (centre - mean) * (centre - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  constexpr double least_ratio = 1.5;  // of the spreads along the two longest axes
+  if (!(solver.eigenvalues()[2] > least_ratio * least_ratio * solver.eigenvalues()[1]))
+    refuse("mesh: has no long axis: it is no femur with a shaft");
+  return solver.eigenvectors().col(2);
+}
+
+/// Towards the end that the head is nearer to.
+Vector3d towards_head(const Mesh& mesh, const Vector3d& axis, const Vector3d& head) {
+  double lowest = infinity;
+  double highest = -infinity;
+  for (const Point& x : mesh.vertices) {
+    lowest = std::min(lowest, axis.dot(vector_of(x)));
+    highest = std::max(highest, axis.dot(vector_of(x)));
+  }
+  return axis.dot(head) < 0.5 * (lowest + highest) ? Vector3d(-axis) : axis;
+}
+
+void check_size(const Mesh& mesh) {
+  constexpr std::size_t fewest_triangles = 100;
+  if (mesh.triangles.empty()) refuse("mesh: has no triangles: features are those of a surface");
+  if (mesh.triangles.size() < fewest_triangles)
+    refuse(fmt::format("mesh: {} triangles are too few for a femur", mesh.triangles.size()));
+  const double size = box_of(mesh).size();
+  constexpr double shortest = 60.0;
+  constexpr double longest = 900.0;
+  if (size < shortest || size > longest) {
+    refuse(
+        fmt::format("mesh: spans {:.3g}: no femur in millimetres ({} to {}); scale the mesh", size, shortest, longest));
+  }
+}
+
+features::HeadSphere head_of(const Mesh& bone) {
+  const auto head = features::head_sphere(bone);
+  if (!head || head->coverage < features::least_head_coverage) {
+    refuse(
+        fmt::format("mesh: no head was found: no sphere of a radius of {} to {} mm is covered to {:.0f} % (at most "
+                    "{:.0f} %); give landmarks",
+                    features::smallest_head, features::largest_head, 100.0 * features::least_head_coverage,
+                    head ? 100.0 * head->coverage : 0.0));
+  }
+  return *head;
+}
+
+/// What is left of v across the direction, of length 1.
+Vector3d across(const Vector3d& v, const Vector3d& direction) {
+  return (v - direction.dot(v) * direction).normalized();
+}
+
+/// From the head along a neck of usual inclination.
+Vector3d usual_neck(const features::ShaftAxis& shaft, const Vector3d& lateral) {
+  constexpr double usual_ccd = 2.18;  // 125 degrees
+  return (std::cos(usual_ccd) * shaft.direction + std::sin(usual_ccd) * lateral).normalized();
+}
+
+/// Seen from above, what is ahead lies a quarter turn from the medial direction: to the left of the left femur's.
+Vector3d ahead(const features::ShaftAxis& shaft, const Vector3d& medial, Side side) {
+  return shaft.direction.cross(medial) * (side == Side::left ? 1.0 : -1.0);
+}
+
+void add_condyles(const Mesh& bone, const features::ShaftAxis& shaft, const Vector3d& medial, DetectedFemur& found) {
+  const std::vector<Vector3d> distal = features::distal_end(bone, shaft);
+  if (distal.empty()) {
+    found.notes.emplace_back("condyles: none, the mesh ends with the shaft: no version, no length, no frame");
+    return;
+  }
+  const bool is_left = features::excess(distal, shaft, ahead(shaft, medial, Side::right)) > 0.0;
+  const Side seen = is_left ? Side::left : Side::right;
+  const char* const name = is_left ? "left" : "right";
+  if (found.side && *found.side != seen)
+    refuse(
+        fmt::format("mesh: looks like a {} femur: its condyles reach farther to that side's back; give --side {}, or "
+                    "landmarks",
+                    name, name));
+  found.side = seen;
+  const features::Condyles condyles = features::condyles(distal, shaft, medial, -ahead(shaft, medial, seen));
+  found.landmarks.medial_posterior_condyle = point_of(condyles.medial_posterior);
+  found.landmarks.lateral_posterior_condyle = point_of(condyles.lateral_posterior);
+  found.landmarks.medial_epicondyle = point_of(condyles.medial_epicondyle);
+  found.landmarks.lateral_epicondyle = point_of(condyles.lateral_epicondyle);
+  found.notes.push_back(fmt::format("side: {}, as its condyles reach farther back than ahead", name));
+  found.notes.emplace_back("condyles: the points it lies on, seen along the shaft; the most prominent to each side");
+}
+
+}  // namespace
+
+DetectedFemur detect_femur(const Mesh& mesh, std::optional<Side> side) {
+  check_size(mesh);
+  const Mesh bone = one_bone(mesh);
+  const Vector3d axis = long_axis(bone);
+  const features::HeadSphere head = head_of(bone);
+  const auto shaft = features::shaft_axis(bone, head.centre, head.radius, towards_head(bone, axis, head.centre));
+  if (!shaft) refuse("mesh: no shaft was found below the head; give landmarks");
+  const Vector3d medial = across(head.centre - shaft->point, shaft->direction);
+  const auto neck = features::neck_section(bone, head.centre, head.radius, usual_neck(*shaft, -medial));
+  if (!neck) refuse("mesh: no neck was found between head and shaft; give landmarks");
+
+  DetectedFemur found{.landmarks = {}, .side = side, .notes = {}};
+  found.landmarks.head_centre = point_of(head.centre);
+  found.landmarks.head_radius = head.radius;
+  found.landmarks.neck_centre = point_of(neck->centre);
+  found.landmarks.shaft_distal = point_of(shaft->point + shaft->distal * shaft->direction);
+  found.landmarks.shaft_proximal = point_of(shaft->point + shaft->proximal * shaft->direction);
+  found.notes.push_back(fmt::format("head: sphere of least squares, {:.0f} % of it covered", 100.0 * head.coverage));
+  found.notes.push_back(fmt::format("neck: section of least perimeter ({:.1f} mm), {:.1f} mm from the head's centre",
+                                    neck->perimeter, neck->distance));
+  found.notes.push_back(
+      fmt::format("shaft: line through the centroids of sections over {:.0f} mm", shaft->proximal - shaft->distal));
+  add_condyles(bone, *shaft, medial, found);
+  return found;
+}
+
+}  // namespace verisq

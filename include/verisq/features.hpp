@@ -1,0 +1,105 @@
+/// Features of a femur, of landmarks that are known to a given radius: what a surgeon plans to keep (paper, section 1).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+#include <verisq/enclosure.hpp>
+#include <verisq/mesh.hpp>
+
+namespace verisq {
+
+/// Of the patient.
+enum class Side { left, right };
+
+/// Points of a femur; what is missing was not found, or not given. Two points make an axis.
+struct FemurLandmarks {
+  std::optional<Point> head_centre = {};
+  std::optional<double> head_radius = {};
+  std::optional<Point> neck_centre = {};     ///< with the head's centre, the neck axis
+  std::optional<Point> shaft_proximal = {};  ///< with the next one, the shaft axis
+  std::optional<Point> shaft_distal = {};
+  std::optional<Point> medial_posterior_condyle = {};  ///< with the next one, the posterior condylar line
+  std::optional<Point> lateral_posterior_condyle = {};
+  std::optional<Point> medial_epicondyle = {};  ///< with the next one, the transepicondylar line
+  std::optional<Point> lateral_epicondyle = {};
+
+  bool operator==(const FemurLandmarks&) const = default;
+};
+
+/// A point's name in files, and where it is kept.
+struct NamedLandmark {
+  const char* name;
+  std::optional<Point> FemurLandmarks::*point;
+};
+inline constexpr std::array named_landmarks{
+    NamedLandmark{"head_centre", &FemurLandmarks::head_centre},
+    NamedLandmark{"neck_centre", &FemurLandmarks::neck_centre},
+    NamedLandmark{"shaft_proximal", &FemurLandmarks::shaft_proximal},
+    NamedLandmark{"shaft_distal", &FemurLandmarks::shaft_distal},
+    NamedLandmark{"medial_posterior_condyle", &FemurLandmarks::medial_posterior_condyle},
+    NamedLandmark{"lateral_posterior_condyle", &FemurLandmarks::lateral_posterior_condyle},
+    NamedLandmark{"medial_epicondyle", &FemurLandmarks::medial_epicondyle},
+    NamedLandmark{"lateral_epicondyle", &FemurLandmarks::lateral_epicondyle},
+};
+
+enum class FeatureUnit { length, degrees };
+
+/// A number that describes a femur. `value` contains what every choice of the landmarks within their radius gives.
+struct Feature {
+  std::string name;    ///< "ccd", "offset", ...
+  std::string method;  ///< by which definition, in words
+  FeatureUnit unit;
+  Enclosure value;
+};
+
+/// An axis of the femur's frame: every choice of the landmarks gives a unit vector within `tilt_degrees` of this one.
+struct FrameAxis {
+  Point direction;
+  double tilt_degrees;
+};
+
+/// The frame of the International Society of Biomechanics (Wu et al., J. Biomech. 35 (2002), 543): origin at the head's
+/// centre, y from the middle of the epicondyles to it, z across y in the plane of both to the patient's right, x ahead.
+struct FemurFrame {
+  Point origin;
+  FrameAxis x;
+  FrameAxis y;
+  FrameAxis z;
+};
+
+struct FemurFeatures {
+  std::vector<Feature> features;
+  std::optional<FemurFrame> frame;
+  std::vector<std::string> missing;  ///< what could not be said, and why, a sentence each
+};
+
+/// Encloses what the landmarks say, each of them anywhere within `landmark_radius` (>= 0) of where it is given; the
+/// head's radius, too, is known to that. A feature whose enclosure would hold every angle is missing;
+/// version and frame are missing without a side. Throws
+/// Error(input) for a radius that is negative or not finite, and for coordinates that are not finite.
+[[nodiscard]] FemurFeatures femur_features(const FemurLandmarks& landmarks, std::optional<Side> side,
+                                           double landmark_radius);
+
+/// How an implant in its place changes what the bone was, with the implant's head centre and, where it has a neck, a
+/// point on its neck's axis, exact in the bone's coordinates: change of offset, of leg length (along the shaft axis,
+/// positive: longer) and of version. Throws as above; what misses the landmarks is missing.
+[[nodiscard]] FemurFeatures implant_changes(const FemurLandmarks& bone, std::optional<Side> side,
+                                            double landmark_radius, const Point& implant_head,
+                                            const std::optional<Point>& implant_neck);
+
+/// What was seen of a mesh, in words for a summary.
+struct DetectedFemur {
+  FemurLandmarks landmarks;
+  std::optional<Side> side;        ///< as given, or of a whole femur as found
+  std::vector<std::string> notes;  ///< how each landmark was found, a sentence each
+};
+
+/// Finds the landmarks of a whole or a proximal femur, in floating point: nothing is proven of it. In millimetres.
+/// Which side it is of is asked of a whole femur's condyles, which reach farther back from the shaft than ahead; of a
+/// proximal one nothing needs it. Throws Error(input), one line, for a mesh that is none: no triangles, several bones,
+/// no long axis, no head of a radius of 12 to 35 mm, no neck, or no shaft; and for a side that the condyles contradict.
+[[nodiscard]] DetectedFemur detect_femur(const Mesh& mesh, std::optional<Side> side = {});
+
+}  // namespace verisq

@@ -1,0 +1,362 @@
+/// Encloses features of a femur over balls of landmarks: each landmark moves a feature at most by a bound of geometry,
+/// derived beside it (docs/mathematics.md §20).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <verisq/error.hpp>
+#include <verisq/features.hpp>
+
+#include "verify/analysis/trigonometry.hpp"
+#include "verify/features/landmark_ball.hpp"
+
+namespace verisq {
+namespace {
+
+using verify::Interval;
+using verify::IntervalVector3;
+using verify::LandmarkBall;
+using verify::VectorBall;
+
+constexpr const char* neck_axis =
+    "neck axis: from the centre of the narrowest section of the neck to the head's centre";
+
+Interval in_degrees(const Interval& radians) {
+  return radians * (Interval(180.0) / verify::pi<double>());
+}
+
+Enclosure enclosure(const Interval& x) {
+  return {x.lower(), x.upper()};
+}
+
+Interval least_and_most(const Interval& x, double least, double most) {
+  return {std::clamp(x.lower(), least, most), std::clamp(x.upper(), least, most)};
+}
+
+Interval within(const Interval& centre, const Interval& reach) {
+  return {(centre - reach).lower(), (centre + reach).upper()};
+}
+
+/// A straight line through the points of two balls, and how far it tilts.
+struct Axis {
+  LandmarkBall from;
+  LandmarkBall to;
+  VectorBall direction;
+  Interval tilt;
+
+  Axis(const LandmarkBall& start, const LandmarkBall& end)
+      : from(start), to(end), direction(difference(end, start)), tilt(verify::tilt(direction)) {}
+
+  /// Whether its direction is known at all: to less than a quarter of a turn.
+  [[nodiscard]] bool known() const { return tilt.upper() < 1.57; }
+};
+
+/// The angle between two axes, in space: each tilts it at most by its own tilt, by the triangle inequality on the
+/// sphere, with equality where both tilt in their common plane.
+Interval angle(const Axis& a, const Axis& b, bool b_reversed) {
+  const IntervalVector3 other = b_reversed ? -b.direction.centre : b.direction.centre;
+  const Interval middle = verify::angle_between(a.direction.centre, other);
+  return least_and_most(in_degrees(within(middle, a.tilt + b.tilt)), 0.0, 180.0);
+}
+
+/// By how much at most the azimuth of v about the axis changes. Let R turn the tilted axis back by t <= tilt, about a
+/// line across it: the projection across the axis moves by at most the ball's reach, and by R at most by
+/// |v_along| sin t + |v_across| (1 - cos t).
+Interval azimuth_change(const VectorBall& v, const Axis& about) {
+  const IntervalVector3& s = about.direction.centre;
+  const Interval size = verify::length(s);
+  const Interval along = abs(v.centre.dot(s)) / size;
+  const Interval across = verify::length(verify::cross(v.centre, s)) / size;
+  const Interval moved = v.reach + along * sin(about.tilt) + across * (Interval(1.0) - cos(about.tilt));
+  if (!(moved.upper() < across.lower())) return verify::pi<double>();
+  return verify::arcsine(moved / across);
+}
+
+/// From `first` to `second` about the axis, in (-180, 180] degrees; nothing where that may be any angle.
+std::optional<Interval> azimuth(const VectorBall& first, const VectorBall& second, const Axis& about) {
+  const IntervalVector3& s = about.direction.centre;
+  const IntervalVector3 a = verify::cross(first.centre, s);
+  const IntervalVector3 b = verify::cross(second.centre, s);
+  const Interval sine = verify::length(s) * s.dot(verify::cross(first.centre, second.centre));
+  const Interval change = azimuth_change(first, about) + azimuth_change(second, about);
+  const Interval found = in_degrees(within(verify::polar_angle(a.dot(b), sine), change));
+  if (found.lower() <= -180.0 || found.upper() > 180.0) return std::nullopt;
+  return found;
+}
+
+/// The distance of a point from an axis through D and P. With t the place of its foot, D + t (P - D), any line of the
+/// balls lies within r_D |1 - t| + r_P |t| of this one at t: that and the point's own radius bound the rise. By the
+/// same with the roles exchanged they bound the fall, t being that of the other line.
+Interval distance(const LandmarkBall& point, const Axis& axis) {
+  const VectorBall to_point = difference(point, axis.from);
+  const IntervalVector3& s = axis.direction.centre;
+  const Interval size = verify::length(s);
+  const Interval product = to_point.centre.dot(s);
+  const Interval at = product / square(size);
+  const Interval product_reach = verify::length(to_point.centre) * axis.direction.reach + size * to_point.reach +
+                                 to_point.reach * axis.direction.reach;
+  const Interval other = within(product, product_reach) / square(within(size, axis.direction.reach));
+  const auto shift = [&](const Interval& t) {
+    return point.radius + axis.from.radius * abs(Interval(1.0) - t) + axis.to.radius * abs(t);
+  };
+  const Interval middle = verify::length(verify::cross(to_point.centre, s)) / size;
+  return {std::max(0.0, (middle - shift(other)).lower()), (middle + shift(at)).upper()};
+}
+
+Interval distance(const LandmarkBall& a, const LandmarkBall& b) {
+  const VectorBall apart = difference(a, b);
+  const Interval found = within(verify::length(apart.centre), apart.reach);
+  return {std::max(0.0, found.lower()), found.upper()};
+}
+
+/// How far v reaches along the axis: tilted by t it changes by at most |v_across| sin t + |v_along| (1 - cos t).
+Interval extent(const VectorBall& v, const Axis& axis) {
+  const IntervalVector3& s = axis.direction.centre;
+  const Interval size = verify::length(s);
+  const Interval along = v.centre.dot(s) / size;
+  const Interval across = verify::length(verify::cross(v.centre, s)) / size;
+  return within(along, v.reach + across * sin(axis.tilt) + abs(along) * (Interval(1.0) - cos(axis.tilt)));
+}
+
+/// What of the landmarks is there.
+class Femur {
+ public:
+  Femur(const FemurLandmarks& landmarks, std::optional<Side> side, double radius)
+      : landmarks_(landmarks), side_(side), radius_(radius) {
+    if (!(radius >= 0.0) || !std::isfinite(radius))
+      throw Error(ErrorKind::input, fmt::format("landmark radius = {}: must be finite and not negative", radius));
+    for (const auto& [name, point] : named_landmarks) check(name, landmarks.*point);
+    const std::optional<double>& head_radius = landmarks.head_radius;
+    if (head_radius && !(std::isfinite(*head_radius) && *head_radius > 0.0))
+      throw Error(ErrorKind::input, fmt::format("head_radius = {}: must be finite and positive", *head_radius));
+  }
+
+  [[nodiscard]] std::optional<LandmarkBall> ball(std::optional<Point> FemurLandmarks::*point) const {
+    const std::optional<Point>& at = landmarks_.*point;
+    if (!at) return std::nullopt;
+    return LandmarkBall(*at, radius_);
+  }
+
+  /// Nothing where a point is missing or where they may be the same.
+  [[nodiscard]] std::optional<Axis> axis(std::optional<Point> FemurLandmarks::*from,
+                                         std::optional<Point> FemurLandmarks::*to) const {
+    const std::optional<LandmarkBall> start = ball(from);
+    const std::optional<LandmarkBall> end = ball(to);
+    if (!start || !end) return std::nullopt;
+    const Axis found(*start, *end);
+    if (!found.known()) return std::nullopt;
+    return found;
+  }
+
+  [[nodiscard]] std::optional<Axis> neck() const {
+    return axis(&FemurLandmarks::neck_centre, &FemurLandmarks::head_centre);
+  }
+  [[nodiscard]] std::optional<Axis> shaft() const {
+    return axis(&FemurLandmarks::shaft_distal, &FemurLandmarks::shaft_proximal);
+  }
+  [[nodiscard]] std::optional<Axis> posterior_condyles() const {
+    return axis(&FemurLandmarks::lateral_posterior_condyle, &FemurLandmarks::medial_posterior_condyle);
+  }
+  [[nodiscard]] std::optional<Axis> epicondyles() const {
+    return axis(&FemurLandmarks::lateral_epicondyle, &FemurLandmarks::medial_epicondyle);
+  }
+  [[nodiscard]] std::optional<LandmarkBall> knee() const {
+    const std::optional<LandmarkBall> medial = ball(&FemurLandmarks::medial_epicondyle);
+    const std::optional<LandmarkBall> lateral = ball(&FemurLandmarks::lateral_epicondyle);
+    if (!medial || !lateral) return std::nullopt;
+    return middle_of(*medial, *lateral);
+  }
+
+  [[nodiscard]] std::optional<Side> side() const { return side_; }
+  [[nodiscard]] double radius() const { return radius_; }
+  [[nodiscard]] const FemurLandmarks& landmarks() const { return landmarks_; }
+
+ private:
+  static void check(const char* name, const std::optional<Point>& at) {
+    if (!at || std::ranges::all_of(*at, [](double x) { return std::isfinite(x); })) return;
+    throw Error(ErrorKind::input, fmt::format("{} = {}, {}, {}: must be finite", name, (*at)[0], (*at)[1], (*at)[2]));
+  }
+
+  const FemurLandmarks& landmarks_;
+  std::optional<Side> side_;
+  double radius_;
+};
+
+/// Adds the feature, or why it is missing.
+class Findings {
+ public:
+  void add(const char* name, const std::string& method, FeatureUnit unit, const std::optional<Interval>& value,
+           const char* wanted) {
+    if (value) {
+      found_.features.push_back({name, method, unit, enclosure(*value)});
+    } else {
+      const std::string sentence = fmt::format("{}: needs {}", name, wanted);
+      if (std::ranges::find(found_.missing, sentence) == found_.missing.end()) found_.missing.push_back(sentence);
+    }
+  }
+  void length(const char* name, const std::string& method, const std::optional<Interval>& value, const char* wanted) {
+    add(name, method, FeatureUnit::length, value, wanted);
+  }
+  void degrees(const char* name, const std::string& method, const std::optional<Interval>& value, const char* wanted) {
+    add(name, method, FeatureUnit::degrees, value, wanted);
+  }
+
+  FemurFeatures take() { return std::move(found_); }
+  void set(const FemurFrame& frame) { found_.frame = frame; }
+  void miss(const std::string& what) { found_.missing.push_back(what); }
+
+ private:
+  FemurFeatures found_;
+};
+
+/// Of the medial directions of both, `line` from lateral to medial: ahead of the line is positive. About the shaft,
+/// which points upward, that is the positive sense of the left femur and the negative one of the right.
+std::optional<Interval> version(const std::optional<Axis>& line, const std::optional<VectorBall>& neck,
+                                const std::optional<Axis>& shaft, std::optional<Side> side) {
+  if (!line || !neck || !shaft || !side) return std::nullopt;
+  const std::optional<Interval> found = azimuth(line->direction, *neck, *shaft);
+  if (!found || side == Side::left) return found;
+  return -*found;
+}
+
+std::optional<VectorBall> direction_of(const std::optional<Axis>& axis) {
+  if (!axis) return std::nullopt;
+  return axis->direction;
+}
+
+void add_versions(const Femur& femur, Findings& findings) {
+  const auto shaft = femur.shaft();
+  const auto neck = direction_of(femur.neck());
+  std::optional<VectorBall> from_shaft;
+  if (const auto head = femur.ball(&FemurLandmarks::head_centre); head && shaft)
+    from_shaft = difference(*head, shaft->from);
+  const auto condyles = femur.posterior_condyles();
+  const auto epicondyles = femur.epicondyles();
+  findings.degrees("version", "neck axis against the posterior condylar line, seen along the shaft axis",
+                   version(condyles, neck, shaft, femur.side()), "neck, shaft, posterior condyles and the side");
+  findings.degrees("version", "neck axis against the transepicondylar line, seen along the shaft axis",
+                   version(epicondyles, neck, shaft, femur.side()), "neck, shaft, epicondyles and the side");
+  findings.degrees("version", "shaft axis to head's centre (as Murphy) against the posterior condylar line",
+                   version(condyles, from_shaft, shaft, femur.side()), "head, shaft, posterior condyles and the side");
+}
+
+/// Rounded to nearest; the tilt counts that, too.
+FrameAxis frame_axis(const IntervalVector3& v, const Interval& tilt) {
+  const Interval size = verify::length(v);
+  Point direction{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Interval x = v[i] / size;
+    direction[i] = 0.5 * (x.lower() + x.upper());
+  }
+  const IntervalVector3 rounded(direction[0], direction[1], direction[2]);
+  return {direction, in_degrees(tilt + verify::angle_between(v, rounded)).upper()};
+}
+
+/// z' is what the tilt of y does to z, and then the change of azimuth about y; x' likewise.
+std::optional<FemurFrame> frame_of(const Femur& femur) {
+  const auto knee = femur.knee();
+  const auto head = femur.ball(&FemurLandmarks::head_centre);
+  const auto line = femur.epicondyles();
+  if (!knee || !head || !line || !femur.side()) return std::nullopt;
+  const Axis y(*knee, *head);
+  if (!y.known()) return std::nullopt;
+  VectorBall to_the_right = line->direction;  // to medial, which is the left femur's right
+  if (femur.side() == Side::right) to_the_right.centre = -to_the_right.centre;
+  const Interval change = azimuth_change(to_the_right, y);
+  if (change.upper() >= 3.0) return std::nullopt;
+  const IntervalVector3& up = y.direction.centre;
+  const IntervalVector3 ahead = verify::cross(up, to_the_right.centre);
+  const IntervalVector3 right = verify::cross(ahead, up);
+  return FemurFrame{*femur.landmarks().head_centre, frame_axis(ahead, y.tilt + change), frame_axis(up, y.tilt),
+                    frame_axis(right, y.tilt + change)};
+}
+
+std::optional<Interval> angle_of(const std::optional<Axis>& a, const std::optional<Axis>& b, bool b_reversed) {
+  if (!a || !b) return std::nullopt;
+  return angle(*a, *b, b_reversed);
+}
+
+std::optional<Interval> distance_of(const std::optional<LandmarkBall>& point, const std::optional<Axis>& axis) {
+  if (!point || !axis) return std::nullopt;
+  return distance(*point, *axis);
+}
+
+std::optional<Interval> distance_of(const std::optional<LandmarkBall>& a, const std::optional<LandmarkBall>& b) {
+  if (!a || !b) return std::nullopt;
+  return distance(*a, *b);
+}
+
+std::optional<Axis> mechanical_axis(const Femur& femur) {
+  const auto knee = femur.knee();
+  const auto head = femur.ball(&FemurLandmarks::head_centre);
+  if (!knee || !head) return std::nullopt;
+  const Axis axis(*knee, *head);
+  if (!axis.known()) return std::nullopt;
+  return axis;
+}
+
+}  // namespace
+
+FemurFeatures femur_features(const FemurLandmarks& landmarks, std::optional<Side> side, double landmark_radius) {
+  const Femur femur(landmarks, side, landmark_radius);
+  Findings findings;
+  const auto head = femur.ball(&FemurLandmarks::head_centre);
+  const auto shaft = femur.shaft();
+  std::optional<Interval> radius;
+  if (landmarks.head_radius) {
+    const Interval found = within(*landmarks.head_radius, landmark_radius);
+    radius = Interval(std::max(0.0, found.lower()), found.upper());
+  }
+  findings.length("head_radius", "sphere of the head", radius, "the head's radius");
+  findings.degrees("ccd", fmt::format("{}; against the shaft axis, in space", neck_axis),
+                   angle_of(femur.neck(), shaft, true), "neck and shaft");
+  findings.length("offset", "head's centre to the shaft axis", distance_of(head, shaft), "head and shaft");
+  add_versions(femur, findings);
+  findings.length("length", "head's centre to the middle of the epicondyles", distance_of(head, femur.knee()),
+                  "head and epicondyles");
+  findings.length(
+      "epicondylar_width", "distance of the epicondyles",
+      distance_of(femur.ball(&FemurLandmarks::medial_epicondyle), femur.ball(&FemurLandmarks::lateral_epicondyle)),
+      "epicondyles");
+  findings.degrees("anatomical_mechanical_angle",
+                   "shaft axis against the line from the middle of the epicondyles to the head's centre, in space",
+                   angle_of(mechanical_axis(femur), shaft, false), "head, shaft and epicondyles");
+  if (const auto frame = frame_of(femur)) {
+    findings.set(*frame);
+  } else {
+    findings.miss("frame (ISB): needs head, epicondyles and the side");
+  }
+  return findings.take();
+}
+
+FemurFeatures implant_changes(const FemurLandmarks& bone, std::optional<Side> side, double landmark_radius,
+                              const Point& implant_head, const std::optional<Point>& implant_neck) {
+  const Femur femur(bone, side, landmark_radius);
+  Findings findings;
+  const LandmarkBall new_head(implant_head, 0.0);
+  const auto head = femur.ball(&FemurLandmarks::head_centre);
+  const auto shaft = femur.shaft();
+  std::optional<Interval> offset;
+  std::optional<Interval> length;
+  if (head && shaft) {
+    offset = distance(new_head, *shaft) - distance(*head, *shaft);
+    length = extent(difference(new_head, *head), *shaft);
+  }
+  std::optional<Axis> new_neck;
+  if (implant_neck) {
+    const Axis axis(LandmarkBall(*implant_neck, 0.0), new_head);
+    if (axis.known()) new_neck = axis;
+  }
+  findings.length("offset_change", "distance of the head's centre from the bone's shaft axis, implant less bone",
+                  offset, "the bone's head and shaft");
+  findings.length("length_change", "head's centre along the bone's shaft axis, implant less bone; positive: longer",
+                  length, "the bone's head and shaft");
+  findings.degrees("version_change", "neck axes seen along the bone's shaft axis, implant less bone; positive: ahead",
+                   version(femur.neck(), direction_of(new_neck), shaft, side),
+                   "the bone's neck and shaft, the implant's neck and the side");
+  findings.degrees("implant_ccd", "the implant's neck axis against the bone's shaft axis, in space",
+                   angle_of(new_neck, shaft, true), "the bone's shaft and the implant's neck");
+  return findings.take();
+}
+
+}  // namespace verisq
