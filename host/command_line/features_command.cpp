@@ -26,16 +26,17 @@ namespace {
 constexpr const char* closing_words =
     "Landmarks are found in floating point, in millimetres: look at them (--report). Those of --landmarks take the "
     "place\n"
-    "of what was found; without --mesh they are all there is. What is proven: each interval holds the feature for "
-    "every\n"
-    "choice of the landmarks within --landmark-radius of where they are. Methods of version differ by up to 18 "
-    "degrees\n"
-    "(Murphy), so that each is named. Angles of version are positive ahead.\n"
+    "of what was found; where they hold head, neck and shaft, nothing is sought. What is proven: each interval holds "
+    "the\n"
+    "feature for every choice of the landmarks within --landmark-radius of where they are. Methods of version differ "
+    "by\n"
+    "up to 18 degrees (Murphy), so that each is named. Angles of version are positive ahead.\n"
     "\n"
     "Of an implant in its place (--implant, as `verisq fit` writes it) the changes of offset, of leg length and of\n"
     "version follow, of the centres of its primitives --head and --neck.\n"
     "\n"
-    "Exit status: 0 all features; 3 some are missing, and it is said why; 2 bad usage or input, or no femur.\n"
+    "Exit status: 0 all features of the landmarks that are there; 3 some need landmarks that are known better, or the\n"
+    "implant's or the bone's are missing for its changes; 2 bad usage or input, or no femur.\n"
     "\n"
     "Examples:\n"
     "  verisq features --mesh femur.stl --report features.html\n"
@@ -66,7 +67,12 @@ std::optional<Side> side_of(const FeaturesArguments& arguments, const std::optio
   return arguments.side ? arguments.side : of_file;
 }
 
-/// Where all landmarks are given, a mesh that is no femur is still a mesh to draw.
+/// Whether there is nothing that must be found: then a mesh is there to be drawn.
+bool has_all_of_a_proximal_femur(const FemurLandmarks& landmarks) {
+  return landmarks.head_centre && landmarks.head_radius && landmarks.neck_centre && landmarks.shaft_proximal &&
+         landmarks.shaft_distal;
+}
+
 DetectedFemur detected(const Mesh& mesh, const FeaturesArguments& arguments, const std::optional<Side>& side) {
   try {
     return detect_femur(mesh, side);
@@ -91,6 +97,14 @@ FemurFeatures changes_by(const Model& implant, const FeaturesArguments& argument
   return implant_changes(landmarks, side, arguments.landmark_radius, head->pose.translation, neck_point);
 }
 
+/// Whether each feature whose landmarks are there is enclosed: known exactly, they would say no more of them.
+bool says_all(const FeaturesReport& report) {
+  const FemurFeatures exactly = femur_features(report.landmarks, report.side, 0.0);
+  return report.bone.features.size() == exactly.features.size() &&
+         report.bone.frame.has_value() == exactly.frame.has_value() &&
+         (!report.changes || report.changes->missing.empty());
+}
+
 /// The bone with the axes in it, coloured by the distance to them.
 void draw(const FeaturesArguments& arguments, const Mesh& mesh, const FeaturesReport& report) {
   const Model axes = features::drawn_axes(report.landmarks);
@@ -107,14 +121,15 @@ void draw(const FeaturesArguments& arguments, const Mesh& mesh, const FeaturesRe
     rows.insert(rows.end(), found.begin(), found.end());
   });
   if (summary.interrupted) return;
-  write(arguments.report, {.title = "Features of a femur: distances are those to the head's sphere and the axes drawn",
+  write(arguments.report, {.title = "Features of a femur: the figure is its head and axes",
                            .bone = mesh,
                            .rows = rows,
                            .implant = axes,
                            .units = "mm",
                            .summary = report_lines(report),
                            .area_names = {},
-                           .area_of = {}});
+                           .area_of = {},
+                           .solid_name = "figure"});
 }
 
 }  // namespace
@@ -150,7 +165,7 @@ ExitStatus run_features(const FeaturesArguments& arguments) {
 
   const std::optional<Side> side = side_of(arguments, given);
   FeaturesReport report{{}, side, arguments.landmark_radius, {}, {}, {}};
-  if (mesh) {
+  if (mesh && !(given && has_all_of_a_proximal_femur(given->landmarks))) {
     DetectedFemur found = detected(*mesh, arguments, side);
     report.landmarks = found.landmarks;
     report.side = found.side;
@@ -166,8 +181,7 @@ ExitStatus run_features(const FeaturesArguments& arguments) {
     write_model(arguments.axes, features::drawn_axes(report.landmarks));
   if (arguments.report.any() && features::has_axes(report.landmarks)) draw(arguments, *mesh, report);
   fmt::print("{}", arguments.json ? json(report) : readable(report));
-  const bool all = report.bone.missing.empty() && (!report.changes || report.changes->missing.empty());
-  return all ? ExitStatus::verified : ExitStatus::unverified;
+  return says_all(report) ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 }  // namespace verisq::command_line

@@ -66,6 +66,7 @@ Json data_of(const Report& report) {
       {"format", "verisq-report/1"},
       {"title", report.title},
       {"units", report.units},
+      {"solid_name", report.solid_name},
       {"range", report.range ? Json(*report.range) : Json()},
       {"summary", summary},
       {"centre", centre},

@@ -68,15 +68,15 @@ void draw_bone(Drawing& drawing, const Report& report, const ColourScale& scale,
   const report::Scene scene{projected(report.bone, values_of(report.rows, scale), view, raster),
                             projected(implant, {}, view, raster)};
   const Drawing::Type type{18.0 * layout.unit, faint_ink};
-  const auto draw = [&](int panel, BoneShown shown, const char* caption) {
+  const auto draw = [&](int panel, BoneShown shown, const std::string& caption) {
     const int left = layout.panel_left(panel);
     draw_panel(
         scene, shown, scale, layout.panel_width, layout.panel_height,
         [&](int row, std::span<const Colour> colours) { drawing.set_row(left, layout.panel_top + row, colours); });
     drawing.write(left, layout.panel_top + layout.panel_height + 36.0 * layout.unit, layout.panel_width, caption, type);
   };
-  draw(0, BoneShown::whole, "whole; the implant shows through");
-  draw(1, BoneShown::cut, "cut open at the implant's middle");
+  draw(0, BoneShown::whole, fmt::format("whole; the {} shows through", report.solid_name));
+  draw(1, BoneShown::cut, fmt::format("cut open at the middle of the {}", report.solid_name));
 }
 
 std::string number(double value) {
@@ -90,7 +90,7 @@ double draw_colour_bar(Drawing& drawing, const Report& report, const ColourScale
   const Drawing::Type plain{18.0 * unit, ink};
   const Drawing::Type faint{16.0 * unit, faint_ink};
   double y = layout.panel_top + 18.0 * unit;
-  drawing.write(layout.legend_left, y, layout.legend_width, "distance to the implant", heading);
+  drawing.write(layout.legend_left, y, layout.legend_width, "distance to the " + report.solid_name, heading);
   y += 26.0 * unit;
   drawing.write(layout.legend_left, y, layout.legend_width,
                 report.units.empty() ? "proven lower bound" : "proven lower bound, in " + report.units, faint);
@@ -110,15 +110,15 @@ double draw_colour_bar(Drawing& drawing, const Report& report, const ColourScale
   for (const double tick : ticks) {
     const double place = y + height / 2.0 * (1.0 - tick / scale.range());
     drawing.fill_rectangle(layout.legend_left + width, place - unit, 8.0 * unit, 2.0 * unit, ink);
-    const char* meaning = tick == 0.0 ? "  the implant's surface" : "";
+    const std::string meaning = tick == 0.0 ? fmt::format("  surface of the {}", report.solid_name) : "";
     drawing.write(text_left, place + 6.0 * unit, text_width, number(tick) + meaning, plain);
   }
   y += height + 30.0 * unit;
-  const auto below = [&](const char* line) {
+  const auto below = [&](const std::string& line) {
     drawing.write(layout.legend_left, y, layout.legend_width, line, faint);
     y += 22.0 * unit;
   };
-  below("Warm: within the implant. The ends of the");
+  below(fmt::format("Warm: within the {}. The ends of the", report.solid_name));
   below("bar stand for all beyond. Proven at every");
   below("vertex, interpolated in between.");
   if (std::ranges::any_of(report.rows, [](const MapResult& row) { return !std::isfinite(row.distance.lo); })) {

@@ -29,6 +29,7 @@ struct Report {
   std::vector<ReportLine> summary;         ///< table, in this order
   std::vector<std::string> area_names;     ///< empty: no areas
   std::span<const std::uint32_t> area_of;  ///< one a vertex where there are areas
+  std::string solid_name = "implant";      ///< what `implant` is called
   std::optional<double> range = {};        ///< colours end at this distance, > 0; else where few vertices are beyond
 };
 

@@ -45,6 +45,7 @@ export function decodeReport(text) {
   return {
     title: report.title,
     units: report.units,
+    solidName: report.solid_name,
     range: report.range ?? null,
     summary: report.summary,
     centre: report.centre,

@@ -61,9 +61,9 @@ export function fillFacts(list, facts, { count, units }) {
   );
 }
 
-export function statement({ count, units }) {
+export function statement({ count, units, solidName }) {
   return (
-    `For each of the ${countText(count)} vertices of the bone, the exact signed distance to the implant model ` +
+    `For each of the ${countText(count)} vertices of the bone, the exact signed distance to the ${solidName} ` +
     `(positive outside, negative inside${units ? `, in ${units}` : ""}) is proven to lie in the vertex's interval ` +
     "[lo, hi]; colours between vertices are interpolated and prove nothing."
   );

@@ -4,11 +4,11 @@ import { sideOf } from "./facts.js";
 import { exactText, textAbove, withUnits } from "./numbers.js";
 import { statusNames } from "./quantities.js";
 
-const sideWords = {
-  outside: "proven outside the implant",
-  inside: "proven inside the implant",
+const sideWords = ({ solidName }) => ({
+  outside: `proven outside the ${solidName}`,
+  inside: `proven inside the ${solidName}`,
   undecided: "undecided: the interval contains 0",
-};
+});
 
 function interval(report, vertex) {
   return element(
@@ -47,7 +47,7 @@ export function fullDescription(report, vertex, colour) {
   return [
     headline(vertex, colour),
     interval(report, vertex),
-    element("p", { class: `side ${side}` }, sideWords[side]),
+    element("p", { class: `side ${side}` }, sideWords(report)[side]),
     element("dl", {}, ...rows.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)])),
   ];
 }

@@ -37,6 +37,7 @@ class Page {
     byId("title").textContent = title;
     byId("statement").textContent = statement(this.report);
     byId("range-units").textContent = units;
+    byId("solid-name").textContent = this.report.solidName;
     fillFacts(byId("facts"), this.facts, this.report);
     fillSummary(byId("summary").tBodies[0], summary);
     byId("vertex-number").max = this.report.count - 1;

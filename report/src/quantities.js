@@ -53,14 +53,14 @@ export function quantitiesOf(report) {
       "lo",
       "Lower bound",
       report.lo,
-      "Each vertex is proven to be at least this far from the implant; negative: it may be inside, but no deeper.",
+      `Each vertex is proven to be at least this far from the ${report.solidName}; negative: it may be inside, but no deeper.`,
     ),
     bound(
       report,
       "hi",
       "Upper bound",
       report.hi,
-      "Each vertex is proven to be at most this far from the implant; negative: surely inside it, at least so deep.",
+      `Each vertex is proven to be at most this far from the ${report.solidName}; negative: surely inside it, at least so deep.`,
     ),
     width(report),
     category(

@@ -1,5 +1,5 @@
 /// Encloses features of a femur over balls of landmarks: each landmark moves a feature at most by a bound of geometry,
-/// derived beside it (docs/mathematics.md §20).
+/// derived beside it (docs/mathematics.md §19).
 #include <fmt/format.h>
 
 #include <algorithm>
