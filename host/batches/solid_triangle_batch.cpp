@@ -15,23 +15,21 @@ namespace verisq::device {
 namespace {
 
 using verify::TriangleBranchAndBound;
+using Answer = TriangleBranchAndBound::Answer;
 
 constexpr std::size_t largest_chunk = std::size_t{1} << 14U;
 constexpr std::size_t most_points = 2048;     // of a triangle; then it is left to the host
 constexpr double share_of_points = 0.25;      // of the tolerance, where a point takes a search
 constexpr std::size_t triangles_a_task = 64;  // of a thread
 
-// Points of many triangles; the first of each triangle has its index in `firsts`.
-struct Round {
-  std::vector<Point> points;
-  std::vector<std::size_t> firsts;
-};
-
 class SolidTriangleBatch final : public Batch<Triangle> {
  public:
-  SolidTriangleBatch(std::unique_ptr<Batch<Point>> points, const verify::SolidExtent& extent, double tolerance,
-                     std::function<bool()> out_of_time)
-      : points_(std::move(points)), extent_(extent), tolerance_(tolerance), out_of_time_(std::move(out_of_time)) {}
+  SolidTriangleBatch(DirectedBatch batch, const Model& model, double tolerance, std::function<bool()> out_of_time)
+      : points_(std::move(batch.points)),
+        directions_(std::move(batch.directions)),
+        extent_(verify::extent_of(model)),
+        tolerance_(tolerance),
+        out_of_time_(std::move(out_of_time)) {}
 
   [[nodiscard]] std::size_t capacity() const override { return largest_chunk; }
   [[nodiscard]] double device_seconds() const override { return points_->device_seconds(); }
@@ -68,34 +66,52 @@ class SolidTriangleBatch final : public Batch<Triangle> {
     }
   }
 
+  // Each task with its points: those that its triangles ask for, one triangle after the other.
+  struct Task {
+    std::vector<Point> points;
+    std::vector<std::size_t> counts;
+  };
+
   void answer(std::span<TriangleBranchAndBound* const> asking) {
-    Round round;
-    for (TriangleBranchAndBound* const each : asking) {
-      round.firsts.push_back(round.points.size());
-      each->ask(round.points);
+    std::vector<Task> tasks((asking.size() + triangles_a_task - 1) / triangles_a_task);
+    const auto triangles_of = [&](std::size_t task) {
+      const std::size_t first = task * triangles_a_task;
+      return asking.subspan(first, std::min(triangles_a_task, asking.size() - first));
+    };
+    in_parallel(tasks.size(), [&](std::size_t i) {
+      for (TriangleBranchAndBound* const each : triangles_of(i)) {
+        const std::size_t before = tasks[i].points.size();
+        each->ask(tasks[i].points);
+        tasks[i].counts.push_back(tasks[i].points.size() - before);
+      }
+    });
+    std::vector<Point> points;
+    std::vector<std::size_t> firsts;
+    for (const Task& task : tasks) {
+      firsts.push_back(points.size());
+      points.insert(points.end(), task.points.begin(), task.points.end());
     }
-    round.firsts.push_back(round.points.size());
-    const std::vector<Enclosure> distances = distances_of(round.points);
-    const std::size_t tasks = (asking.size() + triangles_a_task - 1) / triangles_a_task;
-    in_parallel(tasks, [&](std::size_t task) {
-      const std::size_t end = std::min(asking.size(), (task + 1) * triangles_a_task);
-      for (std::size_t i = task * triangles_a_task; i < end; ++i) {
-        const std::size_t count = round.firsts[i + 1] - round.firsts[i];
-        asking[i]->answer(std::span(distances).subspan(round.firsts[i], count));
+    const std::vector<Answer> answers = answers_to(points);
+    in_parallel(tasks.size(), [&](std::size_t i) {
+      std::size_t first = firsts[i];
+      const auto triangles = triangles_of(i);
+      for (std::size_t n = 0; n < triangles.size(); ++n) {
+        triangles[n]->answer(std::span(answers).subspan(first, tasks[i].counts[n]));
+        first += tasks[i].counts[n];
       }
     });
   }
 
   // Two chunks in flight: one is prepared while the other is worked on.
-  [[nodiscard]] std::vector<Enclosure> distances_of(std::span<const Point> points) {
-    std::vector<Enclosure> distances;
-    distances.reserve(points.size());
+  [[nodiscard]] std::vector<Answer> answers_to(std::span<const Point> points) {
+    std::vector<Answer> answers;
+    answers.reserve(points.size());
     std::vector<Enclosure> found;
     std::vector<Certificate> none;
     std::size_t in_flight = 0;
     const auto collect = [&] {
       points_->collect(found, none);
-      distances.insert(distances.end(), found.begin(), found.end());
+      for (std::size_t i = 0; i < found.size(); ++i) answers.push_back({found[i], (*directions_)[i]});
       --in_flight;
     };
     while (!points.empty()) {
@@ -106,10 +122,11 @@ class SolidTriangleBatch final : public Batch<Triangle> {
       ++in_flight;
     }
     while (in_flight > 0) collect();
-    return distances;
+    return answers;
   }
 
   std::unique_ptr<Batch<Point>> points_;
+  std::shared_ptr<const std::vector<Point>> directions_;
   verify::SolidExtent extent_;
   double tolerance_;
   std::function<bool()> out_of_time_;
@@ -120,8 +137,8 @@ class SolidTriangleBatch final : public Batch<Triangle> {
 
 std::unique_ptr<Batch<Triangle>> solid_triangle_batch(const Device& device, const Model& model, double tolerance,
                                                       const std::function<bool()>& out_of_time) {
-  return std::make_unique<SolidTriangleBatch>(solid_batch(device, model, share_of_points * tolerance),
-                                              verify::extent_of(model), tolerance, out_of_time);
+  return std::make_unique<SolidTriangleBatch>(directed_solid_batch(device, model, share_of_points * tolerance), model,
+                                              tolerance, out_of_time);
 }
 
 }  // namespace verisq::device

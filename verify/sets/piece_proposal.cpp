@@ -191,43 +191,43 @@ double farthest_corner(const Triangle& corners, const Point& x) {
   return largest;
 }
 
-/// The nearest centre along `direction`, by powers of two.
-std::optional<ProvingBall> ball_along(const Triangle& corners, const Look& look, const Point& direction, double aim,
-                                      double reach) {
-  // Beside the look's own direction the distance grows slower; |sin|^2 / 2 of it is lost at most.
-  const Point aside = difference(direction, look.direction);
-  const double gain = 1.0 - 0.5 * dot(aside, aside);
-  double slope = infinity;
-  for (const Point& corner : corners) slope = std::min(slope, dot(difference(corner, look.at), direction));
-  if (look.distance + slope < aim) return std::nullopt;  // nor with a ball so large that it is a half-space
-  const double size = farthest_corner(corners, look.at);
-  if (!(size > 0.0)) return std::nullopt;
-  for (double way = 0.25 * size; way <= reach; way *= 2.0) {
-    const Point centre = along(look.at, direction, way);
-    const double expected = look.distance + gain * way;
-    if (expected - farthest_corner(corners, centre) >= aim) return ProvingBall{centre, expected, way};
-  }
-  return std::nullopt;
+/// Whether all corners are, along the direction, as far beyond the look as the aim asks.
+bool is_beyond(const Triangle& corners, const Look& look, const Point& direction, double aim) {
+  return std::ranges::all_of(
+      corners, [&](const Point& corner) { return look.distance + dot(difference(corner, look.at), direction) >= aim; });
 }
 
 }  // namespace
 
-std::optional<ProvingBall> proving_ball(const TriangleFrame& frame, const Triangle& corners, const Look& look,
-                                        double aim, double reach) {
-  std::optional<ProvingBall> best = ball_along(corners, look, look.direction, aim, reach);
+ProvingDirections proving_directions(const TriangleFrame& frame, const Triangle& corners, const Look& look,
+                                     double aim) {
+  ProvingDirections found{{}, 0};
   const auto offer = [&](const std::optional<Point>& direction) {
     constexpr double nearly = 0.99;
-    if (!direction || dot(*direction, look.direction) < nearly) return;
-    const std::optional<ProvingBall> found = ball_along(corners, look, *direction, aim, reach);
-    if (found && (!best || found->reach < best->reach)) best = found;
+    if (!direction || dot(*direction, look.direction) < nearly || !is_beyond(corners, look, *direction, aim)) return;
+    found.directions[found.count++] = *direction;
   };
-  // Where the least point lies within an edge or the face, the distance's direction is orthogonal to it.
+  offer(look.direction);
   for (std::size_t i = 0; i < 3; ++i) {
     const auto edge = unit_of(difference(corners[(i + 1) % 3], corners[i]));
     if (edge) offer(unit_of(along(look.direction, *edge, -dot(look.direction, *edge))));
   }
   offer(scaled(frame.normal(), dot(frame.normal(), look.direction) < 0.0 ? -1.0 : 1.0));
-  return best;
+  return found;
+}
+
+/// Beside the look's own direction the distance grows slower; half the squared sine of it is lost at most.
+std::optional<ProvingBall> proving_ball(const Triangle& corners, const Look& look, const Point& direction, double aim,
+                                        double reach) {
+  const Point aside = difference(direction, look.direction);
+  const double gain = 1.0 - 0.5 * dot(aside, aside);
+  const double size = farthest_corner(corners, look.at);
+  if (!(size > 0.0)) return std::nullopt;
+  for (double way = 0.25 * size; way <= reach; way *= 2.0) {
+    const Point centre = along(look.at, direction, way);
+    if (look.distance + gain * way - farthest_corner(corners, centre) >= aim) return ProvingBall{centre, way};
+  }
+  return std::nullopt;
 }
 
 }  // namespace verisq::verify

@@ -1,8 +1,9 @@
-/// Where on a part of a triangle the distance to a solid is least, and about which point a ball shows it: in plain
-/// floating point, from what distances of single points tell. Proves nothing.
+/// Where on a part of a triangle the distance to a solid is least, and which ball shows it: in plain floating point,
+/// from what distances of single points tell. Proves nothing.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 
 #include "verify/sets/triangle_pieces.hpp"
@@ -64,16 +65,25 @@ struct LeastPoint {
 [[nodiscard]] LeastPoint least_point(const TriangleFrame& frame, const Piece& piece, const Triangle& corners,
                                      const Look& about, const Curvature& curvature);
 
-/// A ball about a point on the line of a look's direction, or near it, that holds the piece: the nearest centre whose
-/// distance, where it grows along the line as fast as the way, proves that the piece is as far as `aim`.
+/// Directions in which the piece may be proven to be as far as `aim`: those beyond a plane orthogonal to which, through
+/// the point of the solid that the look's direction comes from, all of it is. The look's own; and where the least point
+/// lies within an edge or the face, those that are orthogonal to it.
+struct ProvingDirections {
+  std::array<Point, 5> directions;
+  std::size_t count;
+};
+[[nodiscard]] ProvingDirections proving_directions(const TriangleFrame& frame, const Triangle& corners,
+                                                   const Look& look, double aim);
+
+/// A ball that holds the piece, its centre beyond a look.
 struct ProvingBall {
   Point centre;
-  double expected;  ///< the distance of the centre
-  double reach;     ///< of the centre from the look
+  double reach;  ///< of the centre from the look
 };
 
-/// Nothing where no centre within `reach` would do.
-[[nodiscard]] std::optional<ProvingBall> proving_ball(const TriangleFrame& frame, const Triangle& corners,
-                                                      const Look& look, double aim, double reach);
+/// The smallest one that proves that the piece is as far as `aim` if the distance grows along the direction as fast as
+/// the way. Nothing where no centre within `reach` would do.
+[[nodiscard]] std::optional<ProvingBall> proving_ball(const Triangle& corners, const Look& look, const Point& direction,
+                                                      double aim, double reach);
 
 }  // namespace verisq::verify

@@ -34,13 +34,13 @@ Enclosure TriangleSearch::operator()(const Triangle& triangle, double tolerance,
   const auto over = [&] { return interrupted && interrupted(); };
   verify::TriangleBranchAndBound search(triangle, state_->extent, tolerance);
   std::vector<Point> points;
-  std::vector<Enclosure> distances;
+  std::vector<verify::TriangleBranchAndBound::Answer> answers;
   while (!search.finished() && search.asked() < most_points && !over()) {
     points.clear();
-    distances.clear();
+    answers.clear();
     search.ask(points);
-    for (const Point& point : points) distances.push_back(state_->distance(point, share_of_points * tolerance, over));
-    search.answer(distances);
+    for (const Point& point : points) answers.push_back({state_->distance(point, share_of_points * tolerance, over)});
+    search.answer(answers);
   }
   return search.enclosure();
 }

@@ -7,22 +7,22 @@
 #include <cmath>
 #include <utility>
 
-#include "verify/proof/intersection.hpp"
 #include "verify/proof/triangle.hpp"
 
 namespace verisq::verify {
 
 namespace {
 
-constexpr std::size_t kPointsOfLook = 4;  // with its probes
+constexpr std::size_t kProbes = 3;
 constexpr int kLooksAtWhole = 10;
 constexpr int kLooksAtPart = 2;
 constexpr std::size_t kPartsAtATime = 8;
-constexpr std::size_t kEasy = 64;  ///< points; triangles that take more are asked about several parts at a time
-constexpr double kFarthestCentre = 0x1p14;  ///< in parts of the solid's radius: farther, rounding counts
-constexpr double kShareOfAim = 0.5;         ///< of the tolerance is left for what proposals do not know
+constexpr std::size_t kEasy = 32;         ///< points; triangles that take more are asked about several parts at a time
+constexpr double kFarthestCentre = 64.0;  ///< in sizes of the solid: certificates of bent solids reach hardly farther
+constexpr double kNextReach = 0.125;      ///< of a centre's reach that was too far
+constexpr double kShareOfAim = 0.5;       ///< of the tolerance is left for what proposals do not know
 
-double longest(const Triangle& corners, std::size_t edge) {
+double squared_edge(const Triangle& corners, std::size_t edge) {
   const Point way = difference(corners[(edge + 1) % 3], corners[edge]);
   return dot(way, way);
 }
@@ -30,7 +30,7 @@ double longest(const Triangle& corners, std::size_t edge) {
 std::size_t longest_edge(const Triangle& corners) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < 3; ++i)
-    if (longest(corners, i) > longest(corners, best)) best = i;
+    if (squared_edge(corners, i) > squared_edge(corners, best)) best = i;
   return best;
 }
 
@@ -47,48 +47,49 @@ double apart(const Point& a, const Point& b) {
   return std::sqrt(dot(way, way));
 }
 
-/// As if the solid were a point, which its centre is near enough to for a start.
-Look towards(const Point& centre, const Triangle& corners) {
-  return {corners[0], 0.0, difference(corners[0], centre)};
+std::optional<Point> unit_of(const Point& v) {
+  const double size = std::sqrt(dot(v, v));
+  if (!(size > 0.0) || !std::isfinite(size)) return std::nullopt;
+  return Point{v[0] / size, v[1] / size, v[2] / size};
 }
 
 }  // namespace
 
 TriangleBranchAndBound::TriangleBranchAndBound(const Triangle& triangle, const SolidExtent& extent, double tolerance)
     : triangle_(triangle), frame_(triangle), extent_(extent), tolerance_(tolerance) {
-  Node root{whole_triangle,
-            triangle,
-            0.0,
-            {},
-            Curvature(extent.radius),
-            kFarthestCentre * extent.radius,
-            kLooksAtWhole,
-            false,
-            {},
-            {},
-            {},
-            0.0};
-  const Weights nearest = nearest_to_extent(whole_triangle, triangle);
-  root.curvature = Curvature(std::max(extent.radius, apart(triangle_.point(nearest), extent.centre)));
+  Node root{.piece = whole_triangle,
+            .corners = triangle,
+            .lower = 0.0,
+            .look = std::nullopt,
+            .own_look = false,
+            .looks_left = kLooksAtWhole,
+            .curvature = Curvature(extent.radius),
+            .reach = 0.0,
+            .question = Question::none,
+            .at = {},
+            .distance = {},
+            .step = 0.0,
+            .ball_reach = 0.0};
+  const Point nearest = nearest_to_centre(root);
+  const double size = std::max(extent.radius, apart(nearest, extent.centre));
+  root.curvature = Curvature(size);
+  root.reach = kFarthestCentre * size;
   plan_look(root, nearest);
   asking_.push_back(std::move(root));
 }
 
-Weights TriangleBranchAndBound::nearest_to_extent(const Piece& piece, const Triangle& corners) const {
-  const Curvature of_squares(1.0);
-  return least_point(frame_, piece, corners, towards(extent_.centre, corners), of_squares).weights;
+/// As if the solid were its centre.
+Point TriangleBranchAndBound::nearest_to_centre(const Node& node) const {
+  const Look towards{node.corners[0], 0.0, difference(node.corners[0], extent_.centre)};
+  return triangle_.point(least_point(frame_, node.piece, node.corners, towards, Curvature(1.0)).weights);
 }
 
 bool TriangleBranchAndBound::settled(double lower) const {
   return verified({std::min(lower, upper_), upper_}, tolerance_);
 }
 
-double TriangleBranchAndBound::aim() const {
-  return upper_ - kShareOfAim * tolerance_;
-}
-
 bool TriangleBranchAndBound::finished() const {
-  return asking_.empty() && (open_.empty() || settled(open_.top().lower) || settled(0.0));
+  return settled(0.0) || (asking_.empty() && (open_.empty() || settled(open_.top().lower)));
 }
 
 Enclosure TriangleBranchAndBound::enclosure() const {
@@ -97,37 +98,42 @@ Enclosure TriangleBranchAndBound::enclosure() const {
   return {std::min(lower, upper_), upper_};
 }
 
+double TriangleBranchAndBound::aim() const {
+  return upper_ - kShareOfAim * tolerance_;
+}
+
 void TriangleBranchAndBound::ask(std::vector<Point>& points) {
   const std::size_t most = asked_ < kEasy ? 1 : kPartsAtATime;
   while (asking_.size() < most && !open_.empty() && !settled(open_.top().lower)) {
     Node node = open_.top();
     open_.pop();
-    if (plan(node)) {
-      asking_.push_back(std::move(node));
-    } else {
-      split(node);
-    }
+    advance(std::move(node));
   }
   for (const Node& node : asking_) {
-    points.push_back(node.ball ? node.ball->centre : node.at);
-    if (node.ball) continue;
-    for (const Point& probe : frame_.probes(node.at, node.step)) points.push_back(probe);
+    if (node.question != Question::probes) {
+      points.push_back(node.at);
+    } else {
+      for (const Point& probe : frame_.probes(node.at, node.step)) points.push_back(probe);
+    }
   }
 }
 
-void TriangleBranchAndBound::answer(std::span<const Enclosure> distances) {
-  asked_ += distances.size();
+void TriangleBranchAndBound::answer(std::span<const Answer> answers) {
+  asked_ += answers.size();
   std::vector<Node> asked;
   std::swap(asked, asking_);
   for (Node& node : asked) {
-    if (node.ball) {
-      told_ball(node, distances.front());
-      distances = distances.subspan(1);
+    const Question question = std::exchange(node.question, Question::none);
+    const std::span<const Answer> told = answers.first(question == Question::probes ? kProbes : 1);
+    answers = answers.subspan(told.size());
+    if (question == Question::look) told_look(node, told.front());
+    if (question == Question::probes) told_probes(node, told);
+    if (question == Question::ball) told_ball(node, told.front().distance);
+    if (node.question == Question::none) {
+      keep(std::move(node));
     } else {
-      told_look(node, distances.first(kPointsOfLook));
-      distances = distances.subspan(kPointsOfLook);
+      asking_.push_back(std::move(node));
     }
-    keep(std::move(node));
   }
 }
 
@@ -139,64 +145,96 @@ void TriangleBranchAndBound::keep(Node node) {
   }
 }
 
-/// What to ask about a part; false where it is to be halved.
-bool TriangleBranchAndBound::plan(Node& node) {
-  node.ball.reset();
-  if (node.look) node.ball = proving_ball(frame_, node.corners, *node.look, aim(), node.reach);
-  if (node.ball) return true;
+/// What is done next about a part: a question, or it is halved.
+void TriangleBranchAndBound::advance(Node node) {
+  if (plan_ball(node) || plan_next_look(node)) {
+    asking_.push_back(std::move(node));
+  } else {
+    split(node);
+  }
+}
+
+/// The smallest ball that is expected to do.
+bool TriangleBranchAndBound::plan_ball(Node& node) const {
+  if (!node.look) return false;
+  const ProvingDirections directions = proving_directions(frame_, node.corners, *node.look, aim());
+  for (std::size_t i = 0; i < directions.count; ++i) {
+    const auto ball = proving_ball(node.corners, *node.look, directions.directions[i], aim(), node.reach);
+    if (!ball || (node.question == Question::ball && node.ball_reach <= ball->reach)) continue;
+    node.question = Question::ball;
+    node.at = ball->centre;
+    node.ball_reach = ball->reach;
+  }
+  return node.question == Question::ball;
+}
+
+/// False where another look promises nothing.
+bool TriangleBranchAndBound::plan_next_look(Node& node) const {
   if (node.looks_left == 0) return false;
   if (!node.look) {
-    plan_look(node, nearest_to_extent(node.piece, node.corners));
+    plan_look(node, nearest_to_centre(node));
     return true;
   }
   const LeastPoint least = least_point(frame_, node.piece, node.corners, *node.look, node.curvature);
   constexpr double worth_a_look = 0.125;
   if (node.own_look && !(least.gain > worth_a_look * tolerance_)) return false;
-  plan_look(node, least.weights);
+  plan_look(node, triangle_.point(least.weights));
   return true;
 }
 
-/// A step so short that the distance is nearly linear, and so long that the enclosures' widths hardly count.
-void TriangleBranchAndBound::plan_look(Node& node, const Weights& weights) const {
-  node.weights = weights;
-  node.at = triangle_.point(weights);
-  const double size = std::max(extent_.radius, apart(node.at, extent_.centre));
+/// Probes are so near that the distance is nearly linear, and so far that the enclosures' widths hardly count.
+void TriangleBranchAndBound::plan_look(Node& node, const Point& at) const {
+  node.question = Question::look;
+  node.at = at;
+  const double size = std::max(extent_.radius, apart(at, extent_.centre));
   node.step = std::max(1e-6 * size, 0.3 * std::sqrt(width_ * size));
 }
 
-void TriangleBranchAndBound::told_look(Node& node, std::span<const Enclosure> distances) {
-  const Enclosure& here = distances.front();
-  upper_ = std::min(upper_, triangle_.upper_by_point(here.hi));
-  node.lower = std::max(node.lower, triangle_.lower_by_ball(node.corners, node.at, here.lo));
+void TriangleBranchAndBound::told_look(Node& node, const Answer& answer) {
   --node.looks_left;
-  if (!std::ranges::all_of(distances, is_finite)) {
+  upper_ = std::min(upper_, triangle_.upper_by_point(answer.distance.hi));
+  node.lower = std::max(node.lower, triangle_.lower_by_ball(node.corners, node.at, answer.distance.lo));
+  node.distance = answer.distance;
+  if (settled(node.lower)) return;
+  if (!is_finite(answer.distance)) {
     node.looks_left = 0;
     return;
   }
-  width_ = here.width();
-  const auto direction =
-      frame_.direction(middle(here), {middle(distances[1]), middle(distances[2]), middle(distances[3])}, node.step);
+  width_ = answer.distance.width();
+  const std::optional<Point> direction = unit_of(answer.direction);
+  if (direction) {
+    learn(node, direction);
+  } else {
+    node.question = Question::probes;
+  }
+}
+
+void TriangleBranchAndBound::told_probes(Node& node, std::span<const Answer> answers) const {
+  std::array<double, kProbes> distances{};
+  for (std::size_t i = 0; i < kProbes; ++i) distances[i] = middle(answers[i].distance);
+  learn(node, frame_.direction(middle(node.distance), distances, node.step));
+}
+
+void TriangleBranchAndBound::learn(Node& node, const std::optional<Point>& direction) const {
   if (!direction) {
     node.looks_left = 0;
     return;
   }
-  const Look found{node.at, here.lo, *direction};
+  const Look found{node.at, node.distance.lo, *direction};
   if (node.look) node.curvature.learn(frame_, *node.look, found);
   if (node.own_look && node.look->distance <= found.distance) return;  // it went too far
   node.look = found;
   node.own_look = true;
-  node.reach = kFarthestCentre * std::max(extent_.radius, apart(node.at, extent_.centre));
 }
 
 /// Where the centre is not as far as it seemed, other points of the solid are nearer to it.
-void TriangleBranchAndBound::told_ball(Node& node, const Enclosure& distance) {
-  node.lower = std::max(node.lower, triangle_.lower_by_ball(node.corners, node.ball->centre, distance.lo));
-  node.reach = 0.5 * node.ball->reach;
+void TriangleBranchAndBound::told_ball(Node& node, const Enclosure& distance) const {
+  node.lower = std::max(node.lower, triangle_.lower_by_ball(node.corners, node.at, distance.lo));
+  node.reach = kNextReach * node.ball_reach;
 }
 
 void TriangleBranchAndBound::split(const Node& node) {
-  const std::size_t edge = longest_edge(node.corners);
-  const auto parts = halves(node.piece, edge);
+  const auto parts = halves(node.piece, longest_edge(node.corners));
   if (!parts) {
     left_out_ = std::min(left_out_, node.lower);
     return;
