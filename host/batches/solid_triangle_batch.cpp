@@ -17,7 +17,7 @@ namespace {
 using verify::TriangleBranchAndBound;
 using Answer = TriangleBranchAndBound::Answer;
 
-constexpr std::size_t largest_chunk = std::size_t{1} << 14U;
+constexpr std::size_t largest_chunk = std::size_t{1} << 13U;
 constexpr std::size_t most_points = 2048;     // of a triangle; then it is left to the host
 constexpr double share_of_points = 0.25;      // of the tolerance, where a point takes a search
 constexpr std::size_t triangles_a_task = 64;  // of a thread
