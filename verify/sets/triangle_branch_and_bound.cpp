@@ -16,10 +16,11 @@ namespace {
 constexpr std::size_t kProbes = 3;
 constexpr int kLooksAtWhole = 10;
 constexpr int kLooksAtPart = 2;
-constexpr std::size_t kPartsAtATime = 8;
-constexpr std::size_t kEasy = 32;         ///< points; triangles that take more are asked about several parts at a time
+constexpr std::size_t kPartsAtATime = 1024;
+constexpr std::size_t kPointsAPart = 16;  ///< asked for so far, for each part that is asked about at a time
 constexpr double kFarthestCentre = 64.0;  ///< in sizes of the solid: certificates of bent solids reach hardly farther
 constexpr double kNextReach = 0.125;      ///< of a centre's reach that was too far
+constexpr double kShareOfReach = 0.9;     ///< of that where another point is as near as the look's
 constexpr double kShareOfAim = 0.5;       ///< of the tolerance is left for what proposals do not know
 
 double squared_edge(const Triangle& corners, std::size_t edge) {
@@ -51,6 +52,16 @@ std::optional<Point> unit_of(const Point& v) {
   const double size = std::sqrt(dot(v, v));
   if (!(size > 0.0) || !std::isfinite(size)) return std::nullopt;
   return Point{v[0] / size, v[1] / size, v[2] / size};
+}
+
+/// How far from the look, towards the centre, a point is as far from `near` as from where the look's distance comes
+/// from: with w = look - near, u the way to the centre and d the distance, |w + r u| = d + r.
+double reach_beside(const Look& look, const Point& centre, const Point& near) {
+  const std::optional<Point> u = unit_of(difference(centre, look.at));
+  if (!u) return 0.0;
+  const Point w = difference(look.at, near);
+  const double farther = look.distance - dot(w, *u);
+  return farther > 0.0 ? std::max(0.0, dot(w, w) - look.distance * look.distance) / (2.0 * farther) : 0.0;
 }
 
 }  // namespace
@@ -103,7 +114,7 @@ double TriangleBranchAndBound::aim() const {
 }
 
 void TriangleBranchAndBound::ask(std::vector<Point>& points) {
-  const std::size_t most = asked_ < kEasy ? 1 : kPartsAtATime;
+  const std::size_t most = std::clamp<std::size_t>(asked_ / kPointsAPart, 1, kPartsAtATime);
   while (asking_.size() < most && !open_.empty() && !settled(open_.top().lower)) {
     Node node = open_.top();
     open_.pop();
@@ -128,7 +139,7 @@ void TriangleBranchAndBound::answer(std::span<const Answer> answers) {
     answers = answers.subspan(told.size());
     if (question == Question::look) told_look(node, told.front());
     if (question == Question::probes) told_probes(node, told);
-    if (question == Question::ball) told_ball(node, told.front().distance);
+    if (question == Question::ball) told_ball(node, told.front());
     if (node.question == Question::none) {
       keep(std::move(node));
     } else {
@@ -228,9 +239,12 @@ void TriangleBranchAndBound::learn(Node& node, const std::optional<Point>& direc
 }
 
 /// Where the centre is not as far as it seemed, other points of the solid are nearer to it.
-void TriangleBranchAndBound::told_ball(Node& node, const Enclosure& distance) const {
-  node.lower = std::max(node.lower, triangle_.lower_by_ball(node.corners, node.at, distance.lo));
-  node.reach = kNextReach * node.ball_reach;
+void TriangleBranchAndBound::told_ball(Node& node, const Answer& answer) const {
+  node.lower = std::max(node.lower, triangle_.lower_by_ball(node.corners, node.at, answer.distance.lo));
+  const std::optional<Point> direction = unit_of(answer.direction);
+  const double reach = direction ? reach_beside(*node.look, node.at, along(node.at, *direction, -answer.distance.hi))
+                                 : kNextReach * node.ball_reach;
+  node.reach = std::min(kShareOfReach * reach, 0.5 * node.ball_reach);
 }
 
 void TriangleBranchAndBound::split(const Node& node) {

@@ -82,7 +82,7 @@ class TriangleBranchAndBound {
   void told_look(Node& node, const Answer& answer);
   void told_probes(Node& node, std::span<const Answer> answers) const;
   void learn(Node& node, const std::optional<Point>& direction) const;
-  void told_ball(Node& node, const Enclosure& distance) const;
+  void told_ball(Node& node, const Answer& answer) const;
   void keep(Node node);
 
   DividedTriangle triangle_;
