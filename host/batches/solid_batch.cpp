@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@
 #include "host/batches/model_source.hpp"
 #include "host/batches/model_terms.hpp"
 #include "host/batches/primitive_parameters.hpp"
+#include "host/batches/solid_directions.hpp"
 #include "host/batches/solid_model.hpp"
 #include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
@@ -80,7 +82,9 @@ struct SolidModel {
 // One chunk on its way through the device: enclosures for each convex primitive on its own, then the search.
 class SolidSlot : public ChunkSlot {
  public:
-  SolidSlot(const Device& device, const SolidModel& model, double tolerance)
+  /// Of the chunk that is collected, `directions` get those of its points, unless null.
+  SolidSlot(const Device& device, const SolidModel& model, double tolerance,
+            std::optional<SolidDirections> evidence_of_directions, std::shared_ptr<std::vector<Point>> directions)
       : ChunkSlot(device, model.size),
         solid_width_(static_cast<std::size_t>(solid_vector_width(device))),
         parts_(model.parts),
@@ -90,7 +94,9 @@ class SolidSlot : public ChunkSlot {
         bent_distance_(model.program, kernels::embedded_bent_distance(), "bent_distance"),
         set_feet_(model.program, kernels::embedded_set_bounds(), "set_feet"),
         set_bounds_(model.program, kernels::embedded_set_bounds(), "set_bounds"),
-        solid_distance_(model.program, kernels::embedded_solid_distance(), "solid_distance") {
+        solid_distance_(model.program, kernels::embedded_solid_distance(), "solid_distance"),
+        evidence_of_directions_(std::move(evidence_of_directions)),
+        directions_(std::move(directions)) {
     if (model.convex_programs) {
       convex_distance_.emplace(device, *model.convex_programs, queue_, capacity_, scale_.to_device(tolerance));
     }
@@ -140,7 +146,19 @@ class SolidSlot : public ChunkSlot {
     solid_distance_.set("count", size_);
     width_ > 1 ? queue_.launch(solid_distance_, size_, searches_per_group) : queue_.launch(solid_distance_, size_);
     enclosures_.read(queue_, result_, size_);
+    if (directions_)
+      evidence_of_directions_->read(queue_, views_, {edges_[1], {edges_[2], edges_[3], edges_[4]}}, size_);
     queue_.flush();
+  }
+
+  // No certificates. Precondition: finished.
+  void certify(std::span<const Enclosure> enclosures, std::vector<Certificate>& /*certificates*/) const {
+    if (!directions_) return;
+    directions_->clear();
+    for (std::size_t n = 0; n < size_; ++n) {
+      const Enclosure distance{scale_.to_device(enclosures[n].lo), scale_.to_device(enclosures[n].hi)};
+      directions_->push_back((*evidence_of_directions_)(n, {columns_[0][n], columns_[1][n], columns_[2][n]}, distance));
+    }
   }
 
  private:
@@ -199,19 +217,33 @@ class SolidSlot : public ChunkSlot {
   std::array<cl::Buffer, 2> result_;
   std::vector<EvidenceBuffers> views_;  // windows of those, one for each primitive
   std::array<std::vector<double>, 3> columns_;
+  std::optional<SolidDirections> evidence_of_directions_;  // where directions are wanted
+  std::shared_ptr<std::vector<Point>> directions_;
 };
+
+std::unique_ptr<Batch<Point>> batch_of(const Device& device, const Model& model, double tolerance,
+                                       const std::shared_ptr<std::vector<Point>>& directions) {
+  return reporting_failures(device.name, [&] {
+    const SolidModel uploaded(device, model);
+    std::optional<SolidDirections> evidence;
+    if (directions) evidence.emplace(model, uploaded.size.scale_exponent, uploaded.size.chunk_size);
+    std::vector<SolidSlot> slots;
+    slots.reserve(2);
+    for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, uploaded, tolerance, evidence, directions);
+    return std::unique_ptr<Batch<Point>>(
+        std::make_unique<ChunkPipeline<Point, SolidSlot>>(device.name, uploaded.size.chunk_size, std::move(slots)));
+  });
+}
 
 }  // namespace
 
 std::unique_ptr<Batch<Point>> solid_batch(const Device& device, const Model& model, double tolerance) {
-  return reporting_failures(device.name, [&] {
-    const SolidModel uploaded(device, model);
-    std::vector<SolidSlot> slots;
-    slots.reserve(2);
-    for (int slot = 0; slot < 2; ++slot) slots.emplace_back(device, uploaded, tolerance);
-    return std::unique_ptr<Batch<Point>>(
-        std::make_unique<ChunkPipeline<Point, SolidSlot>>(device.name, uploaded.size.chunk_size, std::move(slots)));
-  });
+  return batch_of(device, model, tolerance, nullptr);
+}
+
+DirectedBatch directed_solid_batch(const Device& device, const Model& model, double tolerance) {
+  const auto directions = std::make_shared<std::vector<Point>>();
+  return {batch_of(device, model, tolerance, directions), directions};
 }
 
 }  // namespace verisq::device

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "host/batches/batch.hpp"
 #include "host/device/device.hpp"
@@ -13,5 +14,13 @@ namespace verisq::device {
 /// Compiles the model's own tree. Precondition: within_device_range(model). Throws Error(failure) with the name of a
 /// failed OpenCL call.
 [[nodiscard]] std::unique_ptr<Batch<Point>> solid_batch(const Device& device, const Model& model, double tolerance);
+
+/// The same, and of the points of the chunk that was collected last about the gradients of their signed distances, in
+/// the model's frame, of any length: zero where the kernels did not look for them. They prove nothing.
+struct DirectedBatch {
+  std::unique_ptr<Batch<Point>> points;
+  std::shared_ptr<const std::vector<Point>> directions;
+};
+[[nodiscard]] DirectedBatch directed_solid_batch(const Device& device, const Model& model, double tolerance);
 
 }  // namespace verisq::device

@@ -69,7 +69,6 @@ void refuse_what_needs_convexity(const Model& model, const MapArguments& argumen
     refuse(fmt::format("{}: {}: not supported for bends, nor for csg other than the union of all primitives", option,
                        arguments.inputs.model));
   };
-  if (arguments.on == MapElements::triangles) refuse_option("--on triangles");
   if (arguments.certificates) refuse_option("--certificates");
   if (arguments.method == Method::published) refuse_option("--method published");
 }

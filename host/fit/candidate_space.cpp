@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "host/fit/eigen_points.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/sets/bounding_box.hpp"
 #include "verisq/error.hpp"
@@ -21,14 +22,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr std::size_t kPoseParameters = 6;
-
-Vector3d vector(const Point& p) {
-  return {p[0], p[1], p[2]};
-}
-
-Point point(const Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
 
 Quaterniond quaternion(const std::array<double, 4>& q) {
   return Quaterniond(q[0], q[1], q[2], q[3]).normalized();

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "host/fit/eigen_points.hpp"
 #include "host/fit/evaluation_sum.hpp"
 #include "host/fit/superquadric_projection.hpp"
 #include "host/threads/parallel.hpp"
@@ -18,14 +19,6 @@ using Eigen::Vector3d;
 
 /// Points summed by one processor at a time: the sums are added in the order of the blocks.
 constexpr std::size_t kBlock = 64;
-
-Vector3d vector(const Point& p) {
-  return {p[0], p[1], p[2]};
-}
-
-Point point(const Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
 
 class PlacedSolid {
  public:

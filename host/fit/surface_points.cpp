@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "host/fit/eigen_points.hpp"
+
 namespace verisq::fit_search {
 namespace {
 
@@ -47,10 +49,6 @@ void add_grid(Cavity& cavity, const std::array<std::uint32_t, 3>& triangle, doub
       cavity.points.push_back(point);
     }
   }
-}
-
-Eigen::Vector3d vector(const Point& a) {
-  return {a[0], a[1], a[2]};
 }
 
 }  // namespace

@@ -1,13 +1,14 @@
 /// What the host proves of triangles, and the map that it makes with a device.
-#include <algorithm>
-#include <cmath>
 #include <memory>
+#include <string>
 
 #include "host/batches/device_model.hpp"
 #include "host/batches/triangle_batch.hpp"
 #include "host/maps/exact_map.hpp"
 #include "host/maps/prepared_map.hpp"
+#include "host/maps/solid_triangle_map.hpp"
 #include "host/maps/tightest_enclosure.hpp"
+#include "host/maps/triangle_text.hpp"
 #include "verify/search/witness_estimate.hpp"
 #include "verify/sets/coarse_distance.hpp"
 #include "verisq/error.hpp"
@@ -24,21 +25,10 @@ class TriangleProver {
         radius_(bounding_radius(model)),
         distance_(model),
         coarse_(model),
-        witness_distance_(model) {
-    if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
-  }
+        witness_distance_(model) {}
 
-  void check(const Triangle& triangle) const {
-    const auto finite = [](double c) { return std::isfinite(c); };
-    if (!std::ranges::all_of(triangle, [&](const Point& corner) { return std::ranges::all_of(corner, finite); }))
-      throw Error(ErrorKind::input, fmt::format("triangle {} is not finite", describe(triangle)));
-  }
-
-  [[nodiscard]] std::string describe(const Triangle& triangle) const {
-    std::string text;
-    for (const Point& p : triangle) text += fmt::format("{}({}, {}, {})", text.empty() ? "" : " ", p[0], p[1], p[2]);
-    return text;
-  }
+  void check(const Triangle& triangle) const { require_finite(triangle); }
+  [[nodiscard]] std::string describe(const Triangle& triangle) const { return text_of(triangle); }
 
   // False for NaN.
   [[nodiscard]] bool at_limit(const Triangle& triangle, const Enclosure& found) const {
@@ -73,6 +63,8 @@ class TriangleProver {
 }  // namespace
 
 std::unique_ptr<ExactMap<Triangle>> triangle_map(const Model& model, const MapOptions& options) {
+  if (options.method == Method::published) throw Error(ErrorKind::input, "the published method maps points alone");
+  if (!is_union_of_convex(model)) return solid_triangle_map(model, options);
   const auto make_batch = [&](const device::Device& device) {
     return device::triangle_batch(device, model, options.certificates);
   };

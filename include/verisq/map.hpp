@@ -25,7 +25,7 @@ enum class Method {
 struct MapOptions {
   /// Absolute, in model units: rows at most as wide are verified. 0 asks for the tightest: then those are verified that
   /// are as tight as the methods get, at most 1e-12 of the largest coordinate or the model's radius wide; of points
-  /// inside, 2e-9 of the radius. Likewise where models or points are uncertain, whatever part of a row's width that is;
+  /// inside, and of triangles about models that are not is_union_of_convex, 2e-9 of the radius. Likewise where models or points are uncertain, whatever part of a row's width that is;
   /// of these the tightest is what the tightest distances to the bracketing models leave.
   double tolerance;
   std::string device = "auto";      ///< "auto", "host", an index or a part of a device's name
@@ -68,7 +68,7 @@ using Sink = std::function<void(std::span<const Query>, std::span<const MapResul
 /// Models made ready for maps: device chosen and tested, kernels compiled, buffers allocated. Many maps of one model
 /// pay for that once. `Query` is one of
 ///   Point: each row encloses its signed distance to the model;
-///   Triangle: the distance of the whole triangle, 0 where it meets the model, which must be is_union_of_convex;
+///   Triangle: the distance of the whole triangle, 0 where it meets the model;
 ///   Pose: the distance of model A and of model B moved by the pose (x -> R x + t, after B's primitives' own poses), 0
 ///     where they meet; both must be is_union_of_convex.
 ///

@@ -1315,6 +1315,33 @@ TEST_F(CommandLine, MapsABentSolid) {
   EXPECT_LE(rows[0].distance.width(), 1e-3);
 }
 
+TEST_F(CommandLine, MapsTrianglesOfADifferenceAndOfABentSolid) {
+  // In the hollow of the shell, 0.1 from its wall; through the shell; above both solids.
+  const auto mesh = write("mesh.off",
+                          "OFF\n9 3 0\n0.4 0 0\n0 0.1 0\n0 0 0.1\n0 0 0\n3 0 0\n0 3 0\n"
+                          "-9 -9 4\n9 -9 4\n0 9 4\n3 0 1 2\n3 3 4 5\n3 6 7 8\n");
+  const auto on_triangles = [&](const std::string& model) {
+    const auto outcome =
+        map({"--model", model, "--mesh", mesh, "--on", "triangles", "--tol", "1e-6", "-o", path("map.csv")});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return rows_of(path("map.csv"));
+  };
+  const auto of_shell = on_triangles(write("shell.json", shell));
+  ASSERT_EQ(of_shell.size(), 3);
+  const double exact[] = {0.1, 0.0, 3.0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_LE(of_shell[k].distance.lo, exact[k]) << k;
+    EXPECT_GE(of_shell[k].distance.hi, exact[k]) << k;
+    EXPECT_LE(of_shell[k].distance.width(), 1e-6) << k;
+  }
+  // The height of the bow's pole, in the middle of the bend's plane, is that of its highest point or a little less.
+  const auto of_bow = on_triangles(write("bow.json", bow));
+  ASSERT_EQ(of_bow.size(), 3);
+  EXPECT_GT(of_bow[2].distance.lo, 0.0);
+  EXPECT_LE(of_bow[2].distance.hi, 4.0 - 10.0 * std::sin(0.3));
+  EXPECT_EQ(of_bow[1].distance, (Enclosure{0.0, 0.0}));
+}
+
 TEST_F(CommandLine, RefusesAModelWithoutPoints) {
   const std::string apart = model_of(R"(
     {"name": "a", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}},
@@ -1325,6 +1352,20 @@ TEST_F(CommandLine, RefusesAModelWithoutPoints) {
                         "--device", device, "-o", path("map.csv")}),
                    {"no point"});
   }
+}
+
+TEST_F(CommandLine, RefusesTrianglesOfAModelWithoutPointsAndByThePublishedMethod) {
+  const std::string apart = model_of(R"(
+    {"name": "a", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}},
+    {"name": "b", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}, "pose": {"translation": [5, 0, 0]}})",
+                                     R"(, "csg": {"intersection": ["a", "b"]})");
+  const auto mesh = write("mesh.off", tetrahedron);
+  expect_refused(
+      run({"map", "--model", write("apart.json", apart), "--mesh", mesh, "--on", "triangles", "-o", path("map.csv")}),
+      {"no point"});
+  expect_refused(run({"map", "--model", write("bow.json", bow), "--mesh", mesh, "--on", "triangles", "--method",
+                      "published", "--device", "host", "-o", path("map.csv")}),
+                 {"published", "bow.json"});
 }
 
 TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {
@@ -1338,7 +1379,6 @@ TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {
       arguments.insert(arguments.end(), more);
       return map(arguments);
     };
-    expect_refused(with({"--on", "triangles"}), {"--on triangles", name, "not supported", "bends", "csg"});
     expect_refused(with({"--certificates"}), {"--certificates", name, "not supported", "bends", "csg"});
     expect_refused(with({"--method", "published"}), {"--method published", name, "not supported", "bends", "csg"});
     expect_refused(run({"check", "--model", model, "--mesh", mesh, "--map", write("old.csv", "index,lo,hi,status\n")}),

@@ -1,0 +1,34 @@
+/// The distance of a triangle to any model, bent or built by set operations, by branch and bound over parts of the
+/// triangle. For unions of convex primitives triangle_distance.hpp is faster, and has certificates.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <verisq/enclosure.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// Distance of a triangle, its interior included, to a model: 0 where they meet (docs/mathematics.md §6), from signed
+/// distances of points (SignedDistance). Immutable after construction: safe to call from many threads.
+class TriangleSearch {
+ public:
+  explicit TriangleSearch(const Model& model);
+  ~TriangleSearch();
+  TriangleSearch(TriangleSearch&&) noexcept;
+  TriangleSearch& operator=(TriangleSearch&&) noexcept;
+
+  /// Encloses the exact distance; works until it is at most `tolerance` wide, in model units, until `interrupted`,
+  /// polled by the calling thread, says so, or until its budget of points is spent: then it is valid, and wide. The
+  /// triangle may be degenerate. Never throws for finite corners; [0, 0] where the triangle is proven to meet the
+  /// model. Of an empty solid the upper end is infinite.
+  [[nodiscard]] Enclosure operator()(const Triangle& triangle, double tolerance,
+                                     const std::function<bool()>& interrupted = {}) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace verisq
