@@ -25,8 +25,9 @@ enum class Method {
 struct MapOptions {
   /// Absolute, in model units: rows at most as wide are verified. 0 asks for the tightest: then those are verified that
   /// are as tight as the methods get, at most 1e-12 of the largest coordinate or the model's radius wide; of points
-  /// inside, and of triangles about models that are not is_union_of_convex, 2e-9 of the radius. Likewise where models or points are uncertain, whatever part of a row's width that is;
-  /// of these the tightest is what the tightest distances to the bracketing models leave.
+  /// inside, and of triangles about models that are not is_union_of_convex, 2e-9 of the radius. Likewise where models
+  /// or points are uncertain, whatever part of a row's width that is; of these the tightest is what the tightest
+  /// distances to the bracketing models leave.
   double tolerance;
   std::string device = "auto";      ///< "auto", "host", an index or a part of a device's name
   bool certificates = false;        ///< deliver what proves each enclosure again; of poses there is nothing

@@ -86,7 +86,7 @@ TriangleBranchAndBound::TriangleBranchAndBound(const Triangle& triangle, const S
   root.curvature = Curvature(size);
   root.reach = kFarthestCentre * size;
   plan_look(root, nearest);
-  asking_.push_back(std::move(root));
+  asking_.push_back(root);
 }
 
 /// As if the solid were its centre.
@@ -116,9 +116,9 @@ double TriangleBranchAndBound::aim() const {
 void TriangleBranchAndBound::ask(std::vector<Point>& points) {
   const std::size_t most = std::clamp<std::size_t>(asked_ / kPointsAPart, 1, kPartsAtATime);
   while (asking_.size() < most && !open_.empty() && !settled(open_.top().lower)) {
-    Node node = open_.top();
+    const Node node = open_.top();
     open_.pop();
-    advance(std::move(node));
+    advance(node);
   }
   for (const Node& node : asking_) {
     if (node.question != Question::probes) {
@@ -141,25 +141,25 @@ void TriangleBranchAndBound::answer(std::span<const Answer> answers) {
     if (question == Question::probes) told_probes(node, told);
     if (question == Question::ball) told_ball(node, told.front());
     if (node.question == Question::none) {
-      keep(std::move(node));
+      keep(node);
     } else {
-      asking_.push_back(std::move(node));
+      asking_.push_back(node);
     }
   }
 }
 
-void TriangleBranchAndBound::keep(Node node) {
+void TriangleBranchAndBound::keep(const Node& node) {
   if (settled(node.lower)) {
     left_out_ = std::min(left_out_, node.lower);
   } else {
-    open_.push(std::move(node));
+    open_.push(node);
   }
 }
 
 /// What is done next about a part: a question, or it is halved.
 void TriangleBranchAndBound::advance(Node node) {
   if (plan_ball(node) || plan_next_look(node)) {
-    asking_.push_back(std::move(node));
+    asking_.push_back(node);
   } else {
     split(node);
   }
@@ -259,7 +259,7 @@ void TriangleBranchAndBound::split(const Node& node) {
     part.corners = triangle_.corners(piece);
     part.looks_left = kLooksAtPart;
     part.own_look = false;
-    keep(std::move(part));
+    keep(part);
   }
 }
 

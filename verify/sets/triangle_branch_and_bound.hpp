@@ -83,7 +83,7 @@ class TriangleBranchAndBound {
   void told_probes(Node& node, std::span<const Answer> answers) const;
   void learn(Node& node, const std::optional<Point>& direction) const;
   void told_ball(Node& node, const Answer& answer) const;
-  void keep(Node node);
+  void keep(const Node& node);
 
   DividedTriangle triangle_;
   TriangleFrame frame_;
