@@ -41,15 +41,16 @@ std::string tolerance_text(const DeviationReport& report) {
   return fmt::format("{:g}{}", *report.options.tolerance, report.units.empty() ? "" : " " + report.units);
 }
 
+/// What matters most first: a picture has room for a few lines.
 std::vector<Line> lines_of(const DeviationReport& report) {
   const Deviation& deviation = report.deviation;
   std::vector<Line> lines;
-  add_statistics(lines, report.is_cloud ? "points to model" : "vertices to model", deviation.of_vertices, report);
+  if (deviation.hausdorff) lines.push_back({"both ways (Hausdorff)", with_units(*deviation.hausdorff, report)});
   if (deviation.from_mesh) add_statistics(lines, "mesh to model", *deviation.from_mesh, report);
   if (deviation.from_model) {
     add_statistics(lines, report.is_cloud ? "model to points" : "model to mesh", *deviation.from_model, report);
   }
-  if (deviation.hausdorff) lines.push_back({"both ways (Hausdorff)", with_units(*deviation.hausdorff, report)});
+  add_statistics(lines, report.is_cloud ? "points to model" : "vertices to model", deviation.of_vertices, report);
   if (!deviation.from_model) lines.push_back({"model to points", "not asked for: --both-ways"});
   lines.push_back({"proven of", report.is_cloud ? what_is_proven_of_points : what_is_proven});
   lines.push_back(

@@ -105,8 +105,7 @@ class DeviationRun {
     const MappedDistances to_model(model_, map_options(finest()));
     map_vertices(to_model);
     const verify::DeviationSearch search = search_by(to_model);
-    if (!mesh_.triangles.empty()) measure_mesh(search);
-    if (options_.from_model) measure_model(search);
+    measure(search);
     found_.interrupted = found_.interrupted || options_.interrupted();
     summarise();
     return std::move(found_);
@@ -164,10 +163,11 @@ class DeviationRun {
         .ended = [this] { return ended(); },
         .progress = {},
         .most_samples = options_.most_samples};
-    if (!is_union_of_convex(model_)) {
+    if (!search.convex) {
       const double tolerance = share_of_samples * allowed_width(found_.of_vertices.largest.lo, options_, radius_);
       if (tolerance > finest()) search.to_model = MappedDistances(model_, map_options(tolerance));
-    } else if (!search.convex) {
+    }
+    if (is_union_of_convex(model_) && !search.convex) {
       for (const Primitive& primitive : model_.primitives) {
         search.to_primitives.emplace_back(MappedDistances({model_.units, {primitive}, {}}, map_options(finest())));
       }
@@ -175,10 +175,19 @@ class DeviationRun {
     return search;
   }
 
-  void measure_mesh(verify::DeviationSearch search) {
-    search.progress = [this](double done) { options_.progress("mesh to model", done); };
-    const verify::MeshDistances distances =
-        verify::distances_of_mesh(mesh_, rows_, options_.statistics_of_surface, options_.percentiles, search);
+  /// The largest distances first: a limit may come before the rest.
+  void measure(const verify::DeviationSearch& search) {
+    verify::DeviationSearch to_model = search;
+    to_model.progress = [this](double done) { options_.progress("mesh to model", done); };
+    std::optional<verify::MeshSearch> of_mesh;
+    if (!mesh_.triangles.empty()) {
+      of_mesh.emplace(mesh_, rows_, to_model);
+      of_mesh->search_largest();
+    }
+    if (options_.from_model) measure_model(search);
+    if (!of_mesh) return;
+    if (options_.statistics_of_surface) of_mesh->search_statistics(options_.percentiles);
+    const verify::MeshDistances distances = of_mesh->found();
     found_.from_mesh = {distances.largest, distances.where, distances.mean, distances.percentiles};
     found_.samples += distances.samples;
     ended_early_ = ended_early_ || distances.ended;

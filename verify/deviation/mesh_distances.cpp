@@ -21,10 +21,6 @@ constexpr std::size_t pieces_a_task = 1024;
 constexpr double smallest_in_displacements = 8.0;
 /// What pieces that stay may leave of an allowed width.
 constexpr double share_of_pieces = 0.5;
-/// Where no cell that meets a percentile's interval is wider than its allowed width, the interval is not, either.
-constexpr double share_of_a_percentile = 0.9;
-/// Cells narrower than this share of what is known of a percentile may soon have nothing to do with it.
-constexpr double share_of_the_known = 0.5;
 /// Convexity is asked about where the solid is nearer than so many radii of the piece: elsewhere distances alone do.
 constexpr double near_in_radii = 4.0;
 
@@ -43,11 +39,11 @@ struct Leaf {
   double radius = 0.0;  ///< of the piece
 };
 
-class PieceSearch {
+}  // namespace
+
+class MeshSearch::Pieces {
  public:
-  PieceSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, bool statistics,
-              std::span<const double> percentiles, const DeviationSearch& search)
-      : statistics_(statistics), percentiles_(percentiles), search_(search) {
+  Pieces(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search) : search_(search) {
     for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
       const auto& [a, b, c] = mesh.triangles[n];
       const Triangle whole{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
@@ -61,20 +57,45 @@ class PieceSearch {
                          {{0.0, infinity}, {0.0, infinity}}});
       for (const std::uint32_t i : {a, b, c}) note(at_vertices[i], mesh.vertices[i]);
     }
+    found_.ended = !complete(leaves_);
   }
 
-  MeshDistances operator()() {
-    found_.ended = !complete(leaves_);
-    while (!found_.ended) {
-      const std::vector<std::size_t> chosen = choose();
-      if (chosen.empty()) break;
-      found_.ended = search_.ended() || found_.samples + 3 * chosen.size() > search_.most_samples || !halve(chosen);
-    }
-    summarise();
-    return std::move(found_);
+  void search_largest() {
+    halve_while_chosen([this](std::vector<bool>& chosen) { choose_for_largest(chosen); });
+  }
+
+  void search_statistics(std::span<const double> percentiles) {
+    percentiles_ = percentiles;
+    halve_while_chosen([this](std::vector<bool>& chosen) {
+      const std::vector<WeightedCell> cells = all_cells();
+      measure(cells);
+      choose_for_mean(cells, chosen);
+      choose_for_percentiles(cells, chosen);
+    });
+    measure(all_cells());
+  }
+
+  [[nodiscard]] MeshDistances found() const {
+    MeshDistances found = found_;
+    found.largest = largest();
+    return found;
   }
 
  private:
+  template <class Choose>
+  void halve_while_chosen(const Choose& choose) {
+    while (!found_.ended) {
+      std::vector<bool> chosen(leaves_.size(), false);
+      choose(chosen);
+      std::vector<std::size_t> indices;
+      for (std::size_t i = 0; i < chosen.size(); ++i) {
+        if (chosen[i] && divisible(leaves_[i])) indices.push_back(i);
+      }
+      if (indices.empty()) return;
+      found_.ended = search_.ended() || found_.samples + 3 * indices.size() > search_.most_samples || !halve(indices);
+    }
+  }
+
   void note(const Enclosure& signed_distance, const Point& point) {
     const double lower = magnitude(signed_distance).lo;
     if (!(lower > lower_)) return;
@@ -127,6 +148,7 @@ class PieceSearch {
     leaf.radius = shape.radius;
     leaf.distances.range = intersection(leaf.distances.range, own.range, what);
     leaf.distances.mean = intersection(leaf.distances.range, own.mean, what);
+    leaf.distances.affine = own.affine;
   }
 
   /// Where all primitives but one are proven so far that no ball about a point of the piece which reaches no farther
@@ -168,7 +190,8 @@ class PieceSearch {
     const double share = std::ldexp(1.0, -leaf.piece.halvings);
     return {{multiply(area.lo, share, Direction::down), multiply(area.hi, share, Direction::up)},
             leaf.distances.range,
-            leaf.distances.mean};
+            leaf.distances.mean,
+            leaf.distances.affine};
   }
 
   [[nodiscard]] bool is_narrow(const Enclosure& result) const {
@@ -181,22 +204,18 @@ class PieceSearch {
     return between(lower_, upper, [] { return "the largest distance of the mesh"; });
   }
 
-  /// The leaves to halve.
-  std::vector<std::size_t> choose() {
-    std::vector<bool> chosen(leaves_.size(), false);
-    choose_for_largest(chosen);
-    if (statistics_) {
-      std::vector<WeightedCell> cells;
-      cells.reserve(leaves_.size());
-      for (const Leaf& leaf : leaves_) cells.push_back(cell(leaf));
-      choose_for_mean(cells, chosen);
-      choose_for_percentiles(cells, chosen);
-    }
-    std::vector<std::size_t> indices;
-    for (std::size_t i = 0; i < chosen.size(); ++i) {
-      if (chosen[i] && divisible(leaves_[i])) indices.push_back(i);
-    }
-    return indices;
+  [[nodiscard]] std::vector<WeightedCell> all_cells() const {
+    std::vector<WeightedCell> cells;
+    cells.reserve(leaves_.size());
+    for (const Leaf& leaf : leaves_) cells.push_back(cell(leaf));
+    return cells;
+  }
+
+  void measure(const std::vector<WeightedCell>& cells) {
+    found_.mean = mean_of(cells);
+    const Distribution distribution(cells);
+    found_.percentiles.clear();
+    for (const double percent : percentiles_) found_.percentiles.push_back(distribution.percentile(percent));
   }
 
   void choose_for_largest(std::vector<bool>& chosen) const {
@@ -210,40 +229,45 @@ class PieceSearch {
     if (greatest > 0.0 && greatest < infinity) search_.progress(std::min(1.0, target / greatest));
   }
 
-  void choose_for_mean(const std::vector<WeightedCell>& cells, std::vector<bool>& chosen) {
-    found_.mean = mean_of(cells);
-    if (is_narrow(*found_.mean)) return;
-    double weight = 0.0;
+  /// The widest, until the others leave no more than a share of what is allowed. Nothing is proven by this.
+  static void choose_widest(std::vector<std::pair<double, std::size_t>>& widths, double allowed,
+                            std::vector<bool>& chosen) {
     double excess = 0.0;
-    std::vector<std::pair<double, std::size_t>> wide;  // nothing is proven by these
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const double width = cells[i].weight.hi * (cells[i].mean.hi - cells[i].mean.lo);
-      weight += cells[i].weight.hi;
-      excess += width;
-      wide.emplace_back(width, i);
-    }
-    std::ranges::sort(wide, std::greater<>());
-    const double allowed = share_of_pieces * search_.allowed(found_.mean->lo) * weight;
-    for (const auto& [width, i] : wide) {
-      if (excess <= allowed) break;
+    for (const auto& [width, i] : widths) excess += width;
+    std::ranges::sort(widths, std::greater<>());
+    for (const auto& [width, i] : widths) {
+      if (excess <= share_of_pieces * allowed) return;
       excess -= width;
       chosen[i] = true;
     }
   }
 
-  void choose_for_percentiles(const std::vector<WeightedCell>& cells, std::vector<bool>& chosen) {
-    const Distribution distribution(cells);
-    found_.percentiles.clear();
-    for (const double percent : percentiles_) {
-      const Enclosure value = distribution.percentile(percent);
-      found_.percentiles.push_back(value);
+  void choose_for_mean(const std::vector<WeightedCell>& cells, std::vector<bool>& chosen) const {
+    if (is_narrow(*found_.mean)) return;
+    double weight = 0.0;
+    std::vector<std::pair<double, std::size_t>> widths;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      weight += cells[i].weight.hi;
+      widths.emplace_back(cells[i].weight.hi * (cells[i].mean.hi - cells[i].mean.lo), i);
+    }
+    choose_widest(widths, search_.allowed(found_.mean->lo) * weight, chosen);
+  }
+
+  /// Cells whose part up to about the percentile is not known well.
+  void choose_for_percentiles(const std::vector<WeightedCell>& cells, std::vector<bool>& chosen) const {
+    for (const Enclosure& value : found_.percentiles) {
       if (is_narrow(value)) continue;
-      const double narrow =
-          std::max(share_of_a_percentile * search_.allowed(value.lo), share_of_the_known * (value.hi - value.lo));
+      const double middle = 0.5 * value.lo + 0.5 * value.hi;
+      double excess = 0.0;
+      std::vector<std::pair<double, std::size_t>> widths;
       for (std::size_t i = 0; i < cells.size(); ++i) {
-        const Enclosure& range = cells[i].range;
-        if (range.lo <= value.hi && range.hi >= value.lo && range.hi - range.lo > narrow) chosen[i] = true;
+        const Enclosure part = part_up_to(cells[i], middle);
+        const double width = cells[i].weight.hi * (part.hi - part.lo);
+        if (!(width > 0.0)) continue;
+        widths.emplace_back(width, i);
+        excess += width;
       }
+      choose_widest(widths, excess * search_.allowed(value.lo) / (value.hi - value.lo), chosen);
     }
   }
 
@@ -274,18 +298,6 @@ class PieceSearch {
     return true;
   }
 
-  void summarise() {
-    found_.largest = largest();
-    if (!statistics_) return;
-    std::vector<WeightedCell> cells;
-    for (const Leaf& leaf : leaves_) cells.push_back(cell(leaf));
-    found_.mean = mean_of(cells);
-    const Distribution distribution(cells);
-    found_.percentiles.clear();
-    for (const double percent : percentiles_) found_.percentiles.push_back(distribution.percentile(percent));
-  }
-
-  bool statistics_;
   std::span<const double> percentiles_;
   const DeviationSearch& search_;
   std::vector<double> displacement_;  // of each triangle
@@ -295,11 +307,21 @@ class PieceSearch {
   MeshDistances found_{};
 };
 
-}  // namespace
+MeshSearch::MeshSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search)
+    : pieces_(std::make_unique<Pieces>(mesh, at_vertices, search)) {}
 
-MeshDistances distances_of_mesh(const Mesh& mesh, std::span<const Enclosure> at_vertices, bool statistics,
-                                std::span<const double> percentiles, const DeviationSearch& search) {
-  return PieceSearch(mesh, at_vertices, statistics, percentiles, search)();
+MeshSearch::~MeshSearch() = default;
+
+void MeshSearch::search_largest() {
+  pieces_->search_largest();
+}
+
+void MeshSearch::search_statistics(std::span<const double> percentiles) {
+  pieces_->search_statistics(percentiles);
+}
+
+MeshDistances MeshSearch::found() const {
+  return pieces_->found();
 }
 
 }  // namespace verisq::verify

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -22,9 +23,26 @@ struct MeshDistances {
   bool ended = false;  ///< early: everything is valid, and something wide
 };
 
-/// `at_vertices`: signed distances of the mesh's vertices. Without `statistics` there are no mean and percentiles.
-/// Precondition: the mesh has triangles; as many enclosures as vertices, each of which may be unbounded.
-[[nodiscard]] MeshDistances distances_of_mesh(const Mesh& mesh, std::span<const Enclosure> at_vertices, bool statistics,
-                                              std::span<const double> percentiles, const DeviationSearch& search);
+class MeshSearch {
+ public:
+  /// `at_vertices`: signed distances of the mesh's vertices. Mesh and search must outlive it. Precondition: the mesh
+  /// has triangles; as many enclosures as vertices, each of which may be unbounded.
+  MeshSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search);
+  ~MeshSearch();
+  MeshSearch(const MeshSearch&) = delete;
+  MeshSearch& operator=(const MeshSearch&) = delete;
+
+  /// Until the largest distance is narrow.
+  void search_largest();
+  /// Until mean and percentiles are.
+  void search_statistics(std::span<const double> percentiles);
+
+  /// What is known by now; mean and percentiles only after the search for them.
+  [[nodiscard]] MeshDistances found() const;
+
+ private:
+  class Pieces;
+  std::unique_ptr<Pieces> pieces_;
+};
 
 }  // namespace verisq::verify

@@ -43,6 +43,19 @@ Interval mean_of(const std::array<Interval, 3>& values) {
   return (values[0] + values[1] + values[2]) / Interval(3);
 }
 
+/// Between the interpolation of these values less `fall` and that plus `rise`.
+AffineBounds about(const std::array<Interval, 3>& values, double fall, double rise, bool squared) {
+  AffineBounds bounds{.below = -fall, .above = rise, .squared = squared};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double value = 0.5 * values[i].lower() + 0.5 * values[i].upper();
+    bounds.values[i] = value;
+    // An interpolation of numbers that are off by no more is off by no more.
+    bounds.below = std::min(bounds.below, (values[i] - Interval(value) - Interval(fall)).lower());
+    bounds.above = std::max(bounds.above, (values[i] - Interval(value) + Interval(rise)).upper());
+  }
+  return bounds;
+}
+
 /// Every point of a triangle is no farther from the nearest corner than the longest side over √3.
 constexpr double covering_share = 0.5773502691896258;  // 1/√3 from above
 
@@ -78,7 +91,8 @@ PieceDistances by_distances(const Values& d, const PieceShape& shape) {
     const Interval below = mean_square - Interval(3) * moment + Interval(lower) * Interval(upper);
     mean_lower = std::max(mean_lower, (below / range_sum).lower());
   }
-  return {{lower, upper}, {mean_lower, mean_upper}};
+  const double rise = (Interval(3) * Interval(std::max(0.0, excess.upper()))).upper();
+  return {{lower, upper}, {mean_lower, mean_upper}, about(squared, shape.radius_squared, rise, true)};
 }
 
 /// By the signed distances where they are a convex function: between its interpolation, from above, and thrice what
@@ -92,7 +106,10 @@ PieceDistances by_convexity(const Values& s) {
   const Enclosure range = magnitude({least, greatest});
   const double mean_least = at_centre.lower();
   const double mean_greatest = std::max(mean_least, interpolated.upper());
-  if (least >= 0.0 || greatest <= 0.0) return {range, magnitude({mean_least, mean_greatest})};
+  const double thrice = (Interval(3) * Interval(fall)).upper();
+  const Enclosure mean = magnitude({mean_least, mean_greatest});
+  if (least >= 0.0) return {range, mean, about(corners, thrice, 0.0, false)};
+  if (greatest <= 0.0) return {range, mean, about({-corners[0], -corners[1], -corners[2]}, 0.0, thrice, false)};
   // Of both signs: |interpolation - fall|.
   const Interval magnitudes = mean_of({abs(corners[0]), abs(corners[1]), abs(corners[2])});
   const double upper = (magnitudes + Interval(fall)).upper();
@@ -196,7 +213,8 @@ PieceDistances distances_on(const TrianglePiece& piece, const PieceShape& shape)
   PieceDistances result = by_distances(distances, shape);
   if (piece.convex) {
     const PieceDistances convex = by_convexity(given);
-    result = {common(result.range, convex.range), common(result.mean, convex.mean)};
+    result = {common(result.range, convex.range), common(result.mean, convex.mean),
+              convex.affine.above < infinity ? convex.affine : result.affine};
   }
   result.mean = common(result.mean, result.range);
   return result;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "verify/deviation/weighted_cells.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
 
@@ -57,6 +58,7 @@ struct PieceShape {
 struct PieceDistances {
   Enclosure range;  ///< contains all of them
   Enclosure mean;   ///< contains their mean by area
+  AffineBounds affine = {};
 };
 [[nodiscard]] PieceDistances distances_on(const TrianglePiece& piece, const PieceShape& shape);
 

@@ -1,6 +1,7 @@
-/// Mean and percentiles of a distance over cells of which only bounds are known.
+/// Mean and percentiles of a distance over cells of which only bounds are known (docs/mathematics.md §19).
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -8,18 +9,31 @@
 
 namespace verisq::verify {
 
+/// On a triangle, with the affine function of these values at its corners: d, or d² where `squared`, is at least that
+/// function + below and at most that + above.
+struct AffineBounds {
+  std::array<double, 3> values{};
+  double below = -infinity;
+  double above = infinity;
+  bool squared = false;
+};
+
 /// A part of what is weighed: all distances on it lie in `range`, their mean in `mean`.
 struct WeightedCell {
   Enclosure weight;  ///< at least 0, finite
   Enclosure range;   ///< at least 0, as `mean`
   Enclosure mean;
+  AffineBounds affine = {};  ///< of a triangle weighed by area
 };
 
-/// Of all cells together, by weight. Precondition: at least one cell, and a total weight that is not proven above 0 is
-/// allowed: then the hull of all ranges.
+/// Which part of the cell's weight has distances of at most `distance`: enclosed, in [0, 1].
+[[nodiscard]] Enclosure part_up_to(const WeightedCell& cell, double distance);
+
+/// Of all cells together, by weight; where the total is not proven above 0, the hull of all ranges. Precondition: at
+/// least one cell.
 [[nodiscard]] Enclosure mean_of(std::span<const WeightedCell> cells);
 
-/// Sorts the ends once, for any number of percentiles.
+/// Sorts the ends once, for any number of percentiles. The cells must outlive it.
 class Distribution {
  public:
   /// Precondition: at least one cell.
@@ -36,7 +50,9 @@ class Distribution {
   };
 
   [[nodiscard]] static double first_at_least(std::span<const End> ends, double weight, bool up);
+  [[nodiscard]] Enclosure narrowed(const Enclosure& percentile, const Enclosure& wanted) const;
 
+  std::span<const WeightedCell> cells_;
   std::vector<End> lower_;  ///< sorted; with the largest weight that each may have
   std::vector<End> upper_;  ///< sorted; with the smallest
   Enclosure total_{0.0, 0.0};
