@@ -53,6 +53,7 @@ AffineBounds about(const std::array<Interval, 3>& values, double fall, double ri
     bounds.below = std::min(bounds.below, (values[i] - Interval(value) - Interval(fall)).lower());
     bounds.above = std::max(bounds.above, (values[i] - Interval(value) + Interval(rise)).upper());
   }
+  std::ranges::sort(bounds.values);
   return bounds;
 }
 

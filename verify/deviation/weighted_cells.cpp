@@ -35,25 +35,36 @@ double part_below(const std::array<double, 3>& sorted, double limit) {
 
 constexpr double error_of_part = 0x1p-46;
 
-/// How often a bracket is halved: to 2^-40 of its width.
-constexpr int halvings = 40;
+/// How often a bracket is halved.
+constexpr int halvings = 14;
+
+/// A distance and its square, rounded either way.
+struct Limit {
+  double distance;
+  Enclosure square;
+};
+
+Limit limit_of(double distance) {
+  return {distance, {multiply(distance, distance, Direction::down), multiply(distance, distance, Direction::up)}};
+}
+
+/// Where d <= v the function is at most t(v) - below, and where it is at most t(v) - above, d <= v.
+Enclosure part_up_to(const WeightedCell& cell, const Limit& limit) {
+  if (limit.distance >= cell.range.hi) return {1.0, 1.0};
+  if (limit.distance < cell.range.lo) return {0.0, 0.0};
+  const auto& [values, below, above, squared] = cell.affine;
+  const Enclosure reached = squared ? limit.square : Enclosure{limit.distance, limit.distance};
+  const double upper =
+      below > -infinity ? part_below(values, subtract(reached.hi, below, Direction::up)) + error_of_part : 1.0;
+  const double lower =
+      above < infinity ? part_below(values, subtract(reached.lo, above, Direction::down)) - error_of_part : 0.0;
+  return {std::max(0.0, lower), std::min(1.0, upper)};
+}
 
 }  // namespace
 
 Enclosure part_up_to(const WeightedCell& cell, double distance) {
-  if (distance >= cell.range.hi) return {1.0, 1.0};
-  if (distance < cell.range.lo) return {0.0, 0.0};
-  const auto& [values, below, above, squared] = cell.affine;
-  std::array<double, 3> sorted = values;
-  std::ranges::sort(sorted);
-  const auto limit = [&, is_squared = squared](Direction direction, double offset) {
-    const double reached = is_squared ? multiply(distance, distance, direction) : distance;
-    return subtract(reached, offset, direction);
-  };
-  // Where d <= v the function is at most t(v) - below, and where it is at most t(v) - above, d <= v.
-  const double upper = below > -infinity ? part_below(sorted, limit(Direction::up, below)) + error_of_part : 1.0;
-  const double lower = above < infinity ? part_below(sorted, limit(Direction::down, above)) - error_of_part : 0.0;
-  return {std::max(0.0, lower), std::min(1.0, upper)};
+  return part_up_to(cell, limit_of(distance));
 }
 
 Enclosure mean_of(std::span<const WeightedCell> cells) {
@@ -107,38 +118,62 @@ Enclosure Distribution::percentile(double percent) const {
   return narrowed({first_at_least(lower_, wanted.lo, true), first_at_least(upper_, wanted.hi, false)}, wanted);
 }
 
+Distribution::Near Distribution::near(const Enclosure& bracket) const {
+  Near near;
+  for (const WeightedCell& cell : cells_) {
+    if (cell.range.lo > bracket.hi) continue;
+    if (cell.range.hi < bracket.lo) {
+      near.before = {sum(near.before.lo, cell.weight.lo, Direction::down),
+                     sum(near.before.hi, cell.weight.hi, Direction::up)};
+    } else {
+      near.cells.push_back(&cell);
+    }
+  }
+  return near;
+}
+
+/// Sums of n numbers, none of them negative, to nearest: products and additions are off by less than (n + 2) u in all,
+/// u = 2^-53, relative to the result.
+Enclosure Distribution::weight_up_to(const Near& near, double distance) {
+  const Limit limit = limit_of(distance);
+  double lower = 0.0;
+  double upper = 0.0;
+  for (const WeightedCell* cell : near.cells) {
+    const Enclosure part = part_up_to(*cell, limit);
+    lower += part.lo * cell->weight.lo;
+    upper += part.hi * cell->weight.hi;
+  }
+  const double error = 0x1p-52 * static_cast<double>(near.cells.size() + 4);
+  constexpr double underflow = 0x1p-1000;
+  return {sum(near.before.lo, std::max(0.0, lower * (1.0 - error) - underflow), Direction::down),
+          sum(near.before.hi, upper * (1.0 + error) + underflow, Direction::up)};
+}
+
 /// No less than v where less weight than wanted lies up to v, no more than v where as much does.
 Enclosure Distribution::narrowed(const Enclosure& percentile, const Enclosure& wanted) const {
   if (!(percentile.lo < percentile.hi) || percentile.hi == infinity) return percentile;
-  std::vector<const WeightedCell*> near;
-  Enclosure before{0.0, 0.0};  // the weight of what lies below the bracket
-  for (const WeightedCell& cell : cells_) {
-    if (cell.range.lo > percentile.hi) continue;
-    if (cell.range.hi < percentile.lo) {
-      before = {sum(before.lo, cell.weight.lo, Direction::down), sum(before.hi, cell.weight.hi, Direction::up)};
-    } else {
-      near.push_back(&cell);
-    }
-  }
-  const auto weight_up_to = [&](double distance) {
-    Enclosure weight = before;
-    for (const WeightedCell* cell : near) {
-      const Enclosure part = part_up_to(*cell, distance);
-      weight.lo = sum(weight.lo, multiply(part.lo, cell->weight.lo, Direction::down), Direction::down);
-      weight.hi = sum(weight.hi, multiply(part.hi, cell->weight.hi, Direction::up), Direction::up);
-    }
-    return weight;
-  };
   Enclosure result = percentile;
-  double above = percentile.hi;
+  Near cells = near(result);
+  const auto middle_of = [](double a, double b) { return 0.5 * a + 0.5 * b; };
   for (int i = 0; i < halvings; ++i) {
-    const double middle = 0.5 * result.lo + 0.5 * above;
-    (weight_up_to(middle).hi < wanted.lo ? result.lo : above) = middle;
+    const double middle = middle_of(result.lo, result.hi);
+    const Enclosure weight = weight_up_to(cells, middle);
+    if (weight.hi < wanted.lo) {
+      result.lo = middle;
+    } else if (weight.lo >= wanted.hi) {
+      result.hi = middle;
+    } else {
+      break;
+    }
   }
+  cells = near(result);
+  double above = result.hi;
   double below = result.lo;
   for (int i = 0; i < halvings; ++i) {
-    const double middle = 0.5 * below + 0.5 * result.hi;
-    (weight_up_to(middle).lo >= wanted.hi ? result.hi : below) = middle;
+    const double lower = middle_of(result.lo, above);
+    (weight_up_to(cells, lower).hi < wanted.lo ? result.lo : above) = lower;
+    const double upper = middle_of(below, result.hi);
+    (weight_up_to(cells, upper).lo >= wanted.hi ? result.hi : below) = upper;
   }
   return result;
 }

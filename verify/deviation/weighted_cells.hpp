@@ -12,7 +12,7 @@ namespace verisq::verify {
 /// On a triangle, with the affine function of these values at its corners: d, or d² where `squared`, is at least that
 /// function + below and at most that + above.
 struct AffineBounds {
-  std::array<double, 3> values{};
+  std::array<double, 3> values{};  ///< in ascending order: which corner is which does not matter
   double below = -infinity;
   double above = infinity;
   bool squared = false;
@@ -49,7 +49,15 @@ class Distribution {
     double weight;
   };
 
+  /// Cells that may lie on either side of a distance between two others, and the weight of what lies below all these.
+  struct Near {
+    std::vector<const WeightedCell*> cells;
+    Enclosure before{0.0, 0.0};
+  };
+
   [[nodiscard]] static double first_at_least(std::span<const End> ends, double weight, bool up);
+  [[nodiscard]] Near near(const Enclosure& bracket) const;
+  [[nodiscard]] static Enclosure weight_up_to(const Near& near, double distance);
   [[nodiscard]] Enclosure narrowed(const Enclosure& percentile, const Enclosure& wanted) const;
 
   std::span<const WeightedCell> cells_;
