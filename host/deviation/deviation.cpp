@@ -25,6 +25,7 @@ namespace {
 
 /// Of the bounding radius: distances are asked for to this, and no narrower enclosure is ever asked of a result.
 constexpr double finest_share = 1e-6;
+constexpr double coarse_share = 1e-2;
 /// Of the width allowed: how wide samples between the vertices may be where tight ones are searched for.
 constexpr double share_of_samples = 0.05;
 
@@ -102,7 +103,7 @@ class DeviationRun {
 
   Deviation operator()() {
     options_.progress("vertices", 0.0);
-    const MappedDistances to_model(model_, map_options(finest()));
+    const MappedDistances to_model(model_, map_options(tolerance_of_vertices()));
     map_vertices(to_model);
     const verify::DeviationSearch search = search_by(to_model);
     measure(search);
@@ -126,6 +127,17 @@ class DeviationRun {
 
   [[nodiscard]] bool ended() const {
     return options_.interrupted() || (options_.out_of_time && options_.out_of_time());
+  }
+
+  /// Where each distance is searched for, a coarse map says first how close it need be.
+  [[nodiscard]] double tolerance_of_vertices() const {
+    if (is_union_of_convex(model_)) return finest();
+    const double coarse = std::min(coarse_share * radius_, std::numeric_limits<double>::max());
+    std::vector<Enclosure> rows(mesh_.vertices.size(), {0.0, 0.0});
+    const MapSummary summary = MappedDistances(model_, map_options(coarse)).map(mesh_.vertices, rows);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < summary.points; ++i) largest = std::max(largest, verify::magnitude(rows[i]).lo);
+    return std::clamp(share_of_samples * allowed_width(largest, options_, radius_), finest(), coarse);
   }
 
   void map_vertices(const MappedDistances& to_model) {
