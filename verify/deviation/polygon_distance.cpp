@@ -140,8 +140,8 @@ double farthest_of_polygon(std::span<const Point, 3> corners, const TriangleTree
     polygon.add(corner);
     for (const double x : corner) largest = std::max(largest, std::abs(x));
   }
-  // A crossing is off the line by at most 4 u M a coordinate, M the largest coordinate, on top of what its ends are
-  // off: after 12 cuts and more by less than 2^-44 M.
+  // A crossing rounds by at most 4 u M a coordinate, M the largest coordinate, on top of what its ends are off: after
+  // thrice most_divisions cuts it is off by less than 2^-44 M.
   const double displacement = 0x1p-44 * largest;
   const double inner = subtract(enough, displacement, Direction::down);
   return add(Division(triangles, inner).farthest(polygon, first), displacement, Direction::up);

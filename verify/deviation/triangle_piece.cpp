@@ -23,8 +23,11 @@ Interval interval(const Enclosure& e) {
   return {e.lo, e.hi};
 }
 
+/// Squares and their sums are far from overflow.
+constexpr double largest_size = 1e150;
+
 bool is_bounded(const Enclosure& e) {
-  return e.lo > -infinity && e.hi < infinity;
+  return e.lo > -largest_size && e.hi < largest_size;
 }
 
 struct Values {
@@ -203,7 +206,7 @@ PieceShape shape_of(const Triangle& corners, double displacement) {
 }
 
 PieceDistances distances_on(const TrianglePiece& piece, const PieceShape& shape) {
-  bool bounded = is_bounded(piece.at_centre);
+  bool bounded = shape.longest < largest_size && is_bounded(piece.at_centre);
   for (const Enclosure& e : piece.at_corners) bounded = bounded && is_bounded(e);
   if (!bounded) return {{0.0, infinity}, {0.0, infinity}};
 
