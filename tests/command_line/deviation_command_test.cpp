@@ -25,7 +25,7 @@ class DeviationCommand : public ProgramTest {
       {"name": "ball", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}}]})");
   }
   [[nodiscard]] std::string sphere() const {
-    write_mesh(path("sphere.off"), sphere_mesh(2));
+    write_mesh(path("sphere.off"), sphere_mesh(1));
     return path("sphere.off");
   }
   [[nodiscard]] Outcome deviation(Arguments arguments) const {
@@ -38,17 +38,17 @@ TEST_F(DeviationCommand, SaysHowFarBothSurfacesLieApart) {
   const Outcome outcome = deviation({"--mesh", sphere(), "-o", path("rows.csv")});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
-  EXPECT_THAT(outcome.out, StartsWith("vertices               66\n"
-                                      "triangles              128\n"
-                                      "both ways (Hausdorff)  [0.0"));
+  EXPECT_THAT(outcome.out, StartsWith("vertices               18\n"
+                                      "triangles              32\n"
+                                      "both ways (Hausdorff)  [0."));
   for (const char* line :
-       {"mesh to model\n  largest              [0.0", "  95 %                 [0.0",
-        "model to mesh\n  largest              [0.0", "vertices to model\n", "tolerance              5 %, reached\n"}) {
+       {"mesh to model\n  largest              [0.", "  95 %                 [0.",
+        "model to mesh\n  largest              [0.", "vertices to model\n", "tolerance              5 %, reached\n"}) {
     EXPECT_THAT(outcome.out, HasSubstr(line));
   }
   EXPECT_THAT(outcome.out, HasSubstr("the model's boundary and the triangles as their binary64 corners state them\n"));
   const std::vector<Row> rows = rows_of(path("rows.csv"));
-  ASSERT_EQ(rows.size(), 66U);
+  ASSERT_EQ(rows.size(), 18U);
   for (const Row& row : rows) {
     EXPECT_LE(row.distance.lo, 1e-15);
     EXPECT_GE(row.distance.hi, -1e-15);
@@ -60,7 +60,7 @@ TEST_F(DeviationCommand, PrintsJson) {
       deviation({"--mesh", sphere(), "--json", "--tol", "0.01", "--percentile", "90", "--png", path("sphere.png")});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const Json json = Json::parse(outcome.out);
-  EXPECT_EQ(json["vertices"], 66);
+  EXPECT_EQ(json["vertices"], 18);
   EXPECT_EQ(json["units"], "mm");
   EXPECT_EQ(json["tolerance"], 0.01);
   EXPECT_TRUE(json["relative_tolerance"].is_null());
