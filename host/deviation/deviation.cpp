@@ -80,12 +80,13 @@ class MappedDistances {
     return !map(points, rows).interrupted && !(out_of_time_ && out_of_time_());
   }
 
-  MapSummary map(std::span<const Point> points, std::span<Enclosure> rows) const {
+  [[nodiscard]] MapSummary map(std::span<const Point> points, std::span<Enclosure> rows) const {
     std::vector<Status> status(rows.size(), Status::wide);
     return map(points, rows, status);
   }
 
-  MapSummary map(std::span<const Point> points, std::span<Enclosure> rows, std::span<Status> status) const {
+  [[nodiscard]] MapSummary map(std::span<const Point> points, std::span<Enclosure> rows,
+                               std::span<Status> status) const {
     if (points.empty()) return {};
     constexpr std::ptrdiff_t stride = sizeof(Enclosure) / sizeof(double);
     return mapper_->map(points, {rows.size(), {&rows[0].lo, stride}, {&rows[0].hi, stride}, {status.data()}});
