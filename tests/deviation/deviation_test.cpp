@@ -45,6 +45,7 @@ std::vector<double> mapped(const Model& model, const std::vector<Point>& points)
   std::vector<MapResult> rows(points.size());
   PointMapper(model, {.tolerance = tolerance_of_samples}).map(points, rows);
   std::vector<double> distances;
+  distances.reserve(rows.size());
   for (const MapResult& row : rows) distances.push_back(std::abs(0.5 * row.distance.lo + 0.5 * row.distance.hi));
   return distances;
 }
