@@ -77,7 +77,7 @@ void expect_sound(const Triangle& triangle, const Solid& solid, bool convex) {
     ASSERT_LE(d, found.range.hi + 1e-12);
     sum += d;
   }
-  const double count = static_cast<double>(distances.size());
+  const auto count = static_cast<double>(distances.size());
   const double size = length(triangle[0], triangle[1]) + length(triangle[0], triangle[2]);
   const double grid_error = size / 40.0 * 0.5;  // of sums over the grid: far below it where d is smooth
   EXPECT_GE(sum / count, found.mean.lo - 0.1 * grid_error);
