@@ -6,13 +6,13 @@
 
 namespace verisq::command_line {
 
-/// "[lo, hi]", ten significant digits each, lo rounded down and hi up; a single number where ten digits hold it.
-[[nodiscard]] std::string outward_digits(const Enclosure& enclosure);
+/// "[lo, hi]", so many significant digits each, lo rounded down and hi up; a single number where they hold it.
+[[nodiscard]] std::string outward_digits(const Enclosure& enclosure, int digits = 10);
 
-/// Ten significant digits of a number that is no larger.
-[[nodiscard]] std::string lower_digits(double x);
+/// Significant digits of a number that is no larger.
+[[nodiscard]] std::string lower_digits(double x, int digits = 10);
 
-/// Ten significant digits of a number that is no smaller.
-[[nodiscard]] std::string upper_digits(double x);
+/// Significant digits of a number that is no smaller.
+[[nodiscard]] std::string upper_digits(double x, int digits = 10);
 
 }  // namespace verisq::command_line

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "host/command_line/check_command.hpp"
+#include "host/command_line/deviation_command.hpp"
 #include "host/command_line/devices_command.hpp"
 #include "host/command_line/distance_command.hpp"
 #include "host/command_line/features_command.hpp"
@@ -29,6 +30,8 @@ int main(int argc, char** argv) {
       command("map", "Enclose the distance of each vertex, triangle or point to a model", declare_map, run_map),
       command("check", "Prove a finished map again from its certificates, without OpenCL", declare_check, run_check),
       command("distance", "Enclose the distance of two models, and closest points", declare_distance, run_distance),
+      command("deviation", "Enclose how far a mesh and a model's surface lie apart, both ways", declare_deviation,
+              run_deviation),
       command("features", "Enclose what a surgeon measures of a femur: head, offset, CCD, version", declare_features,
               run_features),
       command("fit", "Find the best pose of an implant in a bone, and prove its clearance", declare_fit, run_fit),

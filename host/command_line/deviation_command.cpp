@@ -1,0 +1,211 @@
+/// Reads a model and a mesh or points, writes the vertices' distances, reports how far the surfaces lie apart.
+#include "host/command_line/deviation_command.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <verisq/deviation.hpp>
+#include <verisq/map_file.hpp>
+#include <verisq/mesh_file.hpp>
+#include <verisq/model_file.hpp>
+
+#include "host/command_line/deviation_summary.hpp"
+#include "host/command_line/finite_number.hpp"
+#include "host/command_line/interruption.hpp"
+#include "host/command_line/messages.hpp"
+#include "host/command_line/overwriting.hpp"
+#include "host/command_line/progress_bar.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
+#include "host/command_line/stopwatch.hpp"
+#include "host/command_line/time_limit.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+constexpr const char* closing_words =
+    "Encloses the distance of each vertex to the model's surface; over all points of all triangles the largest, the\n"
+    "mean by area and percentiles of that distance; and over the whole surface of the model the largest distance to\n"
+    "the mesh. The larger of both largest ones is the two-sided Hausdorff distance.\n"
+    "Proven is the distance between the boundary of the model's solid and the triangles exactly as their binary64\n"
+    "corners state them: neither what was measured nor what lies inside of the mesh. It need not be closed.\n"
+    "Of --points each point counts by itself, from the points to the model; with --both-ways also the model's surface\n"
+    "to the nearest point. The rows of -o, of the report and of the picture are signed, as those of `verisq map`.\n"
+    "At the --time-limit, and at Ctrl-C, everything printed is valid, and wide.\n"
+    "\n"
+    "Exit status: 0 every enclosure is as narrow as --tol asks, 3 one is wider, 2 bad usage or input, 130 interrupted\n"
+    "by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.\n"
+    "\n"
+    "Examples:\n"
+    "  verisq deviation --model stem.json --mesh stem.stl\n"
+    "  verisq deviation --model femur.json --mesh femur.stl --tol 0.05 --png deviation.png -o vertices.csv\n"
+    "  verisq deviation --model stem.json --points scan.csv --percentile 90 --percentile 99 --json";
+
+double parse_percentile(std::string_view option, const std::string& text) {
+  const std::optional<double> percent = finite_number(text);
+  if (!percent || !(*percent > 0.0 && *percent <= 100.0)) {
+    refuse(fmt::format("{}: {} is no number above 0 and at most 100", option, text));
+  }
+  return *percent;
+}
+
+/// Everything that the options alone tell, before any file is opened.
+void check_usage(const DeviationArguments& arguments) {
+  check_usage(arguments.inputs);
+  if (arguments.both_ways && arguments.inputs.points.empty()) {
+    refuse("--both-ways: only for --points; of a --mesh both ways are measured");
+  }
+  const std::vector<std::string> inputs{arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points};
+  if (!arguments.output.empty()) refuse_to_overwrite("-o", arguments.output, inputs);
+  if (!arguments.report.any()) return;
+  if (arguments.inputs.mesh.empty()) {
+    refuse(fmt::format("{}: give a --mesh to draw", arguments.report.html.empty() ? "--png" : "--report"));
+  }
+  check_usage(arguments.report, inputs);
+}
+
+bool is_mesh_name(const std::string& name) {
+  const std::string extension = std::filesystem::path(name).extension().string();
+  constexpr std::array<std::string_view, 4> extensions{".stl", ".ply", ".off", ".obj"};
+  return std::ranges::find(extensions, extension) != extensions.end();
+}
+
+Mesh read_cloud(const InputArguments& inputs) {
+  if (is_mesh_name(inputs.points)) return {.vertices = read_mesh(inputs.points).vertices, .triangles = {}};
+  PointStream stream(inputs);
+  Mesh cloud;
+  std::vector<Point> chunk(4096);
+  while (const std::size_t count = stream.read(chunk)) {
+    cloud.vertices.insert(cloud.vertices.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  return cloud;
+}
+
+Mesh read_input(const InputArguments& inputs) {
+  if (inputs.mesh.empty()) return read_cloud(inputs);
+  Mesh mesh = read_mesh(inputs.mesh);
+  if (mesh.triangles.empty()) refuse(fmt::format("{}: has no triangles; give its points by --points", inputs.mesh));
+  return mesh;
+}
+
+DeviationOptions options_of(const DeviationArguments& arguments, const TimeLimit& limit) {
+  DeviationOptions options;
+  if (arguments.tolerance && arguments.tolerance->is_share) options.relative_tolerance = arguments.tolerance->value;
+  if (arguments.tolerance && !arguments.tolerance->is_share) options.tolerance = arguments.tolerance->value;
+  if (!arguments.percentiles.empty()) options.percentiles = arguments.percentiles;
+  options.from_model = arguments.inputs.points.empty() || arguments.both_ways;
+  options.device = arguments.device;
+  options.interrupted = interrupted;
+  if (limit.given()) options.out_of_time = [&limit] { return limit.passed(); };
+  return options;
+}
+
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+/// Returns the name of the file that holds the rows; empty when none was asked for or an interrupted map left none.
+std::string write_rows(const Mesh& mesh, const Deviation& deviation, std::optional<MapWriter>& writer,
+                       const std::string& output) {
+  if (!writer) return {};
+  const std::size_t rows = deviation.map.points;
+  writer->append(std::span(mesh.vertices).first(rows), std::span(deviation.vertices).first(rows));
+  if (!deviation.map.interrupted) {
+    writer->finish();
+    return output;
+  }
+  const std::string partial = writer->keep_partial().string();
+  tell(partial.empty() ? fmt::format("interrupted; {} is not written", output)
+                       : fmt::format("interrupted; the first {} rows are kept in {}", rows, partial));
+  return partial;
+}
+
+/// False where the vertices are not all known.
+bool write_report(const Model& model, const Mesh& mesh, const DeviationReport& report,
+                  const DeviationArguments& arguments) {
+  if (!arguments.report.any()) return true;
+  if (report.deviation.map.interrupted) {
+    tell("interrupted; report and picture are not written");
+    return false;
+  }
+  write(arguments.report, {.title = fmt::format("{}: deviation from {}", file_name(arguments.inputs.mesh),
+                                                file_name(arguments.inputs.model)),
+                           .bone = mesh,
+                           .rows = report.deviation.vertices,
+                           .implant = model,
+                           .units = model.units,
+                           .summary = report_lines(report),
+                           .area_names = {},
+                           .area_of = {}});
+  return true;
+}
+
+ExitStatus status_of(const Deviation& deviation) {
+  if (deviation.interrupted) return ExitStatus::interrupted;
+  return deviation.to_tolerance ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+}  // namespace
+
+LengthOrShare parse_length_or_share(std::string_view option, const std::string& text) {
+  const bool is_share = text.ends_with('%');
+  const std::optional<double> number =
+      finite_number(std::string_view(text).substr(0, text.size() - (is_share ? 1 : 0)));
+  if (!number || !(*number > 0.0)) {
+    refuse(fmt::format("{}: {} is no finite length above 0, and no such percentage", option, text));
+  }
+  return {is_share ? *number / 100.0 : *number, is_share};
+}
+
+void declare_deviation(Options& options, DeviationArguments& arguments) {
+  options.explain(closing_words);
+  declare_inputs(options, arguments.inputs);
+  options.add("--tol", arguments.tolerance, parse_length_or_share, "NUMBER",
+              "How wide an enclosure of the summary may be: with % of its upper end, else in model units. Of a share\n"
+              "never less than 1e-6 times the radius of the model's bounding sphere. Default: 5%");
+  options.add_each("--percentile", arguments.percentiles, parse_percentile, "P",
+                   "Of the distances, above 0 and at most 100; may be given again and again (default: 50 and 95)");
+  options.add_flag("--both-ways", arguments.both_ways, "Of --points, too, the model's surface to the nearest point");
+  options.add("--time-limit", arguments.time_limit, parse_time_limit, "SECONDS",
+              "Ends the work this long after its beginning, with what is proven by then (default: none)");
+  add_device(options, arguments.device);
+  options.add("-o,--output", arguments.output, "FILE",
+              fmt::format("{}: signed distances of the vertices or points", map_explanation));
+  declare_report_files(options, arguments.report);
+  add_json_of_enclosures(options, arguments.json);
+  add_no_progress(options, arguments.no_progress);
+}
+
+ExitStatus run_deviation(const DeviationArguments& arguments) {
+  check_usage(arguments);
+  const Model model = read_model(arguments.inputs.model);
+  const Mesh mesh = read_input(arguments.inputs);
+  watch_for_interruption();
+  std::optional<MapWriter> writer;
+  if (!arguments.output.empty()) writer.emplace(arguments.output, &mesh);
+
+  TimeLimit limit(arguments.time_limit);
+  limit.start();
+  const Stopwatch time;
+  std::optional<ProgressBar> bar(std::in_place, !arguments.no_progress, "points");
+  DeviationOptions options = options_of(arguments, limit);
+  options.progress = [&bar](std::string_view stage, double done) { bar->update_state(stage, done); };
+  DeviationReport report{.deviation = deviation(model, mesh, options)};
+  bar.reset();  // the line is cleared before anything else is said
+
+  report.options = options;
+  report.units = model.units;
+  report.is_cloud = mesh.triangles.empty();
+  report.triangles = mesh.triangles.size();
+  report.seconds = time.seconds();
+  report.output = write_rows(mesh, report.deviation, writer, arguments.output);
+  if (write_report(model, mesh, report, arguments)) report.files = arguments.report;
+  tell_notice(report.deviation.map.notice);
+  if (report.deviation.out_of_time) tell("the limit is reached; enclosures are valid, and some are wide");
+  fmt::print("{}", arguments.json ? json(report) : readable(report));
+  return status_of(report.deviation);
+}
+
+}  // namespace verisq::command_line

@@ -1,0 +1,135 @@
+/// Patches of random primitives contain the surface points that belong to them, and shrink quadratically.
+#include "verify/deviation/surface_patch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/deviation/brute_force.hpp"
+#include "tests/fixtures/random.hpp"
+
+namespace verisq::verify {
+namespace {
+
+using testing::Long;
+using testing::Random;
+
+Primitive random_primitive(Random& random, int n) {
+  const auto exponent = [&] {
+    const double choice = random.uniform(0.0, 1.0);
+    if (choice < 0.1) return 2.0;
+    if (choice < 0.2) return 1.0;
+    return random.uniform(0.05, 2.0);
+  };
+  Primitive primitive{"",
+                      {{random.uniform(0.3, 3.0), random.uniform(0.3, 3.0), random.uniform(0.3, 3.0)},
+                       {exponent(), exponent()},
+                       n % 2 == 0 ? 1.0 : std::pow(10.0, random.uniform(-1.0, 1.0))},
+                      {random.point(5.0), {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1), 0.5}},
+                      {}};
+  // |k| times the largest |r|, at most twice the axes' length, below 1.
+  if (n % 4 >= 2) primitive.bend = Bend{random.uniform(-0.1, 0.1), random.uniform(-180.0, 180.0)};
+  return primitive;
+}
+
+Point middle_between(const CurvePoint& p) {
+  return {0.5 * (p.x.lower() + p.x.upper()), 0.5 * (p.y.lower() + p.y.upper()), 0.0};
+}
+
+/// A point of the arc: towards a point of its chord.
+std::array<Long, 2> on_arc(const ArcTree& tree, ArcTree::Arc arc, Long share, double exponent) {
+  const Point from = middle_between(tree.from(arc));
+  const Point to = middle_between(tree.to(arc));
+  return testing::on_curve((1 - share) * from[0] + share * to[0], (1 - share) * from[1] + share * to[1], exponent);
+}
+
+TEST(ArcTree, PointsOfAnArcLieWithinItsBulge) {
+  Random random(1);
+  for (const double exponent : {0.05, 0.3, 1.0, 1.7, 2.0}) {
+    ArcTree tree(exponent);
+    for (ArcTree::Arc arc = 0; arc < 100; ++arc) {
+      tree.halve(arc);
+      const double width = random.uniform(0.1, 10.0);
+      const double height = random.uniform(0.1, 10.0);
+      const double bulge = tree.bulge(arc, width, height);
+      const Point from = middle_between(tree.from(arc));
+      const Point to = middle_between(tree.to(arc));
+      Long farthest = 0;
+      for (int i = 1; i < 20; ++i) {
+        const auto [x, y] = on_arc(tree, arc, Long(i) / 20, exponent);
+        farthest = std::max(
+            farthest, testing::distance_to_side({x * width, y * height, 0}, {from[0] * width, from[1] * height, 0},
+                                                {to[0] * width, to[1] * height, 0}));
+      }
+      ASSERT_LE(farthest, bulge + 1e-14) << exponent << ' ' << arc;
+      // Where it is not the rounding that counts, no more than the samples miss.
+      if (arc > 14) {
+        ASSERT_LE(bulge, 2 * farthest + 1e-3 * (width + height)) << exponent << ' ' << arc;
+      }
+    }
+  }
+}
+
+/// The patch's cells are halved along a random way down.
+TEST(SurfacePatch, HoldsItsPartOfTheSurface) {
+  Random random(2);
+  for (int n = 0; n < 60; ++n) {
+    const Primitive primitive = random_primitive(random, n);
+    const auto& exponents = primitive.superquadric.exponents;
+    PatchedSurface surface(primitive, 7);
+    ArcTree along(exponents[0]);
+    ArcTree around(exponents[1]);
+    PatchCell cell = surface.octants()[static_cast<std::size_t>(random.uniform(0.0, 7.999))];
+    EXPECT_EQ(cell.primitive, 7U);
+    // The test's own trees number the arcs alike where the same are halved in the same order.
+    for (int depth = 0; depth < 10; ++depth) {
+      surface.prepare(cell);
+      along.halve(cell.along);
+      around.halve(cell.around);
+      const Patch patch = surface.patch(cell);
+      for (int i = 0; i < 40; ++i) {
+        const auto c1 = on_arc(along, cell.along, random.uniform(0.0, 1.0), exponents[0]);
+        const auto c2 = on_arc(around, cell.around, random.uniform(0.0, 1.0), exponents[1]);
+        testing::LongPoint unit{c1[0] * c2[0], c1[0] * c2[1], c1[1]};
+        for (std::size_t k = 0; k < 3; ++k) {
+          if ((cell.octant >> k & 1U) != 0) unit[k] = -unit[k];
+        }
+        const Point point = testing::placed(primitive, unit);
+        Long nearest = HUGE_VALL;
+        for (const Triangle& half : patch.halves()) {
+          nearest = std::min(nearest, testing::distance_to_triangle(point, half));
+        }
+        ASSERT_LE(nearest, patch.thickness + 1e-13) << n << ' ' << depth;
+        ASSERT_LE(testing::distance_to_triangle(point, {patch.sample, patch.sample, patch.sample}),
+                  patch.radius + 1e-13);
+      }
+      const auto halves = surface.halves(cell);
+      ASSERT_TRUE(halves);
+      cell = (*halves)[random.uniform(0.0, 1.0) < 0.5 ? 0 : 1];
+    }
+  }
+}
+
+TEST(SurfacePatch, ThicknessFallsWithTheSquareOfTheSize) {
+  Random random(3);
+  for (int n = 0; n < 20; ++n) {
+    Primitive primitive = random_primitive(random, n);
+    primitive.superquadric.exponents = {1.0, 1.0};
+    PatchedSurface surface(primitive, 0);
+    PatchCell cell = surface.octants()[0];
+    for (int depth = 0; depth < 20; ++depth) {
+      const auto halves = surface.halves(cell);
+      ASSERT_TRUE(halves);
+      surface.prepare(cell);
+      cell = (*surface.halves(cell))[static_cast<std::size_t>(depth % 2)];
+    }
+    surface.prepare(cell);
+    const Patch patch = surface.patch(cell);
+    EXPECT_LE(patch.thickness, 100.0 * patch.radius * patch.radius) << n;
+    EXPECT_LE(patch.thickness, 0.1 * patch.radius) << n;
+  }
+}
+
+}  // namespace
+}  // namespace verisq::verify

@@ -1,0 +1,56 @@
+/// Nodes by the gauge, bulges by the support function of the curve.
+#include "verify/deviation/curve_arc.hpp"
+
+#include <algorithm>
+
+#include "verify/proof/mixed_norm.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+double middle_of(const Interval& a, const Interval& b) {
+  return 0.25 * a.lower() + 0.25 * a.upper() + 0.25 * b.lower() + 0.25 * b.upper();
+}
+
+}  // namespace
+
+ArcTree::ArcTree(double exponent) : primal_(primal_exponent<double>(exponent)), dual_(dual_exponent<double>(exponent)) {
+  arcs_.push_back({{Interval(1), Interval(0)}, {Interval(0), Interval(1)}});
+}
+
+/// (x, y) divided by its gauge lies on the curve, whatever x and y are.
+CurvePoint ArcTree::point_towards(double x, double y) const {
+  const Interval gauge(norm_of_two(x, y, primal_, Direction::down), norm_of_two(x, y, primal_, Direction::up));
+  return {Interval(x) / gauge, Interval(y) / gauge};
+}
+
+void ArcTree::halve(Arc arc) {
+  if (arcs_[arc].first_half != 0) return;
+  const CurvePoint from = arcs_[arc].from;
+  const CurvePoint to = arcs_[arc].to;
+  // Wherever on the curve this point is, what leads from one end to it and on to the other covers the arc.
+  const CurvePoint middle = point_towards(middle_of(from.x, to.x), middle_of(from.y, to.y));
+  arcs_[arc].first_half = static_cast<Arc>(arcs_.size());
+  arcs_.push_back({from, middle});
+  arcs_.push_back({middle, to});
+}
+
+double ArcTree::bulge(Arc arc, double width, double height) const {
+  const auto& [from, to, half] = arcs_[arc];
+  const Interval run = abs(from.x - to.x) * Interval(width);
+  const Interval rise = abs(from.y - to.y) * Interval(height);
+  const Interval chord = sqrt(square(run) + square(rise));
+  if (!(chord.lower() > 0.0)) return infinity;
+  // Between its ends the curve falls: it leaves the chord by no more than the box of both ends does.
+  const double by_box = (run * rise / chord).upper();
+  // Its points satisfy n·p <= h(n) for the chord's normal n = (rise, run), where h is the dual norm.
+  const Interval across = rise * Interval(width);
+  const Interval along = run * Interval(height);
+  const double support = norm_of_two(across.upper(), along.upper(), dual_, Direction::up);
+  const Interval at_end = across * from.x + along * from.y;
+  const double by_support = ((Interval(support) - at_end) / chord).upper();
+  return std::max(0.0, std::min(by_box, by_support));
+}
+
+}  // namespace verisq::verify

@@ -1,0 +1,48 @@
+/// How far the triangles of a mesh lie from the boundary of a solid: at most, in the mean, and percentiles
+/// (docs/mathematics.md §20).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "verify/deviation/deviation_search.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/mesh.hpp"
+
+namespace verisq::verify {
+
+struct MeshDistances {
+  Enclosure largest;  ///< the supremum
+  Point where{};      ///< a point of the mesh within rounding of it is `largest.lo` away
+  std::optional<Enclosure> mean = {};
+  std::vector<Enclosure> percentiles = {};
+  std::uint64_t samples = 0;
+  bool ended = false;  ///< early: everything is valid, and something wide
+};
+
+class MeshSearch {
+ public:
+  /// `at_vertices`: signed distances of the mesh's vertices. Mesh and search must outlive it. Precondition: the mesh
+  /// has triangles; as many enclosures as vertices, each of which may be unbounded.
+  MeshSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search);
+  ~MeshSearch();
+  MeshSearch(const MeshSearch&) = delete;
+  MeshSearch& operator=(const MeshSearch&) = delete;
+
+  /// Until the largest distance is narrow.
+  void search_largest();
+  /// Until mean and percentiles are.
+  void search_statistics(std::span<const double> percentiles);
+
+  /// What is known by now; mean and percentiles only after the search for them.
+  [[nodiscard]] MeshDistances found() const;
+
+ private:
+  class Pieces;
+  std::unique_ptr<Pieces> pieces_;
+};
+
+}  // namespace verisq::verify

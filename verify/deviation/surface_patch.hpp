@@ -1,0 +1,84 @@
+/// Patches that cover the surface of one posed superquadric, tapered or bent: each lies close to the hull of four
+/// points (docs/mathematics.md §20).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "verify/deviation/curve_arc.hpp"
+#include "verify/numbers/vector.hpp"
+#include "verify/sets/bend.hpp"
+#include "verisq/mesh.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
+
+/// A part of the surface of primitive `primitive`: the image of two arcs, of one along the latitude and of one along
+/// the longitude, in one octant.
+struct PatchCell {
+  std::uint32_t primitive;
+  std::uint8_t octant;  ///< bit i: coordinate i is negative
+  std::uint8_t halvings = 0;
+  ArcTree::Arc along = ArcTree::whole();   ///< from the equator to a pole
+  ArcTree::Arc around = ArcTree::whole();  ///< from x to y
+};
+
+/// Every point of the patch is no farther than `thickness` from one of two flat triangles between its corners, which
+/// are `halves()`, and no farther than `radius` from `sample`, a point near its middle.
+struct Patch {
+  std::array<Point, 4> corners;  ///< the first two at the same end of the arc along the latitude
+  Point sample;
+  double thickness;
+  double radius;
+
+  [[nodiscard]] std::array<Triangle, 2> halves() const {
+    return {{{corners[0], corners[1], corners[3]}, {corners[0], corners[2], corners[3]}}};
+  }
+};
+
+/// Makes the patches of one primitive.
+class PatchedSurface {
+ public:
+  PatchedSurface(const Primitive& primitive, std::uint32_t index);
+
+  /// The eight octants.
+  [[nodiscard]] std::vector<PatchCell> octants() const;
+
+  /// Precondition of what is asked of a cell, which is of this primitive. Not while another thread asks anything.
+  void prepare(const PatchCell& cell);
+
+  [[nodiscard]] Patch patch(const PatchCell& cell) const;
+
+  /// Across the longer way. Nothing where the ends of its arcs cannot be told apart well.
+  [[nodiscard]] std::optional<std::array<PatchCell, 2>> halves(const PatchCell& cell) const;
+
+ private:
+  /// Where a point lies before the bend, and in the model.
+  struct Placed {
+    Vector3<double> straight;
+    Vector3<double> posed;
+  };
+
+  [[nodiscard]] Placed placed(const CurvePoint& along, const CurvePoint& around, std::uint8_t octant) const;
+  [[nodiscard]] Interval taper_stretch(const PatchCell& cell, double reach) const;
+  [[nodiscard]] double thickness(const PatchCell& cell, const std::array<Placed, 4>& corners) const;
+  /// Of the section's arc of the cell, of what is farthest from the axis.
+  [[nodiscard]] double section_radius(const PatchCell& cell) const;
+
+  std::uint32_t index_;
+  Superquadric superquadric_;
+  Vector3<double> semi_axes_;
+  bool tapered_;
+  Interval k_;     ///< of the taper
+  Interval fall_;  ///< 1 - k²
+  std::optional<Bend> bend_;
+  std::optional<BendMap<double>> bend_map_;
+  Matrix3<double> rotation_;
+  Vector3<double> translation_;
+  ArcTree along_;
+  ArcTree around_;
+};
+
+}  // namespace verisq::verify

@@ -1,0 +1,181 @@
+/// Sums rounded outward.
+#include "verify/deviation/weighted_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "verify/numbers/rounding.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+Enclosure hull_of_ranges(std::span<const WeightedCell> cells) {
+  Enclosure hull = cells.front().range;
+  for (const WeightedCell& cell : cells) {
+    hull = {std::min(hull.lo, cell.range.lo), std::max(hull.hi, cell.range.hi)};
+  }
+  return hull;
+}
+
+double sum(double a, double b, Direction direction) {
+  return add(a, b, direction);
+}
+
+/// The part of a triangle where the affine function of these sorted values at its corners is at most `limit`.
+/// Differences round by u, products, quotients and the last difference add less than 8u: the result, at most 1, is off
+/// by less than 2^-46.
+double part_below(const std::array<double, 3>& sorted, double limit) {
+  const auto& [a, b, c] = sorted;
+  if (!(limit >= a)) return 0.0;
+  if (!(limit < c)) return 1.0;
+  if (limit < b) return (limit - a) / (b - a) * ((limit - a) / (c - a));
+  return 1.0 - (c - limit) / (c - a) * ((c - limit) / (c - b));
+}
+
+constexpr double error_of_part = 0x1p-46;
+
+/// How often a bracket is halved.
+constexpr int halvings = 14;
+
+/// A distance and its square, rounded either way.
+struct Limit {
+  double distance;
+  Enclosure square;
+};
+
+Limit limit_of(double distance) {
+  return {distance, {multiply(distance, distance, Direction::down), multiply(distance, distance, Direction::up)}};
+}
+
+/// Where d <= v the function is at most t(v) - below, and where it is at most t(v) - above, d <= v.
+Enclosure part_up_to(const WeightedCell& cell, const Limit& limit) {
+  if (limit.distance >= cell.range.hi) return {1.0, 1.0};
+  if (limit.distance < cell.range.lo) return {0.0, 0.0};
+  const auto& [values, below, above, squared] = cell.affine;
+  const Enclosure reached = squared ? limit.square : Enclosure{limit.distance, limit.distance};
+  const double upper =
+      below > -infinity ? part_below(values, subtract(reached.hi, below, Direction::up)) + error_of_part : 1.0;
+  const double lower =
+      above < infinity ? part_below(values, subtract(reached.lo, above, Direction::down)) - error_of_part : 0.0;
+  return {std::max(0.0, lower), std::min(1.0, upper)};
+}
+
+}  // namespace
+
+Enclosure part_up_to(const WeightedCell& cell, double distance) {
+  return part_up_to(cell, limit_of(distance));
+}
+
+Enclosure mean_of(std::span<const WeightedCell> cells) {
+  double weight_down = 0.0;
+  double weight_up = 0.0;
+  double lower = 0.0;
+  double upper = 0.0;
+  for (const auto& [weight, range, mean, affine] : cells) {
+    weight_down = sum(weight_down, weight.lo, Direction::down);
+    weight_up = sum(weight_up, weight.hi, Direction::up);
+    lower = sum(lower, multiply(weight.lo, mean.lo, Direction::down), Direction::down);
+    upper = sum(upper, multiply(weight.hi, mean.hi, Direction::up), Direction::up);
+  }
+  const Enclosure hull = hull_of_ranges(cells);
+  if (!(weight_down > 0.0)) return hull;
+  return {std::max(hull.lo, divide(lower, weight_up, Direction::down)),
+          std::min(hull.hi, divide(upper, weight_down, Direction::up))};
+}
+
+Distribution::Distribution(std::span<const WeightedCell> cells) : cells_(cells) {
+  lower_.reserve(cells.size());
+  upper_.reserve(cells.size());
+  for (const auto& [weight, range, mean, affine] : cells) {
+    lower_.push_back({range.lo, weight.hi});
+    upper_.push_back({range.hi, weight.lo});
+    total_ = {sum(total_.lo, weight.lo, Direction::down), sum(total_.hi, weight.hi, Direction::up)};
+  }
+  const auto by_distance = [](const End& a, const End& b) { return a.distance < b.distance; };
+  std::ranges::sort(lower_, by_distance);
+  std::ranges::sort(upper_, by_distance);
+}
+
+/// The first end up to which the weights add up to as much; the last where rounding leaves less.
+double Distribution::first_at_least(std::span<const End> ends, double weight, bool up) {
+  const Direction direction = up ? Direction::up : Direction::down;
+  double reached = 0.0;
+  for (const End& end : ends) {
+    reached = sum(reached, end.weight, direction);
+    if (reached >= weight) return end.distance;
+  }
+  return ends.back().distance;
+}
+
+/// With distances at their lower ends and weights at their largest the least v is no larger, with distances at their
+/// upper ends and weights at their smallest no smaller.
+Enclosure Distribution::percentile(double percent) const {
+  const auto part = [percent](double total, Direction direction) {
+    return multiply(divide(percent, 100.0, direction), total, direction);
+  };
+  const Enclosure wanted{part(total_.lo, Direction::down), part(total_.hi, Direction::up)};
+  return narrowed({first_at_least(lower_, wanted.lo, true), first_at_least(upper_, wanted.hi, false)}, wanted);
+}
+
+Distribution::Near Distribution::near(const Enclosure& bracket) const {
+  Near near;
+  for (const WeightedCell& cell : cells_) {
+    if (cell.range.lo > bracket.hi) continue;
+    if (cell.range.hi < bracket.lo) {
+      near.before = {sum(near.before.lo, cell.weight.lo, Direction::down),
+                     sum(near.before.hi, cell.weight.hi, Direction::up)};
+    } else {
+      near.cells.push_back(&cell);
+    }
+  }
+  return near;
+}
+
+/// Sums of n numbers, none of them negative, to nearest: products and additions are off by less than (n + 2) u in all,
+/// u = 2^-53, relative to the result.
+Enclosure Distribution::weight_up_to(const Near& near, double distance) {
+  const Limit limit = limit_of(distance);
+  double lower = 0.0;
+  double upper = 0.0;
+  for (const WeightedCell* cell : near.cells) {
+    const Enclosure part = part_up_to(*cell, limit);
+    lower += part.lo * cell->weight.lo;
+    upper += part.hi * cell->weight.hi;
+  }
+  const double error = 0x1p-52 * static_cast<double>(near.cells.size() + 4);
+  constexpr double underflow = 0x1p-1000;
+  return {sum(near.before.lo, std::max(0.0, lower * (1.0 - error) - underflow), Direction::down),
+          sum(near.before.hi, upper * (1.0 + error) + underflow, Direction::up)};
+}
+
+/// No less than v where less weight than wanted lies up to v, no more than v where as much does.
+Enclosure Distribution::narrowed(const Enclosure& percentile, const Enclosure& wanted) const {
+  if (!(percentile.lo < percentile.hi) || percentile.hi == infinity) return percentile;
+  Enclosure result = percentile;
+  Near cells = near(result);
+  const auto middle_of = [](double a, double b) { return 0.5 * a + 0.5 * b; };
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = middle_of(result.lo, result.hi);
+    const Enclosure weight = weight_up_to(cells, middle);
+    if (weight.hi < wanted.lo) {
+      result.lo = middle;
+    } else if (weight.lo >= wanted.hi) {
+      result.hi = middle;
+    } else {
+      break;
+    }
+  }
+  cells = near(result);
+  double above = result.hi;
+  double below = result.lo;
+  for (int i = 0; i < halvings; ++i) {
+    const double lower = middle_of(result.lo, above);
+    (weight_up_to(cells, lower).hi < wanted.lo ? result.lo : above) = lower;
+    const double upper = middle_of(below, result.hi);
+    (weight_up_to(cells, upper).lo >= wanted.hi ? result.hi : below) = upper;
+  }
+  return result;
+}
+
+}  // namespace verisq::verify
