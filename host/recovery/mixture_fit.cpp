@@ -8,12 +8,17 @@
 #include <limits>
 #include <numbers>
 
+#include "host/recovery/weighted_sums.hpp"
+
 namespace verisq::recovery {
 namespace {
 
 constexpr double least_outliers = 1e-3;
 constexpr double smallest_axis = 1e-3;  // of the cloud's size
 constexpr double largest_axis = 3.0;
+// Of the logarithm of a semi-axis over half the extent of the points along it, where it is above 1: a cut that leaves
+// 60 % of a surface leaves at least as much of its extent, ln(1/0.6) = 0.5.
+constexpr double reach_deviation = 0.3;
 constexpr double first_damping = 1e-3;
 constexpr double least_damping = 1e-9;
 constexpr double most_damping = 1e6;
@@ -23,19 +28,24 @@ template <int N>
 struct NormalEquations {
   Eigen::Matrix<double, N, N> matrix;  ///< upper triangle
   Eigen::Matrix<double, N, 1> gradient;
-  double cost;
+  MixtureSums sums;
 };
 
 template <int N>
 class MixtureSearch {
  public:
   MixtureSearch(std::span<const Eigen::Vector3d> points, const MixtureOptions& options)
-      : points_(points), options_(options), residuals_(points.size()), trial_residuals_(points.size()) {}
+      : points_(points),
+        blocks_(blocks_of(points)),
+        options_(options),
+        residuals_(blocks_.size() * lanes),
+        trial_residuals_(residuals_.size()) {}
 
   MixtureFit run(const Shape& start, const Mixture& mixture) {
     shape_ = start;
     mixture_ = mixture;
     equations_ = evaluate(shape_, residuals_);
+    update_reach();
     for (int i = 0; i < options_.iterations; ++i)
       if (!improve()) break;
     return {shape_, mixture_, cost_with_constants()};
@@ -46,7 +56,7 @@ class MixtureSearch {
     mixture_ = mixture;
     const DistanceToShape distance(shape, options_.family);
     for (std::size_t i = 0; i < points_.size(); ++i) residuals_[i] = distance.value(points_[i]);
-    for (int i = 0; i < 20; ++i) update_mixture();
+    for (int i = 0; i < 20; ++i) update_mixture(mixture_sums(blocks_, terms(), residuals_));
     return {shape_, mixture_, cost_with_constants()};
   }
 
@@ -57,79 +67,78 @@ class MixtureSearch {
            options_.area_over_volume;
   }
 
+  [[nodiscard]] MixtureTerms terms() const { return {0.5 / (mixture_.noise * mixture_.noise), outlier_ratio()}; }
+
   NormalEquations<N> evaluate(const Shape& shape, std::vector<double>& residuals) const {
-    const DistanceToShape distance(shape, options_.family);
-    const double ratio = outlier_ratio();
-    const double precision = 0.5 / (mixture_.noise * mixture_.noise);
-    constexpr int stride = N + N % 2;
-    alignas(16) std::array<std::array<double, stride>, N> sums{};
-    std::array<double, N> gradient{};
-    alignas(16) std::array<double, stride> row{};
-    SurfaceDistance at;
-    double product = 1.0;
-    double cost = 0.0;
-    for (std::size_t k = 0; k < points_.size(); ++k) {
-      distance.evaluate(points_[k], at);
-      residuals[k] = at.value;
-      const double likelihood = std::exp(-precision * at.value * at.value);
-      const double sum = likelihood + ratio;
-      const double weight = likelihood / sum;
-      product *= sum;
-      if (product < 1e-200 || product > 1e200) {
-        cost -= std::log(product);
-        product = 1.0;
-      }
-      for (int i = 0; i < N; ++i) row[i] = at.derivatives[i];
-      for (int i = 0; i < N; ++i) {
-        const double weighted = weight * row[i];
-        gradient[i] += weighted * at.value;
-        for (int j = i & ~1; j < stride; ++j) sums[i][j] += weighted * row[j];
-      }
-    }
+    if constexpr (N == most_parameters) return evaluate_bent(shape, residuals);
+    const WeightedSums sums = weighted_sums(blocks_, shape, tapers(options_.family), terms(), residuals);
     NormalEquations<N> result;
-    result.cost = cost - std::log(product);
+    result.sums = sums.mixture;
     for (int i = 0; i < N; ++i) {
-      result.gradient[i] = gradient[i];
-      for (int j = i; j < N; ++j) result.matrix(i, j) = result.matrix(j, i) = sums[i][j];
+      result.gradient[i] = sums.gradient[i];
+      for (int j = i; j < N; ++j) result.matrix(i, j) = result.matrix(j, i) = sums.matrix[i][j];
     }
     return result;
   }
 
-  [[nodiscard]] double cost_of_residuals() const {
-    const double ratio = outlier_ratio();
-    const double precision = 0.5 / (mixture_.noise * mixture_.noise);
-    double product = 1.0;
-    double cost = 0.0;
-    for (const double r : residuals_) {
-      product *= std::exp(-precision * r * r) + ratio;
-      if (product < 1e-200 || product > 1e200) {
-        cost -= std::log(product);
-        product = 1.0;
-      }
+  NormalEquations<N> evaluate_bent(const Shape& shape, std::vector<double>& residuals) const {
+    const DistanceToShape distance(shape, options_.family);
+    const MixtureTerms with = terms();
+    NormalEquations<N> result;
+    result.matrix.setZero();
+    result.gradient.setZero();
+    SurfaceDistance at;
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      distance.evaluate(points_[k], at);
+      residuals[k] = at.value;
+      const double likelihood = std::exp(-with.precision * at.value * at.value);
+      const Eigen::Matrix<double, N, 1> row = at.derivatives.template head<N>();
+      const Eigen::Matrix<double, N, 1> weighted = likelihood / (likelihood + with.ratio) * row;
+      result.gradient += at.value * weighted;
+      result.matrix.noalias() += weighted * row.transpose();
     }
-    return cost - std::log(product);
+    result.sums = mixture_sums(blocks_, with, residuals);
+    return result;
   }
+
+  [[nodiscard]] double cost_of_residuals() const { return mixture_sums(blocks_, terms(), residuals_).cost; }
 
   /// Comparable between mixtures.
   [[nodiscard]] double cost_with_constants() const {
     const auto count = static_cast<double>(points_.size());
-    return cost_of_residuals() + count * std::log(mixture_.noise / (options_.size * (1.0 - mixture_.outliers)));
+    return cost_of_residuals() + prior_cost(shape_) +
+           count * std::log(mixture_.noise / (options_.size * (1.0 - mixture_.outliers)));
   }
 
-  void update_mixture() {
-    const double ratio = outlier_ratio();
-    const double precision = 0.5 / (mixture_.noise * mixture_.noise);
-    double weights = 0.0;
-    double squares = 0.0;
-    for (const double r : residuals_) {
-      const double likelihood = std::exp(-precision * r * r);
-      const double weight = likelihood / (likelihood + ratio);
-      weights += weight;
-      squares += weight * r * r;
+  /// How far beyond the points that belong to it the shape goes, in logarithms, and what that costs.
+  [[nodiscard]] Eigen::Vector3d excess(const Shape& shape) const {
+    return shape.axes.cwiseQuotient(reach_).array().log().max(0.0);
+  }
+  [[nodiscard]] double prior_cost(const Shape& shape) const {
+    return 0.5 * excess(shape).squaredNorm() / (reach_deviation * reach_deviation);
+  }
+
+  /// Half the extent of the inliers along the shape's axes.
+  void update_reach() {
+    if (!options_.prior) return;
+    const double farthest = mixture_.noise * std::sqrt(2.0 * std::log(1.0 / std::min(outlier_ratio(), 0.5)));
+    Eigen::Vector3d lowest = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+    Eigen::Vector3d highest = -lowest;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (std::abs(residuals_[i]) > farthest) continue;
+      const Eigen::Vector3d local = shape_.rotation.transpose() * points_[i];
+      lowest = lowest.cwiseMin(local);
+      highest = highest.cwiseMax(local);
     }
+    reach_ = (0.5 * (highest - lowest)).cwiseMax(smallest_axis * options_.size);
+    if (!reach_.allFinite()) reach_.setConstant(std::numeric_limits<double>::infinity());
+  }
+
+  /// From sums over the residuals with the mixture so far.
+  void update_mixture(const MixtureSums& sums) {
     const auto count = static_cast<double>(points_.size());
-    mixture_.outliers = std::clamp(1.0 - weights / count, least_outliers, options_.most_outliers);
-    if (weights > 0.0) mixture_.noise = std::max(options_.least_noise, std::sqrt(squares / weights));
+    mixture_.outliers = std::clamp(1.0 - sums.weights / count, least_outliers, options_.most_outliers);
+    if (sums.weights > 0.0) mixture_.noise = std::max(options_.least_noise, std::sqrt(sums.squares / sums.weights));
   }
 
   /// False when there is nothing more to gain.
@@ -138,22 +147,23 @@ class MixtureSearch {
       const Step step = damped_step();
       const Shape trial = limited(moved(shape_, step));
       const NormalEquations<N> at = evaluate(trial, trial_residuals_);
-      if (at.cost < equations_.cost) {
+      if (at.sums.cost + prior_cost(trial) < equations_.sums.cost + prior_cost(shape_)) {
         const bool settled = step.template lpNorm<Eigen::Infinity>() < options_.precision;
         shape_ = trial;
         std::swap(residuals_, trial_residuals_);
         equations_ = at;
         damping_ = std::max(least_damping, damping_ / 6.0);
         const double noise = mixture_.noise;
-        update_mixture();
-        equations_.cost = cost_of_residuals();
+        update_mixture(at.sums);
+        update_reach();
+        equations_.sums = mixture_sums(blocks_, terms(), residuals_);
         return !settled || std::abs(mixture_.noise - noise) > 1e-3 * noise;
       }
       if (step.template lpNorm<Eigen::Infinity>() < options_.precision) break;
       damping_ *= 8.0;
     }
     const double noise = mixture_.noise;
-    update_mixture();
+    update_mixture(equations_.sums);
     damping_ = first_damping;
     if (std::abs(mixture_.noise - noise) < 1e-3 * noise) return false;
     equations_ = evaluate(shape_, residuals_);
@@ -167,6 +177,13 @@ class MixtureSearch {
     for (int round = 0; round < 4; ++round) {
       Eigen::Matrix<double, N, N> matrix = equations_.matrix;
       Eigen::Matrix<double, N, 1> right = -equations_.gradient;
+      const double certainty = mixture_.noise * mixture_.noise / (reach_deviation * reach_deviation);
+      const Eigen::Vector3d too_far = excess(shape_);
+      for (int i = 0; i < 3; ++i) {
+        if (too_far[i] <= 0.0) continue;
+        matrix(6 + i, 6 + i) += certainty;
+        right[6 + i] -= certainty * too_far[i];
+      }
       const double floor = 1e-12 * std::max(matrix.diagonal().maxCoeff(), 1e-300);
       for (int i = 0; i < N; ++i) {
         matrix(i, i) += damping_ * matrix(i, i) + floor;
@@ -182,8 +199,8 @@ class MixtureSearch {
       bool pressed = false;
       for (int i = 9; i < 11; ++i) {
         const double exponent = shape_.exponents[i - 9];
-        const bool beyond = (exponent <= smallest_exponent && step[i] < 0.0) ||
-                            (exponent >= largest_exponent && step[i] > 0.0);
+        const bool beyond =
+            (exponent <= smallest_exponent && step[i] < 0.0) || (exponent >= largest_exponent && step[i] > 0.0);
         if (!held[i] && beyond) held[i] = pressed = true;
       }
       if (!pressed) break;
@@ -210,10 +227,12 @@ class MixtureSearch {
   }
 
   std::span<const Eigen::Vector3d> points_;
+  std::vector<PointBlock> blocks_;
   MixtureOptions options_;
   std::vector<double> residuals_;
   std::vector<double> trial_residuals_;
   Shape shape_;
+  Eigen::Vector3d reach_ = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Mixture mixture_{};
   NormalEquations<N> equations_{};
   double damping_ = first_damping;

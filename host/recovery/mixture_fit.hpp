@@ -24,6 +24,7 @@ struct MixtureOptions {
   double area_over_volume;  ///< about the surface's area over the box's volume, 1/length
   double least_noise;       ///< the noise is never taken for less
   double most_outliers = 0.6;
+  bool prior = true;  ///< semi-axes far beyond the points are unlikely
   int iterations = 30;
   double precision = 1e-6;  ///< ends when no parameter moves by more, in proportion
 };

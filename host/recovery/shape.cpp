@@ -16,11 +16,9 @@ Primitive primitive_of(const Shape& shape, const std::string& name) {
                       .pose = {.translation = {shape.centre[0], shape.centre[1], shape.centre[2]},
                                .quaternion = {turn.w(), turn.x(), turn.y(), turn.z()}}};
   if (shape.taper != 0.0)
-    primitive.superquadric.taper =
-        std::clamp((1.0 + shape.taper) / (1.0 - shape.taper), smallest_taper, largest_taper);
+    primitive.superquadric.taper = std::clamp((1.0 + shape.taper) / (1.0 - shape.taper), smallest_taper, largest_taper);
   if (const double curvature = shape.curvature.norm(); curvature > 0.0)
-    primitive.bend =
-        Bend{curvature, std::atan2(shape.curvature[1], shape.curvature[0]) * 180.0 / std::numbers::pi};
+    primitive.bend = Bend{curvature, std::atan2(shape.curvature[1], shape.curvature[0]) * 180.0 / std::numbers::pi};
   return primitive;
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "host/recovery/gauge.hpp"
 #include "host/recovery/shape.hpp"
 
 namespace verisq::recovery {
@@ -27,8 +28,7 @@ enum class Family : std::uint8_t { plain, tapered, bent, bent_tapered };
 /// PAMI 1991). The derivatives are those of the numerator, so exact on the surface.
 struct SurfaceDistance {
   double value;
-  Eigen::Vector3d normal;  ///< the gradient of unit length, in the shape's frame
-  Step derivatives;        ///< of a family: those that do not vary are 0
+  Step derivatives;  ///< of a family: those that do not vary are 0
 };
 
 /// One shape, prepared for many points. Precondition: |curvature| times the distance of a point from the z axis below
@@ -41,13 +41,10 @@ class DistanceToShape {
   void evaluate(const Eigen::Vector3d& point, SurfaceDistance& distance) const;
 
  private:
-  struct Local;
-  [[nodiscard]] Local straight(const Eigen::Vector3d& local, bool to_foot) const;
-
   Shape shape_;
+  GaugeConstants gauge_;
   Family family_;
-  Eigen::Vector3d reciprocal_axes_;
-  Eigen::Vector2d powers_;  ///< 2/e
+  bool bent_;
 };
 
 /// The shape after a step, its exponents and taper within their limits.
