@@ -1,21 +1,19 @@
 /// The steps: weights from the mixture, normal equations, a damped step, and the mixture anew from what is left over.
 #include "host/recovery/mixture_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "host/recovery/damped_step.hpp"
 #include "host/recovery/weighted_sums.hpp"
 
 namespace verisq::recovery {
 namespace {
 
 constexpr double least_outliers = 1e-3;
-constexpr double smallest_axis = 1e-3;  // of the cloud's size
-constexpr double largest_axis = 3.0;
 // Of the logarithm of a semi-axis over half the extent of the points along it, where it is above 1: a cut that leaves
 // 60 % of a surface leaves at least as much of its extent, ln(1/0.6) = 0.5.
 constexpr double reach_deviation = 0.3;
@@ -23,11 +21,9 @@ constexpr double first_damping = 1e-3;
 constexpr double least_damping = 1e-9;
 constexpr double most_damping = 1e6;
 
-/// The sums over all points that a step and the next mixture are made of. N parameters vary, or are 0.
+/// And what the next mixture is made of.
 template <int N>
-struct NormalEquations {
-  Eigen::Matrix<double, N, N> matrix;  ///< upper triangle
-  Eigen::Matrix<double, N, 1> gradient;
+struct MixtureEquations : NormalEquations<N> {
   MixtureSums sums;
 };
 
@@ -69,10 +65,10 @@ class MixtureSearch {
 
   [[nodiscard]] MixtureTerms terms() const { return {0.5 / (mixture_.noise * mixture_.noise), outlier_ratio()}; }
 
-  NormalEquations<N> evaluate(const Shape& shape, std::vector<double>& residuals) const {
+  MixtureEquations<N> evaluate(const Shape& shape, std::vector<double>& residuals) const {
     if constexpr (N == most_parameters) return evaluate_bent(shape, residuals);
     const WeightedSums sums = weighted_sums(blocks_, shape, tapers(options_.family), terms(), residuals);
-    NormalEquations<N> result;
+    MixtureEquations<N> result;
     result.sums = sums.mixture;
     for (int i = 0; i < N; ++i) {
       result.gradient[i] = sums.gradient[i];
@@ -81,10 +77,10 @@ class MixtureSearch {
     return result;
   }
 
-  NormalEquations<N> evaluate_bent(const Shape& shape, std::vector<double>& residuals) const {
+  MixtureEquations<N> evaluate_bent(const Shape& shape, std::vector<double>& residuals) const {
     const DistanceToShape distance(shape, options_.family);
     const MixtureTerms with = terms();
-    NormalEquations<N> result;
+    MixtureEquations<N> result;
     result.matrix.setZero();
     result.gradient.setZero();
     SurfaceDistance at;
@@ -137,16 +133,16 @@ class MixtureSearch {
   /// From sums over the residuals with the mixture so far.
   void update_mixture(const MixtureSums& sums) {
     const auto count = static_cast<double>(points_.size());
-    mixture_.outliers = std::clamp(1.0 - sums.weights / count, least_outliers, options_.most_outliers);
+    mixture_.outliers = std::min(std::max(1.0 - sums.weights / count, least_outliers), options_.most_outliers);
     if (sums.weights > 0.0) mixture_.noise = std::max(options_.least_noise, std::sqrt(sums.squares / sums.weights));
   }
 
   /// False when there is nothing more to gain.
   bool improve() {
     while (damping_ < most_damping) {
-      const Step step = damped_step();
-      const Shape trial = limited(moved(shape_, step));
-      const NormalEquations<N> at = evaluate(trial, trial_residuals_);
+      const Step step = next_step();
+      const Shape trial = limited(moved(shape_, step), options_.size);
+      const MixtureEquations<N> at = evaluate(trial, trial_residuals_);
       if (at.sums.cost + prior_cost(trial) < equations_.sums.cost + prior_cost(shape_)) {
         const bool settled = step.template lpNorm<Eigen::Infinity>() < options_.precision;
         shape_ = trial;
@@ -170,60 +166,16 @@ class MixtureSearch {
     return true;
   }
 
-  /// Centre and curvature in proportion to the size. Exponents and the taper that press against a limit stay.
-  Step damped_step() const {
-    Step step = Step::Zero();
-    std::array<bool, N> held{};
-    for (int round = 0; round < 4; ++round) {
-      Eigen::Matrix<double, N, N> matrix = equations_.matrix;
-      Eigen::Matrix<double, N, 1> right = -equations_.gradient;
-      const double certainty = mixture_.noise * mixture_.noise / (reach_deviation * reach_deviation);
-      const Eigen::Vector3d too_far = excess(shape_);
-      for (int i = 0; i < 3; ++i) {
-        if (too_far[i] <= 0.0) continue;
-        matrix(6 + i, 6 + i) += certainty;
-        right[6 + i] -= certainty * too_far[i];
-      }
-      const double floor = 1e-12 * std::max(matrix.diagonal().maxCoeff(), 1e-300);
-      for (int i = 0; i < N; ++i) {
-        matrix(i, i) += damping_ * matrix(i, i) + floor;
-        if (!held[i]) continue;
-        matrix.row(i).setZero();
-        matrix.col(i).setZero();
-        matrix(i, i) = 1.0;
-        right[i] = 0.0;
-      }
-      const Eigen::Matrix<double, N, 1> solution = matrix.ldlt().solve(right);
-      step.setZero();
-      step.template head<N>() = solution;
-      bool pressed = false;
-      for (int i = 9; i < 11; ++i) {
-        const double exponent = shape_.exponents[i - 9];
-        const bool beyond =
-            (exponent <= smallest_exponent && step[i] < 0.0) || (exponent >= largest_exponent && step[i] > 0.0);
-        if (!held[i] && beyond) held[i] = pressed = true;
-      }
-      if (!pressed) break;
+  [[nodiscard]] Step next_step() const {
+    NormalEquations<N> equations = equations_;
+    const double certainty = mixture_.noise * mixture_.noise / (reach_deviation * reach_deviation);
+    const Eigen::Vector3d too_far = excess(shape_);
+    for (int i = 0; i < 3; ++i) {
+      if (too_far[i] <= 0.0) continue;
+      equations.matrix(6 + i, 6 + i) += certainty;
+      equations.gradient[6 + i] += certainty * too_far[i];
     }
-    return shortened(step);
-  }
-
-  /// No parameter goes farther at once than the linear equations can be right for.
-  [[nodiscard]] Step shortened(Step step) const {
-    const double largest = std::max({step.segment<3>(0).norm() / (0.5 * options_.size), step.segment<3>(3).norm() / 0.5,
-                                     step.segment<3>(6).template lpNorm<Eigen::Infinity>() / 0.7,
-                                     step.segment<2>(9).template lpNorm<Eigen::Infinity>() / 0.7,
-                                     std::abs(step[11]) / 0.4, step.segment<2>(12).norm() * options_.size / 0.4});
-    if (largest > 1.0) step /= largest;
-    return step;
-  }
-
-  [[nodiscard]] Shape limited(Shape shape) const {
-    shape.axes = shape.axes.cwiseMax(smallest_axis * options_.size).cwiseMin(largest_axis * options_.size);
-    const double reach = std::max(shape.axes[0], shape.axes[1]) * (1.0 + std::abs(shape.taper));
-    const double most = std::min(0.7 / reach, 2.0 / shape.axes[2]);
-    if (const double curvature = shape.curvature.norm(); curvature > most) shape.curvature *= most / curvature;
-    return shape;
+    return damped_step<N>(equations, damping_, shape_, options_.size);
   }
 
   std::span<const Eigen::Vector3d> points_;
@@ -234,7 +186,7 @@ class MixtureSearch {
   Shape shape_;
   Eigen::Vector3d reach_ = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Mixture mixture_{};
-  NormalEquations<N> equations_{};
+  MixtureEquations<N> equations_{};
   double damping_ = first_damping;
 };
 
