@@ -62,11 +62,12 @@ template <int N>
 }
 
 inline constexpr double smallest_axis = 1e-3;  ///< of the cloud's size
-inline constexpr double largest_axis = 3.0;
+inline constexpr double largest_axis = 3.0;    ///< of a shape that is seen in part
+inline constexpr double largest_part = 1.1;    ///< of a part of what is seen as a whole
 
 /// Semi-axes in proportion to the cloud's size, and a bend that keeps well away from its limits (Bend).
-[[nodiscard]] inline Shape limited(Shape shape, double size) {
-  shape.axes = shape.axes.cwiseMax(smallest_axis * size).cwiseMin(largest_axis * size);
+[[nodiscard]] inline Shape limited(Shape shape, double size, double largest = largest_axis) {
+  shape.axes = shape.axes.cwiseMax(smallest_axis * size).cwiseMin(largest * size);
   const double reach = std::max(shape.axes[0], shape.axes[1]) * (1.0 + std::abs(shape.taper));
   const double most = std::min(0.5 / reach, 1.5 / shape.axes[2]);
   if (const double curvature = shape.curvature.norm(); curvature > most) shape.curvature *= most / curvature;

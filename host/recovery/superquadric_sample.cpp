@@ -66,8 +66,7 @@ std::vector<Eigen::Vector3d> sample_surface(const Shape& shape, std::size_t coun
     Eigen::Vector3d gradient;
     const double s = 1.0 / unit_gauge(direction, shape.exponents, gradient);
     if (kept * most > s * s * s * gradient.cwiseProduct(reciprocal).norm()) continue;
-    points.push_back(shape.centre +
-                     shape.rotation * deformed((s * direction).cwiseProduct(shape.axes), shape));
+    points.push_back(shape.centre + shape.rotation * deformed((s * direction).cwiseProduct(shape.axes), shape));
   }
   return points;
 }

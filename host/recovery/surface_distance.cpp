@@ -10,7 +10,8 @@ namespace {
 
 constexpr double tiny = 1e-30;            // no gradient is shorter
 constexpr double straight_enough = 1e-9;  // curvature times distance: the bend's inverse is the identity to rounding
-constexpr double most_taper = 0.6;       // sections of the ends as 1 to 4: beyond, a solid is a cone far larger than what is seen
+constexpr double most_taper =
+    0.6;  // sections of the ends as 1 to 4: beyond, a solid is a cone far larger than what is seen
 
 /// The point that a bend of curvature (kx, ky) takes to `bent` (Bend in include/verisq/model.hpp).
 Eigen::Vector3d unbent(const Eigen::Vector3d& bent, const Eigen::Vector2d& curvature) {

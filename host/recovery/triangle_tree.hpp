@@ -21,8 +21,8 @@ class TriangleTree {
   struct Node {
     Eigen::Vector3d lowest;
     Eigen::Vector3d highest;
-    std::uint32_t first;   ///< triangle of a leaf, else the left child; the right one follows it
-    std::uint32_t count;   ///< of triangles; 0: no leaf
+    std::uint32_t first;  ///< triangle of a leaf, else the left child; the right one follows it
+    std::uint32_t count;  ///< of triangles; 0: no leaf
   };
 
   void divide(std::uint32_t node, std::uint32_t first, std::uint32_t last);

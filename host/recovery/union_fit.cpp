@@ -60,9 +60,8 @@ double UnionFit::cost_with(const std::vector<double>& others, const std::vector<
   for (std::size_t i = 0; i < surface; ++i) {
     const double distance = std::min(others[i], own[i]);
     const double square = distance * distance;
-    sum += options_.outlier_ratio > 0.0
-               ? -std::log(std::exp(-precision * square) + options_.outlier_ratio) / precision
-               : square;
+    sum += options_.outlier_ratio > 0.0 ? -std::log(std::exp(-precision * square) + options_.outlier_ratio) / precision
+                                        : square;
   }
   for (std::size_t i = surface; i < inside; ++i) {
     const double distance = std::max(std::min(others[i], own[i]), 0.0);
@@ -168,9 +167,9 @@ bool UnionFit::step_of(std::size_t primitive) {
   }
   std::vector<double> trial_distances;
   for (double& damping = damping_[primitive]; damping < most_damping; damping *= 8.0) {
-    const Shape trial = limited(moved(shapes_[primitive], damped_step<N>(equations, damping, shapes_[primitive],
-                                                                         options_.size)),
-                                options_.size);
+    const Shape trial =
+        limited(moved(shapes_[primitive], damped_step<N>(equations, damping, shapes_[primitive], options_.size)),
+                options_.size, largest_part);
     measure(trial, trial_distances);
     const double cost = cost_with(others, trial_distances);
     if (!(cost < cost_)) continue;

@@ -26,8 +26,8 @@ struct UnionOptions {
 };
 
 /// The signed distance of a union is the least of its primitives'. Its square is summed over the samples of the surface
-/// and, where the sign is wrong, over those inside and outside. Each sample depends on one primitive, so steps are taken
-/// primitive by primitive.
+/// and, where the sign is wrong, over those inside and outside. Each sample depends on one primitive, so steps are
+/// taken primitive by primitive.
 class UnionFit {
  public:
   /// `samples` must stay.

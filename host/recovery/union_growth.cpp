@@ -14,14 +14,14 @@
 namespace verisq::recovery {
 namespace {
 
-constexpr std::size_t divided = 3;       // primitives that cost most
-constexpr std::size_t places = 6;        // of new primitives
+constexpr std::size_t divided = 3;  // primitives that cost most
+constexpr std::size_t places = 6;   // of new primitives
 constexpr int candidate_sweeps = 12;
 constexpr int joint_sweeps = 3;
 constexpr std::size_t finalists = 3;
 constexpr int refining_sweeps = 40;
 constexpr int alternative_sweeps = 8;
-constexpr double half_axis = 0.55;       // of a half, so that halves overlap
+constexpr double half_axis = 0.55;  // of a half, so that halves overlap
 
 struct Candidate {
   UnionFit fit;
@@ -103,8 +103,8 @@ void add_new(const UnionFit& fit, std::vector<Candidate>& candidates) {
 }
 
 void sort(std::vector<Candidate>& candidates) {
-  std::ranges::stable_sort(
-      candidates, [](const Candidate& a, const Candidate& b) { return a.fit.cost() < b.fit.cost(); });
+  std::ranges::stable_sort(candidates,
+                           [](const Candidate& a, const Candidate& b) { return a.fit.cost() < b.fit.cost(); });
 }
 
 /// The same union with one primitive in another parametrisation, where that is better.

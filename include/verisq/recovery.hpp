@@ -24,8 +24,8 @@ struct EstimatedDeviation {
 /// What a model of so many primitives reached.
 struct RecoveryStage {
   std::size_t primitives;
-  EstimatedDeviation to_model;                    ///< of points that are no outliers, or of samples of the mesh
-  std::optional<EstimatedDeviation> to_mesh = {}; ///< of samples of the model's surface; nothing for clouds
+  EstimatedDeviation to_model;                     ///< of points that are no outliers, or of samples of the mesh
+  std::optional<EstimatedDeviation> to_mesh = {};  ///< of samples of the model's surface; nothing for clouds
 };
 
 struct RecoveryProgress {
@@ -34,21 +34,21 @@ struct RecoveryProgress {
 };
 
 struct RecoveryOptions {
-  std::size_t primitives = 1;           ///< at most so many
-  std::optional<double> deviation = {}; ///< fewer, once 95 % of both deviations are at most this, in model units; > 0
-  bool taper = false;                   ///< primitives may be tapered
-  bool bend = false;                    ///< primitives may be bent
-  double most_outliers = 0.6;           ///< share of a cloud's points that may belong to nothing, from 0 to 0.9
-  std::uint64_t seed = 1;               ///< the same seed gives the same model, however many threads there are
+  std::size_t primitives = 1;            ///< at most so many
+  std::optional<double> deviation = {};  ///< fewer, once 95 % of both deviations are at most this, in model units; > 0
+  bool taper = false;                    ///< primitives may be tapered
+  bool bend = false;                     ///< primitives may be bent
+  double most_outliers = 0.6;            ///< share of a cloud's points that may belong to nothing, from 0 to 0.9
+  std::uint64_t seed = 1;                ///< the same seed gives the same model, however many threads there are
   std::function<bool()> interrupted = [] { return false; };  ///< polled; true: the best so far is returned
   std::function<void(const RecoveryProgress&)> progress = [](const RecoveryProgress&) {};
 };
 
 struct Recovery {
-  Model model;                       ///< the union of its primitives, without units
-  std::vector<RecoveryStage> stages; ///< one for each number of primitives that was tried; the last is the model's
-  double outliers;                   ///< share of the points that belong to nothing, estimated; 0 of meshes
-  std::size_t points;                ///< of the cloud, or sampled on the mesh
+  Model model;                        ///< the union of its primitives, without units
+  std::vector<RecoveryStage> stages;  ///< one for each number of primitives that was tried; the last is the model's
+  double outliers;                    ///< share of the points that belong to nothing, estimated; 0 of meshes
+  std::size_t points;                 ///< of the cloud, or sampled on the mesh
   bool interrupted;
 };
 
