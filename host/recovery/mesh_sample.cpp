@@ -70,6 +70,22 @@ class Columns {
   std::vector<std::vector<double>> heights_;
 };
 
+/// A coarser grid around the box, out to as far again as half its extent.
+void add_around(const Eigen::Vector3d& lowest, const Eigen::Vector3d& highest, double step,
+                std::vector<Eigen::Vector3d>& outside) {
+  const Eigen::Vector3d margin = 0.5 * (highest - lowest);
+  const Eigen::Array3i counts = ((highest - lowest + 2.0 * margin).array() / step).ceil().cast<int>();
+  for (int i = 0; i < counts[0]; ++i) {
+    for (int j = 0; j < counts[1]; ++j) {
+      for (int k = 0; k < counts[2]; ++k) {
+        const Eigen::Vector3d point =
+            lowest - margin + step * Eigen::Vector3d(i + offset_x, j + offset_y, k + offset_z);
+        if ((point.array() < lowest.array()).any() || (point.array() > highest.array()).any()) outside.push_back(point);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> sample_mesh(const Mesh& mesh, std::size_t count, std::mt19937_64& random) {
@@ -121,6 +137,7 @@ GridSample sample_space(const Mesh& mesh, std::size_t count) {
       }
     }
   }
+  add_around(lowest, lowest + step * counts.cast<double>().matrix(), 2.0 * step, sample.outside);
   return sample;
 }
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "host/recovery/cloud_frame.hpp"
+#include "host/recovery/damped_step.hpp"
 #include "host/recovery/estimated_deviation.hpp"
 #include "host/recovery/mesh_sample.hpp"
 #include "host/recovery/single_recovery.hpp"
@@ -173,10 +174,10 @@ class UnionRecovery {
   }
 
   Recovery run() {
+    options_.progress({1, std::numeric_limits<double>::infinity()});
     const UnionOptions union_options{
         .family = family_of(options_), .size = size_, .outlier_ratio = 0.0, .noise = size_};
-    const MixtureFit one = recover_single(samples_.surface, {Family::plain, options_.seed, 0.6});
-    UnionFit fit = refined(UnionFit(samples_, union_options, {one.shape}), sweeps, options_.interrupted);
+    UnionFit fit = first(union_options);
     add_stage(fit);
     const double no_cost = exact * exact * size_ * size_ * static_cast<double>(samples_.surface.size());
     while (fit.shapes().size() < options_.primitives && fit.cost() > no_cost &&
@@ -201,6 +202,20 @@ class UnionRecovery {
   }
 
  private:
+  /// From the likeliest superquadric, which may reach far beyond the surface, and from an ellipsoid in the box.
+  [[nodiscard]] UnionFit first(const UnionOptions& union_options) const {
+    Shape likeliest = recover_single(samples_.surface, {Family::plain, options_.seed, 0.0}).shape;
+    likeliest = limited(likeliest, size_, largest_part);
+    Shape ellipsoid;
+    ellipsoid.rotation = principal_axes(samples_.surface);
+    const OrientedBox box = box_along(samples_.surface, ellipsoid.rotation);
+    ellipsoid.centre = box.centre;
+    ellipsoid.axes = box.half;
+    const UnionFit a = refined(UnionFit(samples_, union_options, {likeliest}), sweeps, options_.interrupted);
+    const UnionFit b = refined(UnionFit(samples_, union_options, {ellipsoid}), sweeps, options_.interrupted);
+    return a.cost() <= b.cost() ? a : b;
+  }
+
   /// How many points were asked whether they are outliers.
   [[nodiscard]] std::size_t counted() const {
     return options_.most_outliers > 0.0 ? searched_points : subject_.points.size();
@@ -245,7 +260,9 @@ Recovery recover_one(const Subject& subject, const RecoveryOptions& options) {
 
 Recovery recover(const Subject& subject, const RecoveryOptions& options) {
   check(subject.points);
-  return options.primitives == 1 ? recover_one(subject, options) : UnionRecovery(subject, options).run();
+  // A closed mesh shows where its inside is, which a cloud does not: unions know what to do with that.
+  const bool one = options.primitives == 1 && (!subject.mesh || !mesh_topology(*subject.mesh).closed());
+  return one ? recover_one(subject, options) : UnionRecovery(subject, options).run();
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace verisq::recovery {
 namespace {
 
-constexpr double space_weight = 0.3;  // of a sample inside or outside, where one of the surface has 1
+constexpr double space_weight = 1.0;  // of a sample inside or outside, where one of the surface has 1
 constexpr double first_damping = 1e-3;
 constexpr double least_damping = 1e-9;
 constexpr double most_damping = 1e5;
