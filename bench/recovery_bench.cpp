@@ -1,7 +1,8 @@
 /// How many random superquadrics are recovered from their clouds, how closely, and how many a second: the rows that EMS
 /// was measured on. `recovery_bench CASES [FIRST]`: so many a row (default 1,000), beginning with that one (default 0).
-/// Where a recovery fails, the search also begins at the truth: what it then finds is likelier than what was found, and
-/// the search is at fault, or it is not, and the cloud says something else than the truth.
+/// Flags, which `./run bench` gives every program, are passed over. Where a recovery fails, the search also begins at
+/// the truth: what it then finds is likelier than what was found, and the search is at fault, or it is not, and the
+/// cloud says something else than the truth.
 #include <fmt/format.h>
 
 #include <array>
@@ -121,8 +122,11 @@ void print_row(const Row& row, std::size_t cases, std::size_t first) {
 }  // namespace verisq::bench
 
 int main(int argc, char** argv) {
-  const std::size_t cases = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 1000;
-  const std::size_t first = argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 0;
+  std::vector<std::size_t> numbers;
+  for (const char* argument : std::span(argv, static_cast<std::size_t>(argc)).subspan(1))
+    if (*argument != '-') numbers.push_back(std::strtoul(argument, nullptr, 10));
+  const std::size_t cases = numbers.empty() ? 1000 : numbers[0];
+  const std::size_t first = numbers.size() < 2 ? 0 : numbers[1];
   fmt::print("{:22} {:>7} {:>7} {:>7} {:>8} {:>8} {:>10} {:>10} {:>8}\n", "percent of clouds", "<= 2 %", "wanted",
              "EMS", "<= 5 %", "<= 1e-6", "by search", "by cloud", "ms/core");
   for (const verisq::bench::Row& row : verisq::bench::rows) verisq::bench::print_row(row, cases, first);
