@@ -10,6 +10,7 @@
 #include "host/command_line/insert_command.hpp"
 #include "host/command_line/map_command.hpp"
 #include "host/command_line/octree_command.hpp"
+#include "host/command_line/recover_command.hpp"
 #include "host/command_line/run_program.hpp"
 #include "host/command_line/stance_command.hpp"
 #include "host/command_line/surface_program.hpp"
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
       command("fit", "Find the best pose of an implant in a bone, and prove its clearance", declare_fit, run_fit),
       command("insert", "Enclose how deep an implant cuts into the bone on its way in", declare_insert, run_insert),
       command("octree", "Prove cubes inside and outside a model, and enclose its volume", declare_octree, run_octree),
+      command("recover", "Make a model of a point cloud or a mesh, without proof", declare_recover, run_recover),
       command("stance", "Enclose wrench, sensitivities and accelerations of a stance model with uncertain parameters",
               declare_stance, run_stance),
       command("surface", surface_description, declare_surface_program, run_surface_program),

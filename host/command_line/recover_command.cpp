@@ -1,0 +1,166 @@
+/// Reads the cloud or mesh, recovers, writes the model, reports.
+#include "host/command_line/recover_command.hpp"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+#include <verisq/error.hpp>
+#include <verisq/mesh_file.hpp>
+#include <verisq/model_file.hpp>
+#include <verisq/point_file.hpp>
+#include <verisq/recovery.hpp>
+
+#include "host/command_line/finite_number.hpp"
+#include "host/command_line/interruption.hpp"
+#include "host/command_line/length_option.hpp"
+#include "host/command_line/messages.hpp"
+#include "host/command_line/overwriting.hpp"
+#include "host/command_line/progress_bar.hpp"
+#include "host/command_line/recover_summary.hpp"
+#include "host/command_line/refusal.hpp"
+#include "host/command_line/shared_options.hpp"
+#include "host/command_line/stopwatch.hpp"
+#include "host/command_line/whole_number.hpp"
+#include "host/files/output_file.hpp"
+#include "host/files/words.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+constexpr std::size_t most_primitives = 64;
+constexpr std::size_t most_for_deviation = 24;  // where --deviation alone says when to stop
+
+constexpr const char* closing_words =
+    "One primitive is the likeliest superquadric for the points: some may be missing, moved by noise, or outliers "
+    "that\n"
+    "belong to nothing. Several are a union, grown one by one; of a closed mesh they also fill its inside, and "
+    "primitives\n"
+    "that the union does as well without are left out at the end.\n"
+    "\n"
+    "Nothing is proven: deviations are estimated from samples, in floating point. The same seed gives the same model.\n"
+    "\n"
+    "Ctrl-C ends the search: the best model so far is written.\n"
+    "\n"
+    "Exit status: 0 done; 3 written, but --deviation is not reached; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
+    "\n"
+    "Examples:\n"
+    "  verisq recover --points scan.csv -o part.json\n"
+    "  verisq recover --mesh stem.stl --primitives 8 --taper --deviation 0.1 --units mm -o stem.json";
+
+RecoveryOptions options_of(const RecoverArguments& arguments) {
+  if (arguments.points.empty() == arguments.mesh.empty()) refuse("give either --points or --mesh");
+  if (arguments.outliers && !arguments.mesh.empty()) refuse("--outliers: is for --points; a mesh has none");
+  RecoveryOptions options;
+  options.primitives = arguments.primitives.value_or(arguments.deviation ? most_for_deviation : 1);
+  options.deviation = arguments.deviation;
+  options.taper = arguments.taper;
+  options.bend = arguments.bend;
+  options.most_outliers = arguments.outliers.value_or(options.primitives == 1 ? options.most_outliers : 0.0);
+  options.seed = arguments.seed;
+  options.interrupted = interrupted;
+  return options;
+}
+
+bool is_mesh_name(const std::string& name) {
+  const std::string extension = lower_case(std::filesystem::path(name).extension().string());
+  return extension == ".stl" || extension == ".ply" || extension == ".off" || extension == ".obj";
+}
+
+std::vector<Point> read_points(const std::string& name) {
+  if (is_mesh_name(name)) return read_mesh(name).vertices;
+  PointFile file(name);
+  std::vector<Point> points;
+  std::array<Point, 4096> chunk{};
+  for (std::size_t count = chunk.size(); count == chunk.size();) {
+    count = file.read(chunk);
+    points.insert(points.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  return points;
+}
+
+Mesh read_input(const RecoverArguments& arguments) {
+  if (arguments.mesh.empty()) return {.vertices = read_points(arguments.points), .triangles = {}};
+  Mesh mesh = read_mesh(arguments.mesh);
+  if (mesh.triangles.empty()) refuse(fmt::format("{}: has no triangles; give it as --points", arguments.mesh));
+  return mesh;
+}
+
+Recovery search(const Mesh& input, const RecoverArguments& arguments, RecoveryOptions options) {
+  ProgressBar bar(!arguments.no_progress, "primitives");
+  const auto most = static_cast<double>(options.primitives);
+  options.progress = [&bar, most](const RecoveryProgress& progress) {
+    const std::string state =
+        std::isfinite(progress.mean_deviation)
+            ? fmt::format("primitive {}, mean deviation {:.4g} so far", progress.primitives, progress.mean_deviation)
+            : fmt::format("primitive {}", progress.primitives);
+    bar.update_state(state, static_cast<double>(progress.primitives - 1) / most);
+  };
+  try {
+    return input.triangles.empty() ? recover(input.vertices, options) : recover(input, options);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    refuse(fmt::format("{}: {}", arguments.mesh.empty() ? arguments.points : arguments.mesh, error.what()));
+  }
+}
+
+ExitStatus status_of(const RecoverReport& report) {
+  if (report.recovery.interrupted) return ExitStatus::interrupted;
+  return report.reached() ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+double parse_share(std::string_view option, const std::string& text) {
+  const std::optional<double> share = finite_number(text);
+  if (!share || *share < 0.0 || *share > 0.9) refuse(fmt::format("{}: {} is not from 0 to 0.9", option, text));
+  return *share;
+}
+
+}  // namespace
+
+void declare_recover(Options& options, RecoverArguments& arguments) {
+  options.explain(closing_words);
+  options.add("--points", arguments.points, "FILE",
+              "Point cloud: text with x,y,z a line, .npy, or a mesh (.stl, .ply, .off, .obj), whose vertices count");
+  options.add("--mesh", arguments.mesh, "FILE", "Instead of --points: a mesh, whose surface counts by its area");
+  options.require("-o,--output", arguments.output, "FILE", "The model: .json");
+  options.add(
+      "--primitives", arguments.primitives, whole_number<std::size_t>(1, most_primitives), "NUMBER",
+      fmt::format("At most so many, 1 to {} (default 1; with --deviation {})", most_primitives, most_for_deviation));
+  options.add("--deviation", arguments.deviation, parse_positive_length, "LENGTH",
+              "No more of them once 95 % of the surface deviate by at most this, by estimate, and of the model's");
+  options.add_flag("--taper", arguments.taper, "Primitives may be tapered, their ends' sections as 1 to 4 at most");
+  options.add_flag("--bend", arguments.bend, "Primitives may be bent");
+  options.add("--outliers", arguments.outliers, parse_share, "SHARE",
+              "Of the points, how many may belong to nothing: 0 to 0.9 (default 0.6 for one primitive, 0 for several)");
+  options.add("--seed", arguments.seed, whole_number<std::uint64_t>(0), "NUMBER", "Of samples and starts (default 1)");
+  options.add("--units", arguments.units, "TEXT", "What the model file says of its units, \"mm\"");
+  add_json(options, arguments.json);
+  add_no_progress(options, arguments.no_progress);
+}
+
+ExitStatus run_recover(const RecoverArguments& arguments) {
+  const RecoveryOptions options = options_of(arguments);
+  refuse_to_overwrite("-o", arguments.output, {arguments.points, arguments.mesh});
+  const OutputFile trial(arguments.output);  // known before all the work; leaves nothing behind
+  const Stopwatch time;
+  const Mesh input = read_input(arguments);
+  watch_for_interruption();
+  Recovery recovery = search(input, arguments, options);
+  recovery.model.units = arguments.units;
+  write_model(arguments.output, recovery.model);
+  const RecoverReport report{.recovery = recovery,
+                             .of_mesh = !arguments.mesh.empty(),
+                             .deviation = arguments.deviation,
+                             .output = arguments.output,
+                             .seconds = time.seconds()};
+  if (recovery.interrupted) tell(fmt::format("interrupted; the best model so far is kept in {}", arguments.output));
+  if (!recovery.interrupted && !report.reached())
+    tell(fmt::format("--deviation {:.6g}: is not reached", *arguments.deviation));
+  fmt::print("{}", arguments.json ? json(report) : readable(report));
+  return status_of(report);
+}
+
+}  // namespace verisq::command_line

@@ -1,0 +1,79 @@
+/// The two forms of the summary. Deviations are estimates: nothing here is proven.
+#include "host/command_line/recover_summary.hpp"
+
+#include <fmt/format.h>
+
+#include "host/command_line/json_value.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+std::string columns(const EstimatedDeviation& deviation) {
+  return fmt::format("{:>12.4g}{:>12.4g}{:>12.4g}", deviation.mean, deviation.percentile_95, deviation.largest);
+}
+
+std::string table(const RecoverReport& report) {
+  std::string text = fmt::format("{:<12}{:>12}{:>12}{:>12}", "primitives", "mean", "95 %", "largest");
+  if (report.of_mesh) text += fmt::format("{:>12}{:>12}{:>12}", "back: mean", "95 %", "largest");
+  text += "\n";
+  for (const RecoveryStage& stage : report.recovery.stages) {
+    text += fmt::format("{:<12}{}", stage.primitives, columns(stage.to_model));
+    if (stage.to_mesh) text += columns(*stage.to_mesh);
+    text += "\n";
+  }
+  return text;
+}
+
+JsonValue as_json(const EstimatedDeviation& deviation) {
+  return JsonObject{{"mean", deviation.mean},
+                    {"root_mean_square", deviation.root_mean_square},
+                    {"percentile_95", deviation.percentile_95},
+                    {"largest", deviation.largest}};
+}
+
+}  // namespace
+
+bool RecoverReport::reached() const {
+  if (!deviation) return true;
+  const RecoveryStage& last = recovery.stages.back();
+  return last.to_model.percentile_95 <= *deviation && (!last.to_mesh || last.to_mesh->percentile_95 <= *deviation);
+}
+
+std::string readable(const RecoverReport& report) {
+  const Recovery& recovery = report.recovery;
+  const std::string units = recovery.model.units.empty() ? "" : " " + recovery.model.units;
+  std::string text = table(report);
+  text += fmt::format("deviations         estimated from samples{}, not proven\n",
+                      units.empty() ? "" : fmt::format(", in{}", units));
+  text += fmt::format("points             {}{}\n", recovery.points, report.of_mesh ? " sampled on the mesh" : "");
+  if (!report.of_mesh) text += fmt::format("outliers           {:.3g} %, estimated\n", 100.0 * recovery.outliers);
+  text += fmt::format("time               {:.3g} s\n", report.seconds);
+  text += fmt::format("model              {} ({} {})\n", report.output, recovery.model.primitives.size(),
+                      recovery.model.primitives.size() == 1 ? "primitive" : "primitives");
+  return text;
+}
+
+std::string json(const RecoverReport& report) {
+  const Recovery& recovery = report.recovery;
+  JsonValue::Array stages;
+  for (const RecoveryStage& stage : recovery.stages) {
+    stages.push_back(JsonObject{{"primitives", stage.primitives},
+                                {"estimated_to_model", as_json(stage.to_model)},
+                                {"estimated_to_mesh", stage.to_mesh ? as_json(*stage.to_mesh) : JsonValue()}});
+  }
+  const JsonObject object{
+      {"primitives", recovery.model.primitives.size()},
+      {"stages", stages},
+      {"points", recovery.points},
+      {"estimated_outliers", recovery.outliers},
+      {"deviation_asked", report.deviation},
+      {"deviation_reached", report.reached()},
+      {"units", recovery.model.units},
+      {"seconds", report.seconds},
+      {"interrupted", recovery.interrupted},
+      {"output", report.output},
+  };
+  return object.text() + "\n";
+}
+
+}  // namespace verisq::command_line

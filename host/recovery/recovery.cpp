@@ -1,0 +1,288 @@
+/// What `recover` does: samples, one primitive, then one more at a time until there are enough.
+#include "verisq/recovery.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "host/recovery/cloud_frame.hpp"
+#include "host/recovery/damped_step.hpp"
+#include "host/recovery/estimated_deviation.hpp"
+#include "host/recovery/mesh_sample.hpp"
+#include "host/recovery/single_recovery.hpp"
+#include "host/recovery/superquadric_sample.hpp"
+#include "host/recovery/triangle_tree.hpp"
+#include "host/recovery/union_growth.hpp"
+#include "verisq/error.hpp"
+#include "verisq/mesh_topology.hpp"
+
+namespace verisq {
+namespace {
+
+using namespace recovery;
+
+constexpr std::size_t least_points = 12;        // a superquadric has eleven parameters
+constexpr std::size_t most_points = 20'000;     // of a cloud or mesh that are looked at
+constexpr std::size_t searched_points = 4'000;  // of those, while a union is searched
+constexpr std::size_t space_points = 8'000;     // of the grid about a closed mesh
+constexpr std::size_t most_primitives = 64;
+constexpr double flat = 1e-9;      // extent across a plane over that along it
+constexpr double exact = 1e-8;     // root of the mean square over the size: nothing is left to gain
+constexpr double harmless = 1.01;  // cost without a primitive over that with it
+constexpr int sweeps = 40;
+constexpr int last_sweeps = 15;
+
+void require(bool holds, std::string_view message) {
+  if (!holds) throw Error(ErrorKind::input, std::string(message));
+}
+
+void check(const RecoveryOptions& options) {
+  require(options.primitives >= 1 && options.primitives <= most_primitives,
+          fmt::format("primitives: {} is not from 1 to {}", options.primitives, most_primitives));
+  require(!options.deviation || (std::isfinite(*options.deviation) && *options.deviation > 0.0),
+          "deviation: is not a positive number");
+  require(options.most_outliers >= 0.0 && options.most_outliers <= 0.9, "outliers: are not a share from 0 to 0.9");
+}
+
+/// Throws Error(input) for clouds that no solid can be made of.
+void check(std::span<const Eigen::Vector3d> points) {
+  require(
+      points.size() >= least_points,
+      fmt::format("{} points are too few for a superquadric, which takes at least {}", points.size(), least_points));
+  require(std::ranges::all_of(points, [](const Eigen::Vector3d& point) { return point.allFinite(); }),
+          "a coordinate is not finite");
+  const Eigen::Vector3d half = box_along(points, principal_axes(points)).half;
+  require(half.minCoeff() > flat * half.maxCoeff(), "all points lie in a plane, or nearly so");
+}
+
+Family family_of(const RecoveryOptions& options) {
+  if (options.bend) return options.taper ? Family::bent_tapered : Family::bent;
+  return options.taper ? Family::tapered : Family::plain;
+}
+
+/// As many of them, at random, in their order.
+std::vector<Eigen::Vector3d> thinned(std::span<const Eigen::Vector3d> points, std::size_t most, std::uint64_t seed) {
+  std::vector<Eigen::Vector3d> chosen;
+  std::mt19937_64 random(seed);
+  std::size_t left = std::min(most, points.size());
+  for (std::size_t i = 0; i < points.size() && left > 0; ++i) {
+    if (fraction(random) * static_cast<double>(points.size() - i) >= static_cast<double>(left)) continue;
+    chosen.push_back(points[i]);
+    --left;
+  }
+  return chosen;
+}
+
+double size_of(std::span<const Eigen::Vector3d> points) {
+  return box_along(points, Eigen::Matrix3d::Identity()).half.maxCoeff();
+}
+
+/// From a straight superquadric, and from none.
+MixtureFit best_single(std::span<const Eigen::Vector3d> points, const RecoveryOptions& options, double most_outliers) {
+  const Family family = family_of(options);
+  const MixtureFit plain = recover_single(points, {Family::plain, options.seed, most_outliers});
+  if (family == Family::plain) return plain;
+  const double size = size_of(points);
+  const MixtureFit deformed = fit_mixture(points, plain.shape, plain.mixture,
+                                          {.family = family,
+                                           .size = size,
+                                           .area_over_volume = 1.5 / size,
+                                           .least_noise = std::min(1e-9 * size, plain.mixture.noise),
+                                           .most_outliers = most_outliers,
+                                           .iterations = 100,
+                                           .precision = 1e-9});
+  const MixtureFit other = recover_single(points, {family, options.seed, most_outliers});
+  return other.mixture.noise * (1.0 + other.mixture.outliers) <
+                 deformed.mixture.noise * (1.0 + deformed.mixture.outliers)
+             ? other
+             : deformed;
+}
+
+Model model_of(std::span<const Shape> shapes) {
+  Model model;
+  for (const Shape& shape : shapes)
+    model.primitives.push_back(
+        primitive_of(shape, shapes.size() == 1 ? "superquadric" : fmt::format("part{}", model.primitives.size() + 1)));
+  return model;
+}
+
+/// Which points belong to the shape rather than to nothing.
+std::vector<Eigen::Vector3d> inliers(std::span<const Eigen::Vector3d> points, const MixtureFit& fit) {
+  const DistanceToShape distance(fit.shape, Family::plain);
+  // Where both are as likely: a surface's density falls to that of outliers within a few times the noise.
+  constexpr double farthest = 3.0;
+  if (fit.mixture.outliers <= 2e-3) return {points.begin(), points.end()};
+  std::vector<Eigen::Vector3d> chosen;
+  for (const Eigen::Vector3d& point : points)
+    if (std::abs(distance.value(point)) <= farthest * fit.mixture.noise) chosen.push_back(point);
+  return chosen.empty() ? std::vector<Eigen::Vector3d>(points.begin(), points.end()) : chosen;
+}
+
+/// What a recovery knows of the surface.
+struct Subject {
+  std::vector<Eigen::Vector3d> points;
+  const Mesh* mesh = nullptr;                     ///< null for clouds
+  std::unique_ptr<const TriangleTree> tree = {};  ///< null for clouds
+};
+
+RecoveryStage stage_of(std::span<const Shape> shapes, std::span<const Eigen::Vector3d> points, const Subject& subject,
+                       std::uint64_t seed) {
+  RecoveryStage stage{.primitives = shapes.size(), .to_model = deviation_to_union(points, shapes)};
+  if (subject.tree) stage.to_mesh = deviation_to_mesh(shapes, *subject.tree, seed);
+  return stage;
+}
+
+bool near_enough(const RecoveryStage& stage, const RecoveryOptions& options) {
+  return options.deviation && stage.to_model.percentile_95 <= *options.deviation &&
+         (!stage.to_mesh || stage.to_mesh->percentile_95 <= *options.deviation);
+}
+
+/// Without the primitives that it does as well without.
+UnionFit pruned(UnionFit fit, double no_cost) {
+  for (std::size_t i = 0; i < fit.shapes().size() && fit.shapes().size() > 1;) {
+    UnionFit less = fit;
+    less.remove(i);
+    for (int k = 0; k < last_sweeps; ++k)
+      if (!less.sweep()) break;
+    if (less.cost() <= std::max(harmless * fit.cost(), no_cost))
+      fit = std::move(less);
+    else
+      ++i;
+  }
+  return fit;
+}
+
+class UnionRecovery {
+ public:
+  UnionRecovery(const Subject& subject, const RecoveryOptions& options) : subject_(subject), options_(options) {
+    points_ = subject.points;
+    if (!subject.mesh && options.most_outliers > 0.0) points_ = dense_points(thinned(points_, searched_points, 1));
+    size_ = size_of(points_);
+    samples_.surface = thinned(points_, searched_points, options.seed);
+    if (subject.mesh && mesh_topology(*subject.mesh).closed()) {
+      GridSample space = sample_space(*subject.mesh, space_points);
+      samples_.inside = std::move(space.inside);
+      samples_.outside = std::move(space.outside);
+    }
+  }
+
+  Recovery run() {
+    options_.progress({1, std::numeric_limits<double>::infinity()});
+    const UnionOptions union_options{
+        .family = family_of(options_), .size = size_, .outlier_ratio = 0.0, .noise = size_};
+    UnionFit fit = first(union_options);
+    add_stage(fit);
+    const double no_cost = exact * exact * size_ * size_ * static_cast<double>(samples_.surface.size());
+    while (fit.shapes().size() < options_.primitives && fit.cost() > no_cost &&
+           !near_enough(stages_.back(), options_) && !options_.interrupted()) {
+      options_.progress({fit.shapes().size() + 1, stages_.back().to_model.mean});
+      UnionFit more = grown(fit, options_.interrupted);
+      if (!(more.cost() < fit.cost())) break;
+      fit = std::move(more);
+      add_stage(fit);
+    }
+    if (!options_.interrupted()) {
+      fit = pruned(std::move(fit), no_cost);
+      polish(fit);
+    }
+    return {.model = model_of(shapes_),
+            .stages = std::move(stages_),
+            .outliers = 1.0 - static_cast<double>(points_.size()) /
+                                  static_cast<double>(subject_.mesh ? points_.size()
+                                                                    : std::min(subject_.points.size(), counted())),
+            .points = subject_.points.size(),
+            .interrupted = options_.interrupted()};
+  }
+
+ private:
+  /// From the likeliest superquadric, which may reach far beyond the surface, and from an ellipsoid in the box.
+  [[nodiscard]] UnionFit first(const UnionOptions& union_options) const {
+    Shape likeliest = recover_single(samples_.surface, {Family::plain, options_.seed, 0.0}).shape;
+    likeliest = limited(likeliest, size_, largest_part);
+    Shape ellipsoid;
+    ellipsoid.rotation = principal_axes(samples_.surface);
+    const OrientedBox box = box_along(samples_.surface, ellipsoid.rotation);
+    ellipsoid.centre = box.centre;
+    ellipsoid.axes = box.half;
+    const UnionFit a = refined(UnionFit(samples_, union_options, {likeliest}), sweeps, options_.interrupted);
+    const UnionFit b = refined(UnionFit(samples_, union_options, {ellipsoid}), sweeps, options_.interrupted);
+    return a.cost() <= b.cost() ? a : b;
+  }
+
+  /// How many points were asked whether they are outliers.
+  [[nodiscard]] std::size_t counted() const {
+    return options_.most_outliers > 0.0 ? searched_points : subject_.points.size();
+  }
+
+  void add_stage(const UnionFit& fit) {
+    shapes_ = fit.shapes();
+    stages_.push_back(stage_of(shapes_, points_, subject_, options_.seed));
+  }
+
+  /// Of the chosen number, with all points.
+  void polish(const UnionFit& fit) {
+    UnionSamples all = samples_;
+    all.surface = points_;
+    UnionFit last(all, fit.options(), fit.shapes());
+    for (int k = 0; k < last_sweeps && !options_.interrupted(); ++k)
+      if (!last.sweep()) break;
+    while (!stages_.empty() && stages_.back().primitives >= last.shapes().size()) stages_.pop_back();
+    add_stage(last);
+  }
+
+  const Subject& subject_;
+  const RecoveryOptions& options_;
+  std::vector<Eigen::Vector3d> points_;
+  double size_ = 0.0;
+  UnionSamples samples_;
+  std::vector<Shape> shapes_;
+  std::vector<RecoveryStage> stages_;
+};
+
+Recovery recover_one(const Subject& subject, const RecoveryOptions& options) {
+  options.progress({1, std::numeric_limits<double>::infinity()});
+  const MixtureFit fit = best_single(subject.points, options, subject.mesh ? 0.0 : options.most_outliers);
+  const std::vector<Eigen::Vector3d> own = inliers(subject.points, fit);
+  const std::array shapes{fit.shape};
+  return {.model = model_of(shapes),
+          .stages = {stage_of(shapes, own, subject, options.seed)},
+          .outliers = 1.0 - static_cast<double>(own.size()) / static_cast<double>(subject.points.size()),
+          .points = subject.points.size(),
+          .interrupted = options.interrupted()};
+}
+
+Recovery recover(const Subject& subject, const RecoveryOptions& options) {
+  check(subject.points);
+  // A closed mesh shows where its inside is, which a cloud does not: unions know what to do with that.
+  const bool one = options.primitives == 1 && (!subject.mesh || !mesh_topology(*subject.mesh).closed());
+  return one ? recover_one(subject, options) : UnionRecovery(subject, options).run();
+}
+
+}  // namespace
+
+Recovery recover(std::span<const Point> cloud, const RecoveryOptions& options) {
+  check(options);
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(cloud.size());
+  for (const Point& point : cloud) points.emplace_back(point.data());
+  return recover(Subject{.points = thinned(points, most_points, options.seed)}, options);
+}
+
+Recovery recover(const Mesh& mesh, const RecoveryOptions& options) {
+  if (mesh.triangles.empty()) return recover(mesh.vertices, options);
+  check(options);
+  std::mt19937_64 random(options.seed);
+  return recover(Subject{.points = sample_mesh(mesh, most_points, random),
+                         .mesh = &mesh,
+                         .tree = std::make_unique<const TriangleTree>(mesh)},
+                 options);
+}
+
+}  // namespace verisq

@@ -1,0 +1,76 @@
+/// Several shapes at once: their union's surface through the samples of a surface, its inside where the inside is.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "host/recovery/shape.hpp"
+#include "host/recovery/surface_distance.hpp"
+#include "host/recovery/weighted_sums.hpp"
+
+namespace verisq::recovery {
+
+/// What the union is to match. Inside and outside may be empty: of clouds they are not known.
+struct UnionSamples {
+  std::vector<Eigen::Vector3d> surface;
+  std::vector<Eigen::Vector3d> inside;
+  std::vector<Eigen::Vector3d> outside;
+};
+
+struct UnionOptions {
+  Family family = Family::plain;
+  double size = 0.0;           ///< of the cloud, a length
+  double outlier_ratio = 0.0;  ///< as MixtureTerms::ratio at a noise of `noise`; 0: squares alone
+  double noise = 1.0;
+};
+
+/// The signed distance of a union is the least of its primitives'. Its square is summed over the samples of the surface
+/// and, where the sign is wrong, over those inside and outside. Each sample depends on one primitive, so steps are
+/// taken primitive by primitive.
+class UnionFit {
+ public:
+  /// `samples` must stay.
+  UnionFit(const UnionSamples& samples, const UnionOptions& options, std::vector<Shape> shapes);
+
+  /// A step of each of the primitives, in turn; the cost does not grow. False when none gained a relative 1e-7.
+  bool sweep(std::span<const std::size_t> primitives);
+  bool sweep();
+
+  [[nodiscard]] double cost() const { return cost_; }
+  [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
+  [[nodiscard]] const UnionOptions& options() const { return options_; }
+  [[nodiscard]] const UnionSamples& samples() const { return *samples_; }
+
+  /// Which parameters the next sweeps change.
+  void vary(Family family) { options_.family = family; }
+  void replace(std::size_t primitive, const Shape& shape);
+  void add(const Shape& shape);
+  void remove(std::size_t primitive);
+
+  /// Of all samples, surface before inside before outside: the union's distance, and the primitive that it is of.
+  [[nodiscard]] std::vector<double> distances() const;
+  [[nodiscard]] std::vector<std::size_t> owners() const;
+  /// What a sample at that distance of the union counts for: its distance, or 0 where the sign is right.
+  [[nodiscard]] double residual(std::size_t sample, double distance) const;
+
+ private:
+  void measure(const Shape& shape, std::vector<double>& distances) const;
+  [[nodiscard]] double cost_with(const std::vector<double>& others, const std::vector<double>& own) const;
+  [[nodiscard]] std::vector<double> others_of(std::size_t primitive) const;
+  bool step(std::size_t primitive);
+  template <int N>
+  bool step_of(std::size_t primitive);
+  void refresh();
+
+  const UnionSamples* samples_;
+  UnionOptions options_;
+  std::vector<PointBlock> blocks_;
+  std::size_t count_ = 0;
+  std::vector<Shape> shapes_;
+  std::vector<std::vector<double>> distances_;  ///< by primitive, then by sample
+  std::vector<double> damping_;
+  double cost_ = 0.0;
+};
+
+}  // namespace verisq::recovery

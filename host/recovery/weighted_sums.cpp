@@ -1,0 +1,206 @@
+/// Loops over lanes that compilers turn into vectors; sums stay apart by lane until the end.
+#include "host/recovery/weighted_sums.hpp"
+
+#include <cmath>
+
+#include "host/recovery/gauge.hpp"
+
+// Where the compiler makes several versions of a function and the program takes the widest that its processor knows.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define VERISQ_WIDEST_VECTORS [[gnu::target_clones("default", "avx2", "avx512f")]]
+#else
+#define VERISQ_WIDEST_VECTORS
+#endif
+
+namespace verisq::recovery {
+namespace {
+
+using Lane = std::array<double, lanes>;
+
+constexpr double farthest = 650.0;  // exponents beyond give nothing
+
+struct Placement {
+  explicit Placement(const Shape& shape) {
+    for (int i = 0; i < 3; ++i) {
+      centre[i] = shape.centre[i];
+      for (int j = 0; j < 3; ++j) rotation[i][j] = shape.rotation(j, i);
+    }
+  }
+  std::array<double, 3> centre{};
+  std::array<std::array<double, 3>, 3> rotation{};  ///< rows: the shape's axes
+};
+
+struct Rows {
+  alignas(64) std::array<Lane, straight_parameters> row;
+  alignas(64) std::array<Lane, straight_parameters> weighted;
+  alignas(64) Lane distance;
+  alignas(64) Lane weight;
+  alignas(64) Lane cost;
+};
+
+struct LaneSums {
+  alignas(64) Lane cost{};
+  alignas(64) Lane weights{};
+  alignas(64) Lane squares{};
+  alignas(64) std::array<Lane, straight_parameters> gradient{};
+  alignas(64) std::array<Lane, straight_parameters*(straight_parameters + 1) / 2> matrix{};
+};
+
+[[gnu::always_inline]] inline void fill_rows(const PointBlock& block, const GaugeConstants& gauge,
+                                             const Placement& place, double by_taper, const MixtureTerms& terms,
+                                             Rows& rows) {
+  for (std::size_t l = 0; l < lanes; ++l) {
+    const double dx = block.x[l] - place.centre[0];
+    const double dy = block.y[l] - place.centre[1];
+    const double dz = block.z[l] - place.centre[2];
+    const double x = place.rotation[0][0] * dx + place.rotation[0][1] * dy + place.rotation[0][2] * dz;
+    const double y = place.rotation[1][0] * dx + place.rotation[1][1] * dy + place.rotation[1][2] * dz;
+    const double z = place.rotation[2][0] * dx + place.rotation[2][1] * dy + place.rotation[2][2] * dz;
+    const GaugeAt at = gauge_at<true>(gauge, x, y, z);
+    const double scale = 1.0 / at.length;
+    const double distance = at.value * scale;
+    const double likelihood = fast_exponential(-std::min(terms.precision * distance * distance, farthest));
+    const double sum = likelihood + terms.ratio;
+    const double weight = block.present[l] * likelihood / sum;
+    rows.cost[l] = -block.present[l] * fast_logarithm(sum);
+    rows.weight[l] = weight;
+    rows.distance[l] = distance;
+    rows.row[0][l] = -at.x * scale;
+    rows.row[1][l] = -at.y * scale;
+    rows.row[2][l] = -at.z * scale;
+    rows.row[3][l] = (at.y * z - at.z * y) * scale;
+    rows.row[4][l] = (at.z * x - at.x * z) * scale;
+    rows.row[5][l] = (at.x * y - at.y * x) * scale;
+    rows.row[6][l] = at.by_x * scale;
+    rows.row[7][l] = at.by_y * scale;
+    rows.row[8][l] = at.by_z * scale;
+    rows.row[9][l] = at.by_along * scale;
+    rows.row[10][l] = at.by_section * scale;
+    rows.row[11][l] = at.by_taper * scale * by_taper;
+    for (std::size_t i = 0; i < straight_parameters; ++i) rows.weighted[i][l] = rows.row[i][l] * weight;
+  }
+}
+
+VERISQ_WIDEST_VECTORS
+void add_blocks(std::span<const PointBlock> blocks, const GaugeConstants& gauge, const Placement& place,
+                double by_taper, const MixtureTerms& terms, double* distances, LaneSums& result) {
+  const GaugeConstants own_gauge = gauge;  // local, so that nothing else can be in the same memory
+  const Placement own_place = place;
+  const MixtureTerms own_terms = terms;
+  Rows rows;
+  LaneSums sums;
+  PointBlock own_block;
+  for (const PointBlock& block : blocks) {
+    own_block = block;
+    fill_rows(own_block, own_gauge, own_place, by_taper, own_terms, rows);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      distances[l] = rows.distance[l];
+      sums.cost[l] += rows.cost[l];
+      sums.weights[l] += rows.weight[l];
+      sums.squares[l] += rows.weight[l] * rows.distance[l] * rows.distance[l];
+    }
+    distances += lanes;
+    std::size_t entry = 0;
+    for (std::size_t i = 0; i < straight_parameters; ++i) {
+      for (std::size_t l = 0; l < lanes; ++l) sums.gradient[i][l] += rows.weighted[i][l] * rows.distance[l];
+      for (std::size_t j = i; j < straight_parameters; ++j, ++entry)
+        for (std::size_t l = 0; l < lanes; ++l) sums.matrix[entry][l] += rows.weighted[i][l] * rows.row[j][l];
+    }
+  }
+  result = sums;
+}
+
+VERISQ_WIDEST_VECTORS
+void fill_distances(std::span<const PointBlock> blocks, const GaugeConstants& gauge, const Placement& place,
+                    double* distances) {
+  for (const PointBlock& block : blocks) {
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const double dx = block.x[l] - place.centre[0];
+      const double dy = block.y[l] - place.centre[1];
+      const double dz = block.z[l] - place.centre[2];
+      const double x = place.rotation[0][0] * dx + place.rotation[0][1] * dy + place.rotation[0][2] * dz;
+      const double y = place.rotation[1][0] * dx + place.rotation[1][1] * dy + place.rotation[1][2] * dz;
+      const double z = place.rotation[2][0] * dx + place.rotation[2][1] * dy + place.rotation[2][2] * dz;
+      const GaugeAt at = gauge_at<false>(gauge, x, y, z);
+      distances[l] = at.value / at.length;
+    }
+    distances += lanes;
+  }
+}
+
+struct MixtureLanes {
+  alignas(64) Lane cost{};
+  alignas(64) Lane weights{};
+  alignas(64) Lane squares{};
+};
+
+VERISQ_WIDEST_VECTORS
+void add_mixture(std::span<const PointBlock> blocks, const MixtureTerms& terms, const double* distances,
+                 MixtureLanes& result) {
+  MixtureLanes sums;
+  alignas(64) Lane distance;
+  const double precision = terms.precision;
+  const double ratio = terms.ratio;
+  for (const PointBlock& block : blocks) {
+    for (std::size_t l = 0; l < lanes; ++l) distance[l] = distances[l];
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const double square = distance[l] * distance[l];
+      const double likelihood = fast_exponential(-std::min(precision * square, farthest));
+      const double sum = likelihood + ratio;
+      const double weight = block.present[l] * likelihood / sum;
+      sums.cost[l] -= block.present[l] * fast_logarithm(sum);
+      sums.weights[l] += weight;
+      sums.squares[l] += weight * square;
+    }
+    distances += lanes;
+  }
+  result = sums;
+}
+
+double total(const Lane& lane) {
+  double sum = 0.0;
+  for (const double value : lane) sum += value;
+  return sum;
+}
+
+}  // namespace
+
+std::vector<PointBlock> blocks_of(std::span<const Eigen::Vector3d> points) {
+  std::vector<PointBlock> blocks((points.size() + lanes - 1) / lanes);
+  for (std::size_t i = 0; i < blocks.size() * lanes; ++i) {
+    const Eigen::Vector3d& point = points[std::min(i, points.size() - 1)];
+    PointBlock& block = blocks[i / lanes];
+    block.x[i % lanes] = point[0];
+    block.y[i % lanes] = point[1];
+    block.z[i % lanes] = point[2];
+    block.present[i % lanes] = i < points.size() ? 1.0 : 0.0;
+  }
+  return blocks;
+}
+
+WeightedSums weighted_sums(std::span<const PointBlock> blocks, const Shape& shape, bool tapers,
+                           const MixtureTerms& terms, std::span<double> distances) {
+  LaneSums lane_sums;
+  add_blocks(blocks, GaugeConstants(shape), Placement(shape), tapers ? 1.0 : 0.0, terms, distances.data(), lane_sums);
+  WeightedSums sums;
+  sums.mixture = {total(lane_sums.cost), total(lane_sums.weights), total(lane_sums.squares)};
+  std::size_t entry = 0;
+  for (std::size_t i = 0; i < straight_parameters; ++i) {
+    sums.gradient[i] = total(lane_sums.gradient[i]);
+    for (std::size_t j = i; j < straight_parameters; ++j) sums.matrix[i][j] = total(lane_sums.matrix[entry++]);
+  }
+  return sums;
+}
+
+void distances_to(std::span<const PointBlock> blocks, const Shape& shape, std::span<double> distances) {
+  fill_distances(blocks, GaugeConstants(shape), Placement(shape), distances.data());
+}
+
+MixtureSums mixture_sums(std::span<const PointBlock> blocks, const MixtureTerms& terms,
+                         std::span<const double> distances) {
+  MixtureLanes sums;
+  add_mixture(blocks, terms, distances.data(), sums);
+  return {total(sums.cost), total(sums.weights), total(sums.squares)};
+}
+
+}  // namespace verisq::recovery
