@@ -9,6 +9,7 @@
 #include "host/command_line/fit_command.hpp"
 #include "host/command_line/insert_command.hpp"
 #include "host/command_line/map_command.hpp"
+#include "host/command_line/mesh_command.hpp"
 #include "host/command_line/octree_command.hpp"
 #include "host/command_line/recover_command.hpp"
 #include "host/command_line/run_program.hpp"
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
               run_features),
       command("fit", "Find the best pose of an implant in a bone, and prove its clearance", declare_fit, run_fit),
       command("insert", "Enclose how deep an implant cuts into the bone on its way in", declare_insert, run_insert),
+      command("mesh", "Write a model's surface as a closed mesh, to a given deviation", declare_mesh, run_mesh),
       command("octree", "Prove cubes inside and outside a model, and enclose its volume", declare_octree, run_octree),
       command("recover", "Make a model of a point cloud or a mesh, without proof", declare_recover, run_recover),
       command("stance", "Enclose wrench, sensitivities and accelerations of a stance model with uncertain parameters",

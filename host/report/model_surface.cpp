@@ -10,12 +10,15 @@
 #include <numbers>
 #include <vector>
 
-#include "host/report/placed_primitive.hpp"
+#include "host/tessellation/placed_primitive.hpp"
+#include "host/tessellation/solid.hpp"
 
 namespace verisq::report {
 namespace {
 
 using std::numbers::pi;
+using tessellation::PlacedPrimitive;
+using tessellation::SurfaceParameters;
 
 constexpr int steps_a_quarter = 12;
 /// In quarter turns: what is nearer than this to its neighbour adds triangles and nothing to see.
@@ -78,9 +81,7 @@ std::vector<double> latitudes(const PlacedPrimitive& primitive) {
 
 class SurfaceBuilder {
  public:
-  explicit SurfaceBuilder(const Model& model) : model_(model) {
-    for (const Primitive& primitive : model.primitives) primitives_.emplace_back(primitive);
-  }
+  explicit SurfaceBuilder(const Model& model) : model_(model), solid_(model) {}
 
   Mesh build() && {
     for (std::size_t k = 0; k < primitives_.size(); ++k) add_primitive(k);
@@ -154,32 +155,10 @@ class SurfaceBuilder {
 
   /// What primitive k's surface is to the whole solid at a point: `step` leads out of the primitive.
   [[nodiscard]] Face face(std::size_t k, const Eigen::Vector3d& point, const Eigen::Vector3d& step) const {
-    const bool within = in_solid(point - step, k, true);
-    const bool beyond = in_solid(point + step, k, false);
+    const bool within = solid_.contains(point - step, k, true);
+    const bool beyond = solid_.contains(point + step, k, false);
     if (within == beyond) return Face::none;
     return within ? Face::outward : Face::inward;
-  }
-
-  /// Whether the solid contains the point, of which it is known whether primitive k contains it.
-  [[nodiscard]] bool in_solid(const Eigen::Vector3d& point, std::size_t k, bool in_k) const {
-    const auto in_primitive = [&](std::size_t i) { return i == k ? in_k : primitives_[i].contains(point); };
-    if (model_.csg) return in_set(*model_.csg, in_primitive);
-    for (std::size_t i = 0; i < primitives_.size(); ++i) {
-      if (in_primitive(i)) return true;
-    }
-    return false;
-  }
-
-  template <class InPrimitive>
-  [[nodiscard]] static bool in_set(const SetExpression& set, const InPrimitive& in_primitive) {
-    if (set.operands.empty()) return in_primitive(set.primitive);
-    const auto in_operand = [&](const SetExpression& operand) { return in_set(operand, in_primitive); };
-    switch (set.operation) {
-      case SetOperation::unite: return std::ranges::any_of(set.operands, in_operand);
-      case SetOperation::intersect: return std::ranges::all_of(set.operands, in_operand);
-      case SetOperation::subtract: break;
-    }
-    return in_operand(set.operands.front()) && std::none_of(set.operands.begin() + 1, set.operands.end(), in_operand);
   }
 
   void keep(const std::array<Eigen::Vector3d, 3>& corners, Face face) {
@@ -197,7 +176,8 @@ class SurfaceBuilder {
   }
 
   const Model& model_;
-  std::vector<PlacedPrimitive> primitives_;
+  tessellation::Solid solid_;
+  const std::vector<PlacedPrimitive>& primitives_ = solid_.primitives();
   Mesh mesh_;
   std::map<Point, std::uint32_t> indices_;
 };

@@ -1,15 +1,16 @@
 /// Superquadric, taper (docs/mathematics.md §18), bend (§9) and pose in plain binary64.
-#include "host/report/placed_primitive.hpp"
+#include "host/tessellation/placed_primitive.hpp"
 
 #include <algorithm>
 #include <boost/math/special_functions/cos_pi.hpp>
 #include <boost/math/special_functions/sin_pi.hpp>
 #include <boost/math/special_functions/sinc.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "host/batches/rotation.hpp"
 
-namespace verisq::report {
+namespace verisq::tessellation {
 namespace {
 
 /// (|a|^(2/e) + |b|^(2/e))^(e/2): of degree 1, so that the larger can be taken out before the powers underflow.
@@ -52,9 +53,13 @@ PlacedPrimitive::PlacedPrimitive(const Primitive& primitive)
       k_((primitive.superquadric.taper - 1.0) / (primitive.superquadric.taper + 1.0)),
       rotation_(matrix(device::rotation_matrix(primitive.pose.quaternion))),
       translation_(primitive.pose.translation[0], primitive.pose.translation[1], primitive.pose.translation[2]) {
+  // A solid with exponents up to 1 holds the ellipsoid of its semi-axes, any other the octahedron.
+  steepness_ = smallest_semi_axis() / (std::max(exponents_[0], exponents_[1]) > 1.0 ? std::numbers::sqrt3 : 1.0);
   if (!primitive.bend) return;
   const double half_turns = primitive.bend->angle_degrees / 180.0;
   arc_ = {primitive.bend->curvature, boost::math::cos_pi(half_turns), boost::math::sin_pi(half_turns)};
+  const double reach = std::abs(arc_.curvature) * std::hypot(semi_axes_[0], semi_axes_[1]) * (1.0 + std::abs(k_));
+  steepness_ *= std::max(1.0 - reach, 0.1);
 }
 
 Eigen::Vector3d PlacedPrimitive::surface_point(const SurfaceParameters& parameters) const {
@@ -65,11 +70,25 @@ Eigen::Vector3d PlacedPrimitive::surface_point(const SurfaceParameters& paramete
 }
 
 bool PlacedPrimitive::contains(const Eigen::Vector3d& point) const {
-  const Eigen::Vector3d straight = arc_.unbent(rotation_.transpose() * (point - translation_));
-  const Eigen::Array3d placed = straight.array() / semi_axes_;
+  const Eigen::Array3d placed = in_semi_axes(point);
   if (std::abs(placed[2]) > 1.0) return false;
-  const Eigen::Array3d unit = untapered(placed, k_);
-  return superellipse_gauge(superellipse_gauge(unit[0], unit[1], exponents_[1]), unit[2], exponents_[0]) <= 1.0;
+  return gauge(untapered(placed, k_)) <= 1.0;
+}
+
+double PlacedPrimitive::level(const Eigen::Vector3d& point) const {
+  Eigen::Array3d placed = in_semi_axes(point);
+  // The taper's inverse has a pole beyond the ends: from there on the height alone counts.
+  const double beyond = std::max(std::abs(placed[2]) - 1.0, 0.0);
+  placed[2] = std::clamp(placed[2], -1.0, 1.0);
+  return (gauge(untapered(placed, k_)) - 1.0 + beyond) * steepness_;
+}
+
+Eigen::Array3d PlacedPrimitive::in_semi_axes(const Eigen::Vector3d& point) const {
+  return arc_.unbent(rotation_.transpose() * (point - translation_)).array() / semi_axes_;
+}
+
+double PlacedPrimitive::gauge(const Eigen::Array3d& unit) const {
+  return superellipse_gauge(superellipse_gauge(unit[0], unit[1], exponents_[1]), unit[2], exponents_[0]);
 }
 
 Eigen::Vector3d PlacedPrimitive::Arc::bent(const Eigen::Vector3d& unbent) const {
@@ -93,4 +112,4 @@ Eigen::Vector3d PlacedPrimitive::Arc::unbent(const Eigen::Vector3d& bent) const 
   return {r * cosine - s * sine, r * sine + s * cosine, std::atan2(rise, m) / curvature};
 }
 
-}  // namespace verisq::report
+}  // namespace verisq::tessellation
