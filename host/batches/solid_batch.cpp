@@ -243,7 +243,9 @@ std::unique_ptr<Batch<Point>> solid_batch(const Device& device, const Model& mod
 
 DirectedBatch directed_solid_batch(const Device& device, const Model& model, double tolerance) {
   const auto directions = std::make_shared<std::vector<Point>>();
-  return {batch_of(device, model, tolerance, directions), directions};
+  DirectedBatch batch{nullptr, directions};
+  batch.points = batch_of(device, model, tolerance, directions);
+  return batch;
 }
 
 }  // namespace verisq::device

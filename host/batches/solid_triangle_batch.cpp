@@ -58,6 +58,7 @@ class SolidTriangleBatch final : public Batch<Triangle> {
 
   void search(std::vector<TriangleBranchAndBound>& searches) {
     std::vector<TriangleBranchAndBound*> asking;
+    asking.reserve(searches.size());
     for (TriangleBranchAndBound& each : searches) asking.push_back(&each);
     while (!asking.empty() && !out_of_time()) {
       answer(asking);
