@@ -18,7 +18,9 @@ double superellipse_gauge(double a, double b, double exponent) {
   const double larger = std::max(std::abs(a), std::abs(b));
   const double smaller = std::min(std::abs(a), std::abs(b));
   if (larger == 0.0) return 0.0;
-  return larger * std::pow(1.0 + std::pow(smaller / larger, 2.0 / exponent), exponent / 2.0);
+  const double ratio = smaller / larger;
+  if (exponent == 1.0) return larger * std::sqrt(1.0 + ratio * ratio);  // circles need no powers
+  return larger * std::pow(1.0 + std::pow(ratio, 2.0 / exponent), exponent / 2.0);
 }
 
 /// Where the taper takes a point, in semi-axes.
@@ -72,7 +74,11 @@ Eigen::Vector3d PlacedPrimitive::surface_point(const SurfaceParameters& paramete
 bool PlacedPrimitive::contains(const Eigen::Vector3d& point) const {
   const Eigen::Array3d placed = in_semi_axes(point);
   if (std::abs(placed[2]) > 1.0) return false;
-  return gauge(untapered(placed, k_)) <= 1.0;
+  const Eigen::Array3d unit = untapered(placed, k_);
+  const Eigen::Array3d magnitudes = unit.abs();
+  // Between the octahedron, which exponents up to 2 leave inside, and the cube the gauge decides.
+  if (magnitudes.maxCoeff() > 1.0) return false;
+  return magnitudes.sum() <= 1.0 || gauge(unit) <= 1.0;
 }
 
 double PlacedPrimitive::level(const Eigen::Vector3d& point) const {

@@ -70,7 +70,7 @@ std::vector<Expected> expected(const FemurLandmarks& l, Side side) {
       {"version", "neck axis against the posterior", version_of(l, lateral, medial, neck, side)},
       {"version", "neck axis against the transepicondylar",
        version_of(l, at(l.lateral_epicondyle), at(l.medial_epicondyle), neck, side)},
-      {"version", "Murphy", version_of(l, lateral, medial, from_shaft, side)},
+      {"version", "shaft axis to head", version_of(l, lateral, medial, from_shaft, side)},
       {"length", "", (head - knee).norm()},
       {"epicondylar_width", "", (at(l.medial_epicondyle) - at(l.lateral_epicondyle)).norm()},
       {"anatomical_mechanical_angle", "", degrees(std::acos((head - knee).normalized().dot(shaft)))},
@@ -91,7 +91,7 @@ TEST_P(SyntheticFemurTest, IsFoundToAHundredth) {
   EXPECT_NEAR(middle(feature(features, "offset").value), femur.offset(), exact);
   EXPECT_NEAR(middle(feature(features, "version", "neck axis against the posterior").value), femur.version_degrees,
               exact);
-  EXPECT_NEAR(middle(feature(features, "version", "Murphy").value), femur.version_degrees, exact);
+  EXPECT_NEAR(middle(feature(features, "version", "shaft axis to head").value), femur.version_degrees, exact);
   EXPECT_NEAR(middle(feature(features, "version", "transepicondylar").value), femur.version_degrees, exact);
   Vector3d head = femur.head_centre();
   if (GetParam() == Side::left) head[2] = -head[2];

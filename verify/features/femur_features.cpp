@@ -236,7 +236,7 @@ void add_versions(const Femur& femur, Findings& findings) {
                    version(condyles, neck, shaft, femur.side()), "neck, shaft, posterior condyles and the side");
   findings.degrees("version", "neck axis against the transepicondylar line, seen along the shaft axis",
                    version(epicondyles, neck, shaft, femur.side()), "neck, shaft, epicondyles and the side");
-  findings.degrees("version", "shaft axis to head's centre (as Murphy) against the posterior condylar line",
+  findings.degrees("version", "shaft axis to head's centre against the posterior condylar line",
                    version(condyles, from_shaft, shaft, femur.side()), "head, shaft, posterior condyles and the side");
 }
 
