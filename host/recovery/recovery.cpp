@@ -188,8 +188,11 @@ class UnionRecovery {
 
   Recovery run() {
     options_.progress({1, std::numeric_limits<double>::infinity()});
-    const UnionOptions union_options{
-        .family = family_of(options_), .size = size_, .outlier_ratio = 0.0, .noise = size_};
+    // Bends come last: while primitives are still few, they would only wrap what others are to fill.
+    const UnionOptions union_options{.family = options_.taper ? Family::tapered : Family::plain,
+                                     .size = size_,
+                                     .outlier_ratio = 0.0,
+                                     .noise = size_};
     UnionFit fit = first(union_options);
     add_stage(fit);
     const double no_cost = exact * exact * size_ * size_ * static_cast<double>(samples_.surface.size());
@@ -203,6 +206,9 @@ class UnionRecovery {
     }
     if (!options_.interrupted()) {
       fit = pruned(std::move(fit), no_cost);
+      fit.vary(family_of(options_));
+      for (int k = 0; k < sweeps && options_.bend && !options_.interrupted(); ++k)
+        if (!fit.sweep()) break;
       polish(fit);
     }
     return {.model = model_of(shapes_),
