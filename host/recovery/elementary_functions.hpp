@@ -37,10 +37,10 @@ namespace verisq::recovery {
 [[gnu::always_inline]] inline double fast_logarithm(double x) {
   constexpr std::uint64_t root_half = 0x3fe6a09e667f3bcdULL;  // the bits of sqrt 1/2
   constexpr std::uint64_t mantissa = 0x000fffffffffffffULL;
-  const std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
+  const auto bits = std::bit_cast<std::uint64_t>(x);
   const std::uint64_t above = bits - root_half + (1023ULL << 52U);
-  const double power = std::bit_cast<double>((above >> 52U) | 0x4330000000000000ULL) - (0x1p52 + 1023.0);
-  const double m = std::bit_cast<double>((above & mantissa) + root_half);
+  const auto power = std::bit_cast<double>((above >> 52U) | 0x4330000000000000ULL) - (0x1p52 + 1023.0);
+  const auto m = std::bit_cast<double>((above & mantissa) + root_half);
   const double s = (m - 1.0) / (m + 1.0);
   const double square = s * s;
   double sum = 1.0 / 21.0;

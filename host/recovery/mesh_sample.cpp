@@ -24,7 +24,10 @@ Eigen::Vector3d corner(const Mesh& mesh, const std::array<std::uint32_t, 3>& tri
 class Columns {
  public:
   Columns(const Mesh& mesh, const Eigen::Vector3d& lowest, const Eigen::Array3i& counts, double step)
-      : lowest_(lowest), counts_(counts), step_(step), heights_(static_cast<std::size_t>(counts[0] * counts[1])) {
+      : lowest_(lowest),
+        counts_(counts),
+        step_(step),
+        heights_(static_cast<std::size_t>(counts[0]) * static_cast<std::size_t>(counts[1])) {
     for (const auto& triangle : mesh.triangles)
       add({corner(mesh, triangle, 0), corner(mesh, triangle, 1), corner(mesh, triangle, 2)});
   }
@@ -32,11 +35,15 @@ class Columns {
   [[nodiscard]] double x(int i) const { return lowest_[0] + (i + offset_x) * step_; }
   [[nodiscard]] double y(int j) const { return lowest_[1] + (j + offset_y) * step_; }
   [[nodiscard]] bool inside(int i, int j, double z) const {
-    const std::vector<double>& column = heights_[static_cast<std::size_t>(i * counts_[1] + j)];
+    const std::vector<double>& column = heights_[place(i, j)];
     return std::ranges::count_if(column, [z](double height) { return height < z; }) % 2 == 1;
   }
 
  private:
+  [[nodiscard]] std::size_t place(int i, int j) const {
+    return static_cast<std::size_t>(i) * static_cast<std::size_t>(counts_[1]) + static_cast<std::size_t>(j);
+  }
+
   void add(const std::array<Eigen::Vector3d, 3>& corners) {
     const Eigen::Vector3d low = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]);
     const Eigen::Vector3d high = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]);
@@ -61,7 +68,7 @@ class Columns {
       if (weights[k] / sum < 0.0) return;
       height += weights[k] / sum * corners[k][2];
     }
-    heights_[static_cast<std::size_t>(i * counts_[1] + j)].push_back(height);
+    heights_[place(i, j)].push_back(height);
   }
 
   Eigen::Vector3d lowest_;
@@ -111,7 +118,7 @@ std::vector<Eigen::Vector3d> sample_mesh(const Mesh& mesh, std::size_t count, st
       v = 1.0 - v;
     }
     const Eigen::Vector3d a = corner(mesh, triangle, 0);
-    points.push_back(a + u * (corner(mesh, triangle, 1) - a) + v * (corner(mesh, triangle, 2) - a));
+    points.emplace_back(a + u * (corner(mesh, triangle, 1) - a) + v * (corner(mesh, triangle, 2) - a));
   }
   return points;
 }

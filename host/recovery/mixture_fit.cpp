@@ -167,7 +167,7 @@ class MixtureSearch {
   }
 
   [[nodiscard]] Step next_step() const {
-    NormalEquations<N> equations = equations_;
+    NormalEquations<N> equations{equations_.matrix, equations_.gradient};
     const double certainty = mixture_.noise * mixture_.noise / (reach_deviation * reach_deviation);
     const Eigen::Vector3d too_far = excess(shape_);
     for (int i = 0; i < 3; ++i) {

@@ -130,6 +130,8 @@ struct Subject {
   std::vector<Eigen::Vector3d> points;
   const Mesh* mesh = nullptr;                     ///< null for clouds
   std::unique_ptr<const TriangleTree> tree = {};  ///< null for clouds
+
+  [[nodiscard]] bool is_closed_mesh() const { return mesh != nullptr && mesh_topology(*mesh).closed(); }
 };
 
 RecoveryStage stage_of(std::span<const Shape> shapes, std::span<const Eigen::Vector3d> points, const Subject& subject,
@@ -159,24 +161,38 @@ UnionFit pruned(UnionFit fit, double no_cost) {
   return fit;
 }
 
+/// Whether outliers may be among the points.
+bool strews(const Subject& subject, const RecoveryOptions& options) {
+  return subject.mesh == nullptr && options.most_outliers > 0.0;
+}
+
+/// Unions have no mixture: outliers are what lies less densely.
+std::vector<Eigen::Vector3d> without_outliers(const Subject& subject, const RecoveryOptions& options) {
+  if (!strews(subject, options)) return subject.points;
+  return dense_points(thinned(subject.points, searched_points, options.seed));
+}
+
 class UnionRecovery {
  public:
-  UnionRecovery(const Subject& subject, const RecoveryOptions& options) : subject_(subject), options_(options) {
-    points_ = subject.points;
-    if (!subject.mesh && options.most_outliers > 0.0) points_ = dense_points(thinned(points_, searched_points, 1));
-    size_ = size_of(points_);
-    samples_.surface = thinned(points_, searched_points, options.seed);
-    if (subject.mesh && mesh_topology(*subject.mesh).closed()) {
-      GridSample space = sample_space(*subject.mesh, space_points);
-      samples_.inside = std::move(space.inside);
-      samples_.outside = std::move(space.outside);
-    }
+  UnionRecovery(const Subject& subject, const RecoveryOptions& options)
+      : subject_(subject),
+        options_(options),
+        points_(without_outliers(subject, options)),
+        size_(size_of(points_)),
+        samples_{.surface = thinned(points_, searched_points, options.seed), .inside = {}, .outside = {}} {
+    if (!subject.is_closed_mesh()) return;
+    GridSample space = sample_space(*subject.mesh, space_points);
+    samples_.inside = std::move(space.inside);
+    samples_.outside = std::move(space.outside);
   }
 
   Recovery run() {
     options_.progress({1, std::numeric_limits<double>::infinity()});
-    const UnionOptions union_options{
-        .family = family_of(options_), .size = size_, .outlier_ratio = 0.0, .noise = size_};
+    // Bends come last: while primitives are still few, they would only wrap what others are to fill.
+    const UnionOptions union_options{.family = options_.taper ? Family::tapered : Family::plain,
+                                     .size = size_,
+                                     .outlier_ratio = 0.0,
+                                     .noise = size_};
     UnionFit fit = first(union_options);
     add_stage(fit);
     const double no_cost = exact * exact * size_ * size_ * static_cast<double>(samples_.surface.size());
@@ -190,13 +206,14 @@ class UnionRecovery {
     }
     if (!options_.interrupted()) {
       fit = pruned(std::move(fit), no_cost);
+      fit.vary(family_of(options_));
+      for (int k = 0; k < sweeps && options_.bend && !options_.interrupted(); ++k)
+        if (!fit.sweep()) break;
       polish(fit);
     }
     return {.model = model_of(shapes_),
             .stages = std::move(stages_),
-            .outliers = 1.0 - static_cast<double>(points_.size()) /
-                                  static_cast<double>(subject_.mesh ? points_.size()
-                                                                    : std::min(subject_.points.size(), counted())),
+            .outliers = outliers(),
             .points = subject_.points.size(),
             .interrupted = options_.interrupted()};
   }
@@ -216,9 +233,11 @@ class UnionRecovery {
     return a.cost() <= b.cost() ? a : b;
   }
 
-  /// How many points were asked whether they are outliers.
-  [[nodiscard]] std::size_t counted() const {
-    return options_.most_outliers > 0.0 ? searched_points : subject_.points.size();
+  /// Share of those that were asked.
+  [[nodiscard]] double outliers() const {
+    if (!strews(subject_, options_)) return 0.0;
+    const std::size_t asked = std::min(subject_.points.size(), searched_points);
+    return 1.0 - static_cast<double>(points_.size()) / static_cast<double>(asked);
   }
 
   void add_stage(const UnionFit& fit) {
@@ -240,7 +259,7 @@ class UnionRecovery {
   const Subject& subject_;
   const RecoveryOptions& options_;
   std::vector<Eigen::Vector3d> points_;
-  double size_ = 0.0;
+  double size_;
   UnionSamples samples_;
   std::vector<Shape> shapes_;
   std::vector<RecoveryStage> stages_;
@@ -248,7 +267,7 @@ class UnionRecovery {
 
 Recovery recover_one(const Subject& subject, const RecoveryOptions& options) {
   options.progress({1, std::numeric_limits<double>::infinity()});
-  const MixtureFit fit = best_single(subject.points, options, subject.mesh ? 0.0 : options.most_outliers);
+  const MixtureFit fit = best_single(subject.points, options, subject.mesh == nullptr ? options.most_outliers : 0.0);
   const std::vector<Eigen::Vector3d> own = inliers(subject.points, fit);
   const std::array shapes{fit.shape};
   return {.model = model_of(shapes),
@@ -261,7 +280,7 @@ Recovery recover_one(const Subject& subject, const RecoveryOptions& options) {
 Recovery recover(const Subject& subject, const RecoveryOptions& options) {
   check(subject.points);
   // A closed mesh shows where its inside is, which a cloud does not: unions know what to do with that.
-  const bool one = options.primitives == 1 && (!subject.mesh || !mesh_topology(*subject.mesh).closed());
+  const bool one = options.primitives == 1 && !subject.is_closed_mesh();
   return one ? recover_one(subject, options) : UnionRecovery(subject, options).run();
 }
 
