@@ -138,7 +138,8 @@ bool write_report(const Model& model, const Mesh& mesh, const DeviationReport& r
                            .units = model.units,
                            .summary = report_lines(report),
                            .area_names = {},
-                           .area_of = {}});
+                           .area_of = {},
+                           .solid_name = "model"});
   return true;
 }
 

@@ -1,6 +1,7 @@
 /// `verisq mesh`: a model's surface as a closed triangle mesh.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "host/command_line/exit_status.hpp"
@@ -13,6 +14,8 @@ struct MeshArguments {
   std::string model;
   std::optional<double> deviation;
   std::string output;
+  std::string device = "auto";
+  bool no_proof = false;
   bool json = false;
   bool no_progress = false;
 };

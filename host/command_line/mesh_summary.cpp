@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include "host/command_line/directed_digits.hpp"
 #include "host/command_line/json_value.hpp"
 
 namespace verisq::command_line {
@@ -12,8 +13,11 @@ std::string readable(const MeshReport& report) {
   const std::string cubic_units = report.units.empty() ? "" : units + "^3";
   const MeshTopology& topology = report.topology;
   std::string text;
-  text += fmt::format("deviation          {:.3g}{}, estimated at {} points of the mesh; wanted {:g}{}\n",
-                      report.found.estimated_deviation, units, report.found.samples, report.deviation, units);
+  const std::string deviation = report.proven
+                                    ? fmt::format("{}{}, proven both ways", outward_digits(*report.proven), units)
+                                    : fmt::format("{:.3g}{}, estimated at {} points of the mesh, not proven",
+                                                  report.found.estimated_deviation, units, report.found.samples);
+  text += fmt::format("deviation          {}; wanted {:g}{}\n", deviation, report.deviation, units);
   text += fmt::format("triangles          {}\n", topology.triangles);
   text += fmt::format("vertices           {}\n", topology.vertices);
   text += fmt::format("surface            closed, manifold, outward; {} of genus {}\n",
@@ -28,19 +32,10 @@ std::string readable(const MeshReport& report) {
 std::string json(const MeshReport& report) {
   const MeshTopology& topology = report.topology;
   const JsonObject object{
-      {"estimated_deviation", report.found.estimated_deviation},
-      {"samples", report.found.samples},
-      {"deviation", report.deviation},
-      {"units", report.units},
-      {"triangles", topology.triangles},
-      {"vertices", topology.vertices},
-      {"components", topology.components},
-      {"genus", topology.genus()},
-      {"closed", topology.closed()},
-      {"manifold", topology.manifold()},
-      {"oriented", topology.oriented()},
-      {"volume", report.volume},
-      {"seconds", report.seconds},
+      {"proven_deviation", report.proven}, {"deviation", report.deviation}, {"units", report.units},
+      {"triangles", topology.triangles},   {"vertices", topology.vertices}, {"components", topology.components},
+      {"genus", topology.genus()},         {"closed", topology.closed()},   {"manifold", topology.manifold()},
+      {"oriented", topology.oriented()},   {"volume", report.volume},       {"seconds", report.seconds},
       {"output", report.output},
   };
   return object.text() + "\n";

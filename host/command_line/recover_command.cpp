@@ -20,6 +20,7 @@
 #include "host/command_line/messages.hpp"
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/proven_deviation.hpp"
 #include "host/command_line/recover_summary.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
@@ -41,7 +42,8 @@ constexpr const char* closing_words =
     "primitives\n"
     "that the union does as well without are left out at the end.\n"
     "\n"
-    "Nothing is proven: deviations are estimated from samples, in floating point. The same seed gives the same model.\n"
+    "Deviations on the way are estimated from samples, in floating point; that of the result from a mesh is proven, as\n"
+    "`verisq deviation` does it. The same seed gives the same model.\n"
     "\n"
     "Ctrl-C ends the search: the best model so far is written.\n"
     "\n"
@@ -108,7 +110,7 @@ Recovery search(const Mesh& input, const RecoverArguments& arguments, RecoveryOp
 }
 
 ExitStatus status_of(const RecoverReport& report) {
-  if (report.recovery.interrupted) return ExitStatus::interrupted;
+  if (report.recovery.interrupted || (report.proven && report.proven->interrupted)) return ExitStatus::interrupted;
   return report.reached() ? ExitStatus::verified : ExitStatus::unverified;
 }
 
@@ -137,7 +139,9 @@ void declare_recover(Options& options, RecoverArguments& arguments) {
               "Of the points, how many may belong to nothing: 0 to 0.9 (default 0.6 for one primitive, 0 for several)");
   options.add("--seed", arguments.seed, whole_number<std::uint64_t>(0), "NUMBER", "Of samples and starts (default 1)");
   options.add("--units", arguments.units, "TEXT", "What the model file says of its units, \"mm\"");
-  add_json(options, arguments.json);
+  options.add_flag("--no-proof", arguments.no_proof, "Do not prove the deviation of a mesh, which takes a while");
+  add_device(options, arguments.device);
+  add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
 
@@ -151,12 +155,23 @@ ExitStatus run_recover(const RecoverArguments& arguments) {
   Recovery recovery = search(input, arguments, options);
   recovery.model.units = arguments.units;
   write_model(arguments.output, recovery.model);
+  if (recovery.interrupted) tell(fmt::format("interrupted; the best model so far is kept in {}", arguments.output));
+  std::optional<Deviation> proven;
+  if (!recovery.interrupted && !input.triangles.empty() && !arguments.no_proof) {
+    // Of bent solids the mean takes very long.
+    proven = proven_deviation(recovery.model, input,
+                              {.device = arguments.device,
+                               .no_progress = arguments.no_progress,
+                               .statistics = is_union_of_convex(recovery.model)});
+    if (proven->interrupted)
+      tell(fmt::format("interrupted; the model is in {}, its deviation is wide", arguments.output));
+  }
   const RecoverReport report{.recovery = recovery,
                              .of_mesh = !arguments.mesh.empty(),
                              .deviation = arguments.deviation,
+                             .proven = proven,
                              .output = arguments.output,
                              .seconds = time.seconds()};
-  if (recovery.interrupted) tell(fmt::format("interrupted; the best model so far is kept in {}", arguments.output));
   if (!recovery.interrupted && !report.reached())
     tell(fmt::format("--deviation {:.6g}: is not reached", *arguments.deviation));
   fmt::print("{}", arguments.json ? json(report) : readable(report));

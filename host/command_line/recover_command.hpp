@@ -23,6 +23,8 @@ struct RecoverArguments {
   std::optional<double> outliers;
   std::uint64_t seed = 1;
   std::string units;
+  std::string device = "auto";
+  bool no_proof = false;
   bool json = false;
   bool no_progress = false;
 };

@@ -1,8 +1,9 @@
-/// The two forms of the summary. Deviations are estimates: nothing here is proven.
+/// The two forms of the summary. Deviations on the way are estimates; that of the result is proven.
 #include "host/command_line/recover_summary.hpp"
 
 #include <fmt/format.h>
 
+#include "host/command_line/directed_digits.hpp"
 #include "host/command_line/json_value.hpp"
 
 namespace verisq::command_line {
@@ -24,6 +25,35 @@ std::string table(const RecoverReport& report) {
   return text;
 }
 
+/// Of the result, both ways.
+std::string proven_lines(const Deviation& proven, const std::string& units) {
+  std::string text;
+  if (proven.from_mesh) {
+    const DistanceStatistics& mesh = *proven.from_mesh;
+    text += fmt::format("mesh to model      at most {}{}, proven", outward_digits(mesh.largest), units);
+    if (mesh.mean) text += fmt::format("; mean {}{}", outward_digits(*mesh.mean), units);
+    if (!mesh.percentiles.empty()) text += fmt::format("; 95 % {}{}", outward_digits(mesh.percentiles[0]), units);
+    text += "\n";
+  }
+  if (proven.from_model)
+    text += fmt::format("model to mesh      at most {}{}, proven\n", outward_digits(proven.from_model->largest), units);
+  return text;
+}
+
+JsonValue as_json(const DistanceStatistics& proven) {
+  return JsonObject{{"largest", proven.largest},
+                    {"mean", proven.mean},
+                    {"percentile_95", proven.percentiles.empty() ? JsonValue() : JsonValue(proven.percentiles[0])}};
+}
+
+JsonValue as_json(const std::optional<Deviation>& proven) {
+  if (!proven || !proven->from_mesh || !proven->from_model) return {};
+  return JsonObject{{"mesh_to_model", as_json(*proven->from_mesh)},
+                    {"model_to_mesh", as_json(*proven->from_model)},
+                    {"hausdorff", proven->hausdorff},
+                    {"to_tolerance", proven->to_tolerance}};
+}
+
 JsonValue as_json(const EstimatedDeviation& deviation) {
   return JsonObject{{"mean", deviation.mean},
                     {"root_mean_square", deviation.root_mean_square},
@@ -43,8 +73,9 @@ std::string readable(const RecoverReport& report) {
   const Recovery& recovery = report.recovery;
   const std::string units = recovery.model.units.empty() ? "" : " " + recovery.model.units;
   std::string text = table(report);
-  text += fmt::format("deviations         estimated from samples{}, not proven\n",
+  text += fmt::format("deviations above   estimated from samples{}, not proven\n",
                       units.empty() ? "" : fmt::format(", in{}", units));
+  if (report.proven) text += proven_lines(*report.proven, units);
   text += fmt::format("points             {}{}\n", recovery.points, report.of_mesh ? " sampled on the mesh" : "");
   if (!report.of_mesh) text += fmt::format("outliers           {:.3g} %, estimated\n", 100.0 * recovery.outliers);
   text += fmt::format("time               {:.3g} s\n", report.seconds);
@@ -64,6 +95,7 @@ std::string json(const RecoverReport& report) {
   const JsonObject object{
       {"primitives", recovery.model.primitives.size()},
       {"stages", stages},
+      {"proven", as_json(report.proven)},
       {"points", recovery.points},
       {"estimated_outliers", recovery.outliers},
       {"deviation_asked", report.deviation},

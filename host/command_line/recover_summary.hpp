@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <verisq/deviation.hpp>
 #include <verisq/recovery.hpp>
 
 namespace verisq::command_line {
@@ -11,6 +12,7 @@ struct RecoverReport {
   const Recovery& recovery;
   bool of_mesh;                     ///< else of a cloud
   std::optional<double> deviation;  ///< asked for
+  std::optional<Deviation> proven;  ///< of the mesh
   std::string output;               ///< the model file
   double seconds;
 

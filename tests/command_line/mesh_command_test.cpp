@@ -43,8 +43,8 @@ TEST_F(MeshCommand, WritesEachFormatThatOtherProgramsRead) {
     const Outcome outcome = mesh({"--model", ball(), "--deviation", "0.01", "-o", path(name)});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "");
-    EXPECT_THAT(outcome.out, StartsWith("deviation          0.0"));
-    EXPECT_THAT(outcome.out, HasSubstr("estimated at"));
+    EXPECT_THAT(outcome.out, StartsWith("deviation          [0.0"));
+    EXPECT_THAT(outcome.out, HasSubstr("mm, proven both ways; wanted 0.01 mm\n"));
     EXPECT_THAT(outcome.out, HasSubstr("surface            closed, manifold, outward; one component of genus 0\n"));
     const Mesh read = read_mesh(path(name));
     EXPECT_TRUE(mesh_topology(read).bounds_solid());
@@ -56,7 +56,8 @@ TEST_F(MeshCommand, PrintsOneJsonObject) {
   const Outcome outcome = mesh({"--model", ball(), "--deviation", "0.01", "-o", path("ball.ply"), "--json"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
-  EXPECT_LE(json["estimated_deviation"], 0.01);
+  EXPECT_LE(json["proven_deviation"]["hi"], 0.01);
+  EXPECT_GT(json["proven_deviation"]["lo"], 0.001);
   EXPECT_EQ(json["deviation"], 0.01);
   EXPECT_EQ(json["triangles"], read_mesh(path("ball.ply")).triangles.size());
   EXPECT_EQ(json["components"], 1);
@@ -64,6 +65,13 @@ TEST_F(MeshCommand, PrintsOneJsonObject) {
   EXPECT_EQ(json["closed"], true);
   EXPECT_EQ(json["units"], "mm");
   EXPECT_EQ(json["output"], path("ball.ply"));
+}
+
+TEST_F(MeshCommand, SaysWhatIsNotProven) {
+  const Outcome outcome = mesh({"--model", ball(), "--deviation", "0.01", "-o", path("ball.stl"), "--no-proof"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("estimated at"));
+  EXPECT_THAT(outcome.out, HasSubstr("not proven; wanted 0.01 mm"));
 }
 
 TEST_F(MeshCommand, WritesNothingWhenInterrupted) {
