@@ -32,6 +32,7 @@ constexpr std::size_t least_points = 12;        // a superquadric has eleven par
 constexpr std::size_t most_points = 20'000;     // of a cloud or mesh that are looked at
 constexpr std::size_t searched_points = 4'000;  // of those, while a union is searched
 constexpr std::size_t space_points = 8'000;     // of the grid about a closed mesh
+constexpr double grid_steps_near = 2.0;         // so near the grid cannot tell how long a primitive is
 constexpr std::size_t most_primitives = 64;
 constexpr double flat = 1e-9;      // extent across a plane over that along it
 constexpr double exact = 1e-8;     // root of the mean square over the size: nothing is left to gain
@@ -179,11 +180,15 @@ class UnionRecovery {
         options_(options),
         points_(without_outliers(subject, options)),
         size_(size_of(points_)),
-        samples_{.surface = thinned(points_, searched_points, options.seed), .inside = {}, .outside = {}} {
+        samples_{
+            .surface = thinned(points_, searched_points, options.seed), .inside = {}, .outside = {}, .beyond = {}} {
     if (!subject.is_closed_mesh()) return;
     GridSample space = sample_space(*subject.mesh, space_points);
     samples_.inside = std::move(space.inside);
     samples_.outside = std::move(space.outside);
+    samples_.beyond.resize(samples_.outside.size());
+    for (std::size_t i = 0; i < samples_.beyond.size(); ++i)
+      samples_.beyond[i] = std::max(0.0, subject.tree->distance(samples_.outside[i]) - grid_steps_near * space.step);
   }
 
   Recovery run() {

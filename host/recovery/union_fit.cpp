@@ -12,6 +12,7 @@ namespace verisq::recovery {
 namespace {
 
 constexpr double space_weight = 1.0;  // of a sample inside or outside, where one of the surface has 1
+constexpr double most_excess = 20.0;  // of a residual over the distance, as a step sees it
 constexpr double first_damping = 1e-3;
 constexpr double least_damping = 1e-9;
 constexpr double most_damping = 1e5;
@@ -48,8 +49,9 @@ void UnionFit::measure(const Shape& shape, std::vector<double>& distances) const
 
 double UnionFit::residual(std::size_t sample, double distance) const {
   if (sample < samples_->surface.size()) return distance;
-  const bool inside = sample < samples_->surface.size() + samples_->inside.size();
-  return inside ? std::max(distance, 0.0) : std::min(distance, 0.0);
+  const std::size_t first_outside = samples_->surface.size() + samples_->inside.size();
+  if (sample < first_outside) return std::max(distance, 0.0);
+  return distance < 0.0 ? distance - samples_->beyond[sample - first_outside] : 0.0;
 }
 
 double UnionFit::cost_with(const std::vector<double>& others, const std::vector<double>& own) const {
@@ -68,7 +70,7 @@ double UnionFit::cost_with(const std::vector<double>& others, const std::vector<
     sum += space_weight * distance * distance;
   }
   for (std::size_t i = inside; i < count_; ++i) {
-    const double distance = std::min(std::min(others[i], own[i]), 0.0);
+    const double distance = residual(i, std::min(others[i], own[i]));
     sum += space_weight * distance * distance;
   }
   return sum;
@@ -138,7 +140,9 @@ bool UnionFit::step_of(std::size_t primitive) {
     if (own[i] >= others[i] || residual(i, own[i]) == 0.0) continue;
     const PointBlock& block = blocks_[i / lanes];
     points.emplace_back(block.x[i % lanes], block.y[i % lanes], block.z[i % lanes]);
-    weights.push_back(block.present[i % lanes]);
+    // As if the distance were the residual: what counts is the slope of its square.
+    const double excess = residual(i, own[i]) / own[i];
+    weights.push_back(block.present[i % lanes] * std::min(excess, most_excess));
   }
   if (points.size() < 6) return false;
   const MixtureTerms terms{0.5 / (options_.noise * options_.noise), options_.outlier_ratio};

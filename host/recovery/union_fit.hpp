@@ -16,6 +16,9 @@ struct UnionSamples {
   std::vector<Eigen::Vector3d> surface;
   std::vector<Eigen::Vector3d> inside;
   std::vector<Eigen::Vector3d> outside;
+  /// Of each sample outside, how far it is from the surface beyond what a grid cannot tell: a primitive that reaches
+  /// there is so much too long, however thin it is.
+  std::vector<double> beyond;
 };
 
 struct UnionOptions {
@@ -51,7 +54,8 @@ class UnionFit {
   /// Of all samples, surface before inside before outside: the union's distance, and the primitive that it is of.
   [[nodiscard]] std::vector<double> distances() const;
   [[nodiscard]] std::vector<std::size_t> owners() const;
-  /// What a sample at that distance of the union counts for: its distance, or 0 where the sign is right.
+  /// What a sample at that distance of the union counts for: its distance, or 0 where the sign is right; of one
+  /// outside, `beyond` on top.
   [[nodiscard]] double residual(std::size_t sample, double distance) const;
 
  private:

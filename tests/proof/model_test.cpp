@@ -66,11 +66,11 @@ TEST(ModelTest, ConvexCertificatesRefuseOtherSolids) {
   MapOptions options{.tolerance = 1.0, .device = "host"};
   expect_refusal([](const Model& model) { (void)Checker(model); }, "certificates");
   expect_refusal([](const Model& model) { (void)TriangleDistance(model); }, "distances of triangles");
-  expect_refusal([&](const Model& model) { (void)TriangleMapper(model, options); }, "distances of triangles");
   expect_refusal([&](const Model& model) { (void)PoseMapper(model, two_balls(), options); }, "maps of poses");
   expect_refusal([&](const Model& model) { (void)PoseMapper(two_balls(), model, options); }, "maps of poses");
   options.certificates = true;
   expect_refusal([&](const Model& model) { (void)PointMapper(model, options); }, "certificates");
+  expect_refusal([&](const Model& model) { (void)TriangleMapper(model, options); }, "certificates");
   options.certificates = false;
   options.method = Method::published;
   expect_refusal([&](const Model& model) { (void)PointMapper(model, options); }, "the published method");
