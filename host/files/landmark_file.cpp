@@ -26,10 +26,13 @@ Side side_of(const JsonValue& value) {
 
 void read_points(const JsonValue& points, FemurLandmarks& landmarks) {
   if (!points.json().is_object()) points.fail("must be an object");
-  for (const auto& [key, ignored] : points.json().items()) {
-    const auto known = std::ranges::find_if(named_landmarks, [&](const NamedLandmark& l) { return key == l.name; });
-    if (known == named_landmarks.end()) points.at(key).fail("is no landmark");
-    landmarks.*(known->point) = point_of(points.at(key));
+  for (auto item = points.json().begin(); item != points.json().end(); ++item) {
+    const std::string& key = item.key();
+    const JsonValue value = points.at(key);
+    const auto* const known =
+        std::ranges::find_if(named_landmarks, [&](const NamedLandmark& l) { return key == l.name; });
+    if (known == named_landmarks.end()) value.fail("is no landmark");
+    landmarks.*(known->point) = point_of(value);
   }
 }
 

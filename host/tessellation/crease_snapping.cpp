@@ -34,7 +34,7 @@ class CreaseSnapper {
       for (const std::uint32_t corner : {a, b, c}) mixed_.push_back(corner);
     }
     std::ranges::sort(mixed_);
-    mixed_.erase(std::ranges::unique(mixed_).begin(), mixed_.end());
+    mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
     std::vector<bool> wanted(moved_.size(), false);
     for (const std::uint32_t vertex : mixed_) wanted[vertex] = true;
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {

@@ -166,7 +166,7 @@ class Marching {
     std::vector<std::uint32_t> bad = far_triangles(surface, moved);
     add_missed_points(bad);
     std::ranges::sort(bad);
-    bad.erase(std::ranges::unique(bad).begin(), bad.end());
+    bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
     std::erase_if(bad, [&](std::uint32_t k) { return grid_.size(k) < smallest_tetrahedron * options_.deviation; });
     return bad;
   }

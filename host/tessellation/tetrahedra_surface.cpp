@@ -43,7 +43,7 @@ void SurfaceMarcher::add_triangles(std::uint32_t k, TetrahedraSurface& surface) 
   const auto is_outside = [&](std::uint32_t corner) { return inside_[corner] == 0; };
   const auto outside = std::ranges::count_if(corners, is_outside);
   if (outside == 0 || outside == 4) return;
-  std::ranges::stable_partition(corners, [&](std::uint32_t corner) { return !is_outside(corner); });
+  std::stable_partition(corners.begin(), corners.end(), [&](std::uint32_t corner) { return !is_outside(corner); });
   const auto& v = grid_.vertices();
   const Eigen::Vector3d& apex = v[corners[0]];
   const double volume = (v[corners[1]] - apex).cross(v[corners[2]] - apex).dot(v[corners[3]] - apex);
