@@ -16,6 +16,7 @@
 #include "host/recovery/superquadric_sample.hpp"
 #include "host/recovery/surface_distance.hpp"
 #include "host/recovery/triangle_tree.hpp"
+#include "host/recovery/union_fit.hpp"
 #include "tests/recovery/synthetic_cloud.hpp"
 #include "verisq/error.hpp"
 #include "verisq/signed_distance.hpp"
@@ -147,6 +148,22 @@ TEST(RecoveryTest, RecoversAUnionFromItsMeshAlone) {
   const SignedDistance proven(found.model);
   for (const Point& vertex : {Point{3.0, 0.0, 0.0}, Point{5.0, 2.5, 0.0}, Point{5.0, 1.0, 2.5}})
     EXPECT_LT(std::abs(proven(vertex, 1e-6).hi), 0.05);
+}
+
+/// A thin plate that reaches far out of a solid is nowhere deep inside itself.
+TEST(RecoveryTest, WhatReachesFarOutCountsForHowFarItIs) {
+  const recovery::UnionSamples samples{.surface = {Eigen::Vector3d(1.0, 0.0, 0.0)},
+                                       .inside = {Eigen::Vector3d(0.5, 0.0, 0.0)},
+                                       .outside = {Eigen::Vector3d(0.0, 0.0, 0.5), Eigen::Vector3d(0.0, 0.9, 0.0)},
+                                       .beyond = {0.0, 7.0}};
+  Shape ball;
+  ball.axes = Eigen::Vector3d::Ones();
+  const recovery::UnionFit fit(samples, {.size = 1.0}, {ball});
+  EXPECT_EQ(fit.residual(1, -0.5), 0.0);
+  EXPECT_EQ(fit.residual(2, -0.5), -0.5);
+  EXPECT_EQ(fit.residual(3, -0.1), -7.1);
+  EXPECT_EQ(fit.residual(3, 0.1), 0.0);
+  EXPECT_GT(fit.cost(), 7.0 * 7.0);
 }
 
 TEST(RecoveryTest, TheSameSeedGivesTheSameModel) {
