@@ -32,6 +32,7 @@ constexpr std::size_t least_points = 12;        // a superquadric has eleven par
 constexpr std::size_t most_points = 20'000;     // of a cloud or mesh that are looked at
 constexpr std::size_t searched_points = 4'000;  // of those, while a union is searched
 constexpr std::size_t space_points = 8'000;     // of the grid about a closed mesh
+constexpr double largest_of_parts = 1.25;       // exponent, while parts are looked for
 constexpr double grid_steps_near = 2.0;         // so near the grid cannot tell how long a primitive is
 constexpr std::size_t most_primitives = 64;
 constexpr double flat = 1e-9;      // extent across a plane over that along it
@@ -197,7 +198,8 @@ class UnionRecovery {
     const UnionOptions union_options{.family = options_.taper ? Family::tapered : Family::plain,
                                      .size = size_,
                                      .outlier_ratio = 0.0,
-                                     .noise = size_};
+                                     .noise = size_,
+                                     .largest_exponent = largest_of_parts};
     UnionFit fit = first(union_options);
     add_stage(fit);
     const double no_cost = exact * exact * size_ * size_ * static_cast<double>(samples_.surface.size());
@@ -228,6 +230,7 @@ class UnionRecovery {
   [[nodiscard]] UnionFit first(const UnionOptions& union_options) const {
     Shape likeliest = recover_single(samples_.surface, {Family::plain, options_.seed, 0.0}).shape;
     likeliest = limited(likeliest, size_, largest_part);
+    likeliest.exponents = likeliest.exponents.cwiseMin(union_options.largest_exponent);
     Shape ellipsoid;
     ellipsoid.rotation = principal_axes(samples_.surface);
     const OrientedBox box = box_along(samples_.surface, ellipsoid.rotation);
@@ -254,11 +257,26 @@ class UnionRecovery {
   void polish(const UnionFit& fit) {
     UnionSamples all = samples_;
     all.surface = points_;
-    UnionFit last(all, fit.options(), fit.shapes());
-    for (int k = 0; k < last_sweeps && !options_.interrupted(); ++k)
-      if (!last.sweep()) break;
+    UnionFit blunt = swept(UnionFit(all, fit.options(), fit.shapes()));
+    UnionFit pointed = blunt;
+    pointed.allow_exponents(recovery::largest_exponent);
+    pointed = swept(std::move(pointed));
+    const UnionFit& last = strays(pointed) <= strays(blunt) ? pointed : blunt;
     while (!stages_.empty() && stages_.back().primitives >= last.shapes().size()) stages_.pop_back();
     add_stage(last);
+  }
+
+  [[nodiscard]] UnionFit swept(UnionFit fit) const {
+    for (int k = 0; k < last_sweeps && !options_.interrupted(); ++k)
+      if (!fit.sweep()) break;
+    return fit;
+  }
+
+  /// How far the surface is from the union and, of a mesh, the union from the surface: what reaches out between the
+  /// samples of the space is seen by the second alone.
+  [[nodiscard]] double strays(const UnionFit& fit) const {
+    const RecoveryStage stage = stage_of(fit.shapes(), points_, subject_, options_.seed);
+    return stage.to_mesh ? stage.to_model.mean + stage.to_mesh->mean : fit.cost();
   }
 
   const Subject& subject_;

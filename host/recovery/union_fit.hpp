@@ -26,6 +26,9 @@ struct UnionOptions {
   double size = 0.0;           ///< of the cloud, a length
   double outlier_ratio = 0.0;  ///< as MixtureTerms::ratio at a noise of `noise`; 0: squares alone
   double noise = 1.0;
+  /// Points of cones and edges of wedges reach far out of a solid between the samples of the space: less than 2 has
+  /// none.
+  double largest_exponent = recovery::largest_exponent;
 };
 
 /// The signed distance of a union is the least of its primitives'. Its square is summed over the samples of the surface
@@ -47,6 +50,7 @@ class UnionFit {
 
   /// Which parameters the next sweeps change.
   void vary(Family family) { options_.family = family; }
+  void allow_exponents(double largest) { options_.largest_exponent = largest; }
   void replace(std::size_t primitive, const Shape& shape);
   void add(const Shape& shape);
   void remove(std::size_t primitive);
