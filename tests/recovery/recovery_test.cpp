@@ -188,6 +188,7 @@ TEST(RecoveryTest, RefusesWhatNoSolidCanBeMadeOf) {
     return false;
   };
   std::vector<Point> points;
+  points.reserve(100);
   for (int i = 0; i < 100; ++i) points.push_back({std::sin(i), std::cos(3.0 * i), 0.0});
   EXPECT_TRUE(refused({}));
   EXPECT_TRUE(refused({{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}));

@@ -75,7 +75,7 @@ inline SyntheticCloud synthetic_cloud(Difficulty difficulty, std::uint64_t seed)
   }
   const std::size_t outliers = difficulty == Difficulty::with_outliers ? 240 : 400;
   for (std::size_t i = 0; i < outliers; ++i)
-    points.push_back(0.5 * (lowest + highest) + random_vector(random, 1.0).cwiseProduct(highest - lowest));
+    points.emplace_back(0.5 * (lowest + highest) + random_vector(random, 1.0).cwiseProduct(highest - lowest));
   return cloud;
 }
 
