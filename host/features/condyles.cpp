@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "host/features/plane_section.hpp"
+#include "host/mesh/eigen_points.hpp"
 
 namespace verisq::features {
 namespace {

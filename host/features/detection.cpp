@@ -13,15 +13,14 @@
 #include "host/features/condyles.hpp"
 #include "host/features/head_sphere.hpp"
 #include "host/features/neck_section.hpp"
-#include "host/features/plane_section.hpp"
 #include "host/features/shaft_axis.hpp"
+#include "host/mesh/eigen_points.hpp"
+#include "host/mesh/surface_moments.hpp"
 
 namespace verisq {
 namespace {
 
 using Eigen::Vector3d;
-using features::point_of;
-using features::vector_of;
 
 [[noreturn]] void refuse(const std::string& what) {
   throw Error(ErrorKind::input, what);
@@ -107,21 +106,9 @@ Mesh one_bone(const Mesh& mesh) {
 
 /// The direction in which the surface spreads most, of length 1; refuses what has none.
 Vector3d long_axis(const Mesh& mesh) {
-  double area = 0.0;
-  Vector3d mean = Vector3d::Zero();
-  std::vector<std::pair<Vector3d, double>> elements;
-  for (const auto& triangle : mesh.triangles) {
-    const Vector3d centre = (vector_of(mesh.vertices[triangle[0]]) + vector_of(mesh.vertices[triangle[1]]) +
-                             vector_of(mesh.vertices[triangle[2]])) /
-                            3.0;
-    elements.emplace_back(centre, area_of(mesh, triangle));
-    area += elements.back().second;
-    mean += elements.back().second * centre;
-  }
-  mean /= area;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const auto& [centre, weight] : elements) covariance += weight * (centre - mean) * (centre - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  std::vector<Vector3d> vertices(mesh.vertices.size());
+  std::ranges::transform(mesh.vertices, vertices.begin(), vector_of);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(surface_moments(vertices, mesh).covariance());
   constexpr double least_ratio = 1.5;  // of the spreads along the two longest axes
   if (!(solver.eigenvalues()[2] > least_ratio * least_ratio * solver.eigenvalues()[1]))
     refuse("mesh: has no long axis: it is no femur with a shaft");

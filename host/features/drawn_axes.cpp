@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 
-#include "host/features/plane_section.hpp"
+#include "host/mesh/eigen_points.hpp"
 
 namespace verisq::features {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "host/features/plane_section.hpp"
+#include "host/mesh/eigen_points.hpp"
 
 namespace verisq::features {
 namespace {

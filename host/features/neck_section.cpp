@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/features/plane_section.hpp"
+#include "host/mesh/eigen_points.hpp"
 
 namespace verisq::features {
 namespace {

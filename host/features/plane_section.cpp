@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "host/mesh/eigen_points.hpp"
+
 namespace verisq::features {
 namespace {
 

@@ -28,11 +28,4 @@ struct SectionCurve {
 /// Of the curve that runs around the point, a point of the plane, whether it is in its area.
 [[nodiscard]] bool encloses(const SectionCurve& curve, const Plane& plane, const Eigen::Vector3d& point);
 
-[[nodiscard]] inline Eigen::Vector3d vector_of(const Point& x) {
-  return {x[0], x[1], x[2]};
-}
-[[nodiscard]] inline Point point_of(const Eigen::Vector3d& x) {
-  return {x[0], x[1], x[2]};
-}
-
 }  // namespace verisq::features

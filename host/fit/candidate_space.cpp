@@ -8,7 +8,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "host/fit/eigen_points.hpp"
+#include "host/mesh/eigen_points.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/sets/bounding_box.hpp"
 #include "verisq/error.hpp"
@@ -93,9 +93,9 @@ Model middle_of(const UncertainModel& implant) {
 CandidateSpace::CandidateSpace(const UncertainModel& implant, const PoseRange& range)
     : middle_(middle_of(implant)), start_rotation_(quaternion(range.start.quaternion)) {
   const verify::Box box = verify::bounding_box(middle_);
-  centre_ = (vector(box.lower) + vector(box.upper)) / 2.0;
-  radius_ = (vector(box.upper) - vector(box.lower)).norm() / 2.0;
-  start_centre_ = start_rotation_ * centre_ + vector(range.start.translation);
+  centre_ = (vector_of(box.lower) + vector_of(box.upper)) / 2.0;
+  radius_ = (vector_of(box.upper) - vector_of(box.lower)).norm() / 2.0;
+  start_centre_ = start_rotation_ * centre_ + vector_of(range.start.translation);
   bound_pose(range);
   bound_sizes(implant);
 }
@@ -144,11 +144,11 @@ Model CandidateSpace::sized(std::span<const double> parameters) const {
 Pose CandidateSpace::pose(std::span<const double> parameters) const {
   const Quaterniond turned = rotation(parameters);
   const Vector3d moved(parameters[0], parameters[1], parameters[2]);
-  return {point(start_centre_ + moved - turned * centre_), numbers(turned)};
+  return {point_of(start_centre_ + moved - turned * centre_), numbers(turned)};
 }
 
 Point CandidateSpace::pivot(std::span<const double> parameters) const {
-  return point(start_centre_ + Vector3d(parameters[0], parameters[1], parameters[2]));
+  return point_of(start_centre_ + Vector3d(parameters[0], parameters[1], parameters[2]));
 }
 
 Candidate CandidateSpace::candidate(std::span<const double> parameters) const {
@@ -156,7 +156,8 @@ Candidate CandidateSpace::candidate(std::span<const double> parameters) const {
   Candidate result{sized(parameters).primitives, pivot(parameters)};
   for (Primitive& primitive : result.primitives) {
     primitive.bend.reset();  // of curvature 0
-    primitive.pose.translation = point(turned * (vector(primitive.pose.translation) - centre_) + vector(result.pivot));
+    primitive.pose.translation =
+        point_of(turned * (vector_of(primitive.pose.translation) - centre_) + vector_of(result.pivot));
     primitive.pose.quaternion = numbers((turned * quaternion(primitive.pose.quaternion)).normalized());
   }
   return result;

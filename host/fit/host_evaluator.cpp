@@ -4,9 +4,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "host/fit/eigen_points.hpp"
 #include "host/fit/evaluation_sum.hpp"
 #include "host/fit/superquadric_projection.hpp"
+#include "host/mesh/eigen_points.hpp"
 #include "host/threads/parallel.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -24,8 +24,8 @@ class PlacedSolid {
  public:
   explicit PlacedSolid(const Primitive& primitive)
       : projection_(primitive.superquadric),
-        semi_axes_(vector(primitive.superquadric.semi_axes)),
-        translation_(vector(primitive.pose.translation)) {
+        semi_axes_(vector_of(primitive.superquadric.semi_axes)),
+        translation_(vector_of(primitive.pose.translation)) {
     const auto& [w, x, y, z] = primitive.pose.quaternion;
     rotation_ = Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix();
   }
@@ -36,7 +36,7 @@ class PlacedSolid {
   [[nodiscard]] PointDistance distance(const Vector3d& local, std::uint32_t index) const {
     const Projection found = projection_(local);
     const Vector3d by_size = -found.normal.cwiseProduct(found.nearest).cwiseQuotient(semi_axes_);
-    return {found.distance, point(rotation_ * found.normal), index, point(by_size)};
+    return {found.distance, point_of(rotation_ * found.normal), index, point_of(by_size)};
   }
 
  private:
@@ -54,7 +54,7 @@ class PlacedUnion {
       : solids_(candidate.primitives.begin(), candidate.primitives.end()) {}
 
   [[nodiscard]] PointDistance distance(const Point& at) const {
-    const Vector3d p = vector(at);
+    const Vector3d p = vector_of(at);
     const std::size_t first = most_promising(p);
     PointDistance nearest = solids_[first].distance(solids_[first].local(p), static_cast<std::uint32_t>(first));
     for (std::size_t k = 0; k < solids_.size(); ++k) {

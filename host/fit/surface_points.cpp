@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "host/fit/eigen_points.hpp"
+#include "host/mesh/eigen_points.hpp"
 
 namespace verisq::fit_search {
 namespace {
@@ -54,9 +54,9 @@ void add_grid(Cavity& cavity, const std::array<std::uint32_t, 3>& triangle, doub
 }  // namespace
 
 std::vector<Point> patch(const Triangle& triangle, const Point& middle, double spacing) {
-  const Eigen::Vector3d a = vector(triangle[0]);
-  const Eigen::Vector3d ab = vector(triangle[1]) - a;
-  const Eigen::Vector3d ac = vector(triangle[2]) - a;
+  const Eigen::Vector3d a = vector_of(triangle[0]);
+  const Eigen::Vector3d ab = vector_of(triangle[1]) - a;
+  const Eigen::Vector3d ac = vector_of(triangle[2]) - a;
   const Eigen::Vector3d normal = ab.cross(ac);
   const Eigen::Vector3d along = ab.normalized();
   const Eigen::Vector3d across = normal.cross(ab).normalized();
@@ -69,7 +69,7 @@ std::vector<Point> patch(const Triangle& triangle, const Point& middle, double s
   for (const double finer : patch_scales) {
     for (int i = -patch_reach; i <= patch_reach; ++i) {
       for (int j = -patch_reach; j <= patch_reach; ++j) {
-        const Eigen::Vector3d x = vector(middle) + spacing / finer * (i * along + j * across);
+        const Eigen::Vector3d x = vector_of(middle) + spacing / finer * (i * along + j * across);
         if ((i != 0 || j != 0) && in_triangle(x)) points.push_back({x[0], x[1], x[2]});
       }
     }

@@ -10,6 +10,7 @@
 #include <verisq/model_mesh.hpp>
 #include <verisq/model_search.hpp>
 
+#include "host/mesh/eigen_points.hpp"
 #include "host/mesh/extent.hpp"
 #include "host/tessellation/bisected_tetrahedra.hpp"
 #include "host/tessellation/crease_snapping.hpp"
@@ -32,13 +33,9 @@ constexpr double smallest_tetrahedron = 0.25;
 constexpr double largest_rounding = 1e-3;
 constexpr std::size_t triangles_a_chunk = 512;
 
-Eigen::Vector3d vector(const Point& point) {
-  return {point[0], point[1], point[2]};
-}
-
 Mesh mesh_of(const Triangles& triangles) {
   Mesh mesh;
-  for (const Eigen::Vector3d& vertex : triangles.vertices) mesh.vertices.push_back({vertex[0], vertex[1], vertex[2]});
+  for (const Eigen::Vector3d& vertex : triangles.vertices) mesh.vertices.push_back(point_of(vertex));
   mesh.triangles = triangles.triangles;
   return mesh;
 }
@@ -60,7 +57,7 @@ bool apart(const Model& model, const Solid& solid, const std::vector<Mesh>& surf
            const std::function<bool()>& interrupted) {
   const auto contains_some = [&](std::size_t i, std::size_t j) {
     return std::ranges::any_of(surfaces[j].vertices,
-                               [&](const Point& point) { return solid.primitives()[i].contains(vector(point)); });
+                               [&](const Point& point) { return solid.primitives()[i].contains(vector_of(point)); });
   };
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -81,7 +78,7 @@ std::vector<SurfacePoint> surface_points(const Solid& solid, const std::vector<M
   std::vector<SurfacePoint> points;
   for (const Mesh& surface : surfaces) {
     for (const Point& vertex : surface.vertices) {
-      const Eigen::Vector3d point = vector(vertex);
+      const Eigen::Vector3d point = vector_of(vertex);
       const Eigen::Vector3d offset = deviation * solid.outward(point, deviation / 16.0);
       if (solid.contains(point - offset) && !solid.contains(point + offset)) {
         points.push_back({point - offset, point + offset});
@@ -133,7 +130,7 @@ class Marching {
 
   /// Off the centre by fractions without a pattern: no vertex of the grid should lie on a plane of the model.
   [[nodiscard]] Eigen::Vector3d corner() const {
-    return vector(extent_.centre()) - width_ * Eigen::Vector3d(0.5071828, 0.5041592, 0.5014142);
+    return vector_of(extent_.centre()) - width_ * Eigen::Vector3d(0.5071828, 0.5041592, 0.5014142);
   }
 
   /// Until no tetrahedron near the surface is larger than the thinnest primitive.
@@ -237,7 +234,8 @@ void estimate(const Solid& solid, const ModelMeshOptions& options, ModelMesh& re
     const std::size_t last = std::min(mesh.triangles.size(), (chunk + 1) * triangles_a_chunk);
     for (std::size_t t = chunk * triangles_a_chunk; t < last; ++t) {
       const auto& [a, b, c] = mesh.triangles[t];
-      const TriangleCorners corners{vector(mesh.vertices[a]), vector(mesh.vertices[b]), vector(mesh.vertices[c])};
+      const TriangleCorners corners{vector_of(mesh.vertices[a]), vector_of(mesh.vertices[b]),
+                                    vector_of(mesh.vertices[c])};
       deviation = sampled_deviation(solid, corners, deviation, 16.0 * options.deviation, Sampling::fine);
     }
     largest[chunk] = deviation;
