@@ -105,22 +105,15 @@ bool says_all(const FeaturesReport& report) {
          (!report.changes || report.changes->missing.empty());
 }
 
-/// The bone with the axes in it, coloured by the distance to them.
-void draw(const FeaturesArguments& arguments, const Mesh& mesh, const FeaturesReport& report) {
-  const Model axes = features::drawn_axes(report.landmarks);
-  std::vector<MapResult> rows;
+/// The bone with the axes in it, coloured by the distance to them. False where it was interrupted.
+bool draw(const FeaturesArguments& arguments, const Mesh& mesh, const Model& axes, const FeaturesReport& report) {
+  std::vector<MapResult> rows(mesh.vertices.size());
   const MapOptions options{.tolerance = 1e-6, .device = arguments.device, .interrupted = interrupted};
-  std::span<const Point> rest = mesh.vertices;
-  const Source<Point> source = [&rest](std::span<Point> chunk) {
-    const std::size_t count = std::min(chunk.size(), rest.size());
-    std::ranges::copy(rest.first(count), chunk.begin());
-    rest = rest.subspan(count);
-    return count;
-  };
-  const MapSummary summary = PointMapper(axes, options).map(source, [&](auto, std::span<const MapResult> found, auto) {
-    rows.insert(rows.end(), found.begin(), found.end());
-  });
-  if (summary.interrupted) return;
+  const MapSummary summary = PointMapper(axes, options).map(mesh.vertices, rows);
+  if (summary.interrupted) {
+    tell("interrupted; report and picture are not written");
+    return false;
+  }
   write(arguments.report, {.title = "Features of a femur: the figure is its head and axes",
                            .bone = mesh,
                            .rows = rows,
@@ -130,6 +123,7 @@ void draw(const FeaturesArguments& arguments, const Mesh& mesh, const FeaturesRe
                            .area_names = {},
                            .area_of = {},
                            .solid_name = "figure"});
+  return true;
 }
 
 }  // namespace
@@ -177,10 +171,15 @@ ExitStatus run_features(const FeaturesArguments& arguments) {
 
   if (!arguments.written_landmarks.empty())
     write_landmarks(arguments.written_landmarks, {report.landmarks, report.side});
-  if (!arguments.axes.empty() && features::has_axes(report.landmarks))
-    write_model(arguments.axes, features::drawn_axes(report.landmarks));
-  if (arguments.report.any() && features::has_axes(report.landmarks)) draw(arguments, *mesh, report);
+  bool drawn = true;
+  if (!arguments.axes.empty() || arguments.report.any()) {
+    const Model axes = features::drawn_axes(report.landmarks);
+    if (axes.primitives.empty()) refuse("the landmarks make no axis that could be drawn");
+    if (!arguments.axes.empty()) write_model(arguments.axes, axes);
+    if (arguments.report.any()) drawn = draw(arguments, *mesh, axes, report);
+  }
   fmt::print("{}", arguments.json ? json(report) : readable(report));
+  if (!drawn) return ExitStatus::interrupted;
   return says_all(report) ? ExitStatus::verified : ExitStatus::unverified;
 }
 

@@ -83,7 +83,9 @@ std::string readable(const FeaturesReport& report) {
   for (const auto& [name, point] : named_landmarks) {
     if (const std::optional<Point>& at = report.landmarks.*point) result += fmt::format("{:<28}{}\n", name, text(*at));
   }
-  result += fmt::format("\nFor landmarks within {:.6g} mm of these:\n", report.landmark_radius);
+  result += report.landmark_radius > 0.0
+                ? fmt::format("\nProven for all landmarks within {:.6g} mm of these:\n", report.landmark_radius)
+                : "\nIf these landmarks were exact (--landmark-radius says how well they are known):\n";
   result += table(report.bone);
   if (report.bone.frame) result += table(*report.bone.frame);
   if (report.changes) result += "\nThe implant, in its place:\n" + table(*report.changes);

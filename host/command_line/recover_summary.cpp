@@ -30,13 +30,14 @@ std::string proven_lines(const Deviation& proven, const std::string& units) {
   std::string text;
   if (proven.from_mesh) {
     const DistanceStatistics& mesh = *proven.from_mesh;
-    text += fmt::format("mesh to model      at most {}{}, proven", outward_digits(mesh.largest), units);
+    text += fmt::format("mesh to model      largest in {}{}, proven", outward_digits(mesh.largest), units);
     if (mesh.mean) text += fmt::format("; mean {}{}", outward_digits(*mesh.mean), units);
     if (!mesh.percentiles.empty()) text += fmt::format("; 95 % {}{}", outward_digits(mesh.percentiles[0]), units);
     text += "\n";
   }
   if (proven.from_model)
-    text += fmt::format("model to mesh      at most {}{}, proven\n", outward_digits(proven.from_model->largest), units);
+    text +=
+        fmt::format("model to mesh      largest in {}{}, proven\n", outward_digits(proven.from_model->largest), units);
   return text;
 }
 

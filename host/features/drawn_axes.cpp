@@ -53,8 +53,4 @@ Model drawn_axes(const FemurLandmarks& landmarks) {
   return model;
 }
 
-bool has_axes(const FemurLandmarks& landmarks) {
-  return !drawn_axes(landmarks).primitives.empty();
-}
-
 }  // namespace verisq::features

@@ -6,10 +6,7 @@
 
 namespace verisq::features {
 
-/// The head's sphere, and a rod along each axis that the landmarks make. Precondition: at least one of these.
+/// The head's sphere, and a rod along each axis that the landmarks make: no primitives where there is none of these.
 [[nodiscard]] Model drawn_axes(const FemurLandmarks& landmarks);
-
-/// Whether there is anything to draw.
-[[nodiscard]] bool has_axes(const FemurLandmarks& landmarks);
 
 }  // namespace verisq::features
