@@ -3,14 +3,13 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
 #include <filesystem>
 #include <verisq/deviation.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/model_file.hpp>
 
+#include "host/command_line/cloud_input.hpp"
 #include "host/command_line/deviation_summary.hpp"
 #include "host/command_line/finite_number.hpp"
 #include "host/command_line/interruption.hpp"
@@ -66,25 +65,8 @@ void check_usage(const DeviationArguments& arguments) {
   check_usage(arguments.report, inputs);
 }
 
-bool is_mesh_name(const std::string& name) {
-  const std::string extension = std::filesystem::path(name).extension().string();
-  constexpr std::array<std::string_view, 4> extensions{".stl", ".ply", ".off", ".obj"};
-  return std::ranges::find(extensions, extension) != extensions.end();
-}
-
-Mesh read_cloud(const InputArguments& inputs) {
-  if (is_mesh_name(inputs.points)) return {.vertices = read_mesh(inputs.points).vertices, .triangles = {}};
-  PointStream stream(inputs);
-  Mesh cloud;
-  std::vector<Point> chunk(4096);
-  while (const std::size_t count = stream.read(chunk)) {
-    cloud.vertices.insert(cloud.vertices.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(count));
-  }
-  return cloud;
-}
-
 Mesh read_input(const InputArguments& inputs) {
-  if (inputs.mesh.empty()) return read_cloud(inputs);
+  if (inputs.mesh.empty()) return read_cloud(inputs.points);
   Mesh mesh = read_mesh(inputs.mesh);
   if (mesh.triangles.empty()) refuse(fmt::format("{}: has no triangles; give its points by --points", inputs.mesh));
   return mesh;

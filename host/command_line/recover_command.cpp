@@ -3,17 +3,15 @@
 
 #include <fmt/core.h>
 
-#include <array>
 #include <cmath>
-#include <filesystem>
 #include <string_view>
 #include <vector>
 #include <verisq/error.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/model_file.hpp>
-#include <verisq/point_file.hpp>
 #include <verisq/recovery.hpp>
 
+#include "host/command_line/cloud_input.hpp"
 #include "host/command_line/finite_number.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
@@ -27,7 +25,6 @@
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/whole_number.hpp"
 #include "host/files/output_file.hpp"
-#include "host/files/words.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -68,25 +65,8 @@ RecoveryOptions options_of(const RecoverArguments& arguments) {
   return options;
 }
 
-bool is_mesh_name(const std::string& name) {
-  const std::string extension = lower_case(std::filesystem::path(name).extension().string());
-  return extension == ".stl" || extension == ".ply" || extension == ".off" || extension == ".obj";
-}
-
-std::vector<Point> read_points(const std::string& name) {
-  if (is_mesh_name(name)) return read_mesh(name).vertices;
-  PointFile file(name);
-  std::vector<Point> points;
-  std::array<Point, 4096> chunk{};
-  for (std::size_t count = chunk.size(); count == chunk.size();) {
-    count = file.read(chunk);
-    points.insert(points.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(count));
-  }
-  return points;
-}
-
 Mesh read_input(const RecoverArguments& arguments) {
-  if (arguments.mesh.empty()) return {.vertices = read_points(arguments.points), .triangles = {}};
+  if (arguments.mesh.empty()) return read_cloud(arguments.points);
   Mesh mesh = read_mesh(arguments.mesh);
   if (mesh.triangles.empty()) refuse(fmt::format("{}: has no triangles; give it as --points", arguments.mesh));
   return mesh;

@@ -3,13 +3,11 @@
 
 #include <fmt/core.h>
 
-#include <array>
-#include <filesystem>
 #include <verisq/mesh_file.hpp>
-#include <verisq/point_file.hpp>
 #include <verisq/surface.hpp>
 
 #include "host/command_line/choice.hpp"
+#include "host/command_line/cloud_input.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/messages.hpp"
 #include "host/command_line/overwriting.hpp"
@@ -19,7 +17,6 @@
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/surface_summary.hpp"
 #include "host/command_line/whole_number.hpp"
-#include "host/files/words.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -63,25 +60,8 @@ SurfaceOptions options_of(const SurfaceArguments& arguments) {
   return options;
 }
 
-bool is_mesh_name(const std::string& name) {
-  const std::string extension = lower_case(std::filesystem::path(name).extension().string());
-  return extension == ".stl" || extension == ".ply" || extension == ".off" || extension == ".obj";
-}
-
-Mesh read_points(const std::string& name) {
-  if (is_mesh_name(name)) return {.vertices = read_mesh(name).vertices, .triangles = {}};
-  PointFile file(name);
-  Mesh cloud;
-  std::array<Point, 4096> chunk{};
-  for (std::size_t count = chunk.size(); count == chunk.size();) {
-    count = file.read(chunk);
-    cloud.vertices.insert(cloud.vertices.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(count));
-  }
-  return cloud;
-}
-
 Mesh read_input(const SurfaceArguments& arguments) {
-  return arguments.mesh.empty() ? read_points(arguments.points) : read_mesh(arguments.mesh);
+  return arguments.mesh.empty() ? read_cloud(arguments.points) : read_mesh(arguments.mesh);
 }
 
 /// A step of how many there may be: reading is done by then.

@@ -13,20 +13,28 @@ namespace {
 
 using Reader = Mesh (*)(InputFile&);
 
+/// Null where there is none.
 Reader reader_for(const std::filesystem::path& path) {
   const std::string extension = lower_case(path.extension().string());
   if (extension == ".stl") return read_stl;
   if (extension == ".obj") return read_obj;
   if (extension == ".ply") return read_ply;
   if (extension == ".off") return read_off;
-  throw Error(ErrorKind::input, fmt::format("{}: unknown mesh format {}: known are .stl, .obj, .ply, .off",
-                                            path.string(), in_quotes(path.extension().string())));
+  return nullptr;
 }
 
 }  // namespace
 
+bool is_mesh_name(const std::filesystem::path& path) {
+  return reader_for(path) != nullptr;
+}
+
 Mesh read_mesh(const std::filesystem::path& path) {
   const Reader read = reader_for(path);
+  if (read == nullptr) {
+    throw Error(ErrorKind::input, fmt::format("{}: unknown mesh format {}: known are .stl, .obj, .ply, .off",
+                                              path.string(), in_quotes(path.extension().string())));
+  }
   InputFile file(path);
   if (file.size() == 0) file.fail_whole("not a regular file: a mesh needs a known size");
   try {

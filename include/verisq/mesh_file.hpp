@@ -12,6 +12,9 @@ namespace verisq {
 /// out of range, triangles of exactly zero area, unknown formats.
 [[nodiscard]] Mesh read_mesh(const std::filesystem::path& path);
 
+/// Whether `read_mesh` knows the format of that name.
+[[nodiscard]] bool is_mesh_name(const std::filesystem::path& path);
+
 /// Throws Error(input) unless `write_mesh` knows the format of that name.
 void check_mesh_name(const std::filesystem::path& path);
 
