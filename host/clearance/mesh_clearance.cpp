@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
 
-#include "host/mesh/largest_coordinate.hpp"
+#include "verify/deviation/triangle_piece.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verisq/enclosure.hpp"
@@ -20,17 +18,14 @@
 namespace verisq {
 namespace {
 
+using verify::centre;
 using verify::Direction;
-
-constexpr double smallest_normal = std::numeric_limits<double>::min();
+using verify::displacement;
 
 /// Of the tolerance goes to the samples, the rest to the balls.
 constexpr double share_of_samples = 0.25;
 /// Of how much deeper than the limit a triangle goes: how closely its deepest point is sought.
 constexpr double share_of_depth = 0.25;
-/// A piece is halved at most so often: 2^-30 of the triangle's size.
-constexpr int most_halvings = 60;
-
 /// A part of a triangle, by its corners to nearest; a thin one by its longest side, whose end comes twice then.
 struct Piece {
   Triangle corners;
@@ -40,21 +35,6 @@ struct Piece {
   int halvings = 0;
   double bound = -infinity;  ///< no signed distance on it is less
 };
-
-/// How far corners and centre of any piece of a triangle may lie from the exact ones. With M the triangle's largest
-/// coordinate (pieces near the origin inherit the roundings of far ones) and u = 2^-53, a midpoint rounds by u M in
-/// each coordinate, on top of what its two ends are off on average: after k halvings a corner is off by at most sqrt(3)
-/// k u M, the centre, of three corners, by sqrt(3) 4 u M more. For k <= 60 that is less than 111 u M < 2^-46 M; what
-/// underflows is less than the smallest normal number.
-double displacement(const Triangle& whole) {
-  return 0x1p-46 * largest_coordinate(whole) + smallest_normal;
-}
-
-Point centre(const Triangle& corners) {
-  Point sum;
-  for (std::size_t i = 0; i < 3; ++i) sum[i] = corners[0][i] / 3 + corners[1][i] / 3 + corners[2][i] / 3;
-  return sum;
-}
 
 double distance_up(const Point& a, const Point& b) {
   double squares = 0.0;  // rounded up: sum of nonnegative terms
@@ -237,7 +217,7 @@ class MeshSearch {
   }
 
   [[nodiscard]] bool is_worth_halving(const Piece& piece) const {
-    if (piece.halvings == most_halvings) return false;
+    if (piece.halvings == verify::most_halvings_of_piece) return false;
     const double radius = radius_up(piece, centre(piece.corners));
     if (radius <= 8.0 * piece.displacement) return false;  // what is left is rounding
     return ((may_decide(piece) || may_deepen(piece)) &&

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <verisq/enclosure.hpp>
 
-#include "host/mesh/largest_coordinate.hpp"
+#include "verify/analysis/largest_coordinate.hpp"
 
 namespace verisq {
 
@@ -21,7 +21,7 @@ template <class Query>
 [[nodiscard]] double tightest_width(const Query& query, const Enclosure& found, double radius,
                                     double outside = tightest_outside) {
   if (found.hi < 0.0) return tightest_inside * radius;
-  return outside * std::max(largest_coordinate(query), radius);
+  return outside * std::max(verify::largest_coordinate(query), radius);
 }
 
 }  // namespace verisq

@@ -218,7 +218,7 @@ bool is_outermost(const RowScene& scene, const Enclosure& scaled, const Enclosur
 bool is_tightest(const RowScene& scene, const Point& point, const Enclosure& row) {
   const double inside = scene.criterion.inside;
   if (row.hi < 0.0) return verified(row, inside);
-  const bool held = std::isfinite(Scale(scene.exponent).to_device(verisq::largest_coordinate(point)));
+  const bool held = std::isfinite(Scale(scene.exponent).to_device(verisq::verify::largest_coordinate(point)));
   return held && verified(row, tightest_width(point, row, scene.criterion.radius));
 }
 

@@ -7,8 +7,10 @@
 #include <cstddef>
 #include <utility>
 
+#include "verify/analysis/largest_coordinate.hpp"
 #include "verify/deviation/triangle_distance_bounds.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/proof/triangle.hpp"
 
 namespace verisq::verify {
 
@@ -27,16 +29,8 @@ struct Polygon {
   void add(const Point& corner) { corners[size++] = corner; }
 };
 
-Point difference(const Point& a, const Point& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 Point cross(const Point& a, const Point& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double dot(const Point& a, const Point& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 Point middle(const Polygon& polygon) {
@@ -138,7 +132,7 @@ double farthest_of_polygon(std::span<const Point, 3> corners, const TriangleTree
   double largest = 0.0;
   for (const Point& corner : corners) {
     polygon.add(corner);
-    for (const double x : corner) largest = std::max(largest, std::abs(x));
+    largest = std::max(largest, largest_coordinate(corner));
   }
   // A crossing rounds by at most 4 u M a coordinate, M the largest coordinate, on top of what its ends are off: after
   // thrice most_divisions cuts it is off by less than 2^-44 M.

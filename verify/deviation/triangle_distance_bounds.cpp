@@ -6,20 +6,15 @@
 #include <array>
 #include <cmath>
 
+#include "verify/analysis/largest_coordinate.hpp"
+#include "verify/proof/triangle.hpp"
+
 namespace verisq::verify {
 
 namespace {
 
 /// More than what underflows in any of the sums here may hide: roots of less than 2^-1000.
 constexpr double underflow = 0x1p-500;
-
-Point difference(const Point& a, const Point& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-double dot(const Point& a, const Point& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /// Shares of the second and the third corner.
 struct Weights {
@@ -68,14 +63,6 @@ Weights clamped(const Weights& weights) {
   const double b = weights.b > 0.0 ? std::min(weights.b, 1.0) : 0.0;
   const double c = weights.c > 0.0 ? std::min(weights.c, 1.0 - b) : 0.0;
   return {b, c};
-}
-
-double largest_coordinate(const Triangle& triangle) {
-  double largest = 0.0;
-  for (const Point& corner : triangle) {
-    for (const double x : corner) largest = std::max(largest, std::abs(x));
-  }
-  return largest;
 }
 
 /// Off the exact point of these weights, which are exactly in [0, 1] with a sum of at most 1 + u, by less than 2^-48 M,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/analysis/largest_coordinate.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/intersection.hpp"
@@ -135,11 +136,7 @@ double distance_between(const Point& a, const Point& b) {
 /// is off by at most √3 k u M, the centre, of three corners, by √3 4 u M more. For k <= 60 that is less than 111 u M <
 /// 2^-46 M; what underflows is less than the smallest normal number.
 double displacement(const Triangle& whole) {
-  double largest = 0.0;
-  for (const Point& corner : whole) {
-    for (const double x : corner) largest = std::max(largest, std::abs(x));
-  }
-  return 0x1p-46 * largest + std::numeric_limits<double>::min();
+  return 0x1p-46 * largest_coordinate(whole) + std::numeric_limits<double>::min();
 }
 
 Point centre(const Triangle& corners) {

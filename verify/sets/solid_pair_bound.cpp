@@ -4,16 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verify/proof/triangle.hpp"
+
 namespace verisq::verify {
 
 namespace {
 
 /// Each doubles the accuracy of a direction that neighbours share already.
 constexpr int kMostProjections = 8;
-
-double dot(const Point& a, const Point& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 double absolute_dot(const Point& a, const Point& b) {
   return std::fabs(a[0] * b[0]) + std::fabs(a[1] * b[1]) + std::fabs(a[2] * b[2]);

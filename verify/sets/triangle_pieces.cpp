@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verify/analysis/largest_coordinate.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -20,13 +21,6 @@ bool is_whole(double weight) {
 
 double rounded_down(double weight) {
   return kUnitOfWeights * std::floor(std::clamp(weight, 0.0, 1.0) / kUnitOfWeights);
-}
-
-double largest_coordinate(const Triangle& triangle) {
-  double largest = 0.0;
-  for (const Point& corner : triangle)
-    for (const double c : corner) largest = std::max(largest, std::fabs(c));
-  return largest;
 }
 
 double way_up(const Point& a, const Point& b) {

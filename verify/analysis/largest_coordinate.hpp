@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <verisq/mesh.hpp>
-#include <verisq/model.hpp>
 
-namespace verisq {
+#include "verisq/mesh.hpp"
+#include "verisq/model.hpp"
+
+namespace verisq::verify {
 
 /// Precondition: finite.
 [[nodiscard]] inline double largest_coordinate(const Point& point) {
@@ -22,4 +23,4 @@ namespace verisq {
   return largest;
 }
 
-}  // namespace verisq
+}  // namespace verisq::verify
