@@ -23,6 +23,7 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/messages.hpp"
+#include "host/command_line/number_list.hpp"
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/pose_option.hpp"
 #include "host/command_line/progress_bar.hpp"
@@ -59,17 +60,24 @@ constexpr const char* closing_words =
     "(from -P to G; for cemented completion G to within the tolerance), proven outside, or undecided. -o is a model\n"
     "file: `verisq map --model fitted.json --mesh F` gives the same enclosures.\n"
     "\n"
+    "Beside the bone an implant touches nothing: say by --cavity or --bone on which side it belongs. Of each "
+    "primitive\n"
+    "it is proven, too, whether all of it (what lies deeper in it than the penetration limit) is there; a mesh with\n"
+    "rims is closed over them. A neck and a head pass through the opening: name them by --crossing.\n"
+    "\n"
     "Ctrl-C ends the search: the best pose so far is proven and written. A second Ctrl-C stops at once; once the "
     "proof\n"
     "runs, -o is written already.\n"
     "\n"
-    "Exit status: 0 every enclosure is at most the tolerance wide and nothing is proven deeper than the limit;\n"
-    "3 finished, but not so; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
+    "Exit status: 0 every enclosure is at most the tolerance wide, nothing is proven deeper than the limit, and every\n"
+    "primitive is proven to lie on its side; 3 finished, but not so; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
     "\n"
     "Examples:\n"
-    "  verisq fit --implant stem_mm.json --mesh femur.stl -o fitted.json --map clearance.vtp --report clearance.html\n"
-    "  verisq fit --implant size1.json --implant size2.json --mesh femur.ply --labels region --weight 2=5 -o "
-    "fitted.json";
+    "  verisq fit --implant stem_mm.json --mesh canal.stl --cavity --resection 105,0,-120,-0.7,0,0.7 --crossing neck "
+    "\\\n"
+    "    --crossing head -o fitted.json --map clearance.vtp --report clearance.html\n"
+    "  verisq fit --implant size1.json --implant size2.json --mesh coxa.ply --bone --labels region --weight 2=5 "
+    "-o fitted.json";
 
 /// What is written must not be what is read, or written too.
 void check_outputs(const FitArguments& arguments) {
@@ -125,6 +133,7 @@ double tolerance_of(const FitArguments& arguments, const Model& fitted) {
 struct Proof {
   Clearance clearance;
   std::optional<MeshClearance> surface;
+  std::optional<Sides> sides;
   std::vector<MapResult> rows;
 };
 
@@ -137,8 +146,9 @@ MeshClearance prove_surface(const FitProblem& problem, const Model& fitted) {
 }
 
 /// Never ended by the first Ctrl-C, which has kept its pose already. `map` is nothing when not asked for.
-Proof prove(const FitProblem& problem, const Model& fitted, const MapOptions& options, bool show_progress,
+Proof prove(const FitProblem& problem, const Fit& fit, const MapOptions& options, bool show_progress,
             std::optional<MapWriter>& map) {
+  const Model& fitted = fit.model;
   ProgressBar bar(show_progress, "points");
   Proof proof{};
   const auto sink = [&](std::span<const Point> points, std::span<const MapResult> rows, std::span<const Certificate>) {
@@ -151,7 +161,17 @@ Proof prove(const FitProblem& problem, const Model& fitted, const MapOptions& op
                                         problem.options.penetration_limit, options, sink);
   if (map) map->finish();
   if (!problem.cavity.triangles.empty()) proof.surface = prove_surface(problem, fitted);
+  if (problem.surface != Surface::unsided) {
+    proof.sides = prove_sides(fitted, problem.mesh, *proof.surface, problem.options.sides[fit.implant],
+                              {.penetration_limit = problem.options.penetration_limit,
+                               .tolerance = problem.options.surface_tolerance,
+                               .device = problem.options.device});
+  }
   return proof;
+}
+
+std::vector<SurfaceSide> sides_required(const FitProblem& problem, std::size_t implant) {
+  return problem.options.sides.empty() ? std::vector<SurfaceSide>() : problem.options.sides[implant];
 }
 
 void write_report(const FitProblem& problem, const FitSummary& summary, std::span<const MapResult> rows,
@@ -182,13 +202,27 @@ void explain(const FitSummary& summary) {
     tell(fmt::format("{} triangles are proven to enter the implant deeper than the limit",
                      summary.surface->proven_too_deep));
   }
+  for (const std::string& sentence : broken_sides(summary)) tell(sentence);
 }
 
 ExitStatus status_of(const FitSummary& summary) {
   if (summary.fit.interrupted) return ExitStatus::interrupted;
   const bool as_asked = summary.clearance.map.wide == 0 && summary.clearance.proven_too_deep == 0 &&
-                        (!summary.surface || summary.surface->proven_too_deep == 0);
+                        (!summary.surface || summary.surface->proven_too_deep == 0) &&
+                        (!summary.sides || summary.sides->kept());
   return as_asked ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+Plane parse_plane(std::string_view option, const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(option, text, "x,y,z,nx,ny,nz");
+  const Plane plane{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
+  if (plane.normal == Point{}) refuse(fmt::format("{}: {} has a zero normal", option, text));
+  return plane;
+}
+
+std::string parse_name(std::string_view option, const std::string& text) {
+  if (text.empty()) refuse(fmt::format("{}: the name is empty", option));
+  return text;
 }
 
 Area parse_weight(std::string_view option, const std::string& text) {
@@ -201,6 +235,23 @@ double parse_rotation(std::string_view option, const std::string& text) {
   const double degrees = parse_length(option, text);
   if (degrees > 180.0) refuse(fmt::format("{}: {} is above 180", option, text));
   return degrees;
+}
+
+/// On which side of the mesh the implant has to be.
+void declare_sides(Options& options, FitArguments& arguments) {
+  options.add_flag("--cavity", arguments.cavity,
+                   "The mesh is the surface of a cavity: the implant has to lie inside it (default for a closed mesh "
+                   "whose normals point inward)");
+  options.add_flag("--bone", arguments.bone, "The mesh bounds bone: the implant has to lie outside of it");
+  options.add_flag("--any-side", arguments.any_side,
+                   "The implant may lie on any side of the mesh, beside the bone too");
+  options.add("--resection", arguments.resection, parse_plane, "x,y,z,nx,ny,nz",
+              "Plane in which the bone is cut, by a point and a normal: what lies beyond it, where the normal points, "
+              "is left out");
+  options.add_each("--crossing", arguments.crossing, parse_name, "PRIMITIVE",
+                   "One that may pass through the opening, like a neck or a head, and lie anywhere; may be repeated");
+  options.add_each("--outside", arguments.outside, parse_name, "PRIMITIVE",
+                   "One that has to lie outside of the cavity; may be repeated");
 }
 
 /// Which pose is best, and which are allowed at all.
@@ -238,6 +289,7 @@ void declare_fit(Options& options, FitArguments& arguments) {
   options.require_each("--implant", arguments.implants, "FILE",
                        "Model of posed superquadrics (verisq-model/1, JSON); repeat it for a series to choose from");
   options.require("--mesh", arguments.mesh, "FILE", "The bone: .stl .obj .ply .off; its vertices are fitted");
+  declare_sides(options, arguments);
   declare_aims(options, arguments);
   declare_search(options, arguments);
   options.add("--labels", arguments.labels, "PROPERTY",
@@ -273,11 +325,14 @@ ExitStatus run_fit(const FitArguments& arguments) {
   const double tolerance = tolerance_of(arguments, found.model);
   const Stopwatch proof_time;
   Proof proof =
-      prove(problem, found.model, {.tolerance = tolerance, .device = arguments.device}, !arguments.no_progress, map);
+      prove(problem, found, {.tolerance = tolerance, .device = arguments.device}, !arguments.no_progress, map);
   const std::size_t implant = found.implant;
   const FitSummary summary{.fit = std::move(found),
                            .clearance = std::move(proof.clearance),
                            .surface = std::move(proof.surface),
+                           .side_of = problem.surface,
+                           .required_sides = sides_required(problem, implant),
+                           .sides = std::move(proof.sides),
                            .implant = arguments.implants[implant],
                            .implants = arguments.implants.size(),
                            .sized = !is_exact(problem.series[implant]),

@@ -12,15 +12,29 @@
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
 #include "host/command_line/report_files.hpp"
+#include "host/mesh/plane_cut.hpp"
 
 namespace verisq::command_line {
 
 enum class Completion { cementless, cemented };
 
+/// What the mesh bounds.
+enum class Surface {
+  cavity,   ///< the room that the implant lies in
+  bone,     ///< what it lies outside of
+  unsided,  ///< sides do not matter, or there are none
+};
+
 /// As typed; `read_fit_problem` checks what depends on the files or on several options.
 struct FitArguments {
   std::vector<std::string> implants;  ///< files of the series
   std::string mesh;
+  bool cavity = false;  ///< the mesh is the surface of one
+  bool bone = false;
+  bool any_side = false;
+  std::optional<Plane> resection;
+  std::vector<std::string> crossing;  ///< primitives
+  std::vector<std::string> outside;   ///< likewise
   Completion completion = Completion::cementless;
   std::optional<double> gap;
   std::optional<double> gap_tolerance;

@@ -4,10 +4,16 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <string_view>
+#include <utility>
+#include <verisq/error.hpp>
 #include <verisq/mesh_file.hpp>
+#include <verisq/mesh_topology.hpp>
 #include <verisq/model_file.hpp>
+#include <verisq/sides.hpp>
 
 #include "host/command_line/refusal.hpp"
 #include "host/mesh/extent.hpp"
@@ -134,9 +140,116 @@ bool limits_triangles(const FitArguments& arguments, const Mesh& mesh) {
   return arguments.on != MapElements::vertices && !mesh.triangles.empty();
 }
 
-Cavity read_cavity(const FitArguments& arguments, const Mesh& mesh) {
-  Cavity cavity = arguments.labels ? read_labelled_cavity(arguments.mesh, *arguments.labels, arguments.weights)
-                                   : cavity_of_boxes(arguments, mesh);
+CutMesh read_cut_mesh(const FitArguments& arguments) {
+  Mesh mesh = read_mesh(arguments.mesh);
+  if (arguments.resection) {
+    CutMesh cut = cut_off(mesh, *arguments.resection);
+    if (cut.mesh.vertices.empty()) refuse(fmt::format("--resection: all of {} lies beyond it", arguments.mesh));
+    return cut;
+  }
+  CutMesh whole{std::move(mesh), {}};
+  whole.origin.resize(whole.mesh.vertices.size());
+  std::iota(whole.origin.begin(), whole.origin.end(), 0U);
+  return whole;
+}
+
+/// One part, whose inside is what the user means.
+void check_cavity(const FitArguments& arguments, const Mesh& mesh) {
+  const std::size_t parts = mesh_topology(mesh).components;
+  if (parts == 1) return;
+  refuse(fmt::format("--cavity: {} has {} separate surfaces, and only one can be the cavity's", arguments.mesh, parts));
+}
+
+/// A closed surface whose normals point inward bounds what lies inside it: a cavity (the paper, section 4).
+bool faces_inward(const Mesh& mesh) {
+  return mesh_topology(mesh).bounds_solid() && signed_volume(mesh) < 0.0;
+}
+
+Surface surface_of(const FitArguments& arguments, const Mesh& mesh) {
+  const std::array given{arguments.cavity, arguments.bone, arguments.any_side};
+  if (std::ranges::count(given, true) > 1) refuse("give only one of --cavity, --bone and --any-side");
+  if (arguments.any_side) return Surface::unsided;
+  const bool sided = limits_triangles(arguments, mesh);
+  if (!sided && (arguments.cavity || arguments.bone)) {
+    refuse(fmt::format("--{}: vertices alone have no sides: give a mesh with triangles, and --on triangles",
+                       arguments.cavity ? "cavity" : "bone"));
+  }
+  if (!sided) {
+    refuse(
+        "vertices alone have no sides, and an implant beside the bone touches nothing: give a mesh with triangles, "
+        "or --any-side");
+  }
+  try {
+    check_surface_has_sides(mesh);
+  } catch (const Error& error) {
+    refuse(fmt::format("{}: {}: mend it by `verisq surface`, or give --any-side", arguments.mesh, error.what()));
+  }
+  if (!arguments.bone && (arguments.cavity || faces_inward(mesh))) {
+    check_cavity(arguments, mesh);
+    return Surface::cavity;
+  }
+  if (arguments.bone) return Surface::bone;
+  refuse(
+      fmt::format("{}: is it a cavity, which the implant lies in, or bone, which it lies outside of? "
+                  "Give --cavity or --bone (or --any-side)",
+                  arguments.mesh));
+}
+
+/// Nothing passes through a closed surface.
+void check_openings(const FitArguments& arguments, const Mesh& mesh) {
+  if (arguments.crossing.empty() || !mesh_topology(mesh).closed()) return;
+  refuse(fmt::format("--crossing {}: {} is closed: say by --resection where it is cut open", arguments.crossing.front(),
+                     arguments.mesh));
+}
+
+bool is_named(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+void refuse_unknown_parts(const FitArguments& arguments, const FitProblem& problem) {
+  for (const auto& [option, names] :
+       {std::pair("--crossing", &arguments.crossing), std::pair("--outside", &arguments.outside)}) {
+    for (const std::string& name : *names) {
+      const auto has_it = [&](const UncertainModel& implant) {
+        return std::ranges::any_of(implant.primitives, [&](const auto& primitive) { return primitive.name == name; });
+      };
+      if (std::ranges::none_of(problem.series, has_it))
+        refuse(fmt::format("{}: no primitive is named {}", option, name));
+      if (problem.surface == Surface::unsided) refuse(fmt::format("{} {}: not with --any-side", option, name));
+    }
+  }
+}
+
+std::vector<std::vector<SurfaceSide>> sides_of(const FitArguments& arguments, const FitProblem& problem) {
+  refuse_unknown_parts(arguments, problem);
+  if (problem.surface == Surface::unsided) return {};
+  const SurfaceSide all = problem.surface == Surface::cavity ? SurfaceSide::inside : SurfaceSide::outside;
+  std::vector<std::vector<SurfaceSide>> sides;
+  for (const UncertainModel& implant : problem.series) {
+    std::vector<SurfaceSide>& of_implant = sides.emplace_back();
+    for (const UncertainPrimitive& primitive : implant.primitives) {
+      const bool crossing = is_named(arguments.crossing, primitive.name);
+      const bool outside = is_named(arguments.outside, primitive.name);
+      of_implant.push_back(crossing ? SurfaceSide::any : (outside ? SurfaceSide::outside : all));
+    }
+  }
+  return sides;
+}
+
+/// New vertices, at the resection, are of the area of the vertex that they were made of.
+Cavity labelled_cavity(const FitArguments& arguments, const CutMesh& cut) {
+  Cavity cavity = read_labelled_cavity(arguments.mesh, *arguments.labels, arguments.weights);
+  std::vector<std::uint32_t> area_of;
+  area_of.reserve(cut.origin.size());
+  for (const std::uint32_t vertex : cut.origin) area_of.push_back(cavity.area_of[vertex]);
+  cavity.points = cut.mesh.vertices;
+  cavity.area_of = std::move(area_of);
+  return cavity;
+}
+
+Cavity read_cavity(const FitArguments& arguments, const CutMesh& cut) {
+  const Mesh& mesh = cut.mesh;
+  Cavity cavity = arguments.labels ? labelled_cavity(arguments, cut) : cavity_of_boxes(arguments, mesh);
   const auto counts = [&](std::uint32_t area) { return cavity.areas[area].weight > 0.0; };
   if (std::ranges::none_of(cavity.area_of, counts)) refuse("--weight: every vertex has weight 0: nothing to fit");
   if (limits_triangles(arguments, mesh)) cavity.triangles = mesh.triangles;
@@ -155,8 +268,12 @@ FitProblem read_fit_problem(const FitArguments& arguments) {
   problem.units = common_units(problem.series, arguments.implants);
   problem.options.fitness = fitness_of(arguments, problem.units);
   problem.options.surface_tolerance = relative_surface_tolerance * problem.options.fitness.scale;
-  problem.mesh = read_mesh(arguments.mesh);
-  problem.cavity = read_cavity(arguments, problem.mesh);
+  CutMesh cut = read_cut_mesh(arguments);
+  problem.surface = surface_of(arguments, cut.mesh);
+  problem.options.sides = sides_of(arguments, problem);
+  if (problem.surface != Surface::unsided) check_openings(arguments, cut.mesh);
+  problem.cavity = read_cavity(arguments, cut);
+  problem.mesh = std::move(cut.mesh);
   problem.options.range = range_of(arguments, problem.mesh);
   problem.options.seed = arguments.seed;
   problem.options.samples = arguments.samples;

@@ -13,7 +13,8 @@ namespace verisq::command_line {
 struct FitProblem {
   std::vector<UncertainModel> series;
   std::string units;  ///< of all implants; empty when none has any
-  Mesh mesh;
+  Mesh mesh;          ///< cut off at the resection
+  Surface surface = Surface::unsided;
   Cavity cavity;  ///< the vertices of the mesh
   FitOptions options;
 };

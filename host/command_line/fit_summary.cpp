@@ -59,6 +59,11 @@ Lines pose_lines(const FitSummary& summary) {
   Lines lines{{"implant", summary.implant},
               {"translation", numbers(pose.translation) + units_of(summary)},
               {"quaternion", numbers(pose.quaternion)}};
+  const auto& [centre, rotation, at_limits] = summary.fit.movement;
+  lines.push_back({"moved", fmt::format("({:.4g}) {} of its centre, from the start; turned by {:.4g} degrees about it",
+                                        fmt::join(centre, ", "), summary.units.empty() ? "units" : summary.units,
+                                        std::hypot(rotation[0], rotation[1], rotation[2]))});
+  if (!at_limits.empty()) lines.push_back({"  ended by the range", fmt::format("{}", fmt::join(at_limits, ", "))});
   if (!summary.sized) return lines;
   for (const Primitive& primitive : summary.fit.model.primitives) {
     lines.push_back({"semi-axes", fmt::format("{} {}{}", primitive.name, numbers(primitive.superquadric.semi_axes),
@@ -72,6 +77,84 @@ Lines surface_lines(const MeshClearance& surface, const std::string& units) {
           {"  proven within", fmt::format("{} triangles", surface.proven_within)},
           {"  proven too deep", fmt::format("{} triangles", surface.proven_too_deep)},
           {"  undecided", fmt::format("{} triangles", surface.undecided)}};
+}
+
+std::string_view surface_name(Surface surface) {
+  return surface == Surface::cavity ? "cavity" : "bone";
+}
+
+std::string_view side_name(SurfaceSide side) {
+  if (side == SurfaceSide::any) return "any";
+  return side == SurfaceSide::inside ? "inside" : "outside";
+}
+
+std::string_view finding_name(SideFinding finding) {
+  switch (finding) {
+    case SideFinding::kept: return "proven";
+    case SideFinding::other_side: return "other side";
+    case SideFinding::enters_surface: return "enters the surface";
+    case SideFinding::reaches_through: return "reaches through an opening";
+    case SideFinding::no_deep_point: return "no point deeper than the limit";
+    case SideFinding::on_the_surface: return "on the surface";
+  }
+  return "";
+}
+
+/// What was found, after the primitive's name.
+std::string in_words(SideFinding finding, SurfaceSide required, Surface surface) {
+  const std::string_view side = side_name(required);
+  const std::string_view other = required == SurfaceSide::inside ? "outside" : "inside";
+  const std::string_view name = surface_name(surface);
+  switch (finding) {
+    case SideFinding::kept: return fmt::format("is proven to lie {} the {}", side, name);
+    case SideFinding::other_side: return fmt::format("is proven to lie {} the {}, at least in part", other, name);
+    case SideFinding::enters_surface:
+      return fmt::format("is not proven to lie {} the {}: the implant is not proven to keep off its surface", side,
+                         name);
+    case SideFinding::reaches_through:
+      return fmt::format("is not proven to lie {} the {}: it reaches through an opening", side, name);
+    case SideFinding::no_deep_point:
+      return fmt::format("is not proven to lie {} the {}: it is thinner than the penetration limit", side, name);
+    case SideFinding::on_the_surface:
+      return fmt::format("is not proven to lie {} the {}: its centre is on the surface", side, name);
+  }
+  return "";
+}
+
+std::string name_of(const FitSummary& summary, std::size_t primitive) {
+  const std::string& name = summary.fit.model.primitives[primitive].name;
+  return name.empty() ? fmt::format("primitives[{}]", primitive) : name;
+}
+
+/// Of those primitives.
+template <class Holds>
+std::string names_where(const FitSummary& summary, const Holds& holds) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < summary.required_sides.size(); ++k) {
+    if (holds(summary.required_sides[k], summary.sides->of_primitives[k])) names.push_back(name_of(summary, k));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+Lines side_lines(const FitSummary& summary) {
+  if (!summary.sides) return {};
+  Lines lines;
+  for (const SurfaceSide side : {SurfaceSide::inside, SurfaceSide::outside}) {
+    if (std::ranges::find(summary.required_sides, side) == summary.required_sides.end()) continue;
+    const std::string proven = names_where(summary, [&](SurfaceSide required, SideFinding found) {
+      return required == side && found == SideFinding::kept;
+    });
+    const std::string open = names_where(summary, [&](SurfaceSide required, SideFinding found) {
+      return required == side && found != SideFinding::kept;
+    });
+    std::string text = proven.empty() ? "" : fmt::format("proven of {}", proven);
+    if (!open.empty()) text += fmt::format("{}NOT PROVEN of {}", proven.empty() ? "" : "; ", open);
+    lines.push_back({fmt::format("{} the {}", side_name(side), surface_name(summary.side_of)), text});
+  }
+  const std::string anywhere =
+      names_where(summary, [](SurfaceSide required, SideFinding) { return required == SurfaceSide::any; });
+  if (!anywhere.empty()) lines.push_back({"  not asked", fmt::format("{}, which may pass the opening", anywhere)});
+  return lines;
 }
 
 Lines proven_lines(const FitSummary& summary) {
@@ -89,6 +172,8 @@ Lines proven_lines(const FitSummary& summary) {
     const Lines of_surface = surface_lines(*summary.surface, units);
     lines.insert(lines.end(), of_surface.begin(), of_surface.end());
   }
+  const Lines of_sides = side_lines(summary);
+  lines.insert(lines.end(), of_sides.begin(), of_sides.end());
   return lines;
 }
 
@@ -161,11 +246,33 @@ JsonValue sizes(const FitSummary& summary) {
   return sizes;
 }
 
+JsonObject moved(const FitMovement& movement) {
+  JsonValue::Array at_limits;
+  for (const std::string& limit : movement.at_limits) at_limits.emplace_back(limit);
+  return {{"centre", movement.centre}, {"rotation_degrees", movement.rotation_degrees}, {"at_limits", at_limits}};
+}
+
 JsonObject surface_json(const MeshClearance& surface) {
   return {{"smallest_distance", surface.smallest_distance},
           {"proven_within_limit", surface.proven_within},
           {"proven_too_deep", surface.proven_too_deep},
           {"undecided", surface.undecided}};
+}
+
+JsonValue sides_json(const FitSummary& summary) {
+  if (!summary.sides) return {};
+  JsonValue::Array sides;
+  for (std::size_t k = 0; k < summary.required_sides.size(); ++k) {
+    const bool asked = summary.required_sides[k] != SurfaceSide::any;
+    sides.push_back(JsonObject{
+        {"primitive", name_of(summary, k)},
+        {"required", std::string(side_name(summary.required_sides[k]))},
+        {"found", asked ? JsonValue(std::string(finding_name(summary.sides->of_primitives[k]))) : JsonValue()}});
+  }
+  return JsonObject{{"of", std::string(surface_name(summary.side_of))},
+                    {"rims", summary.sides->rims},
+                    {"kept", summary.sides->kept()},
+                    {"primitives", sides}};
 }
 
 JsonValue areas(const FitSummary& summary) {
@@ -193,6 +300,17 @@ double largest_objective(const Clearance& clearance) {
   return sum;
 }
 
+std::vector<std::string> broken_sides(const FitSummary& summary) {
+  std::vector<std::string> sentences;
+  for (std::size_t k = 0; k < summary.required_sides.size(); ++k) {
+    const SideFinding found = summary.sides->of_primitives[k];
+    if (found == SideFinding::kept) continue;
+    sentences.push_back(
+        fmt::format("{} {}", name_of(summary, k), in_words(found, summary.required_sides[k], summary.side_of)));
+  }
+  return sentences;
+}
+
 std::vector<ReportLine> report_lines(const FitSummary& summary) {
   return joined({proven_lines(summary), area_lines(summary), pose_lines(summary), point_lines(summary)});
 }
@@ -209,6 +327,7 @@ std::string json(const FitSummary& summary) {
       {"implant_index", fit.implant},
       {"implants", summary.implants},
       {"pose", JsonObject{{"translation", fit.pose.translation}, {"quaternion", fit.pose.quaternion}}},
+      {"moved", moved(summary.fit.movement)},
       {"sizes", sizes(summary)},
       {"objective", clearance.objective},
       {"largest_objective", largest_objective(clearance)},
@@ -219,6 +338,7 @@ std::string json(const FitSummary& summary) {
       {"proven_too_deep", clearance.proven_too_deep},
       {"undecided", undecided_depths(clearance)},
       {"surface", summary.surface ? surface_json(*summary.surface) : JsonValue()},
+      {"sides", sides_json(summary)},
       {"areas", areas(summary)},
       {"points", map.points},
       {"device_verified", map.device_verified},

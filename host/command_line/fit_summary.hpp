@@ -8,6 +8,9 @@
 #include <verisq/fit.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/report.hpp>
+#include <verisq/sides.hpp>
+
+#include "host/command_line/fit_command.hpp"
 
 namespace verisq::command_line {
 
@@ -15,9 +18,12 @@ struct FitSummary {
   Fit fit;
   Clearance clearance;
   std::optional<MeshClearance> surface;  ///< nothing where only vertices keep the limit
-  std::string implant;                   ///< file of the chosen one
-  std::size_t implants;                  ///< in the series
-  bool sized;                            ///< the chosen one has sizes to choose from
+  Surface side_of;
+  std::vector<SurfaceSide> required_sides;  ///< one a primitive; none where the surface is unsided
+  std::optional<Sides> sides;               ///< likewise
+  std::string implant;                      ///< file of the chosen one
+  std::size_t implants;                     ///< in the series
+  bool sized;                               ///< the chosen one has sizes to choose from
   double penetration_limit;
   double tolerance;
   std::string units;      ///< empty when not given
@@ -29,6 +35,9 @@ struct FitSummary {
 
 /// The objective if every point of the cavity were served perfectly: the sum of the weights, rounded up.
 [[nodiscard]] double largest_objective(const Clearance& clearance);
+
+/// A sentence for each primitive that is not proven to lie where it has to.
+[[nodiscard]] std::vector<std::string> broken_sides(const FitSummary& summary);
 
 /// What is proven, the most important first, areas included. Digits are rounded outward.
 [[nodiscard]] std::vector<ReportLine> report_lines(const FitSummary& summary);

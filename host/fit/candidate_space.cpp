@@ -22,6 +22,8 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr std::size_t kPoseParameters = 6;
+/// In parts of a range: how close to its end a search takes it for reached.
+constexpr double kAtLimit = 1e-6;
 
 Quaterniond quaternion(const std::array<double, 4>& q) {
   return Quaterniond(q[0], q[1], q[2], q[3]).normalized();
@@ -149,6 +151,27 @@ Pose CandidateSpace::pose(std::span<const double> parameters) const {
 
 Point CandidateSpace::pivot(std::span<const double> parameters) const {
   return point_of(start_centre_ + Vector3d(parameters[0], parameters[1], parameters[2]));
+}
+
+FitMovement CandidateSpace::movement(std::span<const double> parameters) const {
+  FitMovement movement{{}, {}, {}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    movement.centre[i] = parameters[i];
+    movement.rotation_degrees[i] = parameters[3 + i] * 180.0 / std::numbers::pi;
+  }
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double reach = kAtLimit * (upper_[i] - lower_[i]);
+    if (parameters[i] - lower_[i] < reach || upper_[i] - parameters[i] < reach) movement.at_limits.push_back(name(i));
+  }
+  return movement;
+}
+
+std::string CandidateSpace::name(std::size_t parameter) const {
+  if (parameter < kPoseParameters) {
+    return fmt::format("{} {}", parameter < 3 ? "translation along" : "rotation about", "xyz"[parameter % 3]);
+  }
+  const auto& [primitive, axis] = sizes_[parameter - kPoseParameters];
+  return fmt::format("semi-axis {} of {}", axis + 1, middle_.primitives[primitive].name);
 }
 
 Candidate CandidateSpace::candidate(std::span<const double> parameters) const {

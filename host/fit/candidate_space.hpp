@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "host/fit/candidate_evaluation.hpp"
@@ -32,6 +33,8 @@ class CandidateSpace {
   [[nodiscard]] Point pivot(std::span<const double> parameters) const;
   [[nodiscard]] Candidate candidate(std::span<const double> parameters) const;
   [[nodiscard]] Pose pose(std::span<const double> parameters) const;
+  /// From the start, and where its range ends.
+  [[nodiscard]] FitMovement movement(std::span<const double> parameters) const;
   /// The implant of these sizes in its own frame.
   [[nodiscard]] Model sized(std::span<const double> parameters) const;
 
@@ -49,6 +52,7 @@ class CandidateSpace {
     std::size_t axis;
   };
 
+  [[nodiscard]] std::string name(std::size_t parameter) const;
   void bound_pose(const PoseRange& range);
   void bound_sizes(const UncertainModel& implant);
   void write_pose_gradient(std::span<const double> parameters, const std::array<double, 6>& by_pose,

@@ -16,6 +16,7 @@
 #include "host/fit/local_refinement.hpp"
 #include "host/fit/penetration_limit.hpp"
 #include "host/fit/pose_objective.hpp"
+#include "host/fit/side_requirements.hpp"
 #include "host/fit/surface_limit.hpp"
 #include "host/fit/surface_points.hpp"
 #include "host/fit/union_depth.hpp"
@@ -101,6 +102,24 @@ std::vector<double> weights_of(const Cavity& cavity) {
   return weights;
 }
 
+void check_sides(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options) {
+  if (options.sides.empty()) return;
+  require(options.sides.size() == series.size(),
+          fmt::format("sides: of {} implants, where there are {}", options.sides.size(), series.size()));
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    require(options.sides[i].size() == series[i].primitives.size(),
+            fmt::format("sides[{}]: of {} primitives, where there are {}", i, options.sides[i].size(),
+                        series[i].primitives.size()));
+  }
+  check_surface_has_sides({cavity.points, cavity.triangles});
+}
+
+/// Nothing where the implants may be anywhere.
+std::optional<InsideTest> inside_test(const Cavity& cavity, const FitOptions& options) {
+  if (options.sides.empty()) return std::nullopt;
+  return InsideTest({cavity.points, cavity.triangles});
+}
+
 /// Nothing stands for the host.
 device::Selection selected(const std::string& device) {
   return device == "host" ? device::Selection{} : device::select_device(device);
@@ -143,22 +162,24 @@ double spacing_of_surface_points(std::span<const UncertainModel> series) {
 /// The search for one implant.
 class ImplantSearch {
  public:
-  ImplantSearch(const CandidateSpace& space, std::size_t implant, SearchedCavity& cavity, const FitOptions& options,
-                SearchWatch& watch)
+  ImplantSearch(const CandidateSpace& space, std::size_t implant, SearchedCavity& cavity, const SideRequirements& sides,
+                const FitOptions& options, SearchWatch& watch)
       : space_(space),
         implant_(implant),
         evaluator_(*cavity.point_evaluator),
         cavity_(cavity.points),
+        sides_(sides),
         options_(options),
         watch_(watch),
         weights_(weights_of(cavity_)),
-        full_(space, *cavity.surface_evaluator, cavity.surface, options.fitness, options.penetration_limit, watch) {}
+        full_(space, *cavity.surface_evaluator, cavity.surface, sides, options.fitness, options.penetration_limit,
+              watch) {}
 
   /// Of the surface only what the search knows.
   Found best() {
     watch_.at(implant_, 0.0);
     full_.at(space_.start());  // so that there is a best pose, whenever the search is interrupted
-    std::vector<Ranked> starts = global_start(space_, evaluator_, landscape(kSampledWidening, kSampledPoints),
+    std::vector<Ranked> starts = global_start(space_, evaluator_, sides_, landscape(kSampledWidening, kSampledPoints),
                                               {options_.samples, options_.seed, kRounds[0].starts}, watch_);
     watch_.at(implant_, kSampled);
     for (std::size_t round = 0; round < std::size(kRounds); ++round) {
@@ -182,7 +203,8 @@ class ImplantSearch {
     return {.parameters = found.parameters,
             .objective = depth.objective,
             .deepest_penetration = depth.deepest_penetration,
-            .within_limit = depth.deepest_penetration <= options_.penetration_limit};
+            .within_limit = depth.deepest_penetration <= options_.penetration_limit,
+            .misplaced = found.misplaced};
   }
 
  private:
@@ -203,7 +225,7 @@ class ImplantSearch {
     const Landscape climbed = landscape(round.widening, kClimbedPoints);
     for (Ranked& start : starts) {
       if (watch_.interrupted()) return;
-      start = refined(space_, evaluator_, climbed, start.parameters, round.stop, watch_);
+      start = refined(space_, evaluator_, sides_, climbed, start.parameters, round.stop, watch_);
     }
   }
 
@@ -216,7 +238,7 @@ class ImplantSearch {
       if (in_union.within_limit || !found.within_limit || settling == kMostSettlings || watch_.interrupted())
         return in_union;
       limit *= kSettlingMargin * options_.penetration_limit / in_union.deepest_penetration;
-      FullEvaluation lower(space_, evaluator_, cavity_, options_.fitness, limit, watch_);
+      FullEvaluation lower(space_, evaluator_, cavity_, sides_, options_.fitness, limit, watch_);
       refine_within_limit(lower, found.parameters);
       found = *lower.best();
     }
@@ -226,6 +248,7 @@ class ImplantSearch {
   std::size_t implant_;
   CandidateEvaluator& evaluator_;
   const Cavity& cavity_;
+  const SideRequirements& sides_;
   const FitOptions& options_;
   SearchWatch& watch_;
   std::vector<double> weights_;
@@ -237,6 +260,7 @@ class ImplantSearch {
 Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options) {
   require(!series.empty(), "fit: no implant to fit");
   check(cavity, options);
+  check_sides(series, cavity, options);
   const std::vector<CandidateSpace> spaces = spaces_of(series, options.range);
   const device::Selection selection = selected(options.device);
   const std::string device = selection.device ? selection.device->name : "host";
@@ -244,13 +268,15 @@ Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitO
   const double spacing = spacing_of_surface_points(series);
   SearchedCavity searched(cavity, spacing, make_evaluator);
   SearchWatch watch(options, series.size());
+  const std::optional<InsideTest> inside = inside_test(cavity, options);
   std::size_t implant = 0;
   std::optional<Found> best;
   for (std::size_t i = 0; i < spaces.size() && (i == 0 || !watch.interrupted()); ++i) {
-    ImplantSearch search(spaces[i], i, searched, options, watch);
+    const SideRequirements sides = inside ? SideRequirements(*inside, options.sides[i]) : SideRequirements();
+    ImplantSearch search(spaces[i], i, searched, sides, options, watch);
     Found found = search.best();
     if (!cavity.triangles.empty()) {
-      found = within_surface(spaces[i], found, cavity, spacing, options, device, make_evaluator, watch);
+      found = within_surface(spaces[i], found, cavity, sides, spacing, options, device, make_evaluator, watch);
       found.objective = search.found_in_union(found).objective;
     }
     if (best && !better(found, *best)) continue;
@@ -264,6 +290,7 @@ Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitO
           .objective = best->objective,
           .deepest_penetration = best->deepest_penetration,
           .within_limit = best->within_limit,
+          .movement = spaces[implant].movement(best->parameters),
           .interrupted = watch.interrupted(),
           .poses = watch.poses(),
           .device = device,

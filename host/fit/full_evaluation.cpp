@@ -8,10 +8,12 @@
 namespace verisq::fit_search {
 
 FullEvaluation::FullEvaluation(const CandidateSpace& space, CandidateEvaluator& evaluator, const Cavity& cavity,
-                               const Fitness& fitness, double penetration_limit, SearchWatch& watch)
+                               const SideRequirements& sides, const Fitness& fitness, double penetration_limit,
+                               SearchWatch& watch)
     : space_(space),
       evaluator_(evaluator),
       cavity_(cavity),
+      sides_(sides),
       fitness_(fitness),
       penetration_limit_(penetration_limit),
       watch_(watch),
@@ -29,11 +31,13 @@ const FullEvaluation::Result& FullEvaluation::at(std::span<const double> paramet
   result_.evaluation = sum.result();
   result_.deepest_penetration = std::max(-result_.evaluation.smallest_distance, 0.0);
   result_.within_limit = -result_.evaluation.smallest_distance <= penetration_limit_;
+  const std::size_t misplaced = sides_.misplaced(candidate);
   incumbent_.offer({.parameters = parameters_,
                     .objective = result_.evaluation.objective,
                     .deepest_penetration = result_.deepest_penetration,
-                    .within_limit = result_.within_limit});
-  if (result_.within_limit) watch_.found(result_.evaluation.objective);
+                    .within_limit = result_.within_limit,
+                    .misplaced = misplaced});
+  if (result_.within_limit && misplaced == 0) watch_.found(result_.evaluation.objective);
   return result_;
 }
 

@@ -11,8 +11,8 @@ Fitness widened(const Fitness& fitness, double factor) {
   return {fitness.target, fitness.scale * factor, fitness.serves};
 }
 
-Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const Landscape& landscape,
-               const Parameters& start, const StoppingCriteria& stop, SearchWatch& watch) {
+Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const SideRequirements& sides,
+               const Landscape& landscape, const Parameters& start, const StoppingCriteria& stop, SearchWatch& watch) {
   Ranked best{start, -infinity};
   std::vector<Evaluation> evaluations;
   const auto objective = [&](std::span<const double> parameters, std::span<double> gradient) {
@@ -21,7 +21,8 @@ Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const
     watch.count(1);
     const Evaluation& found = evaluations.front();
     std::ranges::copy(space.gradient(parameters, found.pose_gradient, found.size_gradient), gradient.begin());
-    if (found.objective > best.objective) best = {{parameters.begin(), parameters.end()}, found.objective};
+    const double rank = landscape.rank(found.objective, sides.misplaced(candidate));
+    if (rank > best.objective) best = {{parameters.begin(), parameters.end()}, rank};
     return found.objective;
   };
   Parameters units = space.units();

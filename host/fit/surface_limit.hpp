@@ -8,6 +8,7 @@
 #include "host/fit/candidate_space.hpp"
 #include "host/fit/incumbent.hpp"
 #include "host/fit/search_watch.hpp"
+#include "host/fit/side_requirements.hpp"
 #include "verisq/cavity.hpp"
 #include "verisq/fit.hpp"
 
@@ -21,7 +22,7 @@ using MakeEvaluator = std::function<std::unique_ptr<CandidateEvaluator>(const Ca
 /// `within_limit` and `deepest_penetration` are of the whole surface and proven. Precondition: the cavity has
 /// triangles.
 [[nodiscard]] Found within_surface(const CandidateSpace& space, const Found& start, const Cavity& cavity,
-                                   double spacing, const FitOptions& options, const std::string& device,
-                                   const MakeEvaluator& make_evaluator, SearchWatch& watch);
+                                   const SideRequirements& sides, double spacing, const FitOptions& options,
+                                   const std::string& device, const MakeEvaluator& make_evaluator, SearchWatch& watch);
 
 }  // namespace verisq::fit_search

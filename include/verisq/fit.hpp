@@ -10,6 +10,7 @@
 #include <verisq/cavity.hpp>
 #include <verisq/fitness.hpp>
 #include <verisq/model.hpp>
+#include <verisq/sides.hpp>
 #include <verisq/uncertain_model.hpp>
 
 namespace verisq {
@@ -34,11 +35,21 @@ struct FitOptions {
   double penetration_limit;        ///< no point of the cavity's surface deeper inside the implant, in model units; >= 0
   double surface_tolerance = 0.0;  ///< how close to the limit triangles are still decided; > 0 where there are any
   PoseRange range;
+  /// Of the cavity's triangles, one a primitive for each implant, which the search keeps to where it can: whether it
+  /// did, prove_sides tells. Empty: each may be anywhere.
+  std::vector<std::vector<SurfaceSide>> sides = {};
   std::uint64_t seed = 1;                                    ///< the same seed on the same device gives the same pose
   std::size_t samples = 4096;                                ///< poses of the global start
   std::string device = "auto";                               ///< as MapOptions::device; "host": no OpenCL at all
   std::function<bool()> interrupted = [] { return false; };  ///< polled; true: the best so far is returned
   std::function<void(const FitProgress&)> progress = [](const FitProgress&) {};
+};
+
+/// From where the range starts, to nearest.
+struct FitMovement {
+  Point centre;                        ///< of the implant: moved by this vector
+  Point rotation_degrees;              ///< a rotation vector, about that centre
+  std::vector<std::string> at_limits;  ///< which ranges end here: "translation along x", "semi-axis 2 of body", ...
 };
 
 struct Fit {
@@ -49,6 +60,7 @@ struct Fit {
   double deepest_penetration;  ///< of a point of the cavity, to about 1e-9, 0 where none is inside; where there are
                                ///< triangles of their surface, to a hundred times the tolerance
   bool within_limit;  ///< no point deeper than the limit by the search's own reckoning, no triangle proven to be
+  FitMovement movement;
   bool interrupted;
   std::uint64_t poses;  ///< candidates evaluated
   std::string device;   ///< used, or "host"
@@ -59,7 +71,8 @@ struct Fit {
 /// the largest objective; of equals the earlier. Semi-axes that are intervals are sizes to choose from (I_l <= I <=
 /// I_r); all other numbers must be exact. The functions of the options are called by one thread at a time. Throws
 /// Error(input) for an empty series or cavity, for options and points out of their ranges, for implants that are not
-/// unions of convex primitives, for other uncertain numbers, and for devices as Mapper.
+/// unions of convex primitives, for other uncertain numbers, for sides that are not those of the implants or of a
+/// surface that has none, and for devices as Mapper.
 [[nodiscard]] Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options);
 
 }  // namespace verisq

@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
@@ -12,6 +14,7 @@
 #include <verisq/model_file.hpp>
 
 #include "tests/fixtures/program_test.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -83,6 +86,43 @@ std::string labelled_ply(const Mesh& mesh) {
   return text;
 }
 
+/// A box about the origin, its faces in squares of 2 and these halved, normals outward; `half` its sides in 4.
+Mesh tessellated_box(const std::array<int, 3>& half) {
+  Mesh mesh;
+  std::map<std::array<int, 3>, std::uint32_t> known;
+  const auto vertex = [&](const std::array<int, 3>& at) {
+    const auto [place, is_new] = known.try_emplace(at, static_cast<std::uint32_t>(mesh.vertices.size()));
+    if (is_new) mesh.vertices.push_back({2.0 * at[0], 2.0 * at[1], 2.0 * at[2]});
+    return place->second;
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t u = (axis + 1) % 3;
+    const std::size_t v = (axis + 2) % 3;
+    for (const int side : {-1, 1}) {
+      for (int i = -half[u]; i < half[u]; ++i) {
+        for (int j = -half[v]; j < half[v]; ++j) {
+          const auto corner = [&](int along_u, int along_v) {
+            std::array<int, 3> at{};
+            at[axis] = side * half[axis];
+            at[u] = i + along_u;
+            at[v] = j + along_v;
+            return vertex(at);
+          };
+          std::array<std::uint32_t, 3> first{corner(0, 0), corner(1, 0), corner(1, 1)};
+          std::array<std::uint32_t, 3> second{corner(0, 0), corner(1, 1), corner(0, 1)};
+          if (side < 0) {
+            std::swap(first[0], first[1]);
+            std::swap(second[0], second[1]);
+          }
+          mesh.triangles.push_back(first);
+          mesh.triangles.push_back(second);
+        }
+      }
+    }
+  }
+  return mesh;
+}
+
 class FitCommand : public ProgramTest {
  protected:
   /// An ellipsoid; `axes` as in a model file, `rest` further keys of it.
@@ -95,9 +135,10 @@ class FitCommand : public ProgramTest {
   [[nodiscard]] std::string bone() const { return write("bone.off", off(cavity_mesh())); }
   [[nodiscard]] std::string fitted() const { return path("fitted.json"); }
 
-  /// In a small range of poses, on the host, with a JSON summary.
+  /// In a small range of poses, on any side, on the host, with a JSON summary.
   [[nodiscard]] static Arguments near(Arguments arguments) {
-    const Arguments quick{"fit", "--translation-range", "4", "--rotation-range", "10", "--device", "host", "--json"};
+    const Arguments quick{"fit",  "--any-side", "--translation-range", "4", "--rotation-range", "10", "--device",
+                          "host", "--json"};
     arguments.insert(arguments.begin(), quick.begin(), quick.end());
     return arguments;
   }
@@ -112,8 +153,8 @@ class FitCommand : public ProgramTest {
   /// Without any movement.
   [[nodiscard]] Outcome fit_in_place(Arguments arguments) const {
     arguments.insert(arguments.begin(),
-                     {"fit", "--implant", implant("body.json"), "--mesh", bone(), "-o", fitted(), "--translation-range",
-                      "0", "--rotation-range", "0", "--device", "host", "--samples", "16"});
+                     {"fit", "--any-side", "--implant", implant("body.json"), "--mesh", bone(), "-o", fitted(),
+                      "--translation-range", "0", "--rotation-range", "0", "--device", "host", "--samples", "16"});
     return run(arguments);
   }
 };
@@ -289,7 +330,7 @@ TEST_F(FitCommand, RefusesBadUsage) {
   const Arguments files{"--implant", body, "--mesh", mesh, "-o", fitted()};
   const auto refused = [&](Arguments options, const std::string& message) {
     options.insert(options.begin(), files.begin(), files.end());
-    options.insert(options.begin(), "fit");
+    options.insert(options.begin(), {"fit", "--any-side"});
     expect_refused(run(options), {message});
     EXPECT_FALSE(std::filesystem::exists(fitted()));
   };
@@ -317,13 +358,13 @@ TEST_F(FitCommand, RefusesBadUsage) {
   refused({"--map", mesh}, "--map " + mesh + ": would overwrite an input");
   refused({"--report", path("report.txt")}, "--report");
   expect_refused(run({"fit", "--implant", body, "--mesh", mesh, "-o", body}), {"-o " + body + ": would overwrite"});
-  EXPECT_EQ(run({"fit", "--implant", body, "--mesh", mesh, "-o", path("none/fitted.json")}).status, 1);
+  EXPECT_EQ(run({"fit", "--any-side", "--implant", body, "--mesh", mesh, "-o", path("none/fitted.json")}).status, 1);
 }
 
 TEST_F(FitCommand, RefusesImplantsThatDoNotServe) {
   const std::string mesh = bone();
   const auto refused = [&](const Arguments& implants, const std::string& message) {
-    Arguments arguments{"fit", "--mesh", mesh, "-o", fitted()};
+    Arguments arguments{"fit", "--any-side", "--mesh", mesh, "-o", fitted()};
     for (const std::string& file : implants) arguments.insert(arguments.end(), {"--implant", file});
     expect_refused(run(arguments), {message});
   };
@@ -353,6 +394,94 @@ TEST_F(FitCommand, ExplainsItself) {
   for (const char* word :
        {"--implant", "--completion", "--penetration-limit", "--pose-start", "--labels", "Exit status"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
+}
+
+/// A closed cavity, 8 x 8 x 24, and a pin with a broad head that stands out of it at the top. Beside the cavity the pin
+/// has all its sides served as well.
+class SidedFitCommand : public ProgramTest {
+ protected:
+  [[nodiscard]] std::string cavity(bool inward = false) const {
+    Mesh mesh = tessellated_box({2, 2, 6});
+    if (inward)
+      for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
+    return write(inward ? "inward.off" : "outward.off", off(mesh));
+  }
+  [[nodiscard]] std::string pin() const {
+    return write("pin.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+        {"name": "shaft", "superquadric": {"semi_axes": [3, 3, 7], "exponents": [0.5, 0.5]},
+         "pose": {"translation": [0, 0, -2]}},
+        {"name": "neck", "superquadric": {"semi_axes": [2, 2, 6], "exponents": [1, 1]},
+         "pose": {"translation": [0, 0, 8]}}]})");
+  }
+  [[nodiscard]] Outcome fit(Arguments arguments, const std::string& translation = "12",
+                            const std::string& rotation = "10") const {
+    const Arguments quick{"fit",
+                          "--implant",
+                          pin(),
+                          "-o",
+                          path("fitted.json"),
+                          "--device",
+                          "host",
+                          "--json",
+                          "--samples",
+                          "256",
+                          "--rotation-range",
+                          rotation,
+                          "--translation-range",
+                          translation};
+    arguments.insert(arguments.begin(), quick.begin(), quick.end());
+    return run(arguments);
+  }
+  static constexpr const char* top = "0,0,8,0,0,1";  // of the cavity, cut open
+};
+
+TEST_F(SidedFitCommand, AsksWhatTheMeshIs) {
+  expect_refused(fit({"--mesh", cavity()}), {"is it a cavity, which the implant lies in, or bone"});
+  expect_refused(fit({"--mesh", cavity(), "--cavity", "--bone"}), {"only one of --cavity, --bone and --any-side"});
+  expect_refused(fit({"--mesh", cavity(), "--cavity", "--crossing", "neck"}), {"--crossing neck: ", "is closed"});
+  expect_refused(fit({"--mesh", cavity(), "--cavity", "--crossing", "nose"}),
+                 {"--crossing: no primitive is named nose"});
+  expect_refused(fit({"--mesh", cavity(), "--any-side", "--outside", "neck"}), {"--outside neck: not with --any-side"});
+  expect_refused(fit({"--mesh", cavity(), "--cavity", "--on", "vertices"}), {"vertices alone have no sides"});
+  expect_refused(fit({"--mesh", cavity(), "--cavity", "--resection", "0,0,8,0,0,0"}), {"has a zero normal"});
+  expect_refused(fit({"--mesh", cavity(), "--cavity", "--resection", "0,0,-99,0,0,1"}), {"lies beyond it"});
+  const std::string two = write("two.off", off(testing::join(tessellated_box({2, 2, 6}), tessellated_box({1, 1, 1}))));
+  expect_refused(fit({"--mesh", two, "--cavity"}), {"2 separate surfaces"});
+}
+
+TEST_F(SidedFitCommand, PutsTheShaftInside) {
+  const Outcome outcome = fit({"--mesh", cavity(), "--cavity", "--resection", top, "--crossing", "neck"});
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  const json sides = json::parse(outcome.out)["sides"];
+  EXPECT_EQ(sides["of"], "cavity");
+  EXPECT_EQ(sides["rims"], 1);
+  EXPECT_EQ(sides["kept"], true);
+  EXPECT_EQ(sides["primitives"][0], (json{{"primitive", "shaft"}, {"required", "inside"}, {"found", "proven"}}));
+  EXPECT_EQ(sides["primitives"][1], (json{{"primitive", "neck"}, {"required", "any"}, {"found", nullptr}}));
+}
+
+TEST_F(SidedFitCommand, KnowsACavityByItsNormals) {
+  const Outcome outcome = fit({"--mesh", cavity(true)});
+  EXPECT_EQ(json::parse(outcome.out)["sides"]["of"], "cavity");
+}
+
+TEST_F(SidedFitCommand, NeverCallsWhatLiesBesideTheCavityDone) {
+  const Outcome outcome =
+      fit({"--mesh", cavity(), "--cavity", "--resection", top, "--crossing", "neck", "--pose-start", "30,0,0,1,0,0,0"},
+          "2");
+  EXPECT_EQ(outcome.status, 3) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("shaft is proven to lie outside the cavity, at least in part"));
+  EXPECT_EQ(json::parse(outcome.out)["sides"]["primitives"][0]["found"], "other side");
+}
+
+TEST_F(SidedFitCommand, KeepsOutOfBone) {
+  const Outcome outcome = fit({"--mesh", cavity(), "--bone"});
+  const json summary = json::parse(outcome.out);
+  EXPECT_EQ(summary["sides"]["of"], "bone");
+  EXPECT_EQ(outcome.status == 0, summary["sides"]["kept"].get<bool>()) << outcome.err;
+  const Outcome inside = fit({"--mesh", cavity(), "--bone", "--pose-start", "0,0,-2.5,1,0,0,0"}, "0.1", "1");
+  EXPECT_EQ(inside.status, 3);
+  EXPECT_THAT(inside.err, HasSubstr("shaft is proven to lie inside the bone, at least in part"));
 }
 
 }  // namespace

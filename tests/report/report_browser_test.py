@@ -355,7 +355,7 @@ class FittedReport(unittest.TestCase):
         (folder / "body.json").write_text(json.dumps(
             {"format": "verisq-model/1", "units": "mm", "primitives": [primitive], "areas": boxes}))
         output = subprocess.run(
-            [options.program, "fit", "--implant", folder / "body.json", "--mesh", folder / "cavity.off",
+            [options.program, "fit", "--any-side", "--implant", folder / "body.json", "--mesh", folder / "cavity.off",
              "--weight", f"elsewhere={cls.areas['elsewhere']}", "--translation-range", "4", "--rotation-range", "10",
              "--samples", "128", "--device", "host", "--no-progress", "--json", "-o", folder / "fitted.json",
              "--map", folder / "fit.csv", "--report", folder / "fit.html", "--png", folder / "fit.png"],

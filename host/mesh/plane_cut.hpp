@@ -1,0 +1,26 @@
+/// A mesh without what lies beyond a plane.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+#include <verisq/mesh.hpp>
+
+namespace verisq {
+
+/// Beyond is where (x - point) . normal > 0.
+struct Plane {
+  Point point;
+  Point normal;  ///< of any length but 0
+};
+
+struct CutMesh {
+  Mesh mesh;
+  std::vector<std::uint32_t> origin;  ///< for each vertex that of the whole mesh which it is, or which lies at the kept
+                                      ///< end of its edge: new ones lie where an edge meets the plane, to nearest
+};
+
+/// In the order of the whole mesh: vertices that are kept, of triangles or not, then new ones; triangles as they come,
+/// those that the plane crosses replaced by one or two.
+[[nodiscard]] CutMesh cut_off(const Mesh& mesh, const Plane& plane);
+
+}  // namespace verisq

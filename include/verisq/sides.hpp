@@ -1,0 +1,57 @@
+/// Proves on which side of a surface the parts of an implant lie: inside a cavity, outside a bone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+#include <verisq/mesh.hpp>
+#include <verisq/mesh_clearance.hpp>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// Where a primitive has to lie.
+enum class SurfaceSide : std::uint8_t {
+  inside,   ///< of the surface, closed over its rims
+  outside,  ///< likewise
+  any,      ///< it may pass through the openings
+};
+
+enum class SideFinding : std::uint8_t {
+  kept,             ///< proven
+  other_side,       ///< proven to be broken: a part of the primitive lies on the other side
+  enters_surface,   ///< it is not proven to keep off the surface, so that it may reach through
+  reaches_through,  ///< it is not proven to keep off the openings
+  no_deep_point,    ///< it has no point that is known to lie deeper than the limit of penetration
+  on_the_surface,   ///< rounding leaves its point's side open
+};
+
+struct SidesOptions {
+  double penetration_limit = 0.0;  ///< model units, >= 0
+  double tolerance;                ///< how close to the limit triangles of an opening are still decided, > 0
+  std::string device = "auto";     ///< as MapOptions
+  std::function<bool()> interrupted = [] { return false; };
+};
+
+struct Sides {
+  std::vector<SideFinding> of_primitives;  ///< `kept` for each that may lie anywhere
+  std::size_t rims = 0;                    ///< over which the surface was closed, by fans about their means
+  [[nodiscard]] bool kept() const;
+};
+
+/// Throws Error(input) unless the triangles enclose a side: manifold, and consistently oriented.
+void check_surface_has_sides(const Mesh& surface);
+
+/// Kept by a primitive means: of its points that lie deeper in it than the limit, every one lies on the side required
+/// of it (all points of its interior where the limit is 0). They form a connected set, being those of a convex solid;
+/// no point of the surface, nor of its openings, is among them, by `clearance` and by proofs of their own; and for one
+/// of them its winding number is proven (docs/mathematics.md §21).
+/// Preconditions: a union of convex primitives, `required` one a primitive, `clearance` that of the same model and
+/// surface under the same limit. Throws Error(input) as check_surface_has_sides and Mapper.
+[[nodiscard]] Sides prove_sides(const Model& model, const Mesh& surface, const MeshClearance& clearance,
+                                std::span<const SurfaceSide> required, const SidesOptions& options);
+
+}  // namespace verisq

@@ -1,0 +1,237 @@
+/// On which side of a surface a primitive lies: boxes, balls and tubes where the answer is known, and closed surfaces
+/// against the winding numbers of their solid angles.
+#include "verisq/sides.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "host/fit/inside_test.hpp"
+#include "host/mesh/rims.hpp"
+#include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/random.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
+#include "verify/deviation/triangle_tree.hpp"
+#include "verify/sides/winding_number.hpp"
+
+namespace verisq {
+namespace {
+
+using ::testing::ElementsAre;
+using verisq::testing::expect_error;
+using verisq::testing::join;
+using verisq::testing::Random;
+using verisq::testing::sphere_mesh;
+using verisq::testing::torus_mesh;
+
+Mesh turned_round(Mesh mesh) {
+  for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
+  return mesh;
+}
+
+Mesh scaled(Mesh mesh, double factor) {
+  for (Point& vertex : mesh.vertices)
+    for (double& x : vertex) x *= factor;
+  return mesh;
+}
+
+/// Of a sphere the triangles below a height: an open bowl.
+Mesh bowl(double height) {
+  Mesh mesh = sphere_mesh(3);
+  std::erase_if(mesh.triangles, [&](const auto& corners) {
+    return std::ranges::any_of(corners, [&](std::uint32_t v) { return mesh.vertices[v][2] > height; });
+  });
+  return mesh;
+}
+
+std::optional<int> winding(const Point& point, const Mesh& mesh) {
+  std::vector<Triangle> triangles = verify::triangles_of(mesh);
+  const std::vector<Triangle> openings = verify::triangles_of(closing_over_rims(mesh).mesh);
+  triangles.insert(triangles.end(), openings.begin(), openings.end());
+  return verify::winding_number(point, triangles);
+}
+
+/// The sum of the triangles' solid angles over 4 pi (Van Oosterom and Strackee, The solid angle of a plane triangle,
+/// 1983), to nearest.
+double winding_by_angles(const Point& point, const Mesh& mesh) {
+  const auto from_point = [&](std::uint32_t v) {
+    const Point& x = mesh.vertices[v];
+    return Point{x[0] - point[0], x[1] - point[1], x[2] - point[2]};
+  };
+  const auto dot = [](const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  double sum = 0.0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Point a = from_point(i);
+    const Point b = from_point(j);
+    const Point c = from_point(k);
+    const double la = std::sqrt(dot(a, a));
+    const double lb = std::sqrt(dot(b, b));
+    const double lc = std::sqrt(dot(c, c));
+    const Point bc{b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]};
+    sum += 2.0 * std::atan2(dot(a, bc), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+  }
+  return sum / (4.0 * std::numbers::pi);
+}
+
+TEST(WindingNumber, IsThatOfTheSolidAngles) {
+  const std::vector<Mesh> meshes{sphere_mesh(2),
+                                 turned_round(sphere_mesh(1)),
+                                 torus_mesh(1.0, 0.4, 24, 12),
+                                 join(sphere_mesh(2), turned_round(scaled(sphere_mesh(1), 0.5))),
+                                 join(sphere_mesh(2), scaled(sphere_mesh(1), 0.5)),
+                                 bowl(0.3)};
+  Random random(1);
+  for (const Mesh& mesh : meshes) {
+    Mesh closed = mesh;
+    const Closing closing = closing_over_rims(mesh);
+    if (closing.rims > 0) closed = join(mesh, closing.mesh);
+    for (int i = 0; i < 60; ++i) {
+      const Point point{random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3)};
+      const double by_angles = winding_by_angles(point, closed);
+      ASSERT_NEAR(by_angles, std::round(by_angles), 1e-6);
+      EXPECT_EQ(winding(point, mesh), static_cast<int>(std::round(by_angles)));
+    }
+  }
+}
+
+TEST(WindingNumber, IsOpenOnTheSurface) {
+  const Mesh mesh = sphere_mesh(1);
+  for (const Point& vertex : mesh.vertices) EXPECT_EQ(winding(vertex, mesh), std::nullopt);
+  for (const auto& [a, b, c] : verify::triangles_of(mesh)) {
+    const Point middle{(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2};
+    EXPECT_THAT(winding(middle, mesh), ::testing::AnyOf(std::optional<int>(0), std::optional<int>(1), std::nullopt));
+  }
+}
+
+/// The rays of the directions pass exactly through vertices and edges.
+TEST(WindingNumber, IsKnownWhereRaysMeetVertices) {
+  const Mesh box{
+      .vertices = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {-1, 1, 1}, {1, 1, 1}},
+      .triangles = {{0, 2, 1},
+                    {1, 2, 3},
+                    {4, 5, 6},
+                    {5, 7, 6},
+                    {0, 1, 4},
+                    {1, 5, 4},
+                    {2, 6, 3},
+                    {3, 6, 7},
+                    {0, 4, 2},
+                    {2, 4, 6},
+                    {1, 3, 5},
+                    {3, 7, 5}}};
+  const Point first{0.5773, 0.3989, 0.7126};  // of the ray that is tried first
+  const Point below{1 - 0.5773, 1 - 0.3989, 1 - 0.7126};
+  EXPECT_EQ(winding(below, box), 1);
+  EXPECT_EQ(winding({1 + first[0], 1 + first[1], 1 + first[2]}, box), 0);
+  EXPECT_EQ(winding({1 - 4 * first[0], 1 - 4 * first[1], 1 - 4 * first[2]}, box), 0);
+}
+
+TEST(InsideTest, AgreesWithTheProof) {
+  Random random(2);
+  for (const Mesh& mesh : {sphere_mesh(3), torus_mesh(1.0, 0.4, 24, 12), bowl(0.3), turned_round(sphere_mesh(2))}) {
+    const fit_search::InsideTest inside(mesh);
+    for (int i = 0; i < 100; ++i) {
+      const Point point{random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3)};
+      EXPECT_EQ(inside(point), winding(point, mesh) != 0);
+    }
+  }
+}
+
+TEST(ClosingOverRims, ClosesEveryRim) {
+  EXPECT_EQ(closing_over_rims(sphere_mesh(1)).rims, 0U);
+  EXPECT_EQ(closing_over_rims(bowl(0.3)).rims, 1U);
+  Mesh tube = bowl(0.5);
+  std::erase_if(tube.triangles, [&](const auto& corners) {
+    return std::ranges::any_of(corners, [&](std::uint32_t v) { return tube.vertices[v][2] < -0.5; });
+  });
+  const Closing closing = closing_over_rims(tube);
+  EXPECT_EQ(closing.rims, 2U);
+  EXPECT_EQ(closing.mesh.triangles.size(), closing.edges);
+  Mesh closed{closing.mesh.vertices, tube.triangles};
+  closed.triangles.insert(closed.triangles.end(), closing.mesh.triangles.begin(), closing.mesh.triangles.end());
+  EXPECT_EQ(closing_over_rims(closed).rims, 0U);
+}
+
+Primitive ellipsoid(const Point& centre, const Point& semi_axes) {
+  return {"part", {semi_axes, {1.0, 1.0}}, {centre}, {}};
+}
+
+std::vector<SideFinding> findings(const Model& model, const Mesh& surface, const std::vector<SurfaceSide>& required,
+                                  double limit = 0.0) {
+  const MeshClearance clearance =
+      mesh_clearance(model, surface, {.penetration_limit = limit, .tolerance = 1e-3, .device = "host"});
+  return prove_sides(model, surface, clearance, required,
+                     {.penetration_limit = limit, .tolerance = 1e-3, .device = "host"})
+      .of_primitives;
+}
+
+SideFinding finding(const Primitive& primitive, const Mesh& surface, SurfaceSide required, double limit = 0.0) {
+  return findings({"", {primitive}, {}}, surface, {required}, limit).front();
+}
+
+constexpr Point small{0.2, 0.2, 0.2};
+
+TEST(Sides, TellsInsideFromOutside) {
+  for (const Mesh& surface : {sphere_mesh(3), turned_round(sphere_mesh(3))}) {
+    EXPECT_EQ(finding(ellipsoid({0.1, 0.2, 0.3}, small), surface, SurfaceSide::inside), SideFinding::kept);
+    EXPECT_EQ(finding(ellipsoid({0.1, 0.2, 0.3}, small), surface, SurfaceSide::outside), SideFinding::other_side);
+    EXPECT_EQ(finding(ellipsoid({0.1, 0.2, 1.5}, small), surface, SurfaceSide::inside), SideFinding::other_side);
+    EXPECT_EQ(finding(ellipsoid({0.1, 0.2, 1.5}, small), surface, SurfaceSide::outside), SideFinding::kept);
+  }
+}
+
+TEST(Sides, IsNotProvenWhereTheSurfaceIsEntered) {
+  const Primitive through = ellipsoid({0.0, 0.0, 0.9}, small);
+  EXPECT_EQ(finding(through, sphere_mesh(3), SurfaceSide::inside), SideFinding::enters_surface);
+  EXPECT_EQ(finding(through, sphere_mesh(3), SurfaceSide::any), SideFinding::kept);
+  EXPECT_EQ(finding(ellipsoid({0.0, 0.0, 0.7}, small), sphere_mesh(3), SurfaceSide::inside), SideFinding::kept);
+}
+
+/// Within the limit of penetration: what lies deeper than that is inside, and there must be such points.
+TEST(Sides, LeavesWhatTheLimitAllows) {
+  const Primitive through = ellipsoid({0.0, 0.0, 0.85}, small);
+  EXPECT_EQ(finding(through, sphere_mesh(4), SurfaceSide::inside, 0.15), SideFinding::kept);
+  EXPECT_EQ(finding(ellipsoid({0.0, 0.0, 0.5}, small), sphere_mesh(4), SurfaceSide::inside, 0.25),
+            SideFinding::no_deep_point);
+}
+
+TEST(Sides, KeepsOffTheOpenings) {
+  const Mesh open = bowl(0.3);
+  EXPECT_EQ(finding(ellipsoid({0.0, 0.0, -0.2}, small), open, SurfaceSide::inside), SideFinding::kept);
+  EXPECT_EQ(finding(ellipsoid({0.0, 0.0, 0.1}, {0.2, 0.2, 0.4}), open, SurfaceSide::inside),
+            SideFinding::reaches_through);
+  EXPECT_EQ(finding(ellipsoid({0.0, 0.0, 0.7}, small), open, SurfaceSide::inside), SideFinding::other_side);
+  EXPECT_EQ(finding(ellipsoid({0.0, 0.0, 0.7}, small), open, SurfaceSide::outside), SideFinding::kept);
+}
+
+TEST(Sides, AreThoseOfEachPrimitive) {
+  const Model implant{"",
+                      {ellipsoid({0.0, 0.0, -0.3}, small), ellipsoid({0.0, 0.0, 0.2}, {0.1, 0.1, 0.5}),
+                       ellipsoid({0.0, 0.0, 0.9}, small)},
+                      {}};
+  const Mesh open = bowl(0.3);
+  EXPECT_THAT(findings(implant, open, {SurfaceSide::inside, SurfaceSide::any, SurfaceSide::outside}),
+              ElementsAre(SideFinding::kept, SideFinding::kept, SideFinding::kept));
+  EXPECT_THAT(findings(implant, open, {SurfaceSide::inside, SurfaceSide::inside, SurfaceSide::inside}),
+              ElementsAre(SideFinding::kept, SideFinding::reaches_through, SideFinding::other_side));
+}
+
+TEST(Sides, RefusesSurfacesWithoutAny) {
+  Mesh twisted = sphere_mesh(1);
+  std::swap(twisted.triangles[0][0], twisted.triangles[0][1]);
+  expect_error([&] { check_surface_has_sides(twisted); }, ErrorKind::input, "has no sides",
+               ": edges of more than two triangles, or triangles that are not turned alike");
+  expect_error(
+      [&] {
+        check_surface_has_sides({{{0, 0, 0}}, {}});
+      },
+      ErrorKind::input, "has no triangles", ", so that it has no sides");
+  EXPECT_NO_THROW(check_surface_has_sides(bowl(0.3)));
+}
+
+}  // namespace
+}  // namespace verisq
