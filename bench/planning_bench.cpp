@@ -52,8 +52,8 @@ std::optional<nlohmann::json> summary_of_run(benchmark::State& state, std::vecto
 
 void fit_row(benchmark::State& state, const std::string& bone, const std::string& fitted, const std::string& map) {
   for (auto _ : state) {
-    const auto summary =
-        summary_of_run(state, {"fit", "--cavity", "--implant", VERISQ_STEM, "--mesh", bone, "-o", fitted, "--map", map});
+    const auto summary = summary_of_run(
+        state, {"fit", "--cavity", "--implant", VERISQ_STEM, "--mesh", bone, "-o", fitted, "--map", map});
     if (!summary) return;
     state.SetLabel(summary->at("search").at("device").get<std::string>());
   }
@@ -135,8 +135,9 @@ void run(int argc, char** argv) {
     add_run("verisq/fit/cortex", [=](benchmark::State& state) { fit_row(state, *bone, fitted, map); });
     // The order of rows is random: the insertions have an implant of their own.
     const std::string implant = scratch.file("implant.json");
-    if (run_child({VERISQ_PROGRAM, "fit", "--cavity", "--implant", VERISQ_STEM, "--mesh", *bone, "-o", implant}).exit_status != 0)
-      throw std::runtime_error("verisq fit failed");
+    const auto fit =
+        run_child({VERISQ_PROGRAM, "fit", "--cavity", "--implant", VERISQ_STEM, "--mesh", *bone, "-o", implant});
+    if (fit.exit_status != 0) throw std::runtime_error("verisq fit failed");
     for (const char* tolerance : {"0.1", "0.001"}) {
       add_run(fmt::format("verisq/insert_to_{}/cortex", tolerance),
               [=](benchmark::State& state) { insert_row(state, *bone, implant, map, tolerance); });
