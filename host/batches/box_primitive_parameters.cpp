@@ -35,8 +35,9 @@ void set_frame(BoxPrimitiveParameters& out, const Primitive& primitive) {
   out.bend_sin = sine.convert_to<double>();
 }
 
-// Where ||(1, z/a3)||_p1 - k z/a3 is least over z. Its derivative vanishes where that of the norm by z/a3 is k; with q the
-// conjugate exponent of p1, the one by the other component is (1 - |k|^q)^(1/q) then, and (z/a3)^p1 = |k|^q/(1 - |k|^q).
+// Where ||(1, z/a3)||_p1 - k z/a3 is least over z. Its derivative vanishes where that of the norm by z/a3 is k; with q
+// the conjugate exponent of p1, the one by the other component is (1 - |k|^q)^(1/q) then, and (z/a3)^p1 = |k|^q/(1 -
+// |k|^q).
 void set_turn(BoxPrimitiveParameters& out, const Superquadric& solid) {
   const Extended e(solid.exponents[0]);
   out.turn = 0.0;
