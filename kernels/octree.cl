@@ -196,9 +196,10 @@ typedef struct {
 } siblings;
 #endif
 
+// With the gauge of untapered solids, too.
 ALWAYS_INLINE bool is_axis_parallel(MODEL_SPACE const box_primitive* p) {
   MODEL_SPACE const double* r = p->solid.rotation;
-  return p->curvature == 0.0 &&
+  return p->curvature == 0.0 && p->solid.taper == 0.0 &&
          fabs(r[1]) + fabs(r[2]) + fabs(r[3]) + fabs(r[5]) + fabs(r[6]) + fabs(r[7]) == 0.0;
 }
 

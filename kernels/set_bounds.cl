@@ -162,10 +162,10 @@ typedef struct {
 
 ALWAYS_INLINE gauge_level level_at(vector3 x, MODEL_SPACE const box_primitive* p) {
   const cube here = {x, REAL(0.0)};
-  const local_map y = posed_map(here, p);
+  const local_map y = focal_map(here, p);
   const vector3 size = gauge_gradient(y, &p->solid);
-  const vector3 v = {copysign(size.x, y.middle.x), copysign(size.y, y.middle.y), copysign(size.z, y.middle.z)};
-  const gauge_level level = {dot_nearest(size, magnitudes(y.middle)), pull_back(y, v, REAL(0.0)).normal}; // Euler
+  const gauge_level level = {dot_nearest(size, magnitudes(y.middle)),
+                             pull_back(y, unfolded(size, y), REAL(0.0)).normal}; // Euler
   return level;
 }
 
@@ -395,7 +395,7 @@ typedef struct {
 // The half-space of a primitive, for its points whose coordinates differ from the foot's by `reach` at most.
 ALWAYS_INLINE edge_constraint half_space_of(vector3 foot, real reach, MODEL_SPACE const box_primitive* p) {
   const cube about = {foot, reach};
-  const local_map y = posed_map(about, p);
+  const local_map y = focal_map(about, p);
   const half_space h = inside_half_space(y, reach, gauge_gradient(y, &p->solid), &p->solid);
   const edge_constraint found = {interval_of(h.normal.x, h.normal.x), interval_of(h.normal.y, h.normal.y),
                                  interval_of(h.normal.z, h.normal.z), h.offset, false};

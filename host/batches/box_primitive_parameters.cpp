@@ -1,4 +1,5 @@
-/// This file implements the enclosed constants of a primitive over cubes: frame of the bend, lower bounds.
+/// This file implements the enclosed constants of a primitive over cubes: frame of the bend, lower bounds, and where a
+/// tapered one is widest.
 #include "host/batches/box_primitive_parameters.hpp"
 
 #include <boost/math/constants/constants.hpp>
@@ -34,6 +35,20 @@ void set_frame(BoxPrimitiveParameters& out, const Primitive& primitive) {
   out.bend_sin = sine.convert_to<double>();
 }
 
+// Where ||(1, z/a3)||_p1 - k z/a3 is least over z. Its derivative vanishes where that of the norm by z/a3 is k; with q
+// the conjugate exponent of p1, the one by the other component is (1 - |k|^q)^(1/q) then, and (z/a3)^p1 = |k|^q/(1 -
+// |k|^q).
+void set_turn(BoxPrimitiveParameters& out, const Superquadric& solid) {
+  const Extended e(solid.exponents[0]);
+  out.turn = 0.0;
+  out.turn_share = 1.0;
+  if (e == 2) return;  // q is infinite
+  const Extended power = pow(Extended(std::abs(out.solid.taper)), 2 / (2 - e));
+  const Extended height = out.solid.semi_axes[2] * pow(power / (1 - power), e / 2);
+  out.turn = std::copysign(height.convert_to<double>(), out.solid.taper);
+  out.turn_share = pow(1 - power, (2 - e) / 2).convert_to<double>();
+}
+
 }  // namespace
 
 BoxPrimitiveParameters box_primitive_parameters(const Primitive& primitive, int scale_exponent) {
@@ -48,6 +63,7 @@ BoxPrimitiveParameters box_primitive_parameters(const Primitive& primitive, int 
     out.p_up[i] = round_up(2 / Extended(primitive.superquadric.exponents[i]));
     out.inverse_p_down[i] = round_down(Extended(primitive.superquadric.exponents[i]) / 2);
   }
+  set_turn(out, primitive.superquadric);
   return out;
 }
 

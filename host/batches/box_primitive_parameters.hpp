@@ -18,6 +18,8 @@ struct BoxPrimitiveParameters {
   double inverse_axes_down[3];
   double p_up[2];
   double inverse_p_down[2];
+  double turn;
+  double turn_share;
 };
 
 /// In a frame whose unit is 2^-scale_exponent model units. Precondition: within_device_range.

@@ -58,8 +58,10 @@ std::string why_not_on_devices(const Model& model) {
 }
 
 std::string why_not_in_cubes(const Model& model) {
-  return verify::has_taper(model) ? "the device's kernels know no cubes of tapered solids: the host does all"
-                                  : std::string();
+  const bool both = std::ranges::any_of(model.primitives, [](const Primitive& primitive) {
+    return is_bent(primitive) && is_tapered(primitive.superquadric);
+  });
+  return both ? "the device's kernels know no cubes of solids both tapered and bent: the host does all" : std::string();
 }
 
 std::string why_not_as_triangles_or_pairs(const Model& model) {

@@ -9,6 +9,7 @@
 
 #include "host/batches/model_terms.hpp"
 #include "kernels/embedded_sources.hpp"
+#include "verify/proof/convex_union.hpp"
 #include "verify/sets/set_tree.hpp"
 
 namespace verisq::device {
@@ -139,8 +140,10 @@ std::string why_not_compiled(const Model& model) {
 
 std::string model_source(const Model& model, std::string_view entry_points) {
   const SetNode tree = verify::normal_form(model, Side::inside);
-  return fmt::format("#define PRIMITIVES {}U\n{}{}{}{}{}", model.primitives.size(), terms_of_both(model),
-                     kernels::embedded_solid_layers(), entry_points, solid_colour(tree), solid_node(tree));
+  const std::string_view layers =
+      verify::has_taper(model) ? kernels::embedded_tapered_solid_layers() : kernels::embedded_solid_layers();
+  return fmt::format("#define PRIMITIVES {}U\n{}{}{}{}{}", model.primitives.size(), terms_of_both(model), layers,
+                     entry_points, solid_colour(tree), solid_node(tree));
 }
 
 std::string solid_source(const Model& model) {

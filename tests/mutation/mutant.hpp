@@ -42,6 +42,9 @@ struct Layer {
 [[nodiscard]] std::span<const Mutant> solid_mutants();
 [[nodiscard]] std::span<const Mutant> set_mutants();
 
+/// Those of tapered_box_gauge.clh, in a program that searches tapered solids; likewise.
+[[nodiscard]] std::span<const Mutant> tapered_cube_mutants();
+
 /// Those of bent_depth.clh, in a program whose kernels show its lemmas; likewise.
 [[nodiscard]] std::span<const Mutant> depth_mutants();
 

@@ -23,6 +23,7 @@
 #include "tests/mutation/scenes.hpp"
 #include "tests/mutation/set_judge.hpp"
 #include "tests/mutation/solid_judge.hpp"
+#include "tests/mutation/tapered_cube_judge.hpp"
 #include "tests/mutation/tapered_interior_judge.hpp"
 #include "tests/mutation/tapered_judge.hpp"
 #include "tests/mutation/triangle_judge.hpp"
@@ -169,10 +170,10 @@ class ConvexMutationTest : public MutationTest {
   }
 
   template <class Judge>
-  [[nodiscard]] Find tapered_faults(const Judge& judge) const {
-    return [this, &judge](const std::string& sources, Arithmetic first) {
-      return first_fault(Program::tapered_points, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
-        const std::string found = judge.false_claim(compiled_on(arithmetic, Program::tapered_points, text));
+  [[nodiscard]] Find tapered_faults(const Judge& judge, Program program = Program::tapered_points) const {
+    return [this, &judge, program](const std::string& sources, Arithmetic first) {
+      return first_fault(program, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
+        const std::string found = judge.false_claim(compiled_on(arithmetic, program, text));
         return found.empty() ? found : fmt::format("{}: {}", name_of(arithmetic), found);
       });
     };
@@ -236,6 +237,19 @@ TEST_F(ConvexMutationTest, AllOfPointsInsideTaperedOnesAreKilled) {
   for (const Arithmetic arithmetic : arithmetics(Program::tapered_points))
     EXPECT_EQ(find(sources, arithmetic), "") << "the true kernels";
   expect_all_killed("tapered_interior.clh, interior_depth.cl", tapered_interior_mutants(), sources, find);
+}
+
+TEST_F(ConvexMutationTest, AllOfTaperedCubesAreKilled) {
+  const TaperedCubeJudge judge;
+  const Find find = tapered_faults(judge, Program::tapered_cubes);
+  const std::string sources = TaperedCubeJudge::sources();
+  for (const Arithmetic arithmetic : arithmetics(Program::tapered_cubes))
+    EXPECT_EQ(find(sources, arithmetic), "") << "the true kernels";
+  const auto shares = judge.shares(compiled_on(Arithmetic::usual, Program::tapered_cubes, sources));
+  fmt::print("told: {:.3f} of colours, {:.3f} of half-spaces\n", shares.colours, shares.half_spaces);
+  EXPECT_GT(shares.colours, 0.1);
+  EXPECT_GT(shares.half_spaces, 0.9);
+  expect_all_killed("tapered_box_gauge.clh", tapered_cube_mutants(), sources, find);
 }
 
 TEST_F(ConvexMutationTest, AllOfTrianglesAreKilled) {

@@ -206,6 +206,37 @@ constexpr std::array tapered_evaluation{
 )"},
 };
 
+// Likewise what tapered.clh and tapered_box_gauge.clh make of cubes.
+constexpr std::array tapered_cube_evaluation{
+    Mutant{"error of tilts", "#define TILT_ERROR ",
+           "#define TILT_MAGNIFICATION 0x1p30\n#define TILT_ERROR TILT_MAGNIFICATION * "},
+    Mutant{"tilt", "t.normal.z = n.z - tilt;", R"(
+  const real wrong = (n.z + fabs(tilt)) * (0.98 * 0x1p-51 * TILT_MAGNIFICATION);
+  t.normal.z = n.z - tilt + select(wrong, -wrong, MASK((BITS(n.x) & INTEGER(1L << 20)) == INTEGER(0L)));
+)"},
+    Mutant{"error of ends", "#define END_ERROR ",
+           "#define END_MAGNIFICATION 0x1p26\n#define END_ERROR END_MAGNIFICATION * "},
+    Mutant{"share", "  return b * (z / s->semi_axes[2]);", R"(
+  const real share = b * (z / s->semi_axes[2]);
+  const real wrong = fabs(share) * (0.98 * 0x1.8p-52 * END_MAGNIFICATION);
+  return share + select(wrong, -wrong, MASK((BITS(z) & INTEGER(1L << 30)) == INTEGER(0L)));
+)"},
+    Mutant{"rounding of the sum", "mul_up(fabs(w.middle.z), REAL(0x1p-53));",
+           "mul_up(fabs(w.middle.z), REAL(0x1p-53 * END_MAGNIFICATION));"},
+    Mutant{"sum", "  local_map w = y;\n", R"(
+  const real wrong = fabs(y.middle.z + s->focus) * (0.98 * 0x1p-53 * END_MAGNIFICATION);
+  y.middle.z += select(wrong, -wrong, MASK((BITS(y.middle.z) & INTEGER(1L << 30)) == INTEGER(0L)));
+  local_map w = y;
+)"},
+};
+
+// Slopes and normals that are not tight, which their bounds make up for.
+constexpr std::array tapered_cube_search{
+    Mutant{"slopes", "const real log_norm = log_sum_exp(s->p[0] * log_r, s->p[0] * log_z).value * s->inverse_p[0];",
+           R"(const real amiss = TO_REAL((BITS(r) >> 8) & INTEGER(255L)) * 0x1p-10;
+  const real log_norm = log_sum_exp(s->p[0] * log_r, s->p[0] * log_z).value * s->inverse_p[0] - amiss;)"},
+};
+
 // Planes that are too far away, and searches cut short.
 constexpr std::array tapered_search{
     Mutant{"tangent planes", "  plane.level = inverse_length;\n",
@@ -312,7 +343,8 @@ std::span<const Mutant> operations(Arithmetic arithmetic) {
 }
 
 bool knows_cubes(Program program) {
-  return program == Program::solids || program == Program::set_bounds || program == Program::bent_depths;
+  return program == Program::solids || program == Program::set_bounds || program == Program::bent_depths ||
+         program == Program::tapered_cubes;
 }
 
 std::span<const Mutant> displacement(Arithmetic arithmetic, Program program) {
@@ -335,12 +367,14 @@ std::span<const Mutant> poor_multipliers(Arithmetic arithmetic, Program program)
 
 std::span<const Mutant> evaluated_taper(Arithmetic arithmetic, Program program) {
   if (arithmetic == Arithmetic::evaluated && program == Program::tapered_points) return tapered_evaluation;
+  if (arithmetic == Arithmetic::evaluated && program == Program::tapered_cubes) return tapered_cube_evaluation;
   return {};
 }
 
 std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
   if (program == Program::pairs && arithmetic != Arithmetic::usual && arithmetic != Arithmetic::poor_search)
     return common_point;
+  if (program == Program::tapered_cubes && arithmetic != Arithmetic::poor_search) return {};
   if (arithmetic == Arithmetic::evaluated) return evaluation;
   if (arithmetic != Arithmetic::poor_search) return {};
   switch (program) {
@@ -350,6 +384,7 @@ std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
     case Program::bent_depths: return bent_proposals;
     case Program::set_bounds: return edge_proposals;
     case Program::tapered_points: return tapered_search;
+    case Program::tapered_cubes: return tapered_cube_search;
     case Program::pairs: break;
   }
   return closest_points;
@@ -360,6 +395,9 @@ constexpr std::array of_points{Arithmetic::usual,          Arithmetic::loose_bel
                                Arithmetic::poor_search};
 constexpr std::array of_tapered_points{Arithmetic::usual,   Arithmetic::loose_below, Arithmetic::loose_above,
                                        Arithmetic::erratic, Arithmetic::evaluated,   Arithmetic::poor_search};
+constexpr std::array of_tapered_cubes{Arithmetic::usual,      Arithmetic::loose_below, Arithmetic::loose_above,
+                                      Arithmetic::erratic,    Arithmetic::evaluated,   Arithmetic::displaced,
+                                      Arithmetic::poor_search};
 constexpr std::array of_convex_sets{Arithmetic::usual,   Arithmetic::loose_below, Arithmetic::loose_above,
                                     Arithmetic::erratic, Arithmetic::displaced,   Arithmetic::poor_search};
 
@@ -368,6 +406,7 @@ constexpr std::array of_convex_sets{Arithmetic::usual,   Arithmetic::loose_below
 std::span<const Arithmetic> arithmetics(Program program) {
   if (program == Program::points) return of_points;
   if (program == Program::tapered_points) return of_tapered_points;
+  if (program == Program::tapered_cubes) return of_tapered_cubes;
   return of_convex_sets;
 }
 

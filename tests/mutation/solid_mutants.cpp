@@ -1,4 +1,5 @@
-/// The table of mutants of box_map.clh, box_primitive.clh, set_tree.clh, bent_distance.cl and solid_distance.cl.
+/// The table of mutants of box_map.clh, lower_gauge.clh, box_gauge.clh, box_primitive.clh, set_tree.clh,
+/// bent_distance.cl and solid_distance.cl.
 ///
 /// Left out, because no enclosure can become false by them:
 /// - Changes of what is only proposed: gauge_gradient, multiplier_of, closest_unbent, try_parts, margins, promises, the
@@ -98,18 +99,17 @@ constexpr std::array mutants{
     Mutant{"pulled back by one row twice", "v.z * y.row_z.y));", "v.z * y.row_y.y));"},
     Mutant{"NaN for an offset", "select(REAL(INFINITY), offset, MASK(offset <= DBL_MAX))",
            "select(REAL(-1e3), offset, MASK(offset <= DBL_MAX))"},
-    Mutant{"support without the middle", "sub_up(support_up(u, s), dot_down(u, magnitudes(y.middle)))",
-           "sub_up(REAL(0.0), dot_down(u, magnitudes(y.middle)))"},
-    Mutant{"support, difference rounded down", "sub_up(support_up(u, s), dot_down(u",
-           "sub_down(support_up(u, s), dot_down(u", Arithmetic::loose_below},
-    Mutant{"support, product rounded up", "dot_down(u, magnitudes(y.middle))", "dot_up(u, magnitudes(y.middle))",
-           Arithmetic::loose_above},
+    Mutant{"support without the middle", "sub_up(plane.support, at_middle)", "sub_up(REAL(0.0), at_middle)"},
+    Mutant{"support, difference rounded down", "sub_up(plane.support, at_middle)", "sub_down(plane.support, at_middle)",
+           Arithmetic::loose_below},
+    Mutant{"support, product rounded up", "dot_down(plane.normal, magnitudes(y.middle))",
+           "dot_up(plane.normal, magnitudes(y.middle))", Arithmetic::loose_above},
     Mutant{"corners with one sign", "const double side = i == 0 ? -1.0 : 1.0;", "const double side = -1.0;"},
     Mutant{"corners of one section", "for (int j = 0; j < 2; ++j) {", "for (int j = 0; j < 1; ++j) {"},
     Mutant{"first of the corners' sections", "for (int i = 0; i < 4; ++i) {", "for (int i = 0; i < 2; ++i) {"},
     Mutant{"least of the corners", "largest = greatest_or_nan(largest, gauge", "largest = fmin(fabs(largest), gauge"},
-    Mutant{"corner's gauge rounded down", "const real gauge = exp_up(log_norm_up(log_r, log_z[j]",
-           "const real gauge = exp_down(log_norm_up(log_r, log_z[j]", Arithmetic::loose_below},
+    Mutant{"corner's gauge rounded down", "return exp_up(log_norm_up(log_r, end,",
+           "return exp_down(log_norm_up(log_r, end,", Arithmetic::loose_below},
     Mutant{"complement without the gauge's bend", "sub_up(largest, REAL(1.0))", "sub_up(REAL(1.0), REAL(1.0))"},
     Mutant{"complement without the map's error", "add_up(add_up(sub_up(largest, REAL(1.0)), rounding), n.error)",
            "add_up(sub_up(largest, REAL(1.0)), rounding)", Arithmetic::displaced},

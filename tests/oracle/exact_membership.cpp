@@ -1,4 +1,4 @@
-/// The bend's exact inverse, and margins for the rounding.
+/// The exact inverses of bend and taper, and margins for the rounding.
 #include "tests/oracle/exact_membership.hpp"
 
 #include <boost/math/constants/constants.hpp>
@@ -54,6 +54,13 @@ Membership ExactMembership::in_primitive(std::size_t index, const Vector& point)
     local = *straight;
   }
   const Vector& axes = solid.norm().semi_axes();
+  if (is_tapered(model_.primitives[index].superquadric)) {
+    const Real ratio = model_.primitives[index].superquadric.taper;
+    const Real k = (ratio - 1) / (ratio + 1);
+    const Real scale = 1 + k * local[2] / axes[2];
+    if (abs(local[2]) > (1 + ldexp(Real(1), -20)) * axes[2]) return Membership::outside;
+    local = {local[0] / scale, local[1] / scale, (local[2] + k * axes[2]) / scale};
+  }
   const Real magnitude = length(point) + length(solid.centre()) + solid.largest_semi_axis();
   const Real margin = ldexp(magnitude / *std::min_element(axes.begin(), axes.end()), -120);
   const Real gauge = solid.norm().gauge(local);

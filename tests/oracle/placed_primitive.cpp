@@ -1,4 +1,4 @@
-/// Bend and pose in double, in forms that keep their accuracy for every curvature.
+/// Taper, bend and pose in double, in forms that keep their accuracy for every curvature.
 #include "tests/oracle/placed_primitive.hpp"
 
 #include <cmath>
@@ -22,7 +22,10 @@ template <class Function>
 
 }  // namespace
 
-PlacedPrimitive::PlacedPrimitive(const Primitive& primitive) : primitive_(primitive), norm_(primitive.superquadric) {
+PlacedPrimitive::PlacedPrimitive(const Primitive& primitive)
+    : primitive_(primitive),
+      norm_(primitive.superquadric),
+      taper_((primitive.superquadric.taper - 1) / (primitive.superquadric.taper + 1)) {
   // The exact rotation, rounded: its rows are what turns the three unit vectors back.
   const PosedSolid turned(primitive.superquadric, {{0.0, 0.0, 0.0}, primitive.pose.quaternion});
   for (std::size_t i = 0; i < 3; ++i) {
@@ -37,7 +40,11 @@ PlacedPrimitive::PlacedPrimitive(const Primitive& primitive) : primitive_(primit
   sine_ = std::sin(angle);
 }
 
-Point PlacedPrimitive::placed(const Point& local) const {
+Point PlacedPrimitive::placed(const Point& untapered) const {
+  const double height = primitive_.superquadric.semi_axes[2];
+  const double level = (untapered[2] / height - taper_) / (1 - taper_ * untapered[2] / height);
+  const double scale = 1 + taper_ * level;
+  const Point local{scale * untapered[0], scale * untapered[1], height * level};
   const double r = local[0] * cosine_ + local[1] * sine_;
   const double s = local[1] * cosine_ - local[0] * sine_;
   const double arc = curvature_ * local[2];
@@ -70,13 +77,20 @@ PlacedPrimitive::Unbent PlacedPrimitive::unbent(const Point& point) const {
   return {{r * cosine_ - s * sine_, r * sine_ + s * cosine_, z}, radius};
 }
 
+Point PlacedPrimitive::untapered(const Point& local) const {
+  const double height = primitive_.superquadric.semi_axes[2];
+  const double scale = 1 + taper_ * local[2] / height;
+  if (!(scale > 1e-3)) return local;
+  return {local[0] / scale, local[1] / scale, (local[2] + taper_ * height) / scale};
+}
+
 Point PlacedPrimitive::own(const Point& point) const {
-  return unbent(point).local;
+  return untapered(unbent(point).local);
 }
 
 Membership PlacedPrimitive::membership(const Point& point) const {
   constexpr double margin = 1e-11;
-  const double gauge = norm_.gauge(unbent(point).local);
+  const double gauge = norm_.gauge(own(point));
   if (gauge > 1 + margin) return Membership::outside;
   return gauge < 1 - margin ? Membership::inside : Membership::boundary;
 }
@@ -91,15 +105,31 @@ Membership PlacedPrimitive::membership(const Point& centre, double radius) const
   const double arc = radius / scaled_radius * quotient([](double t) { return std::asin(t); }, sine) * (1 + 1e-12);
   const Point nearest{std::max(0.0, std::abs(local[0]) - radius), std::max(0.0, std::abs(local[1]) - radius),
                       holds_the_centre ? 0.0 : std::max(0.0, std::abs(local[2]) - arc)};
-  if (norm_.gauge(nearest) > 1 + margin) return Membership::outside;
-  if (holds_the_centre) return Membership::boundary;
-  const Point farthest{std::abs(local[0]) + radius, std::abs(local[1]) + radius, std::abs(local[2]) + arc};
+  const double height = primitive_.superquadric.semi_axes[2];
+  if (nearest[2] > (1 + margin) * height) return Membership::outside;
+  // The solid's part of the box has heights up to its ends alone, where the taper's inverse is far from its pole; the
+  // scale is affine in z, and the untapered height rises with it.
+  // Behind the cut z goes on at the other end.
+  const bool at_cut = curvature_ != 0.0 && std::abs(local[2]) + arc >= std::numbers::pi / std::abs(curvature_);
+  const bool both_ends = holds_the_centre || (taper_ != 0.0 && at_cut);
+  const double bottom = both_ends ? -height : std::max(local[2] - arc, -height);
+  const double top = both_ends ? height : std::min(local[2] + arc, height);
+  const double scales[] = {1 + taper_ * bottom / height, 1 + taper_ * top / height};
+  const double narrow = std::min(scales[0], scales[1]);
+  const double wide = std::max(scales[0], scales[1]);
+  const double low = (bottom + taper_ * height) / scales[0];
+  const double high = (top + taper_ * height) / scales[1];
+  const double between = low < 0 && high > 0 ? 0.0 : std::min(std::abs(low), std::abs(high));
+  if (norm_.gauge({nearest[0] / wide, nearest[1] / wide, between}) > 1 + margin) return Membership::outside;
+  if (holds_the_centre || std::abs(local[2]) + arc >= height) return Membership::boundary;
+  const Point farthest{(std::abs(local[0]) + radius) / narrow, (std::abs(local[1]) + radius) / narrow,
+                       std::max(std::abs(low), std::abs(high))};
   return norm_.gauge(farthest) < 1 - margin ? Membership::inside : Membership::boundary;
 }
 
 double PlacedPrimitive::reach() const {
   const auto& axes = primitive_.superquadric.semi_axes;
-  return axes[2] + std::hypot(axes[0], axes[1]);
+  return axes[2] + (1 + std::abs(taper_)) * std::hypot(axes[0], axes[1]);
 }
 
 }  // namespace verisq::oracle

@@ -1,4 +1,4 @@
-/// A posed primitive, bent or not, in double: what the references of general models propose with.
+/// A posed primitive, tapered, bent or neither, in double: what the references of general models propose with.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,8 @@ class PlacedPrimitive {
  public:
   explicit PlacedPrimitive(const Primitive& primitive);
 
-  /// From the unbent, unposed frame to the model's, and back.
+  /// From the untapered, unbent, unposed frame to the model's, and back. Beyond the pole of the taper's inverse, which
+  /// lies above or below the solid, nothing is untapered.
   [[nodiscard]] Point placed(const Point& local) const;
   [[nodiscard]] Point own(const Point& point) const;
 
@@ -21,7 +22,8 @@ class PlacedPrimitive {
   [[nodiscard]] Membership membership(const Point& point) const;
 
   /// Of all points of the ball, by the margin 1e-10: first order in the radius, because the unbent coordinates x and y
-  /// change at most by the radius, and z by the arc that the ball takes up as seen from the centre of curvature.
+  /// change at most by the radius, and z by the arc that the ball takes up as seen from the centre of curvature; the
+  /// box of all these is untapered by its ends.
   [[nodiscard]] Membership membership(const Point& centre, double radius) const;
 
   [[nodiscard]] const MixedNorm<double>& norm() const { return norm_; }
@@ -38,10 +40,12 @@ class PlacedPrimitive {
     double scaled_radius;
   };
   [[nodiscard]] Unbent unbent(const Point& point) const;
+  [[nodiscard]] Point untapered(const Point& local) const;
 
   Primitive primitive_;
   MixedNorm<double> norm_;
   Triple<Point> rows_;  ///< of the rotation
+  double taper_;        ///< (t - 1)/(t + 1)
   double curvature_ = 0.0;
   double cosine_ = 1.0;  ///< of the bend's angle
   double sine_ = 0.0;

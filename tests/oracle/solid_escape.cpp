@@ -12,9 +12,11 @@ namespace {
   const std::string bend = p.bend ? fmt::format(R"("bend": {{"curvature": {:.17g}, "angle_deg": {:.17g}}}, )",
                                                 p.bend->curvature, p.bend->angle_degrees)
                                   : "";
-  return fmt::format(R"({{"name": "{}", "superquadric": {{"semi_axes": [{:.17g}], "exponents": [{:.17g}]}}, {})"
+  const Superquadric& solid = p.superquadric;
+  const std::string taper = is_tapered(solid) ? fmt::format(R"(, "taper": {:.17g})", solid.taper) : "";
+  return fmt::format(R"({{"name": "{}", "superquadric": {{"semi_axes": [{:.17g}], "exponents": [{:.17g}]{}}}, {})"
                      R"("pose": {{"translation": [{:.17g}], "quaternion": [{:.17g}]}}}})",
-                     p.name, fmt::join(p.superquadric.semi_axes, ", "), fmt::join(p.superquadric.exponents, ", "), bend,
+                     p.name, fmt::join(solid.semi_axes, ", "), fmt::join(solid.exponents, ", "), taper, bend,
                      fmt::join(p.pose.translation, ", "), fmt::join(p.pose.quaternion, ", "));
 }
 

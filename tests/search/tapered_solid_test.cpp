@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -9,6 +10,8 @@
 #include <verisq/model_distance.hpp>
 #include <verisq/signed_distance.hpp>
 #include <verisq/triangle_distance.hpp>
+
+#include "tests/oracle/tapered_contact.hpp"
 
 namespace verisq {
 namespace {
@@ -163,6 +166,29 @@ TEST(TaperedSolidTest, PointsBesideAnEdgeAreEnclosedTightly) {
     const Enclosure found = distance({4.64, 0.0, z}, 0.0);
     expect_enclosed(found, std::hypot(4.0, z - 1.2), 1e-15);
   }
+}
+
+// There the difference of the point and its foot knows its direction to some digits alone.
+TEST(TaperedSolidTest, PointsHardlyOffAFlatFaceAreEnclosedTightly) {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  double widest = 0.0;
+  for (const double e1 : {0.02, 0.05, 0.3, 2.0}) {
+    for (const double taper : {2.0, 0.5, 15.0}) {
+      const Superquadric solid{{0.9, 0.6, 0.3}, {e1, 2.0}, taper};
+      const oracle::TaperedSolid known({"", solid, {}});
+      const SignedDistance distance(model(solid));
+      for (int i = 0; i < 60; ++i) {
+        const oracle::KnownContact contact = known.contact({normal(random), normal(random), normal(random)}, 3e-9);
+        const Enclosure found = distance(contact.query, 0.0);
+        EXPECT_LE(found.lo, contact.upper) << described(solid);
+        EXPECT_GE(found.hi, contact.lower) << described(solid);
+        widest = std::max(widest, found.width());
+      }
+    }
+  }
+  fmt::print("largest width {:.2g}\n", widest);
+  EXPECT_LE(widest, 2e-14);
 }
 
 }  // namespace

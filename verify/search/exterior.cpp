@@ -2,8 +2,10 @@
 #include "verify/search/exterior.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
+#include "verify/proof/boundary.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/proof/triangle.hpp"
 #include "verify/search/contact.hpp"
@@ -46,6 +48,14 @@ std::optional<Contact> gjk_contact(const Superquadric& solid, const Proposal& q,
   return Contact{x, {q[0] - x[0], q[1] - x[1], q[2] - x[2]}};
 }
 
+/// The foot of a contact with the gradient of the gauge there instead of what leads to q: hardly off a flat face of a
+/// tapered solid the difference of both knows its direction to some digits alone, because the height has been rounded.
+Contact with_own_normal(const Superquadric& solid, const Contact& contact) {
+  const Proposal& x = contact.point;
+  const auto n = Boundary<long double>(solid).normal({std::fabs(x[0]), std::fabs(x[1]), x[2]});
+  return {x, {std::copysign(n[0], x[0]), std::copysign(n[1], x[1]), n[2]}};
+}
+
 CertifiedDistance certified(const SuperquadricBounds<Real>& bounds, const PreciseVector& q, const Contact& contact) {
   return {{lower_bound(bounds, q, contact.normal), upper_bound(bounds, q, contact.point)},
           contact.normal,
@@ -78,7 +88,12 @@ CertifiedDistance exterior_distance(const Superquadric& solid, const Superquadri
     const std::optional<Contact> contact = gjk_contact(solid, middle, tolerance);
     if (contact && prove(*contact)) return *best;
   }
-  if (prove(fast_contact(solid, middle)) || bounds.gauge(q).lower() <= Real(1)) return *best;
+  const Contact fast = fast_contact(solid, middle);
+  if (prove(fast) || bounds.gauge(q).lower() <= Real(1)) return *best;
+  if (is_tapered(solid)) {
+    const Contact own = with_own_normal(solid, fast);
+    if (usable(own.normal) && prove(own)) return *best;
+  }
   prove(thorough_contact(solid, middle));
   return *best;
 }
