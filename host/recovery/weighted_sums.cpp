@@ -30,6 +30,20 @@ struct Placement {
   std::array<std::array<double, 3>, 3> rotation{};  ///< rows: the shape's axes
 };
 
+/// Of the shape's own frame.
+struct OwnPoint {
+  double x, y, z;
+};
+
+[[gnu::always_inline]] inline OwnPoint own_point(const Placement& place, const PointBlock& block, std::size_t lane) {
+  const double dx = block.x[lane] - place.centre[0];
+  const double dy = block.y[lane] - place.centre[1];
+  const double dz = block.z[lane] - place.centre[2];
+  return {place.rotation[0][0] * dx + place.rotation[0][1] * dy + place.rotation[0][2] * dz,
+          place.rotation[1][0] * dx + place.rotation[1][1] * dy + place.rotation[1][2] * dz,
+          place.rotation[2][0] * dx + place.rotation[2][1] * dy + place.rotation[2][2] * dz};
+}
+
 struct Rows {
   alignas(64) std::array<Lane, straight_parameters> row;
   alignas(64) std::array<Lane, straight_parameters> weighted;
@@ -50,12 +64,10 @@ struct LaneSums {
                                              const Placement& place, double by_taper, const MixtureTerms& terms,
                                              Rows& rows) {
   for (std::size_t l = 0; l < lanes; ++l) {
-    const double dx = block.x[l] - place.centre[0];
-    const double dy = block.y[l] - place.centre[1];
-    const double dz = block.z[l] - place.centre[2];
-    const double x = place.rotation[0][0] * dx + place.rotation[0][1] * dy + place.rotation[0][2] * dz;
-    const double y = place.rotation[1][0] * dx + place.rotation[1][1] * dy + place.rotation[1][2] * dz;
-    const double z = place.rotation[2][0] * dx + place.rotation[2][1] * dy + place.rotation[2][2] * dz;
+    const OwnPoint own = own_point(place, block, l);
+    const double x = own.x;
+    const double y = own.y;
+    const double z = own.z;
     const GaugeAt at = gauge_at<true>(gauge, x, y, z);
     const double scale = 1.0 / at.length;
     const double distance = at.value * scale;
@@ -115,13 +127,8 @@ void fill_distances(std::span<const PointBlock> blocks, const GaugeConstants& ga
                     double* distances) {
   for (const PointBlock& block : blocks) {
     for (std::size_t l = 0; l < lanes; ++l) {
-      const double dx = block.x[l] - place.centre[0];
-      const double dy = block.y[l] - place.centre[1];
-      const double dz = block.z[l] - place.centre[2];
-      const double x = place.rotation[0][0] * dx + place.rotation[0][1] * dy + place.rotation[0][2] * dz;
-      const double y = place.rotation[1][0] * dx + place.rotation[1][1] * dy + place.rotation[1][2] * dz;
-      const double z = place.rotation[2][0] * dx + place.rotation[2][1] * dy + place.rotation[2][2] * dz;
-      const GaugeAt at = gauge_at<false>(gauge, x, y, z);
+      const OwnPoint own = own_point(place, block, l);
+      const GaugeAt at = gauge_at<false>(gauge, own.x, own.y, own.z);
       distances[l] = at.value / at.length;
     }
     distances += lanes;

@@ -15,9 +15,9 @@
 #include "host/recovery/single_recovery.hpp"
 #include "host/recovery/superquadric_sample.hpp"
 #include "host/recovery/surface_distance.hpp"
-#include "host/recovery/triangle_tree.hpp"
 #include "host/recovery/union_fit.hpp"
 #include "tests/recovery/synthetic_cloud.hpp"
+#include "verify/deviation/triangle_tree.hpp"
 #include "verisq/error.hpp"
 #include "verisq/signed_distance.hpp"
 
@@ -219,11 +219,16 @@ TEST(RecoveryTest, TheSpaceAboutAMeshIsDividedAsItsSolidDividesIt) {
 TEST(RecoveryTest, TheTreeFindsTheNearestTriangle) {
   const Mesh mesh{.vertices = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 9}, {1, 0, 9}, {0, 1, 9}},
                   .triangles = {{0, 1, 2}, {3, 4, 5}}};
-  const recovery::TriangleTree tree(mesh);
-  EXPECT_DOUBLE_EQ(tree.distance({1.0, 1.0, 3.0}), 3.0);
-  EXPECT_DOUBLE_EQ(tree.distance({-3.0, -4.0, 0.0}), 5.0);
-  EXPECT_DOUBLE_EQ(tree.distance({3.0, 3.0, 0.0}), std::sqrt(2.0));
-  EXPECT_DOUBLE_EQ(tree.distance({0.25, 0.25, 8.0}), 1.0);
+  const verify::TriangleTree tree(verify::triangles_of(mesh));
+  const auto distance = [&tree](const Point& point) {
+    const Enclosure found = tree.nearest(point).distance;
+    EXPECT_LT(found.width(), 1e-12);
+    return 0.5 * (found.lo + found.hi);
+  };
+  EXPECT_NEAR(distance({1.0, 1.0, 3.0}), 3.0, 1e-12);
+  EXPECT_NEAR(distance({-3.0, -4.0, 0.0}), 5.0, 1e-12);
+  EXPECT_NEAR(distance({3.0, 3.0, 0.0}), std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(distance({0.25, 0.25, 8.0}), 1.0, 1e-12);
 }
 
 }  // namespace
