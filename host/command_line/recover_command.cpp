@@ -64,18 +64,22 @@ std::optional<Containment> containment_of(const RecoverArguments& arguments) {
   return std::nullopt;
 }
 
+std::size_t most_of(const RecoverArguments& arguments) {
+  return arguments.primitives.value_or(arguments.deviation ? most_for_deviation : 1);
+}
+
 RecoveryOptions options_of(const RecoverArguments& arguments) {
   if (arguments.points.empty() == arguments.mesh.empty()) refuse("give either --points or --mesh");
   if (arguments.outliers && !arguments.mesh.empty()) refuse("--outliers: is for --points; a mesh has none");
   if (arguments.inside && arguments.outside) refuse("give --inside or --outside, not both");
   if (const std::optional<Containment> containment = containment_of(arguments); containment && arguments.mesh.empty())
     refuse(fmt::format("--{}: needs a --mesh, whose solid it is about", option_of(*containment)));
-  if (arguments.outside && arguments.bend && arguments.primitives.value_or(2) > 1)
+  if (arguments.outside && arguments.bend && most_of(arguments) > 1)
     refuse(
         "--outside: that a union has no cavities is proven of unbent primitives alone; with --bend give --primitives "
         "1");
   RecoveryOptions options;
-  options.primitives = arguments.primitives.value_or(arguments.deviation ? most_for_deviation : 1);
+  options.primitives = most_of(arguments);
   options.deviation = arguments.deviation;
   options.taper = arguments.taper;
   options.bend = arguments.bend;

@@ -24,11 +24,11 @@ namespace {
 using namespace recovery;
 
 constexpr std::size_t surface_samples = 20'000;
-constexpr std::array penalties{10.0, 100.0, 1'000.0, 10'000.0};  // of a point astray, where others count 1
-constexpr int sweeps_a_penalty = 15;
+constexpr std::array penalties{3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 1e5};  // of a point astray; others count 1
+constexpr int sweeps_a_penalty = 25;
 constexpr int most_proofs = 12;
 constexpr double least_growth = 1e-5;  // of the mesh's size: what a proof needs to end soon
-constexpr double faster = 1.7;         // growth over that before, once a proof has failed
+constexpr double faster = 3.0;         // growth over that before, once a proof has failed
 
 /// Semi-axes longer by so much, or shorter: at least a thousandth of them is left.
 Shape with_longer_axes(Shape shape, double growth) {
@@ -70,37 +70,48 @@ class OneSidedFit {
       for (int k = 0; k < sweeps_a_penalty && !interrupted_(); ++k)
         if (!fit.sweep()) break;
       shapes_ = fit.shapes();
-      astray_ = 0.0;
-      const std::vector<double> distances = fit.distances();
-      for (std::size_t i = samples_.surface.size(); i < distances.size(); ++i)
-        astray_ = std::max(astray_, std::abs(fit.residual(i, distances[i])));
+      astray_ = astray(fit);
     }
     fitted_ = true;
   }
 
   [[nodiscard]] std::size_t size() const { return shapes_.size(); }
 
-  /// As fitted, but so much larger, or smaller, that no sample is astray.
+  /// As fitted, but each so much larger, or smaller, that none of its samples is astray.
   [[nodiscard]] std::vector<Shape> shapes() const {
     std::vector<Shape> shapes = shapes_;
-    const double growth = astray_ + growth_;
-    for (Shape& shape : shapes) shape = with_longer_axes(shape, around_ ? growth : -growth);
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const double growth = astray_[i] + growth_;
+      shapes[i] = with_longer_axes(shapes[i], around_ ? growth : -growth);
+    }
     return shapes;
   }
 
   /// After a proof that failed.
-  void grow(double excess) { growth_ = std::max(faster * growth_, excess); }
+  void grow() { growth_ *= faster; }
 
   void remove(std::size_t shape) { shapes_.erase(shapes_.begin() + static_cast<std::ptrdiff_t>(shape)); }
 
  private:
+  /// Of each primitive, how far the samples that are nearest to it are astray, at most, to first order.
+  [[nodiscard]] std::vector<double> astray(const UnionFit& fit) const {
+    const std::vector<double> distances = fit.distances();
+    const std::vector<std::size_t> owners = fit.owners();
+    const std::size_t first_outside = samples_.surface.size() + samples_.inside.size();
+    std::vector<double> most(shapes_.size(), 0.0);
+    for (std::size_t i = around_ ? samples_.surface.size() : first_outside;
+         i < (around_ ? first_outside : distances.size()); ++i)
+      most[owners[i]] = std::max(most[owners[i]], around_ ? distances[i] : -distances[i]);
+    return most;
+  }
+
   bool around_;
   std::vector<Shape> shapes_;
   std::function<bool()> interrupted_;
   UnionSamples samples_;
   UnionOptions options_;
   bool fitted_ = false;
-  double astray_ = 0.0;  ///< of the samples, at most, to first order
+  std::vector<double> astray_;
   double growth_ = 0.0;
 };
 
@@ -131,13 +142,9 @@ ContainedRecovery recover_contained(const Mesh& mesh, Containment containment, c
     result.recovery.model = model_of(fit.shapes());
     result.proof = prove_containment(result.recovery.model, mesh, containment, proof_options);
     ++result.proofs;
-    double excess = 0.0;
-    for (const PointAcross& across : result.proof.across) {
-      fit.guard(Eigen::Vector3d(across.point.data()));
-      excess = std::max(excess, across.excess);
-    }
+    for (const PointAcross& across : result.proof.across) fit.guard(Eigen::Vector3d(across.point.data()));
     remove_outside(result.recovery.model, result.proof.centres_outside, fit);
-    fit.grow(excess);
+    fit.grow();
   }
   result.recovery.interrupted = result.recovery.interrupted || options.interrupted();
   std::mt19937_64 random(options.seed);

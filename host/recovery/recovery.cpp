@@ -37,6 +37,8 @@ constexpr std::size_t most_primitives = 64;
 constexpr double flat = 1e-9;      // extent across a plane over that along it
 constexpr double exact = 1e-8;     // root of the mean square over the size: nothing is left to gain
 constexpr double harmless = 1.01;  // cost without a primitive over that with it
+constexpr int most_exchanges = 6;
+constexpr double worth_an_exchange = 0.97;  // cost after it over that before
 constexpr int sweeps = 40;
 constexpr int last_sweeps = 15;
 
@@ -185,6 +187,7 @@ class UnionRecovery {
       fit = std::move(more);
       add_stage(fit);
     }
+    improve(fit, no_cost);
     if (!options_.interrupted()) {
       fit = pruned(std::move(fit), no_cost);
       fit.vary(family_of(options_.taper, options_.bend));
@@ -200,6 +203,20 @@ class UnionRecovery {
   }
 
  private:
+  /// Growing one by one may divide a solid where it has no seam: primitives change places as long as that pays.
+  void improve(UnionFit& fit, double no_cost) {
+    for (int k = 0; k < most_exchanges; ++k) {
+      if (fit.shapes().size() < 2 || fit.cost() <= no_cost || near_enough(stages_.back(), options_) ||
+          options_.interrupted())
+        return;
+      UnionFit other = exchanged(fit, options_.interrupted);
+      if (!(other.cost() < worth_an_exchange * fit.cost())) return;
+      fit = std::move(other);
+      stages_.pop_back();
+      add_stage(fit);
+    }
+  }
+
   /// From the likeliest superquadric, which may reach far beyond the surface, and from an ellipsoid in the box.
   [[nodiscard]] UnionFit first(const UnionOptions& union_options) const {
     Shape likeliest = recover_single(samples_.surface, {Family::plain, options_.seed, 0.0}).shape;

@@ -2,6 +2,7 @@
 #include "host/recovery/weighted_sums.hpp"
 
 #include <cmath>
+#include <cstdint>
 
 #include "host/recovery/gauge.hpp"
 
@@ -164,6 +165,23 @@ void add_mixture(std::span<const PointBlock> blocks, const MixtureTerms& terms, 
   result = sums;
 }
 
+/// Arrays of one coordinate each: a loop of any length over them is what compilers turn into vectors best.
+VERISQ_WIDEST_VECTORS
+std::int64_t count_within(const double* x, const double* y, const double* z, std::size_t size, const double* centre,
+                          double squared_radius) {
+  const double centre_x = centre[0];
+  const double centre_y = centre[1];
+  const double centre_z = centre[2];
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double dx = centre_x - x[i];
+    const double dy = centre_y - y[i];
+    const double dz = centre_z - z[i];
+    count += dx * dx + (dy * dy + dz * dz) < squared_radius ? 1 : 0;
+  }
+  return count;
+}
+
 double total(const Lane& lane) {
   double sum = 0.0;
   for (const double value : lane) sum += value;
@@ -183,6 +201,23 @@ std::vector<PointBlock> blocks_of(std::span<const Eigen::Vector3d> points) {
     block.present[i % lanes] = i < points.size() ? 1.0 : 0.0;
   }
   return blocks;
+}
+
+std::vector<std::int64_t> counts_within(std::span<const Eigen::Vector3d> points, double squared_radius) {
+  const auto coordinate = [points](int axis) {
+    std::vector<double> values;
+    values.reserve(points.size());
+    for (const Eigen::Vector3d& point : points) values.push_back(point[axis]);
+    return values;
+  };
+  const std::vector<double> x = coordinate(0);
+  const std::vector<double> y = coordinate(1);
+  const std::vector<double> z = coordinate(2);
+  std::vector<std::int64_t> counts;
+  counts.reserve(points.size());
+  for (const Eigen::Vector3d& point : points)
+    counts.push_back(count_within(x.data(), y.data(), z.data(), points.size(), point.data(), squared_radius));
+  return counts;
 }
 
 WeightedSums weighted_sums(std::span<const PointBlock> blocks, const Shape& shape, bool tapers,
