@@ -43,19 +43,43 @@ constexpr const char* closing_words =
     "as\n"
     "`verisq deviation` does it. The same seed gives the same model.\n"
     "\n"
+    "--inside and --outside begin with the same search. Then the union is fitted so that it crosses the mesh's surface "
+    "to\n"
+    "neither side but one, and grows or shrinks until that is proven, of all points of all triangles.\n"
+    "\n"
     "Ctrl-C ends the search: the best model so far is written.\n"
     "\n"
-    "Exit status: 0 done; 3 written, but --deviation is not reached; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
+    "Exit status: 0 done; 3 written, but --deviation is not reached, or --inside or --outside not proven; 2 bad usage "
+    "or\n"
+    "input; 130 interrupted by Ctrl-C.\n"
     "\n"
     "Examples:\n"
     "  verisq recover --points scan.csv -o part.json\n"
-    "  verisq recover --mesh stem.stl --primitives 8 --taper --deviation 0.1 --units mm -o stem.json";
+    "  verisq recover --mesh stem.stl --primitives 8 --taper --deviation 0.1 --units mm -o stem.json\n"
+    "  verisq recover --mesh femur.stl --primitives 6 --outside -o hull.json";
+
+std::optional<Containment> containment_of(const RecoverArguments& arguments) {
+  if (arguments.inside) return Containment::within;
+  if (arguments.outside) return Containment::around;
+  return std::nullopt;
+}
+
+std::size_t most_of(const RecoverArguments& arguments) {
+  return arguments.primitives.value_or(arguments.deviation ? most_for_deviation : 1);
+}
 
 RecoveryOptions options_of(const RecoverArguments& arguments) {
   if (arguments.points.empty() == arguments.mesh.empty()) refuse("give either --points or --mesh");
   if (arguments.outliers && !arguments.mesh.empty()) refuse("--outliers: is for --points; a mesh has none");
+  if (arguments.inside && arguments.outside) refuse("give --inside or --outside, not both");
+  if (const std::optional<Containment> containment = containment_of(arguments); containment && arguments.mesh.empty())
+    refuse(fmt::format("--{}: needs a --mesh, whose solid it is about", option_of(*containment)));
+  if (arguments.outside && arguments.bend && most_of(arguments) > 1)
+    refuse(
+        "--outside: that a union has no cavities is proven of unbent primitives alone; with --bend give --primitives "
+        "1");
   RecoveryOptions options;
-  options.primitives = arguments.primitives.value_or(arguments.deviation ? most_for_deviation : 1);
+  options.primitives = most_of(arguments);
   options.deviation = arguments.deviation;
   options.taper = arguments.taper;
   options.bend = arguments.bend;
@@ -72,7 +96,21 @@ Mesh read_input(const RecoverArguments& arguments) {
   return mesh;
 }
 
-Recovery search(const Mesh& input, const RecoverArguments& arguments, RecoveryOptions options) {
+struct Found {
+  Recovery recovery;
+  std::optional<ContainedWords> contained;
+};
+
+Found searched(const Mesh& input, const RecoverArguments& arguments, const RecoveryOptions& options) {
+  if (input.triangles.empty()) return {recover(input.vertices, options), {}};
+  const std::optional<Containment> containment = containment_of(arguments);
+  if (!containment) return {recover(input, options), {}};
+  ContainedRecovery found =
+      recover_contained(input, *containment, options, {.device = arguments.device, .interrupted = interrupted});
+  return {std::move(found.recovery), ContainedWords{*containment, std::move(found.proof), found.proofs}};
+}
+
+Found search(const Mesh& input, const RecoverArguments& arguments, RecoveryOptions options) {
   ProgressBar bar(!arguments.no_progress, "primitives");
   const auto most = static_cast<double>(options.primitives);
   options.progress = [&bar, most](const RecoveryProgress& progress) {
@@ -83,7 +121,7 @@ Recovery search(const Mesh& input, const RecoverArguments& arguments, RecoveryOp
     bar.update_state(state, static_cast<double>(progress.primitives - 1) / most);
   };
   try {
-    return input.triangles.empty() ? recover(input.vertices, options) : recover(input, options);
+    return searched(input, arguments, options);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::input) throw;
     refuse(fmt::format("{}: {}", arguments.mesh.empty() ? arguments.points : arguments.mesh, error.what()));
@@ -92,7 +130,7 @@ Recovery search(const Mesh& input, const RecoverArguments& arguments, RecoveryOp
 
 ExitStatus status_of(const RecoverReport& report) {
   if (report.recovery.interrupted || (report.proven && report.proven->interrupted)) return ExitStatus::interrupted;
-  return report.reached() ? ExitStatus::verified : ExitStatus::unverified;
+  return report.reached() && report.is_contained() ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 double parse_share(std::string_view option, const std::string& text) {
@@ -118,6 +156,10 @@ void declare_recover(Options& options, RecoverArguments& arguments) {
   options.add_flag("--bend", arguments.bend, "Primitives may be bent");
   options.add("--outliers", arguments.outliers, parse_share, "SHARE",
               "Of the points, how many may belong to nothing: 0 to 0.9 (default 0.6 for one primitive, 0 for several)");
+  options.add_flag("--inside", arguments.inside,
+                   "The model lies within the solid of the mesh, which must be closed: fitted to, and proven");
+  options.add_flag("--outside", arguments.outside,
+                   "The model lies around it, a safe hull: fitted to, and proven; at most one primitive may be bent");
   options.add("--seed", arguments.seed, whole_number<std::uint64_t>(0), "NUMBER", "Of samples and starts (default 1)");
   options.add("--units", arguments.units, "TEXT", "What the model file says of its units, \"mm\"");
   options.add_flag("--no-proof", arguments.no_proof, "Do not prove the deviation of a mesh, which takes a while");
@@ -133,7 +175,8 @@ ExitStatus run_recover(const RecoverArguments& arguments) {
   const Stopwatch time;
   const Mesh input = read_input(arguments);
   watch_for_interruption();
-  Recovery recovery = search(input, arguments, options);
+  Found found = search(input, arguments, options);
+  Recovery& recovery = found.recovery;
   recovery.model.units = arguments.units;
   write_model(arguments.output, recovery.model);
   if (recovery.interrupted) tell(fmt::format("interrupted; the best model so far is kept in {}", arguments.output));
@@ -150,11 +193,13 @@ ExitStatus run_recover(const RecoverArguments& arguments) {
   const RecoverReport report{.recovery = recovery,
                              .of_mesh = !arguments.mesh.empty(),
                              .deviation = arguments.deviation,
+                             .contained = found.contained,
                              .proven = proven,
                              .output = arguments.output,
                              .seconds = time.seconds()};
   if (!recovery.interrupted && !report.reached())
     tell(fmt::format("--deviation {:.6g}: is not reached", *arguments.deviation));
+  if (!recovery.interrupted && !report.is_contained()) tell(obstacle(*found.contained));
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   return status_of(report);
 }

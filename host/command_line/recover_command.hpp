@@ -21,6 +21,8 @@ struct RecoverArguments {
   bool taper = false;
   bool bend = false;
   std::optional<double> outliers;
+  bool inside = false;
+  bool outside = false;
   std::uint64_t seed = 1;
   std::string units;
   std::string device = "auto";

@@ -18,7 +18,9 @@ std::string table(const RecoverReport& report) {
   if (report.of_mesh) text += fmt::format("{:>12}{:>12}{:>12}", "back: mean", "95 %", "largest");
   text += "\n";
   for (const RecoveryStage& stage : report.recovery.stages) {
-    text += fmt::format("{:<12}{}", stage.primitives, columns(stage.to_model));
+    const std::string name = stage.containment ? fmt::format("{}, {}", stage.primitives, option_of(*stage.containment))
+                                               : fmt::format("{}", stage.primitives);
+    text += fmt::format("{:<12}{}", name, columns(stage.to_model));
     if (stage.to_mesh) text += columns(*stage.to_mesh);
     text += "\n";
   }
@@ -39,6 +41,27 @@ std::string proven_lines(const Deviation& proven, const std::string& units) {
     text +=
         fmt::format("model to mesh      largest in {}{}, proven\n", outward_digits(proven.from_model->largest), units);
   return text;
+}
+
+/// Of all triangles.
+std::string contained_line(const ContainedWords& contained) {
+  const char* const word = contained.containment == Containment::within ? "inside the mesh" : "outside the mesh";
+  if (!contained.proof.proven) return fmt::format("{:<19}not proven\n", word);
+  const char* const what = contained.containment == Containment::within
+                               ? "no point of the mesh's surface in the model, the model within the mesh"
+                               : "every point of the mesh's solid in the model";
+  return fmt::format("{:<19}proven: {}\n", word, what);
+}
+
+JsonValue as_json(const std::optional<ContainedWords>& contained) {
+  if (!contained) return {};
+  const ContainmentProof& proof = contained->proof;
+  JsonValue::Array centres;
+  for (const std::string& name : proof.centres_outside) centres.push_back(name);
+  return JsonObject{{"asked", option_of(contained->containment)},       {"proven", proof.proven},
+                    {"triangles_proven", proof.triangles_proven},       {"triangles_refuted", proof.triangles_refuted},
+                    {"triangles_undecided", proof.triangles_undecided}, {"centres_outside", centres},
+                    {"maybe_with_cavities", proof.maybe_with_cavities}, {"proofs", contained->proofs}};
 }
 
 JsonValue as_json(const DistanceStatistics& proven) {
@@ -64,6 +87,21 @@ JsonValue as_json(const EstimatedDeviation& deviation) {
 
 }  // namespace
 
+std::string option_of(Containment containment) {
+  return containment == Containment::within ? "inside" : "outside";
+}
+
+std::string obstacle(const ContainedWords& contained) {
+  const ContainmentProof& proof = contained.proof;
+  const std::string option = "--" + option_of(contained.containment);
+  if (proof.triangles_refuted + proof.triangles_undecided > 0)
+    return fmt::format("{}: is not proven; {} triangles are proven to be on the wrong side, {} are undecided", option,
+                       proof.triangles_refuted, proof.triangles_undecided);
+  if (!proof.centres_outside.empty())
+    return fmt::format("{}: is not proven; {} is not proven to lie within the mesh", option, proof.centres_outside[0]);
+  return fmt::format("{}: is not proven; the union of the primitives may have cavities", option);
+}
+
 bool RecoverReport::reached() const {
   if (!deviation) return true;
   const RecoveryStage& last = recovery.stages.back();
@@ -76,6 +114,7 @@ std::string readable(const RecoverReport& report) {
   std::string text = table(report);
   text += fmt::format("deviations above   estimated from samples{}, not proven\n",
                       units.empty() ? "" : fmt::format(", in{}", units));
+  if (report.contained) text += contained_line(*report.contained);
   if (report.proven) text += proven_lines(*report.proven, units);
   text += fmt::format("points             {}{}\n", recovery.points, report.of_mesh ? " sampled on the mesh" : "");
   if (!report.of_mesh) text += fmt::format("outliers           {:.3g} %, estimated\n", 100.0 * recovery.outliers);
@@ -89,14 +128,17 @@ std::string json(const RecoverReport& report) {
   const Recovery& recovery = report.recovery;
   JsonValue::Array stages;
   for (const RecoveryStage& stage : recovery.stages) {
-    stages.push_back(JsonObject{{"primitives", stage.primitives},
-                                {"estimated_to_model", as_json(stage.to_model)},
-                                {"estimated_to_mesh", stage.to_mesh ? as_json(*stage.to_mesh) : JsonValue()}});
+    stages.push_back(
+        JsonObject{{"primitives", stage.primitives},
+                   {"estimated_to_model", as_json(stage.to_model)},
+                   {"estimated_to_mesh", stage.to_mesh ? as_json(*stage.to_mesh) : JsonValue()},
+                   {"containment", stage.containment ? JsonValue(option_of(*stage.containment)) : JsonValue()}});
   }
   const JsonObject object{
       {"primitives", recovery.model.primitives.size()},
       {"stages", stages},
       {"proven", as_json(report.proven)},
+      {"containment", as_json(report.contained)},
       {"points", recovery.points},
       {"estimated_outliers", recovery.outliers},
       {"deviation_asked", report.deviation},

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "host/recovery/weighted_sums.hpp"
+
 namespace verisq::recovery {
 namespace {
 
@@ -33,15 +35,13 @@ double squared_radius(std::span<const Eigen::Vector3d> points) {
 
 std::vector<Eigen::Vector3d> dense_points(std::span<const Eigen::Vector3d> points) {
   const double limit = squared_radius(points);
-  std::vector<int> counts(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (const Eigen::Vector3d& other : points) counts[i] += (points[i] - other).squaredNorm() < limit ? 1 : 0;
-  std::vector<int> sorted = counts;
+  const std::vector<std::int64_t> counts = counts_within(points, limit);
+  std::vector<std::int64_t> sorted = counts;
   const std::size_t rank = sorted.size() * 3 / 4;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(rank), sorted.end());
   std::vector<Eigen::Vector3d> dense;
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (counts[i] >= least_density * sorted[rank]) dense.push_back(points[i]);
+    if (static_cast<double>(counts[i]) >= least_density * static_cast<double>(sorted[rank])) dense.push_back(points[i]);
   return dense;
 }
 

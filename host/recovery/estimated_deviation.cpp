@@ -54,12 +54,21 @@ EstimatedDeviation deviation_to_union(std::span<const Eigen::Vector3d> points, s
   });
 }
 
-std::optional<EstimatedDeviation> deviation_to_mesh(std::span<const Shape> shapes, const TriangleTree& mesh,
+std::optional<EstimatedDeviation> deviation_to_mesh(std::span<const Shape> shapes, const verify::TriangleTree& mesh,
                                                     std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const std::vector<Eigen::Vector3d> points = sample_union(shapes, samples, random);
   if (points.empty()) return std::nullopt;
-  return deviation_of(points, [&mesh](const Eigen::Vector3d& point) { return mesh.distance(point); });
+  return deviation_of(points, [&mesh](const Eigen::Vector3d& point) {
+    return mesh.nearest({point[0], point[1], point[2]}).distance.hi;
+  });
+}
+
+RecoveryStage stage_of(std::span<const Shape> shapes, std::span<const Eigen::Vector3d> points,
+                       const verify::TriangleTree* mesh, std::uint64_t seed) {
+  RecoveryStage stage{.primitives = shapes.size(), .to_model = deviation_to_union(points, shapes)};
+  if (mesh != nullptr) stage.to_mesh = deviation_to_mesh(shapes, *mesh, seed);
+  return stage;
 }
 
 }  // namespace verisq::recovery

@@ -8,7 +8,7 @@
 #include <verisq/recovery.hpp>
 
 #include "host/recovery/shape.hpp"
-#include "host/recovery/triangle_tree.hpp"
+#include "verify/deviation/triangle_tree.hpp"
 
 namespace verisq::recovery {
 
@@ -18,6 +18,10 @@ namespace verisq::recovery {
 
 /// Of samples of the union's boundary to the mesh; nothing when it has none.
 [[nodiscard]] std::optional<EstimatedDeviation> deviation_to_mesh(std::span<const Shape> shapes,
-                                                                  const TriangleTree& mesh, std::uint64_t seed);
+                                                                  const verify::TriangleTree& mesh, std::uint64_t seed);
+
+/// Both. `mesh` may be null: a cloud has none.
+[[nodiscard]] RecoveryStage stage_of(std::span<const Shape> shapes, std::span<const Eigen::Vector3d> points,
+                                     const verify::TriangleTree* mesh, std::uint64_t seed);
 
 }  // namespace verisq::recovery

@@ -17,9 +17,10 @@
 #include "host/recovery/estimated_deviation.hpp"
 #include "host/recovery/mesh_sample.hpp"
 #include "host/recovery/single_recovery.hpp"
+#include "host/recovery/space_samples.hpp"
 #include "host/recovery/superquadric_sample.hpp"
-#include "host/recovery/triangle_tree.hpp"
 #include "host/recovery/union_growth.hpp"
+#include "verify/deviation/triangle_tree.hpp"
 #include "verisq/error.hpp"
 #include "verisq/mesh_topology.hpp"
 
@@ -31,13 +32,13 @@ using namespace recovery;
 constexpr std::size_t least_points = 12;        // a superquadric has eleven parameters
 constexpr std::size_t most_points = 20'000;     // of a cloud or mesh that are looked at
 constexpr std::size_t searched_points = 4'000;  // of those, while a union is searched
-constexpr std::size_t space_points = 8'000;     // of the grid about a closed mesh
 constexpr double largest_of_parts = 1.25;       // exponent, while parts are looked for
-constexpr double grid_steps_near = 2.0;         // so near the grid cannot tell how long a primitive is
 constexpr std::size_t most_primitives = 64;
 constexpr double flat = 1e-9;      // extent across a plane over that along it
 constexpr double exact = 1e-8;     // root of the mean square over the size: nothing is left to gain
 constexpr double harmless = 1.01;  // cost without a primitive over that with it
+constexpr int most_exchanges = 6;
+constexpr double worth_an_exchange = 0.97;  // cost after it over that before
 constexpr int sweeps = 40;
 constexpr int last_sweeps = 15;
 
@@ -64,11 +65,6 @@ void check(std::span<const Eigen::Vector3d> points) {
   require(half.minCoeff() > flat * half.maxCoeff(), "all points lie in a plane, or nearly so");
 }
 
-Family family_of(const RecoveryOptions& options) {
-  if (options.bend) return options.taper ? Family::bent_tapered : Family::bent;
-  return options.taper ? Family::tapered : Family::plain;
-}
-
 /// As many of them, at random, in their order.
 std::vector<Eigen::Vector3d> thinned(std::span<const Eigen::Vector3d> points, std::size_t most, std::uint64_t seed) {
   std::vector<Eigen::Vector3d> chosen;
@@ -88,7 +84,7 @@ double size_of(std::span<const Eigen::Vector3d> points) {
 
 /// From a straight superquadric, and from none.
 MixtureFit best_single(std::span<const Eigen::Vector3d> points, const RecoveryOptions& options, double most_outliers) {
-  const Family family = family_of(options);
+  const Family family = family_of(options.taper, options.bend);
   const MixtureFit plain = recover_single(points, {Family::plain, options.seed, most_outliers});
   if (family == Family::plain) return plain;
   const double size = size_of(points);
@@ -107,14 +103,6 @@ MixtureFit best_single(std::span<const Eigen::Vector3d> points, const RecoveryOp
              : deformed;
 }
 
-Model model_of(std::span<const Shape> shapes) {
-  Model model;
-  for (const Shape& shape : shapes)
-    model.primitives.push_back(
-        primitive_of(shape, shapes.size() == 1 ? "superquadric" : fmt::format("part{}", model.primitives.size() + 1)));
-  return model;
-}
-
 /// Which points belong to the shape rather than to nothing.
 std::vector<Eigen::Vector3d> inliers(std::span<const Eigen::Vector3d> points, const MixtureFit& fit) {
   const DistanceToShape distance(fit.shape, Family::plain);
@@ -130,18 +118,11 @@ std::vector<Eigen::Vector3d> inliers(std::span<const Eigen::Vector3d> points, co
 /// What a recovery knows of the surface.
 struct Subject {
   std::vector<Eigen::Vector3d> points;
-  const Mesh* mesh = nullptr;                     ///< null for clouds
-  std::unique_ptr<const TriangleTree> tree = {};  ///< null for clouds
-
-  [[nodiscard]] bool is_closed_mesh() const { return mesh != nullptr && mesh_topology(*mesh).closed(); }
+  const Mesh* mesh = nullptr;  ///< null for clouds
+  bool closed = false;         ///< the mesh
+  /// Null for clouds.
+  std::unique_ptr<const verify::TriangleTree> tree = {};
 };
-
-RecoveryStage stage_of(std::span<const Shape> shapes, std::span<const Eigen::Vector3d> points, const Subject& subject,
-                       std::uint64_t seed) {
-  RecoveryStage stage{.primitives = shapes.size(), .to_model = deviation_to_union(points, shapes)};
-  if (subject.tree) stage.to_mesh = deviation_to_mesh(shapes, *subject.tree, seed);
-  return stage;
-}
 
 bool near_enough(const RecoveryStage& stage, const RecoveryOptions& options) {
   return options.deviation && stage.to_model.percentile_95 <= *options.deviation &&
@@ -183,13 +164,8 @@ class UnionRecovery {
         size_(size_of(points_)),
         samples_{
             .surface = thinned(points_, searched_points, options.seed), .inside = {}, .outside = {}, .beyond = {}} {
-    if (!subject.is_closed_mesh()) return;
-    GridSample space = sample_space(*subject.mesh, space_points);
-    samples_.inside = std::move(space.inside);
-    samples_.outside = std::move(space.outside);
-    samples_.beyond.resize(samples_.outside.size());
-    for (std::size_t i = 0; i < samples_.beyond.size(); ++i)
-      samples_.beyond[i] = std::max(0.0, subject.tree->distance(samples_.outside[i]) - grid_steps_near * space.step);
+    if (!subject.closed) return;
+    add_space(*subject.mesh, *subject.tree, samples_);
   }
 
   Recovery run() {
@@ -211,9 +187,10 @@ class UnionRecovery {
       fit = std::move(more);
       add_stage(fit);
     }
+    improve(fit, no_cost);
     if (!options_.interrupted()) {
       fit = pruned(std::move(fit), no_cost);
-      fit.vary(family_of(options_));
+      fit.vary(family_of(options_.taper, options_.bend));
       for (int k = 0; k < sweeps && options_.bend && !options_.interrupted(); ++k)
         if (!fit.sweep()) break;
       polish(fit);
@@ -226,6 +203,20 @@ class UnionRecovery {
   }
 
  private:
+  /// Growing one by one may divide a solid where it has no seam: primitives change places as long as that pays.
+  void improve(UnionFit& fit, double no_cost) {
+    for (int k = 0; k < most_exchanges; ++k) {
+      if (fit.shapes().size() < 2 || fit.cost() <= no_cost || near_enough(stages_.back(), options_) ||
+          options_.interrupted())
+        return;
+      UnionFit other = exchanged(fit, options_.interrupted);
+      if (!(other.cost() < worth_an_exchange * fit.cost())) return;
+      fit = std::move(other);
+      stages_.pop_back();
+      add_stage(fit);
+    }
+  }
+
   /// From the likeliest superquadric, which may reach far beyond the surface, and from an ellipsoid in the box.
   [[nodiscard]] UnionFit first(const UnionOptions& union_options) const {
     Shape likeliest = recover_single(samples_.surface, {Family::plain, options_.seed, 0.0}).shape;
@@ -250,20 +241,39 @@ class UnionRecovery {
 
   void add_stage(const UnionFit& fit) {
     shapes_ = fit.shapes();
-    stages_.push_back(stage_of(shapes_, points_, subject_, options_.seed));
+    stages_.push_back(stage_of(shapes_, points_, subject_.tree.get(), options_.seed));
+  }
+
+  /// One primitive may be what the whole surface is of: then the method for points finds it, pointed or not.
+  [[nodiscard]] bool alone(const UnionFit& fit) const {
+    return fit.shapes().size() == 1 && !strews(subject_, options_);
   }
 
   /// Of the chosen number, with all points.
   void polish(const UnionFit& fit) {
     UnionSamples all = samples_;
     all.surface = points_;
-    UnionFit blunt = swept(UnionFit(all, fit.options(), fit.shapes()));
-    UnionFit pointed = blunt;
-    pointed.allow_exponents(recovery::largest_exponent);
-    pointed = swept(std::move(pointed));
-    const UnionFit& last = strays(pointed) <= strays(blunt) ? pointed : blunt;
-    while (!stages_.empty() && stages_.back().primitives >= last.shapes().size()) stages_.pop_back();
-    add_stage(last);
+    const UnionFit blunt = swept(UnionFit(all, fit.options(), fit.shapes()));
+    std::vector<UnionFit> candidates{pointed(blunt), blunt};
+    if (alone(fit)) {
+      const Shape likeliest = best_single(points_, options_, 0.0).shape;
+      candidates.push_back(pointed(UnionFit(all, fit.options(), {likeliest})));
+    }
+    std::vector<RecoveryStage> stages;
+    std::vector<double> astray;
+    for (const UnionFit& candidate : candidates) {
+      stages.push_back(stage_of(candidate.shapes(), points_, subject_.tree.get(), options_.seed));
+      astray.push_back(strays(stages.back(), candidate));
+    }
+    const auto best = static_cast<std::size_t>(std::ranges::min_element(astray) - astray.begin());
+    shapes_ = candidates[best].shapes();
+    while (!stages_.empty() && stages_.back().primitives >= shapes_.size()) stages_.pop_back();
+    stages_.push_back(stages[best]);
+  }
+
+  [[nodiscard]] UnionFit pointed(UnionFit fit) const {
+    fit.allow_exponents(recovery::largest_exponent);
+    return swept(std::move(fit));
   }
 
   [[nodiscard]] UnionFit swept(UnionFit fit) const {
@@ -274,8 +284,7 @@ class UnionRecovery {
 
   /// How far the surface is from the union and, of a mesh, the union from the surface: what reaches out between the
   /// samples of the space is seen by the second alone.
-  [[nodiscard]] double strays(const UnionFit& fit) const {
-    const RecoveryStage stage = stage_of(fit.shapes(), points_, subject_, options_.seed);
+  [[nodiscard]] static double strays(const RecoveryStage& stage, const UnionFit& fit) {
     return stage.to_mesh ? stage.to_model.mean + stage.to_mesh->mean : fit.cost();
   }
 
@@ -294,7 +303,7 @@ Recovery recover_one(const Subject& subject, const RecoveryOptions& options) {
   const std::vector<Eigen::Vector3d> own = inliers(subject.points, fit);
   const std::array shapes{fit.shape};
   return {.model = model_of(shapes),
-          .stages = {stage_of(shapes, own, subject, options.seed)},
+          .stages = {stage_of(shapes, own, subject.tree.get(), options.seed)},
           .outliers = 1.0 - static_cast<double>(own.size()) / static_cast<double>(subject.points.size()),
           .points = subject.points.size(),
           .interrupted = options.interrupted()};
@@ -303,7 +312,7 @@ Recovery recover_one(const Subject& subject, const RecoveryOptions& options) {
 Recovery recover(const Subject& subject, const RecoveryOptions& options) {
   check(subject.points);
   // A closed mesh shows where its inside is, which a cloud does not: unions know what to do with that.
-  const bool one = options.primitives == 1 && !subject.is_closed_mesh();
+  const bool one = options.primitives == 1 && !subject.closed;
   return one ? recover_one(subject, options) : UnionRecovery(subject, options).run();
 }
 
@@ -323,7 +332,8 @@ Recovery recover(const Mesh& mesh, const RecoveryOptions& options) {
   std::mt19937_64 random(options.seed);
   return recover(Subject{.points = sample_mesh(mesh, most_points, random),
                          .mesh = &mesh,
-                         .tree = std::make_unique<const TriangleTree>(mesh)},
+                         .closed = mesh_topology(mesh).closed(),
+                         .tree = std::make_unique<const verify::TriangleTree>(verify::triangles_of(mesh))},
                  options);
 }
 

@@ -1,6 +1,8 @@
 /// From a model's primitive to the parameters of the search, and back.
 #include "host/recovery/shape.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -20,6 +22,14 @@ Primitive primitive_of(const Shape& shape, const std::string& name) {
   if (const double curvature = shape.curvature.norm(); curvature > 0.0)
     primitive.bend = Bend{curvature, std::atan2(shape.curvature[1], shape.curvature[0]) * 180.0 / std::numbers::pi};
   return primitive;
+}
+
+Model model_of(std::span<const Shape> shapes) {
+  Model model;
+  for (const Shape& shape : shapes)
+    model.primitives.push_back(
+        primitive_of(shape, shapes.size() == 1 ? "superquadric" : fmt::format("part{}", model.primitives.size() + 1)));
+  return model;
 }
 
 Shape shape_of(const Primitive& primitive) {

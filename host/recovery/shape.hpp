@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <string>
 #include <verisq/model.hpp>
 
@@ -24,7 +25,10 @@ inline constexpr double largest_exponent = 2.0;
 /// As a model file has it.
 [[nodiscard]] Primitive primitive_of(const Shape& shape, const std::string& name);
 
-/// The inverse, up to rounding.
+/// The union of one or more, whose names say their places.
+[[nodiscard]] Model model_of(std::span<const Shape> shapes);
+
+/// The inverse of `primitive_of`, up to rounding.
 [[nodiscard]] Shape shape_of(const Primitive& primitive);
 
 }  // namespace verisq::recovery

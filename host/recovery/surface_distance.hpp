@@ -23,6 +23,11 @@ enum class Family : std::uint8_t { plain, tapered, bent, bent_tapered };
   return family == Family::bent || family == Family::bent_tapered;
 }
 
+[[nodiscard]] constexpr Family family_of(bool with_taper, bool with_bend) {
+  if (with_bend) return with_taper ? Family::bent_tapered : Family::bent;
+  return with_taper ? Family::tapered : Family::plain;
+}
+
 /// f = (gauge - 1)/|gradient|, of a tapered solid f = (h - s)/|gradient| as in docs/mathematics.md §18: exact of
 /// spheres, and next to faces of boxes and octahedra; elsewhere its error is of second order in the distance (Taubin,
 /// PAMI 1991). The derivatives are those of the numerator, so exact on the surface.

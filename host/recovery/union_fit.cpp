@@ -11,7 +11,6 @@
 namespace verisq::recovery {
 namespace {
 
-constexpr double space_weight = 1.0;  // of a sample inside or outside, where one of the surface has 1
 constexpr double most_excess = 20.0;  // of a residual over the distance, as a step sees it
 constexpr double first_damping = 1e-3;
 constexpr double least_damping = 1e-9;
@@ -32,7 +31,10 @@ UnionFit::UnionFit(const UnionSamples& samples, const UnionOptions& options, std
   points.insert(points.end(), samples.outside.begin(), samples.outside.end());
   count_ = points.size();
   blocks_ = blocks_of(points);
-  for (std::size_t i = samples.surface.size(); i < count_; ++i) blocks_[i / lanes].present[i % lanes] = space_weight;
+  const std::size_t first_inside = samples.surface.size();
+  const std::size_t first_outside = first_inside + samples.inside.size();
+  for (std::size_t i = first_inside; i < count_; ++i)
+    blocks_[i / lanes].present[i % lanes] = i < first_outside ? options.inside_weight : options.outside_weight;
   distances_.resize(shapes_.size());
   damping_.assign(shapes_.size(), first_damping);
   for (std::size_t i = 0; i < shapes_.size(); ++i) measure(shapes_[i], distances_[i]);
@@ -72,11 +74,11 @@ double UnionFit::cost_with(const std::vector<double>& others, const std::vector<
   }
   for (std::size_t i = surface; i < inside; ++i) {
     const double distance = std::max(std::min(others[i], own[i]), 0.0);
-    sum += space_weight * distance * distance;
+    sum += options_.inside_weight * distance * distance;
   }
   for (std::size_t i = inside; i < count_; ++i) {
     const double distance = residual(i, std::min(others[i], own[i]));
-    sum += space_weight * distance * distance;
+    sum += options_.outside_weight * distance * distance;
   }
   return sum;
 }

@@ -29,6 +29,8 @@ struct UnionOptions {
   /// Points of cones and edges of wedges reach far out of a solid between the samples of the space: less than 2 has
   /// none.
   double largest_exponent = recovery::largest_exponent;
+  double inside_weight = 1.0;   ///< of a sample inside, where one of the surface has 1
+  double outside_weight = 1.0;  ///< likewise
 };
 
 /// The signed distance of a union is the least of its primitives'. Its square is summed over the samples of the surface

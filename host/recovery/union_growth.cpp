@@ -167,4 +167,16 @@ UnionFit grown(const UnionFit& fit, const std::function<bool()>& interrupted) {
   return refined(candidates.front().fit, refining_sweeps, interrupted);
 }
 
+UnionFit exchanged(const UnionFit& fit, const std::function<bool()>& interrupted) {
+  const UnionFit more = grown(fit, interrupted);
+  std::vector<Candidate> candidates(more.shapes().size(), Candidate{more, {}});
+  in_parallel(candidates.size(), [&](std::size_t i) {
+    candidates[i].fit.remove(i);
+    for (int k = 0; k < candidate_sweeps && !interrupted(); ++k)
+      if (!candidates[i].fit.sweep()) break;
+  });
+  sort(candidates);
+  return refined(candidates.front().fit, refining_sweeps, interrupted);
+}
+
 }  // namespace verisq::recovery

@@ -2,6 +2,7 @@
 #include "host/recovery/weighted_sums.hpp"
 
 #include <cmath>
+#include <cstdint>
 
 #include "host/recovery/gauge.hpp"
 
@@ -30,6 +31,20 @@ struct Placement {
   std::array<std::array<double, 3>, 3> rotation{};  ///< rows: the shape's axes
 };
 
+/// Of the shape's own frame.
+struct OwnPoint {
+  double x, y, z;
+};
+
+[[gnu::always_inline]] inline OwnPoint own_point(const Placement& place, const PointBlock& block, std::size_t lane) {
+  const double dx = block.x[lane] - place.centre[0];
+  const double dy = block.y[lane] - place.centre[1];
+  const double dz = block.z[lane] - place.centre[2];
+  return {place.rotation[0][0] * dx + place.rotation[0][1] * dy + place.rotation[0][2] * dz,
+          place.rotation[1][0] * dx + place.rotation[1][1] * dy + place.rotation[1][2] * dz,
+          place.rotation[2][0] * dx + place.rotation[2][1] * dy + place.rotation[2][2] * dz};
+}
+
 struct Rows {
   alignas(64) std::array<Lane, straight_parameters> row;
   alignas(64) std::array<Lane, straight_parameters> weighted;
@@ -50,12 +65,10 @@ struct LaneSums {
                                              const Placement& place, double by_taper, const MixtureTerms& terms,
                                              Rows& rows) {
   for (std::size_t l = 0; l < lanes; ++l) {
-    const double dx = block.x[l] - place.centre[0];
-    const double dy = block.y[l] - place.centre[1];
-    const double dz = block.z[l] - place.centre[2];
-    const double x = place.rotation[0][0] * dx + place.rotation[0][1] * dy + place.rotation[0][2] * dz;
-    const double y = place.rotation[1][0] * dx + place.rotation[1][1] * dy + place.rotation[1][2] * dz;
-    const double z = place.rotation[2][0] * dx + place.rotation[2][1] * dy + place.rotation[2][2] * dz;
+    const OwnPoint own = own_point(place, block, l);
+    const double x = own.x;
+    const double y = own.y;
+    const double z = own.z;
     const GaugeAt at = gauge_at<true>(gauge, x, y, z);
     const double scale = 1.0 / at.length;
     const double distance = at.value * scale;
@@ -115,13 +128,8 @@ void fill_distances(std::span<const PointBlock> blocks, const GaugeConstants& ga
                     double* distances) {
   for (const PointBlock& block : blocks) {
     for (std::size_t l = 0; l < lanes; ++l) {
-      const double dx = block.x[l] - place.centre[0];
-      const double dy = block.y[l] - place.centre[1];
-      const double dz = block.z[l] - place.centre[2];
-      const double x = place.rotation[0][0] * dx + place.rotation[0][1] * dy + place.rotation[0][2] * dz;
-      const double y = place.rotation[1][0] * dx + place.rotation[1][1] * dy + place.rotation[1][2] * dz;
-      const double z = place.rotation[2][0] * dx + place.rotation[2][1] * dy + place.rotation[2][2] * dz;
-      const GaugeAt at = gauge_at<false>(gauge, x, y, z);
+      const OwnPoint own = own_point(place, block, l);
+      const GaugeAt at = gauge_at<false>(gauge, own.x, own.y, own.z);
       distances[l] = at.value / at.length;
     }
     distances += lanes;
@@ -157,6 +165,23 @@ void add_mixture(std::span<const PointBlock> blocks, const MixtureTerms& terms, 
   result = sums;
 }
 
+/// Arrays of one coordinate each: a loop of any length over them is what compilers turn into vectors best.
+VERISQ_WIDEST_VECTORS
+std::int64_t count_within(const double* x, const double* y, const double* z, std::size_t size, const double* centre,
+                          double squared_radius) {
+  const double centre_x = centre[0];
+  const double centre_y = centre[1];
+  const double centre_z = centre[2];
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double dx = centre_x - x[i];
+    const double dy = centre_y - y[i];
+    const double dz = centre_z - z[i];
+    count += dx * dx + (dy * dy + dz * dz) < squared_radius ? 1 : 0;
+  }
+  return count;
+}
+
 double total(const Lane& lane) {
   double sum = 0.0;
   for (const double value : lane) sum += value;
@@ -176,6 +201,23 @@ std::vector<PointBlock> blocks_of(std::span<const Eigen::Vector3d> points) {
     block.present[i % lanes] = i < points.size() ? 1.0 : 0.0;
   }
   return blocks;
+}
+
+std::vector<std::int64_t> counts_within(std::span<const Eigen::Vector3d> points, double squared_radius) {
+  const auto coordinate = [points](int axis) {
+    std::vector<double> values;
+    values.reserve(points.size());
+    for (const Eigen::Vector3d& point : points) values.push_back(point[axis]);
+    return values;
+  };
+  const std::vector<double> x = coordinate(0);
+  const std::vector<double> y = coordinate(1);
+  const std::vector<double> z = coordinate(2);
+  std::vector<std::int64_t> counts;
+  counts.reserve(points.size());
+  for (const Eigen::Vector3d& point : points)
+    counts.push_back(count_within(x.data(), y.data(), z.data(), points.size(), point.data(), squared_radius));
+  return counts;
 }
 
 WeightedSums weighted_sums(std::span<const PointBlock> blocks, const Shape& shape, bool tapers,

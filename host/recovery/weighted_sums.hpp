@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct PointBlock {
 };
 
 [[nodiscard]] std::vector<PointBlock> blocks_of(std::span<const Eigen::Vector3d> points);
+
+/// Of each of the points, how many of them, itself included, are nearer than the root of `squared_radius`.
+[[nodiscard]] std::vector<std::int64_t> counts_within(std::span<const Eigen::Vector3d> points, double squared_radius);
 
 /// An inlier's likelihood at the distance r is exp(-precision r^2), that of an outlier `ratio`.
 struct MixtureTerms {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <vector>
+#include <verisq/containment.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 
@@ -26,6 +27,7 @@ struct RecoveryStage {
   std::size_t primitives;
   EstimatedDeviation to_model;                     ///< of points that are no outliers, or of samples of the mesh
   std::optional<EstimatedDeviation> to_mesh = {};  ///< of samples of the model's surface; nothing for clouds
+  std::optional<Containment> containment = {};     ///< what the model was then fitted to, if anything
 };
 
 struct RecoveryProgress {
@@ -61,5 +63,17 @@ struct Recovery {
 /// The same for samples of a mesh's surface, uniform by area; several primitives also fill its inside, as far as it is
 /// closed. A mesh without triangles is the cloud of its vertices. Throws as above.
 [[nodiscard]] Recovery recover(const Mesh& mesh, const RecoveryOptions& options);
+
+struct ContainedRecovery {
+  Recovery recovery;       ///< its model is the contained one, and so is the last of its stages
+  ContainmentProof proof;  ///< of that model
+  std::size_t proofs;      ///< that were tried
+};
+
+/// The same, then fitted to lie within the mesh's solid or around it, as close to its surface as it can, until that is
+/// proven; where it cannot be, with the last proof that was tried. Throws Error(input) as above and as
+/// `prove_containment`.
+[[nodiscard]] ContainedRecovery recover_contained(const Mesh& mesh, Containment containment,
+                                                  const RecoveryOptions& options, const ContainmentOptions& proof);
 
 }  // namespace verisq

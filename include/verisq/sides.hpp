@@ -48,7 +48,7 @@ void check_surface_has_sides(const Mesh& surface);
 /// Kept by a primitive means: of its points that lie deeper in it than the limit, every one lies on the side required
 /// of it (all points of its interior where the limit is 0). They form a connected set, being those of a convex solid;
 /// no point of the surface, nor of its openings, is among them, by `clearance` and by proofs of their own; and for one
-/// of them its winding number is proven (docs/mathematics.md §21).
+/// of them its winding number is proven (docs/mathematics.md §22).
 /// Preconditions: a union of convex primitives, `required` one a primitive, `clearance` that of the same model and
 /// surface under the same limit. Throws Error(input) as check_surface_has_sides and Mapper.
 [[nodiscard]] Sides prove_sides(const Model& model, const Mesh& surface, const MeshClearance& clearance,

@@ -10,6 +10,7 @@
 
 #include "tests/fixtures/program_test.hpp"
 #include "verisq/model_file.hpp"
+#include "verisq/signed_distance.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -33,6 +34,14 @@ class RecoverCommand : public ProgramTest {
       text += fmt::format("{},{},{}\n", 5.0 + 3.0 * radius * std::cos(angle), 2.0 * radius * std::sin(angle), z);
     }
     return folder_.file("ellipsoid.csv", text).string();
+  }
+  /// The last of its faces may be missing.
+  [[nodiscard]] std::string tetrahedron(int faces = 4) const {
+    const std::string all = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    return folder_
+        .file("tetrahedron.off",
+              fmt::format("OFF\n4 {} 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n", faces) + all.substr(0, 8 * faces))
+        .string();
   }
   void expect_refused(const Arguments& arguments, const std::string& message) const {
     const Outcome outcome = recover(arguments);
@@ -72,15 +81,28 @@ TEST_F(RecoverCommand, PrintsOneJsonObject) {
 }
 
 TEST_F(RecoverCommand, SaysThatADeviationIsNotReached) {
-  const std::string tetrahedron = folder_
-                                      .file("tetrahedron.off",
-                                            "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n"
-                                            "3 1 2 3\n")
-                                      .string();
-  const Outcome outcome = recover({"--mesh", tetrahedron, "--primitives", "1", "--deviation", "0.0001", "-o", model()});
+  const Outcome outcome =
+      recover({"--mesh", tetrahedron(), "--primitives", "1", "--deviation", "0.0001", "-o", model()});
   EXPECT_EQ(outcome.status, 3);
   EXPECT_EQ(outcome.err, "verisq: --deviation 0.0001: is not reached\n");
   EXPECT_EQ(read_model(model()).primitives.size(), 1U);
+}
+
+TEST_F(RecoverCommand, ProvesThatTheModelLiesInsideOrOutside) {
+  for (const std::string option : {"inside", "outside"}) {
+    const Outcome outcome = recover({"--mesh", tetrahedron(), "--" + option, "--no-proof", "--json", "-o", model()});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const auto json = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(json["containment"]["asked"], option);
+    EXPECT_EQ(json["containment"]["proven"], true);
+    EXPECT_EQ(json["containment"]["triangles_proven"], 4);
+    EXPECT_EQ(json["stages"].back()["containment"], option);
+    const SignedDistance distance(read_model(model()));
+    for (const Point& corner : {Point{0.0, 0.0, 0.0}, Point{1.0, 0.0, 0.0}, Point{0.0, 0.0, 1.0}}) {
+      const Enclosure found = distance(corner, 1e-6);
+      EXPECT_TRUE(option == "inside" ? found.lo > 0.0 : found.hi < 0.0);
+    }
+  }
 }
 
 TEST_F(RecoverCommand, RefusesWhatItCannotUse) {
@@ -95,6 +117,14 @@ TEST_F(RecoverCommand, RefusesWhatItCannotUse) {
   const std::string nan = folder_.file("nan.csv", "0,0,0\nnan,0,0\n").string();
   expect_refused({"--points", nan, "-o", model()}, nan + ": line 2: x = 'nan': not a finite number");
   expect_refused({"--points", three, "--outliers", "1", "-o", model()}, "--outliers: 1 is not from 0 to 0.9");
+  expect_refused({"--points", three, "--inside", "-o", model()}, "--inside: needs a --mesh, whose solid it is about");
+  expect_refused({"--mesh", three, "--inside", "--outside", "-o", model()}, "give --inside or --outside, not both");
+  expect_refused({"--mesh", three, "--outside", "--bend", "--primitives", "2", "-o", model()},
+                 "--outside: that a union has no cavities is proven of unbent primitives alone; with --bend give "
+                 "--primitives 1");
+  const std::string open = tetrahedron(3);
+  expect_refused({"--mesh", open, "--outside", "-o", model()},
+                 open + ": the mesh is not closed: nothing can be within or around it");
   expect_refused({"--mesh", three, "--outliers", "0.1", "-o", model()}, "--outliers: is for --points; a mesh has none");
 }
 

@@ -15,10 +15,11 @@
 #include "host/recovery/single_recovery.hpp"
 #include "host/recovery/superquadric_sample.hpp"
 #include "host/recovery/surface_distance.hpp"
-#include "host/recovery/triangle_tree.hpp"
 #include "host/recovery/union_fit.hpp"
 #include "tests/recovery/synthetic_cloud.hpp"
+#include "verify/deviation/triangle_tree.hpp"
 #include "verisq/error.hpp"
+#include "verisq/model_mesh.hpp"
 #include "verisq/signed_distance.hpp"
 
 namespace verisq::testing {
@@ -150,6 +151,44 @@ TEST(RecoveryTest, RecoversAUnionFromItsMeshAlone) {
     EXPECT_LT(std::abs(proven(vertex, 1e-6).hi), 0.05);
 }
 
+/// Fits a model of so many primitives, and looks at the mesh's vertices.
+void expect_contained(const Mesh& mesh, Containment containment, std::size_t primitives) {
+  const ContainedRecovery found =
+      recover_contained(mesh, containment, {.primitives = primitives, .deviation = 0.05}, {});
+  EXPECT_TRUE(found.proof.proven);
+  EXPECT_EQ(found.proof.triangles_proven, mesh.triangles.size());
+  ASSERT_EQ(found.recovery.stages.back().containment, containment);
+  EXPECT_LT(found.recovery.stages.back().to_model.mean, 0.02);
+  const SignedDistance proven(found.recovery.model);
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 97) {
+    const Enclosure distance = proven(mesh.vertices[i], 1e-6);
+    if (containment == Containment::within)
+      EXPECT_GE(distance.hi, 0.0);
+    else
+      EXPECT_LE(distance.lo, 0.0);
+  }
+}
+
+TEST(RecoveryTest, FitsAModelWithinAMeshAndAUnionAroundIt) {
+  Mesh mesh;
+  add_ellipsoid(mesh, {0.0, 0.0, 0.0}, {3.0, 2.0, 1.0});
+  expect_contained(mesh, Containment::within, 1);
+  expect_contained(two_ellipsoids(), Containment::around, 2);
+}
+
+/// Its points and edges are as sharp as those of parts may never be.
+TEST(RecoveryTest, RecoversOnePointedSuperquadricFromItsMesh) {
+  const Model truth{"",
+                    {{.name = "pointed",
+                      .superquadric = {.semi_axes = {20.0, 15.0, 40.0}, .exponents = {1.8, 0.7}},
+                      .pose = {.translation = {3.0, -2.0, 1.0}, .quaternion = {0.9, 0.1, -0.2, 0.3}}}}};
+  const Mesh mesh = model_mesh(truth, {.deviation = 0.02}).mesh;
+  const Recovery found = recover(mesh, {.primitives = 1});
+  EXPECT_LT(found.stages.back().to_model.largest, 1e-3 * 40.0);
+  ASSERT_TRUE(found.stages.back().to_mesh);
+  EXPECT_LT(found.stages.back().to_mesh->largest, 1e-3 * 40.0);
+}
+
 /// A thin plate that reaches far out of a solid is nowhere deep inside itself.
 TEST(RecoveryTest, WhatReachesFarOutCountsForHowFarItIs) {
   const recovery::UnionSamples samples{.surface = {Eigen::Vector3d(1.0, 0.0, 0.0)},
@@ -219,11 +258,16 @@ TEST(RecoveryTest, TheSpaceAboutAMeshIsDividedAsItsSolidDividesIt) {
 TEST(RecoveryTest, TheTreeFindsTheNearestTriangle) {
   const Mesh mesh{.vertices = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 9}, {1, 0, 9}, {0, 1, 9}},
                   .triangles = {{0, 1, 2}, {3, 4, 5}}};
-  const recovery::TriangleTree tree(mesh);
-  EXPECT_DOUBLE_EQ(tree.distance({1.0, 1.0, 3.0}), 3.0);
-  EXPECT_DOUBLE_EQ(tree.distance({-3.0, -4.0, 0.0}), 5.0);
-  EXPECT_DOUBLE_EQ(tree.distance({3.0, 3.0, 0.0}), std::sqrt(2.0));
-  EXPECT_DOUBLE_EQ(tree.distance({0.25, 0.25, 8.0}), 1.0);
+  const verify::TriangleTree tree(verify::triangles_of(mesh));
+  const auto distance = [&tree](const Point& point) {
+    const Enclosure found = tree.nearest(point).distance;
+    EXPECT_LT(found.width(), 1e-12);
+    return 0.5 * (found.lo + found.hi);
+  };
+  EXPECT_NEAR(distance({1.0, 1.0, 3.0}), 3.0, 1e-12);
+  EXPECT_NEAR(distance({-3.0, -4.0, 0.0}), 5.0, 1e-12);
+  EXPECT_NEAR(distance({3.0, 3.0, 0.0}), std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(distance({0.25, 0.25, 8.0}), 1.0, 1e-12);
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
-/// The ellipsoid method with deep cuts (Groetschel, Lovasz, Schrijver) on max(g_A, g_B) <= 1.
+/// The ellipsoid method with deep cuts (Groetschel, Lovasz, Schrijver) on the largest of the gauges, which is to be at
+/// most 1.
 #include "verify/search/common_point.hpp"
 
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "verify/proof/boundary.hpp"
 #include "verify/proof/superquadric.hpp"
@@ -55,22 +58,46 @@ Ellipsoid ellipsoid_about(const Superquadric& solid) {
   return {{0.0, 0.0, k * z}, {3.0 * std::pow(x * widest, 2), 3.0 * std::pow(y * widest, 2), 3.0 * std::pow(z, 2)}};
 }
 
+/// Of one solid, in the frame where it is placed.
+class PlacedSlope {
+ public:
+  explicit PlacedSlope(const PlacedSuperquadric& placed)
+      : slope_(placed.solid), rotation_(placed.rotation), offset_(placed.offset) {}
+
+  [[nodiscard]] Slope operator()(const Eigen::Vector3d& x) const {
+    Slope slope = slope_(rotation_.transpose() * (x - offset_));
+    slope.gradient = rotation_ * slope.gradient;
+    return slope;
+  }
+
+ private:
+  GaugeSlope slope_;
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d offset_;
+};
+
+/// The first of those with the largest gauge.
+Slope worst(const std::vector<PlacedSlope>& slopes, const Eigen::Vector3d& x) {
+  Slope worst = slopes[0](x);
+  for (std::size_t i = 1; i < slopes.size(); ++i) {
+    const Slope slope = slopes[i](x);
+    if (slope.gauge > worst.gauge) worst = slope;
+  }
+  return worst;
+}
+
 }  // namespace
 
-std::optional<Eigen::Vector3d> common_point(const Superquadric& a, const Superquadric& b,
-                                            const Eigen::Matrix3d& rotation, const Eigen::Vector3d& offset) {
-  const GaugeSlope slope_a(a);
-  const GaugeSlope slope_b(b);
-  const Ellipsoid about_a = ellipsoid_about(a);
-  Eigen::Vector3d x = about_a.centre;
-  Eigen::Matrix3d shape = about_a.squared_semi_axes.asDiagonal();
+std::optional<Eigen::Vector3d> common_point(std::span<const PlacedSuperquadric> solids) {
+  const std::vector<PlacedSlope> slopes(solids.begin(), solids.end());
+  const PlacedSuperquadric& first = solids[0];
+  const Ellipsoid about_first = ellipsoid_about(first.solid);
+  Eigen::Vector3d x = first.rotation * about_first.centre + first.offset;
+  Eigen::Matrix3d shape = first.rotation * about_first.squared_semi_axes.asDiagonal() * first.rotation.transpose();
   std::optional<Eigen::Vector3d> best;
   double least = 1.0;
   for (int step = 0, extra = 0; step < kMostSteps && extra < kExtraSteps; ++step) {
-    const Slope on_a = slope_a(x);
-    Slope on_b = slope_b(rotation.transpose() * (x - offset));
-    on_b.gradient = rotation * on_b.gradient;
-    const Slope& worse = on_a.gauge >= on_b.gauge ? on_a : on_b;
+    const Slope worse = worst(slopes, x);
     if (worse.gauge < least) {
       least = worse.gauge;
       best = x;
@@ -87,6 +114,12 @@ std::optional<Eigen::Vector3d> common_point(const Superquadric& a, const Superqu
             (shape - (1.0 + 3.0 * depth) / (2.0 * (1.0 + depth)) * axis * axis.transpose());
   }
   return best;
+}
+
+std::optional<Eigen::Vector3d> common_point(const Superquadric& a, const Superquadric& b,
+                                            const Eigen::Matrix3d& rotation, const Eigen::Vector3d& offset) {
+  return common_point(std::array<PlacedSuperquadric, 2>{
+      {{a, Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()}, {b, rotation, offset}}});
 }
 
 }  // namespace verisq::verify

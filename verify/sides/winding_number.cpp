@@ -1,5 +1,5 @@
 /// A ray from the point passes through the surface outward once more than inward for each time that the surface winds
-/// around the point (docs/mathematics.md §21). Intervals decide which triangles it passes through; where they cannot,
+/// around the point (docs/mathematics.md §22). Intervals decide which triangles it passes through; where they cannot,
 /// another ray is tried.
 #include "verify/sides/winding_number.hpp"
 
