@@ -3,6 +3,7 @@
 
 #include <string>
 #include <vector>
+#include <verisq/features.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/mesh.hpp>
 
@@ -12,7 +13,8 @@ namespace verisq::command_line {
 
 struct FitProblem {
   std::vector<UncertainModel> series;
-  std::string units;  ///< of all implants; empty when none has any
+  std::vector<FemurLandmarks> landmarks;  ///< that each implant's file names
+  std::string units;                      ///< of all implants; empty when none has any
   Mesh mesh;
   Cavity cavity;  ///< the vertices of the mesh
   FitOptions options;
