@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 #include <verisq/error.hpp>
 #include <verisq/landmark_file.hpp>
 #include <verisq/map.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/model_file.hpp>
+#include <verisq/model_mesh.hpp>
 
 #include "host/command_line/choice.hpp"
 #include "host/command_line/features_summary.hpp"
@@ -32,8 +34,14 @@ constexpr const char* closing_words =
     "by\n"
     "up to 18 degrees (Murphy), so that each is named. Angles of version are positive ahead.\n"
     "\n"
-    "Of an implant in its place (--implant, as `verisq fit` writes it) the changes of offset, of leg length and of\n"
-    "version follow, of the centres of its primitives --head and --neck.\n"
+    "Of a model of a femur (--model, as `verisq recover` writes it) its surface is meshed first, to --deviation by\n"
+    "estimate; landmarks are those of that mesh, but for those that the model's file names.\n"
+    "\n"
+    "Of an implant in its place (--implant, as `verisq fit` writes it) the changes of offset, of leg length, of "
+    "version\n"
+    "and of CCD follow, of the points that its file names (head_centre, neck_centre, shaft_proximal, shaft_distal), "
+    "else\n"
+    "of the centres of its primitives --head and --neck. They are exact, the bone's are known to --landmark-radius.\n"
     "\n"
     "Exit status: 0 all features of the landmarks that are there; 3 some need landmarks that are known better, or the\n"
     "implant's or the bone's are missing for its changes; 2 bad usage or input, or no femur.\n"
@@ -41,12 +49,18 @@ constexpr const char* closing_words =
     "Examples:\n"
     "  verisq features --mesh femur.stl --report features.html\n"
     "  verisq features --mesh femur.stl --landmark-radius 1 -o landmarks.json --json\n"
+    "  verisq features --model recovered.json --landmark-radius 2\n"
+    "  verisq features --mesh femur.stl --implant examples/tapered_stem.json --landmark-radius 1 --png planned.png\n"
     "  verisq features --landmarks landmarks.json --implant fitted.json --landmark-radius 1";
 
 void check_usage(const FeaturesArguments& arguments) {
-  if (arguments.mesh.empty() && arguments.landmarks.empty()) refuse("give --mesh, --landmarks or both");
-  const std::vector<std::string> inputs{arguments.mesh, arguments.landmarks, arguments.implant};
-  if (arguments.report.any() && arguments.mesh.empty()) refuse("--report and --png: want a --mesh");
+  if (!arguments.mesh.empty() && !arguments.model.empty()) refuse("--mesh and --model: give one of them");
+  const bool has_surface = !arguments.mesh.empty() || !arguments.model.empty();
+  if (!has_surface && arguments.landmarks.empty()) refuse("give --mesh, --model or --landmarks");
+  const std::vector<std::string> inputs{arguments.mesh, arguments.model, arguments.landmarks, arguments.implant};
+  if (arguments.report.any() && !has_surface) refuse("--report and --png: want a --mesh or a --model");
+  if (arguments.implant.empty() && !(arguments.implant_head.empty() && arguments.implant_neck.empty()))
+    refuse("--head and --neck: want an --implant");
   check_usage(arguments.report, inputs);
   if (!arguments.written_landmarks.empty()) refuse_to_overwrite("-o", arguments.written_landmarks, inputs);
   if (!arguments.axes.empty()) refuse_to_overwrite("--axes", arguments.axes, inputs);
@@ -73,12 +87,33 @@ bool has_all_of_a_proximal_femur(const FemurLandmarks& landmarks) {
          landmarks.shaft_distal;
 }
 
-DetectedFemur detected(const Mesh& mesh, const FeaturesArguments& arguments, const std::optional<Side>& side) {
+DetectedFemur detected(const Mesh& mesh, const std::string& file, const std::optional<Side>& side) {
   try {
     return detect_femur(mesh, side);
   } catch (const Error& error) {
-    throw Error(error.kind(), fmt::format("{}: {}", arguments.mesh, error.what()));
+    throw Error(error.kind(), fmt::format("{}: {}", file, error.what()));
   }
+}
+
+/// A bone's surface, and which file it is of.
+struct Surface {
+  std::string file;
+  Mesh mesh;
+  std::string note = {};  ///< how it was made, where it was
+  FemurLandmarks named = {};
+};
+
+/// Nothing where it was interrupted.
+std::optional<Surface> meshed(const FeaturesArguments& arguments) {
+  const Model model = read_model(arguments.model);
+  if (!model.units.empty() && model.units != "mm")
+    refuse(fmt::format("{}: units {}: a femur is measured in mm", arguments.model, model.units));
+  ModelMesh found = model_mesh(model, {.deviation = arguments.deviation, .interrupted = interrupted});
+  if (found.interrupted) return std::nullopt;
+  return Surface{arguments.model, std::move(found.mesh),
+                 fmt::format("surface: the model's, meshed to {:.2g} mm by estimate; nothing of that is proven",
+                             found.estimated_deviation),
+                 read_model_landmarks(arguments.model)};
 }
 
 const Primitive* primitive_of(const Model& model, const std::string& name) {
@@ -86,15 +121,55 @@ const Primitive* primitive_of(const Model& model, const std::string& name) {
   return found == model.primitives.end() ? nullptr : &*found;
 }
 
-FemurFeatures changes_by(const Model& implant, const FeaturesArguments& arguments, const FemurLandmarks& landmarks,
-                         const std::optional<Side>& side) {
-  const Primitive* const head = primitive_of(implant, arguments.implant_head);
-  if (head == nullptr)
-    refuse(fmt::format("--head: {} has no primitive \"{}\"", arguments.implant, arguments.implant_head));
-  const Primitive* const neck = primitive_of(implant, arguments.implant_neck);
-  std::optional<Point> neck_point;
-  if (neck != nullptr) neck_point = neck->pose.translation;
-  return implant_changes(landmarks, side, arguments.landmark_radius, head->pose.translation, neck_point);
+/// An implant in its place, with the points that count.
+struct Implant {
+  Model model;
+  FemurLandmarks points;
+  std::vector<std::string> notes = {};
+};
+
+/// An option's primitive comes first, then the file's point, then the primitive of the usual name.
+void choose_point(Implant& implant, const FeaturesArguments& arguments, const char* option, const std::string& name,
+                  const NamedLandmark& landmark) {
+  std::optional<Point>& point = implant.points.*landmark.point;
+  if (name.empty() && point) {
+    implant.notes.push_back(fmt::format("{}: as its file names it", landmark.name));
+    return;
+  }
+  const std::string usual = option + 2;  // without the dashes
+  const Primitive* const primitive = primitive_of(implant.model, name.empty() ? usual : name);
+  if (primitive == nullptr && !name.empty())
+    refuse(fmt::format("{}: {} has no primitive \"{}\"", option, arguments.implant, name));
+  if (primitive == nullptr) return;
+  point = primitive->pose.translation;
+  implant.notes.push_back(fmt::format("{}: the centre of its primitive \"{}\"", landmark.name, primitive->name));
+}
+
+Implant read_implant(const FeaturesArguments& arguments) {
+  Implant implant{read_model(arguments.implant), read_model_landmarks(arguments.implant)};
+  choose_point(implant, arguments, "--head", arguments.implant_head, named_landmarks[0]);
+  choose_point(implant, arguments, "--neck", arguments.implant_neck, named_landmarks[1]);
+  if (!implant.points.head_centre) {
+    refuse(
+        fmt::format("{}: names no landmark head_centre and has no primitive \"head\"; give --head", arguments.implant));
+  }
+  return implant;
+}
+
+/// The axes, and the implant among them where there is one.
+Model figure_of(const Model& axes, const std::optional<Implant>& implant) {
+  if (!implant) return axes;
+  Model figure = implant->model;
+  if (figure.csg) figure.csg = SetExpression{.operands = {*figure.csg}, .operation = SetOperation::unite};
+  for (Primitive& primitive : figure.primitives) primitive.name = "implant: " + primitive.name;
+  for (const Primitive& primitive : axes.primitives) {
+    if (primitive.name == features::drawn_head) continue;  // the implant has its own
+    if (figure.csg) {
+      figure.csg->operands.push_back({.primitive = static_cast<std::uint32_t>(figure.primitives.size())});
+    }
+    figure.primitives.push_back(primitive);
+  }
+  return figure;
 }
 
 /// Whether each feature whose landmarks are there is enclosed: known exactly, they would say no more of them.
@@ -106,18 +181,19 @@ bool says_all(const FeaturesReport& report) {
 }
 
 /// The bone with the axes in it, coloured by the distance to them. False where it was interrupted.
-bool draw(const FeaturesArguments& arguments, const Mesh& mesh, const Model& axes, const FeaturesReport& report) {
+bool draw(const FeaturesArguments& arguments, const Mesh& mesh, const Model& figure, const FeaturesReport& report) {
   std::vector<MapResult> rows(mesh.vertices.size());
   const MapOptions options{.tolerance = 1e-6, .device = arguments.device, .interrupted = interrupted};
-  const MapSummary summary = PointMapper(axes, options).map(mesh.vertices, rows);
+  const MapSummary summary = PointMapper(figure, options).map(mesh.vertices, rows);
   if (summary.interrupted) {
     tell("interrupted; report and picture are not written");
     return false;
   }
-  write(arguments.report, {.title = "Features of a femur: the figure is its head and axes",
+  write(arguments.report, {.title = report.changes ? "Features of a femur: the figure is its axes and the implant"
+                                                   : "Features of a femur: the figure is its head and axes",
                            .bone = mesh,
                            .rows = rows,
-                           .implant = axes,
+                           .implant = figure,
                            .units = "mm",
                            .summary = report_lines(report),
                            .area_names = {},
@@ -131,14 +207,19 @@ bool draw(const FeaturesArguments& arguments, const Mesh& mesh, const Model& axe
 void declare_features(Options& options, FeaturesArguments& arguments) {
   options.explain(closing_words);
   options.add("--mesh", arguments.mesh, "FILE", "A whole or a proximal femur, in mm: .stl .obj .ply .off");
+  options.add("--model", arguments.model, "FILE", "A model of a femur, in mm, instead: its surface is meshed");
+  options.add("--deviation", arguments.deviation, parse_positive_length, "MM",
+              "How closely --model is meshed, by estimate (default 0.3)");
   options.add("--side", arguments.side, choice<Side>({{"left", Side::left}, {"right", Side::right}}), "SIDE",
               "left or right; a whole femur's mesh tells it. Version and frame need it");
   options.add("--landmarks", arguments.landmarks, "FILE", "Landmarks by hand, verisq-landmarks/1: .json");
   options.add("--landmark-radius", arguments.landmark_radius, parse_length, "MM",
               "How well landmarks are known: each lies within this of where it is given (default 0)");
   options.add("--implant", arguments.implant, "FILE", "An implant in its place: a model in the bone's coordinates");
-  options.add("--head", arguments.implant_head, "NAME", "The implant's primitive that is the head (default head)");
-  options.add("--neck", arguments.implant_neck, "NAME", "The implant's primitive that is the neck (default neck)");
+  options.add("--head", arguments.implant_head, "NAME",
+              "Its primitive that is the head (default: what its file names, else head)");
+  options.add("--neck", arguments.implant_neck, "NAME",
+              "Its primitive that is the neck (default: what its file names, else neck)");
   options.add("-o,--output", arguments.written_landmarks, "FILE",
               "Write the landmarks, to be corrected by hand: .json");
   options.add("--axes", arguments.axes, "FILE", "Write the head's sphere and the axes as a model: .json");
@@ -151,23 +232,32 @@ ExitStatus run_features(const FeaturesArguments& arguments) {
   check_usage(arguments);
   std::optional<LandmarkFile> given;
   if (!arguments.landmarks.empty()) given = read_landmarks(arguments.landmarks);
-  std::optional<Mesh> mesh;
-  if (!arguments.mesh.empty()) mesh = read_mesh(arguments.mesh);
-  std::optional<Model> implant;
-  if (!arguments.implant.empty()) implant = read_model(arguments.implant);
+  std::optional<Surface> surface;
+  if (!arguments.mesh.empty()) surface = Surface{arguments.mesh, read_mesh(arguments.mesh)};
+  std::optional<Implant> implant;
+  if (!arguments.implant.empty()) implant = read_implant(arguments);
   watch_for_interruption();
+  if (!arguments.model.empty()) {
+    surface = meshed(arguments);
+    if (!surface) return ExitStatus::interrupted;
+  }
 
   const std::optional<Side> side = side_of(arguments, given);
-  FeaturesReport report{{}, side, arguments.landmark_radius, {}, {}, {}};
-  if (mesh && !(given && has_all_of_a_proximal_femur(given->landmarks))) {
-    DetectedFemur found = detected(*mesh, arguments, side);
+  FeaturesReport report{.landmarks = {}, .side = side, .landmark_radius = arguments.landmark_radius};
+  if (surface && !(given && has_all_of_a_proximal_femur(given->landmarks))) {
+    DetectedFemur found = detected(surface->mesh, surface->file, side);
     report.landmarks = found.landmarks;
     report.side = found.side;
     report.notes = std::move(found.notes);
+    if (!surface->note.empty()) report.notes.insert(report.notes.begin(), surface->note);
+    override_landmarks(report.landmarks, surface->named);
   }
   if (given) override_landmarks(report.landmarks, given->landmarks);
   report.bone = femur_features(report.landmarks, report.side, arguments.landmark_radius);
-  if (implant) report.changes = changes_by(*implant, arguments, report.landmarks, report.side);
+  if (implant) {
+    report.implant_notes = implant->notes;
+    report.changes = implant_changes(report.landmarks, report.side, arguments.landmark_radius, implant->points);
+  }
 
   if (!arguments.written_landmarks.empty())
     write_landmarks(arguments.written_landmarks, {report.landmarks, report.side});
@@ -176,7 +266,7 @@ ExitStatus run_features(const FeaturesArguments& arguments) {
     const Model axes = features::drawn_axes(report.landmarks);
     if (axes.primitives.empty()) refuse("the landmarks make no axis that could be drawn");
     if (!arguments.axes.empty()) write_model(arguments.axes, axes);
-    if (arguments.report.any()) drawn = draw(arguments, *mesh, axes, report);
+    if (arguments.report.any()) drawn = draw(arguments, surface->mesh, figure_of(axes, implant), report);
   }
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (!drawn) return ExitStatus::interrupted;

@@ -14,12 +14,14 @@ namespace verisq::command_line {
 /// As typed; `run_features` checks what depends on several of them.
 struct FeaturesArguments {
   std::string mesh;
+  std::string model;
+  double deviation = 0.3;  ///< of the model's mesh, in mm
   std::string landmarks;
   std::optional<Side> side;
   double landmark_radius = 0.0;
   std::string implant;
-  std::string implant_head = "head";
-  std::string implant_neck = "neck";
+  std::string implant_head;  ///< empty: as the implant's file says, else its primitive "head"
+  std::string implant_neck;
   std::string written_landmarks;
   std::string axes;
   std::string device = "auto";

@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include "host/command_line/directed_digits.hpp"
 #include "host/command_line/json_value.hpp"
 
@@ -17,6 +21,28 @@ std::string value_of(const Feature& feature) {
   return fmt::format("{} {}", outward_digits(feature.value), unit_of(feature));
 }
 
+/// What a change does, in a surgeon's words.
+struct Consequence {
+  std::string_view name;
+  const char* of_more;
+  const char* of_less;
+};
+constexpr std::array consequences{
+    Consequence{"offset_change", "more offset", "less offset"},
+    Consequence{"length_change", "leg longer", "leg shorter"},
+    Consequence{"version_change", "neck farther ahead: more anteversion", "neck farther back: less anteversion"},
+    Consequence{"ccd_change", "neck steeper: valgus", "neck flatter: varus"},
+};
+
+/// Only where the whole interval says so.
+std::string consequence_of(const Feature& feature) {
+  const auto* const found = std::ranges::find(consequences, feature.name, &Consequence::name);
+  if (found == consequences.end()) return {};
+  if (feature.value.lo > 0.0) return fmt::format("   {}", found->of_more);
+  if (feature.value.hi < 0.0) return fmt::format("   {}", found->of_less);
+  return "   more or less: not decided at this landmark radius";
+}
+
 std::string text(const Point& point) {
   return fmt::format("{:.4f}, {:.4f}, {:.4f}", point[0], point[1], point[2]);
 }
@@ -29,7 +55,7 @@ std::string side_name(const std::optional<Side>& side) {
 std::string table(const FemurFeatures& found) {
   std::string result;
   for (const Feature& feature : found.features) {
-    result += fmt::format("{:<28}{}\n", feature.name, value_of(feature));
+    result += fmt::format("{:<28}{}{}\n", feature.name, value_of(feature), consequence_of(feature));
     result += fmt::format("{:<28}  {}\n", "", feature.method);
   }
   for (const std::string& missing : found.missing) result += fmt::format("missing: {}\n", missing);
@@ -88,8 +114,10 @@ std::string readable(const FeaturesReport& report) {
                 : "\nIf these landmarks were exact (--landmark-radius says how well they are known):\n";
   result += table(report.bone);
   if (report.bone.frame) result += table(*report.bone.frame);
-  if (report.changes) result += "\nThe implant, in its place:\n" + table(*report.changes);
-  return result;
+  if (!report.changes) return result;
+  result += "\nThe implant in its place, its own points exact, against the bone as it was:\n";
+  for (const std::string& note : report.implant_notes) result += fmt::format("implant's           {}\n", note);
+  return result + table(*report.changes);
 }
 
 std::string json(const FeaturesReport& report) {
@@ -102,6 +130,7 @@ std::string json(const FeaturesReport& report) {
       {"features", json_of(report.bone)},
       {"frame", json_of(report.bone.frame)},
       {"missing", report.bone.missing},
+      {"implant_points", report.implant_notes},
       {"changes", report.changes ? json_of(*report.changes) : JsonValue()},
       {"changes_missing", report.changes ? JsonValue(report.changes->missing) : JsonValue()},
   };
@@ -111,12 +140,13 @@ std::string json(const FeaturesReport& report) {
 std::vector<ReportLine> report_lines(const FeaturesReport& report) {
   std::vector<ReportLine> lines{{"side", side_name(report.side)},
                                 {"landmarks known to", fmt::format("{:.6g} mm", report.landmark_radius)}};
-  for (const Feature& feature : report.bone.features)
-    lines.push_back({fmt::format("{} ({})", feature.name, feature.method), value_of(feature)});
   if (report.changes) {
     for (const Feature& feature : report.changes->features)
-      lines.push_back({fmt::format("{} ({})", feature.name, feature.method), value_of(feature)});
+      lines.push_back(
+          {fmt::format("{} ({})", feature.name, feature.method), value_of(feature) + consequence_of(feature)});
   }
+  for (const Feature& feature : report.bone.features)
+    lines.push_back({fmt::format("{} ({})", feature.name, feature.method), value_of(feature)});
   return lines;
 }
 

@@ -14,6 +14,7 @@
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/model_file.hpp>
+#include <verisq/posed_model.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "host/command_line/choice.hpp"
@@ -320,7 +321,7 @@ ExitStatus run_fit(const FitArguments& arguments) {
   const Stopwatch search_time;
   Fit found = search(problem, arguments);
   const double search_seconds = search_time.seconds();
-  write_model(arguments.output, found.model);
+  write_model(arguments.output, found.model, posed(problem.landmarks[found.implant], found.pose));
 
   const double tolerance = tolerance_of(arguments, found.model);
   const Stopwatch proof_time;

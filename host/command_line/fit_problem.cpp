@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 #include <verisq/error.hpp>
+#include <verisq/landmark_file.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/mesh_topology.hpp>
 #include <verisq/model_file.hpp>
@@ -261,10 +262,12 @@ Cavity read_cavity(const FitArguments& arguments, const CutMesh& cut) {
 FitProblem read_fit_problem(const FitArguments& arguments) {
   refuse_second_weights(arguments.weights);
   FitProblem problem{.series = read_series(arguments.implants),
+                     .landmarks = {},
                      .units = {},
                      .mesh = {},
                      .cavity = {},
                      .options = {.fitness = {}, .penetration_limit = arguments.penetration_limit, .range = {}}};
+  for (const std::string& file : arguments.implants) problem.landmarks.push_back(read_model_landmarks(file));
   problem.units = common_units(problem.series, arguments.implants);
   problem.options.fitness = fitness_of(arguments, problem.units);
   problem.options.surface_tolerance = relative_surface_tolerance * problem.options.fitness.scale;

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <vector>
+#include <verisq/features.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/mesh.hpp>
 
@@ -12,8 +13,9 @@ namespace verisq::command_line {
 
 struct FitProblem {
   std::vector<UncertainModel> series;
-  std::string units;  ///< of all implants; empty when none has any
-  Mesh mesh;          ///< cut off at the resection
+  std::vector<FemurLandmarks> landmarks;  ///< that each implant's file names
+  std::string units;                      ///< of all implants; empty when none has any
+  Mesh mesh;                              ///< cut off at the resection
   Surface surface = Surface::unsided;
   Cavity cavity;  ///< the vertices of the mesh
   FitOptions options;

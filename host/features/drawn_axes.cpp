@@ -42,7 +42,7 @@ Model drawn_axes(const FemurLandmarks& landmarks) {
   Model model{"mm", {}, {}};
   if (landmarks.head_centre && landmarks.head_radius) {
     const double r = *landmarks.head_radius;
-    model.primitives.push_back({"head", {{r, r, r}, {1.0, 1.0}}, {*landmarks.head_centre}});
+    model.primitives.push_back({drawn_head, {{r, r, r}, {1.0, 1.0}}, {*landmarks.head_centre}});
   }
   for (const auto& [name, from, to, beyond] : lines) {
     const std::optional<Point>& start = landmarks.*from;

@@ -1,11 +1,11 @@
 /// The landmark format `verisq-landmarks/1`: what docs/formats.md accepts and refuses.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <verisq/landmark_file.hpp>
 
 #include "host/files/input_file.hpp"
 #include "host/files/json_document.hpp"
+#include "host/files/landmark_points.hpp"
 #include "host/files/output_file.hpp"
 
 namespace verisq {
@@ -13,30 +13,15 @@ namespace {
 
 constexpr std::string_view format_name = "verisq-landmarks/1";
 
-Point point_of(const JsonValue& value) {
-  if (value.size() != 3) value.fail("must be an array of 3 numbers");
-  return {value.element(0).number(), value.element(1).number(), value.element(2).number()};
-}
-
 Side side_of(const JsonValue& value) {
   const std::string text = value.text();
   if (text != "left" && text != "right") value.fail("must be \"left\" or \"right\"");
   return text == "left" ? Side::left : Side::right;
 }
 
-void read_points(const JsonValue& points, FemurLandmarks& landmarks) {
-  if (!points.json().is_object()) points.fail("must be an object");
-  for (auto item = points.json().begin(); item != points.json().end(); ++item) {
-    const std::string& key = item.key();
-    const JsonValue value = points.at(key);
-    const auto* const known =
-        std::ranges::find_if(named_landmarks, [&](const NamedLandmark& l) { return key == l.name; });
-    if (known == named_landmarks.end()) value.fail("is no landmark");
-    landmarks.*(known->point) = point_of(value);
-  }
-}
+}  // namespace
 
-LandmarkFile parse(std::string_view json, std::string_view name) {
+LandmarkFile parse_landmarks(std::string_view json, std::string_view name) {
   const nlohmann::json document = parse_json(json, name);
   const JsonValue root(document, name);
   if (!document.is_object()) root.fail("must be an object");
@@ -44,24 +29,21 @@ LandmarkFile parse(std::string_view json, std::string_view name) {
   if (const JsonValue format = root.at("format"); format.text() != format_name)
     format.fail(fmt::format("must be \"{}\"", format_name));
   if (const auto units = root.find("units"); units && units->text() != "mm") units->fail("must be \"mm\"");
-  LandmarkFile file{};
+  LandmarkFile file{.landmarks = read_landmark_points(root.at("landmarks")), .side = {}};
   if (const auto side = root.find("side")) file.side = side_of(*side);
   if (const auto radius = root.find("head_radius")) {
     file.landmarks.head_radius = radius->number();
     if (!(*file.landmarks.head_radius > 0.0)) radius->fail("must be positive");
   }
-  read_points(root.at("landmarks"), file.landmarks);
   return file;
 }
-
-}  // namespace
 
 LandmarkFile read_landmarks(const std::filesystem::path& path) {
   constexpr std::size_t largest = std::size_t{1} << 20;
   InputFile file(path);
   const std::string_view text = file.peek(largest + 1);
   if (text.size() > largest) file.fail_whole(fmt::format("larger than {} bytes: no landmarks", largest));
-  return parse(text, path.string());
+  return parse_landmarks(text, path.string());
 }
 
 void write_landmarks(const std::filesystem::path& path, const LandmarkFile& file) {

@@ -6,10 +6,12 @@
 #include <set>
 #include <vector>
 #include <verisq/cavity.hpp>
+#include <verisq/landmark_file.hpp>
 #include <verisq/model_file.hpp>
 
 #include "host/files/input_file.hpp"
 #include "host/files/json_document.hpp"
+#include "host/files/landmark_points.hpp"
 #include "host/files/model_areas.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/sets/bend_range.hpp"
@@ -204,6 +206,7 @@ void check_intervals(const UncertainModel& model, std::string_view name) {
 struct ModelDocument {
   UncertainModel model;
   std::vector<AreaBox> areas;
+  FemurLandmarks landmarks;
 };
 
 ModelDocument parse(std::string_view json, std::string_view name, Intervals intervals) {
@@ -212,7 +215,7 @@ ModelDocument parse(std::string_view json, std::string_view name, Intervals inte
   if (!document.is_object()) root.fail("must be an object");
   const JsonValue format = root.at("format");
   if (format.text() != format_name) format.fail(fmt::format("must be \"{}\"", format_name));
-  root.check_keys({"format", "units", "primitives", "csg", "areas"});
+  root.check_keys({"format", "units", "primitives", "csg", "areas", "landmarks"});
   ModelDocument result;
   UncertainModel& model = result.model;
   if (const auto units = root.find("units")) model.units = units->text();
@@ -220,6 +223,7 @@ ModelDocument parse(std::string_view json, std::string_view name, Intervals inte
   if (const auto csg = root.find("csg")) model.csg = SetExpressions(model.primitives).read_operator(*csg);
   check_intervals(model, name);
   if (const auto areas = root.find("areas")) result.areas = read_area_boxes(*areas);
+  if (const auto points = root.find("landmarks")) result.landmarks = read_landmark_points(*points);
   return result;
 }
 
@@ -247,6 +251,10 @@ std::vector<AreaBox> parse_areas(std::string_view json, std::string_view name) {
   return parse(json, name, Intervals::allowed).areas;
 }
 
+FemurLandmarks parse_model_landmarks(std::string_view json, std::string_view name) {
+  return parse(json, name, Intervals::allowed).landmarks;
+}
+
 Model read_model(const std::filesystem::path& path) {
   return read(path, parse_model);
 }
@@ -257,6 +265,10 @@ UncertainModel read_uncertain_model(const std::filesystem::path& path) {
 
 std::vector<AreaBox> read_areas(const std::filesystem::path& model) {
   return read(model, parse_areas);
+}
+
+FemurLandmarks read_model_landmarks(const std::filesystem::path& model) {
+  return read(model, parse_model_landmarks);
 }
 
 }  // namespace verisq

@@ -57,7 +57,16 @@ SetExpression with_operator(const SetExpression& expression) {
   return {.operands = {expression}, .operation = SetOperation::unite};
 }
 
-std::string text(const Model& model) {
+std::string text(const FemurLandmarks& landmarks) {
+  std::string points;
+  for (const auto& [name, point] : named_landmarks) {
+    if (const std::optional<Point>& at = landmarks.*point)
+      points += fmt::format("{}\n    \"{}\": {}", points.empty() ? "" : ",", name, text(*at));
+  }
+  return points;
+}
+
+std::string text(const Model& model, const FemurLandmarks& landmarks) {
   std::string primitives;
   for (const Primitive& primitive : model.primitives) {
     primitives += (primitives.empty() ? "" : ",\n") + text(primitive);
@@ -66,14 +75,19 @@ std::string text(const Model& model) {
   if (!model.units.empty()) result += fmt::format(R"(, "units": {})", text(model.units));
   result += ",\n  \"primitives\": [\n" + primitives + " ]";
   if (model.csg) result += ",\n  \"csg\": " + text(with_operator(*model.csg), model);
+  if (const std::string points = text(landmarks); !points.empty()) result += ",\n  \"landmarks\": {" + points + " }";
   return result + " }\n";
 }
 
 }  // namespace
 
 void write_model(const std::filesystem::path& path, const Model& model) {
+  write_model(path, model, {});
+}
+
+void write_model(const std::filesystem::path& path, const Model& model, const FemurLandmarks& landmarks) {
   OutputFile file(path);
-  file.write(text(model));
+  file.write(text(model, landmarks));
   file.finish();
 }
 

@@ -82,12 +82,13 @@ struct FemurFeatures {
 [[nodiscard]] FemurFeatures femur_features(const FemurLandmarks& landmarks, std::optional<Side> side,
                                            double landmark_radius);
 
-/// How an implant in its place changes what the bone was, with the implant's head centre and, where it has a neck, a
-/// point on its neck's axis, exact in the bone's coordinates: change of offset, of leg length (along the shaft axis,
-/// positive: longer) and of version. Throws as above; what misses the landmarks is missing.
+/// How an implant in its place changes what the bone was, with the implant's head centre, a point on its neck's axis
+/// and two on its shaft's, as far as it has them, exact in the bone's coordinates: change of offset, of leg length
+/// (along the bone's shaft axis, positive: longer), of version and of CCD, the implant's own CCD and its tilt against
+/// the bone's shaft. Throws as above; what misses the landmarks is missing, but for the tilt of an implant without a
+/// shaft.
 [[nodiscard]] FemurFeatures implant_changes(const FemurLandmarks& bone, std::optional<Side> side,
-                                            double landmark_radius, const Point& implant_head,
-                                            const std::optional<Point>& implant_neck);
+                                            double landmark_radius, const FemurLandmarks& implant);
 
 /// What was seen of a mesh, in words for a summary.
 struct DetectedFemur {

@@ -1,6 +1,7 @@
 /// Moves a whole model.
 #pragma once
 
+#include <verisq/features.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
@@ -9,5 +10,8 @@ namespace verisq {
 /// the moved model is a model of its own, exactly as its numbers state, within a few units in the last place of the
 /// rigid motion. Quaternions come out with length 1 to rounding. Precondition: as for Pose.
 [[nodiscard]] Model posed(const Model& model, const Pose& pose);
+
+/// Points that the model's file names, moved with it: each coordinate to nearest.
+[[nodiscard]] FemurLandmarks posed(const FemurLandmarks& landmarks, const Pose& pose);
 
 }  // namespace verisq

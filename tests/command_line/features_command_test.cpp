@@ -68,6 +68,38 @@ TEST_F(FeaturesCommand, SaysWhatAnImplantChanges) {
   const auto summary = nlohmann::json::parse(outcome.out);
   EXPECT_NEAR(summary["changes"][1]["value"]["lo"], 5.0, 1e-9);
   expect_refused(features({"--landmarks", landmarks_, "--implant", implant}), {"--head", "no primitive \"head\""});
+  expect_refused(features({"--landmarks", landmarks_, "--implant", implant, "--head", "cap"}),
+                 {"--head", "no primitive \"cap\""});
+}
+
+TEST_F(FeaturesCommand, TakesThePointsThatAnImplantNames) {
+  const std::string implant = write("implant.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+    {"name": "head", "superquadric": {"semi_axes": [14, 14, 14], "exponents": [1, 1]}}],
+    "landmarks": {"head_centre": [9.9, 38.1, -39.6], "neck_centre": [5.7, 25.4, -22.9],
+                  "shaft_proximal": [0, -70, 0], "shaft_distal": [0, -200, 0]}})");
+  const Outcome outcome = features({"--landmarks", landmarks_, "--landmark-radius", "0.5", "--implant", implant});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("head_centre: as its file names it"));
+  EXPECT_THAT(outcome.out, HasSubstr("leg longer"));
+  EXPECT_THAT(outcome.out, HasSubstr("more or less: not decided"));
+  EXPECT_THAT(outcome.out, HasSubstr("implant_tilt"));
+  // A primitive that is asked for comes before the file's point.
+  EXPECT_THAT(features({"--landmarks", landmarks_, "--implant", implant, "--head", "head"}).out,
+              HasSubstr("head_centre: the centre of its primitive \"head\""));
+}
+
+TEST_F(FeaturesCommand, MeshesAModel) {
+  // A stem has a head, a neck and a shaft; the points that its file names come before those of its mesh.
+  const Outcome outcome = features({"--model", VERISQ_EXAMPLES "/stem_mm.json", "--deviation", "1", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_THAT(summary["notes"][0], HasSubstr("the model's, meshed to"));
+  EXPECT_NEAR(summary["head_radius"], 14.0, 0.5);
+  EXPECT_EQ(summary["landmarks"]["head_centre"], nlohmann::json::parse("[96, 0, -80]"));
+  const std::string ball = write("ball.json", R"({"format": "verisq-model/1", "primitives": [
+    {"name": "ball", "superquadric": {"semi_axes": [60, 60, 60], "exponents": [1, 1]}}]})");
+  expect_refused(features({"--model", ball, "--deviation", "1"}), {"ball.json: mesh: has no long axis"});
+  expect_refused(features({"--model", VERISQ_EXAMPLES "/stem_mm.json", "--mesh", "a.stl"}), {"--mesh and --model"});
 }
 
 TEST_F(FeaturesCommand, RefusesWhatIsNoFemur) {

@@ -219,8 +219,9 @@ TEST(ImplantChangesTest, AreThoseOfItsHeadAndNeck) {
   const Vector3d up = (at(bone.shaft_proximal) - at(bone.shaft_distal)).normalized();
   const Vector3d longer = at(bone.head_centre) + 7.0 * up;
   const Vector3d neck = at(bone.neck_centre) + 7.0 * up;
+  const auto point = [](const Vector3d& x) { return Point{x[0], x[1], x[2]}; };
   const FemurFeatures same =
-      implant_changes(bone, Side::left, 0.0, {longer[0], longer[1], longer[2]}, Point{neck[0], neck[1], neck[2]});
+      implant_changes(bone, Side::left, 0.0, {.head_centre = point(longer), .neck_centre = point(neck)});
   EXPECT_NEAR(middle(feature(same, "length_change").value), 7.0, 1e-9);
   EXPECT_NEAR(middle(feature(same, "offset_change").value), 0.0, 1e-9);
   EXPECT_NEAR(middle(feature(same, "version_change").value), 0.0, 1e-9);
@@ -228,10 +229,61 @@ TEST(ImplantChangesTest, AreThoseOfItsHeadAndNeck) {
   const Eigen::AngleAxisd turn(5.0 * std::numbers::pi / 180.0, up);
   const Vector3d head = at(bone.neck_centre) + turn * (at(bone.head_centre) - at(bone.neck_centre));
   const auto changes = [&](Side side) {
-    return implant_changes(bone, side, 0.0, {head[0], head[1], head[2]}, bone.neck_centre);
+    return implant_changes(bone, side, 0.0, {.head_centre = point(head), .neck_centre = bone.neck_centre});
   };
   EXPECT_NEAR(middle(feature(changes(Side::left), "version_change").value), 5.0, 1e-9);
   EXPECT_NEAR(middle(feature(changes(Side::right), "version_change").value), -5.0, 1e-9);
+}
+
+double distance_from_shaft(const FemurLandmarks& bone, const std::optional<Point>& point) {
+  const Vector3d up = (at(bone.shaft_proximal) - at(bone.shaft_distal)).normalized();
+  return up.cross(at(point) - at(bone.shaft_distal)).norm();
+}
+
+/// A stem as one may stand in the usual femur.
+FemurLandmarks usual_implant() {
+  return {.head_centre = Point{43.0, 34.0, 7.0},
+          .neck_centre = Point{24.0, 17.0, 2.0},
+          .shaft_proximal = Point{2.0, -10.0, 0.0},
+          .shaft_distal = Point{-1.0, -140.0, 3.0}};
+}
+
+TEST(ImplantChangesTest, HoldThoseOfMovedLandmarks) {
+  std::mt19937_64 random(2);
+  constexpr double radius = 1.0;
+  constexpr double rounding = 1e-9;
+  const FemurLandmarks bone = usual_landmarks();
+  const FemurLandmarks implant = usual_implant();
+  const FemurFeatures changes = implant_changes(bone, Side::left, radius, implant);
+  ASSERT_TRUE(changes.missing.empty());
+  std::vector<Enclosure> hull(changes.features.size(), {infinity, -infinity});
+  for (int i = 0; i < 2'000; ++i) {
+    FemurLandmarks other = bone;
+    for (const NamedLandmark& named : named_landmarks) {
+      std::optional<Point>& point = other.*named.point;
+      point = moved(*point, radius, random);
+    }
+    const FemurFeatures exact = implant_changes(other, Side::left, 0.0, implant);
+    EXPECT_NEAR(middle(feature(exact, "offset_change").value),
+                distance_from_shaft(other, implant.head_centre) - distance_from_shaft(other, other.head_centre),
+                rounding);
+    for (std::size_t k = 0; k < hull.size(); ++k) {
+      const double value = middle(exact.features[k].value);
+      ASSERT_GE(value, changes.features[k].value.lo - rounding) << changes.features[k].name;
+      ASSERT_LE(value, changes.features[k].value.hi + rounding) << changes.features[k].name;
+      hull[k] = {std::min(hull[k].lo, value), std::max(hull[k].hi, value)};
+    }
+  }
+  // The heads share the shaft axis: what it moves both by is no change.
+  const Enclosure& offset = feature(changes, "offset_change").value;
+  EXPECT_LT(offset.width(), 1.6 * (hull[0].hi - hull[0].lo));
+}
+
+TEST(ImplantChangesTest, SayWhichPointIsMissing) {
+  const FemurFeatures headless = implant_changes(usual_landmarks(), Side::left, 0.0, {});
+  EXPECT_TRUE(headless.features.empty());
+  EXPECT_THAT(headless.missing, ::testing::Contains(HasSubstr("offset_change: needs the heads")));
+  EXPECT_THAT(headless.missing, ::testing::Not(::testing::Contains(HasSubstr("implant_tilt"))));
 }
 
 Mesh sphere() {

@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 #include <tuple>
+#include <verisq/landmark_file.hpp>
 #include <verisq/model_file.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
@@ -660,6 +661,30 @@ TEST(ModelFile, NamesTheFileInMessages) {
   expect_input_error(read(empty), empty, ": the file is empty");
   expect_input_error(read(folder / "none.json"), folder / "none.json", ": no such file");
   expect_input_error(read(folder.path()), folder.path(), ": is a directory, not a file");
+}
+
+TEST(ModelLandmarksTest, AreReadAndWrittenAgain) {
+  const std::string points = R"(, "landmarks": {"head_centre": [19.3, -0.0, 85.3], "shaft_distal": [1e-9, 2, -8]})";
+  const std::string json = model_of(ball("a"), points);
+  const FemurLandmarks landmarks = parse_model_landmarks(json, "m.json");
+  EXPECT_EQ(landmarks.head_centre, (Point{19.3, 0.0, 85.3}));
+  EXPECT_EQ(landmarks.shaft_distal, (Point{1e-9, 2.0, -8.0}));
+  EXPECT_FALSE(landmarks.neck_centre);
+  EXPECT_EQ(parse_model_landmarks(model_of(ball("a")), "m.json"), FemurLandmarks{});
+  const TemporaryFolder folder;
+  write_model(folder / "m.json", parse_model(json, "m.json"), landmarks);
+  EXPECT_EQ(read_model_landmarks(folder / "m.json"), landmarks);
+  EXPECT_EQ(read_model(folder / "m.json").primitives.size(), 1U);
+}
+
+TEST(ModelLandmarksTest, AreRefusedByName) {
+  const auto refused = [](const std::string& points) {
+    return [points] { static_cast<void>(parse_model(model_of(ball("a"), R"(, "landmarks": )" + points), "m.json")); };
+  };
+  expect_input_error(refused(R"({"origin": [0, 0, 0]})"), "m.json", ": landmarks.origin = [0,0,0]: is no landmark");
+  expect_input_error(refused(R"({"head_centre": [0, 0]})"), "m.json",
+                     ": landmarks.head_centre = [0,0]: must be an array of 3 numbers");
+  expect_input_error(refused("[]"), "m.json", ": landmarks = []: must be an object");
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
-/// Fuzz target of parse_model, parse_uncertain_model and parse_areas.
+/// Fuzz target of parse_model, parse_uncertain_model, parse_areas and parse_model_landmarks.
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <span>
 #include <verisq/cavity.hpp>
+#include <verisq/landmark_file.hpp>
 #include <verisq/model_file.hpp>
 
+#include "tests/fuzz/landmark_promise.hpp"
 #include "tests/fuzz/promise.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -73,6 +75,7 @@ void model(Bytes bytes) {
   read_or_refuse(name, [&] { check_model(parse_uncertain_model(json, name)); });
   read_or_refuse(name, [&] { check_model(parse_model(json, name)); });
   read_or_refuse(name, [&] { check_areas(parse_areas(json, name)); });
+  read_or_refuse(name, [&] { check_landmarks(parse_model_landmarks(json, name)); });
 }
 
 }  // namespace verisq::fuzz

@@ -23,6 +23,7 @@ void poses(Bytes bytes);
 void map_csv(Bytes bytes);
 void map_vtp(Bytes bytes);
 void stance_model(Bytes bytes);
+void landmarks(Bytes bytes);
 
 struct Target {
   std::string_view name;  ///< also of its seeds' folder in tests/fuzz/corpus
@@ -41,6 +42,7 @@ inline constexpr std::array targets{
     Target{"map_csv", map_csv},
     Target{"map_vtp", map_vtp},
     Target{"stance_model", stance_model},
+    Target{"landmarks", landmarks},
 };
 
 }  // namespace verisq::fuzz

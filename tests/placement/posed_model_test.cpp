@@ -149,5 +149,15 @@ TEST(PosedModel, HasTheDistancesOfThePointsMovedBack) {
   }
 }
 
+TEST(PosedModel, MovesNamedPointsAsItsPrimitives) {
+  const Pose pose{.translation = {3.0, -1.0, 0.5}, .quaternion = {0.9, 0.1, -0.3, 0.2}};
+  const Point at{19.3, 11.4, 85.3};
+  const Model moved_model = posed(Model{"mm", {{"head", {{1, 1, 1}, {1, 1}}, {at}}}, {}}, pose);
+  const FemurLandmarks landmarks = posed(FemurLandmarks{.head_centre = at, .head_radius = 14.0}, pose);
+  EXPECT_EQ(landmarks.head_centre, moved_model.primitives[0].pose.translation);
+  EXPECT_EQ(landmarks.head_radius, 14.0);
+  EXPECT_FALSE(landmarks.neck_centre);
+}
+
 }  // namespace
 }  // namespace verisq::oracle

@@ -84,23 +84,75 @@ std::optional<Interval> azimuth(const VectorBall& first, const VectorBall& secon
   return found;
 }
 
-/// The distance of a point from an axis through D and P. With t the place of its foot, D + t (P - D), any line of the
-/// balls lies within r_D |1 - t| + r_P |t| of this one at t: that and the point's own radius bound the rise. By the
-/// same with the roles exchanged they bound the fall, t being that of the other line.
-Interval distance(const LandmarkBall& point, const Axis& axis) {
+/// Where on an axis through D and P the point's foot is, as t in D + t (P - D).
+struct Foot {
+  Interval at;        ///< of the centres' axis and point
+  Interval wherever;  ///< of any line and point of the balls
+};
+
+Foot foot(const LandmarkBall& point, const Axis& axis) {
   const VectorBall to_point = difference(point, axis.from);
   const IntervalVector3& s = axis.direction.centre;
   const Interval size = verify::length(s);
   const Interval product = to_point.centre.dot(s);
-  const Interval at = product / square(size);
   const Interval product_reach = verify::length(to_point.centre) * axis.direction.reach + size * to_point.reach +
                                  to_point.reach * axis.direction.reach;
-  const Interval other = within(product, product_reach) / square(within(size, axis.direction.reach));
+  return {product / square(size), within(product, product_reach) / square(within(size, axis.direction.reach))};
+}
+
+/// Of the centres.
+Interval middle_distance(const LandmarkBall& point, const Axis& axis) {
+  const IntervalVector3& s = axis.direction.centre;
+  return verify::length(verify::cross(difference(point, axis.from).centre, s)) / verify::length(s);
+}
+
+/// The distance of a point from an axis through D and P. With t the place of its foot, D + t (P - D), any line of the
+/// balls lies within r_D |1 - t| + r_P |t| of this one at t: that and the point's own radius bound the rise. By the
+/// same with the roles exchanged they bound the fall, t being that of the other line.
+Interval distance(const LandmarkBall& point, const Axis& axis) {
   const auto shift = [&](const Interval& t) {
     return point.radius + axis.from.radius * abs(Interval(1.0) - t) + axis.to.radius * abs(t);
   };
-  const Interval middle = verify::length(verify::cross(to_point.centre, s)) / size;
-  return {std::max(0.0, (middle - shift(other)).lower()), (middle + shift(at)).upper()};
+  const Foot at = foot(point, axis);
+  const Interval middle = middle_distance(point, axis);
+  return {std::max(0.0, (middle - shift(at.wherever)).lower()), (middle + shift(at.at)).upper()};
+}
+
+/// From the axis to the point, across the axis: by how much at most its direction, e, turns over the balls. Seen from P
+/// it is the projection of v = point - P across the axis, which is off by no more than v is, plus |v| sin(tilt), since
+/// the projections across two directions differ by the sine of their angle.
+Interval turn_of_perpendicular(const LandmarkBall& point, const Axis& axis) {
+  const VectorBall v = difference(point, axis.to);
+  const Interval off = v.reach + verify::length(v.centre) * sin(axis.tilt);
+  const Interval across = middle_distance(point, axis);
+  if (!(off.upper() < across.lower())) return verify::pi<double>();
+  return verify::arcsine(off / across);
+}
+
+/// The perpendicular of the centres, of any length but 0.
+IntervalVector3 perpendicular(const LandmarkBall& point, const Axis& axis) {
+  const IntervalVector3& s = axis.direction.centre;
+  return verify::cross(s, verify::cross(difference(point, axis.to).centre, s));
+}
+
+/// The distance of one point from an axis less that of another. They share the axis: its derivatives, -(1 - t) e in D
+/// and -t e in P, nearly cancel. By the mean value theorem the difference is off that of the centres by no more than
+/// r_D |(1 - t) e - (1 - t') e'| + r_P |t e - t' e'| + r + r', each bounded over all lines of the balls, where
+/// |t e - t' e'| <= |t - t'| + |t'| |e - e'|.
+Interval difference_of_distances(const LandmarkBall& point, const LandmarkBall& other, const Axis& axis) {
+  const Interval apart = distance(point, axis) - distance(other, axis);
+  const Interval turns = turn_of_perpendicular(point, axis) + turn_of_perpendicular(other, axis);
+  if (!(turns.upper() < 1.5)) return apart;
+  const Interval angle = verify::angle_between(perpendicular(point, axis), perpendicular(other, axis)) + turns;
+  const Interval chord(std::min(2.0, angle.upper()));  // |e - e'| is at most their angle
+  const Interval t = foot(point, axis).wherever;
+  const Interval t_other = foot(other, axis).wherever;
+  const Interval feet = abs(t - t_other);
+  const Interval of_axis =
+      axis.from.radius * (feet + abs(Interval(1.0) - t_other) * chord) + axis.to.radius * (feet + abs(t_other) * chord);
+  const Interval by_derivatives =
+      within(middle_distance(point, axis) - middle_distance(other, axis), of_axis + point.radius + other.radius);
+  return {std::max(apart.lower(), by_derivatives.lower()), std::min(apart.upper(), by_derivatives.upper())};
 }
 
 Interval distance(const LandmarkBall& a, const LandmarkBall& b) {
@@ -330,32 +382,41 @@ FemurFeatures femur_features(const FemurLandmarks& landmarks, std::optional<Side
 }
 
 FemurFeatures implant_changes(const FemurLandmarks& bone, std::optional<Side> side, double landmark_radius,
-                              const Point& implant_head, const std::optional<Point>& implant_neck) {
+                              const FemurLandmarks& implant) {
   const Femur femur(bone, side, landmark_radius);
+  const Femur posed_implant(implant, side, 0.0);
   Findings findings;
-  const LandmarkBall new_head(implant_head, 0.0);
+  const auto new_head = posed_implant.ball(&FemurLandmarks::head_centre);
+  const auto new_neck = posed_implant.neck();
   const auto head = femur.ball(&FemurLandmarks::head_centre);
   const auto shaft = femur.shaft();
   std::optional<Interval> offset;
   std::optional<Interval> length;
-  if (head && shaft) {
-    offset = distance(new_head, *shaft) - distance(*head, *shaft);
-    length = extent(difference(new_head, *head), *shaft);
+  if (new_head && head && shaft) {
+    offset = difference_of_distances(*new_head, *head, *shaft);
+    length = extent(difference(*new_head, *head), *shaft);
   }
-  std::optional<Axis> new_neck;
-  if (implant_neck) {
-    const Axis axis(LandmarkBall(*implant_neck, 0.0), new_head);
-    if (axis.known()) new_neck = axis;
-  }
+  const std::optional<Interval> new_ccd = angle_of(new_neck, shaft, true);
+  const std::optional<Interval> ccd = angle_of(femur.neck(), shaft, true);
+  std::optional<Interval> ccd_change;
+  if (new_ccd && ccd) ccd_change = *new_ccd - *ccd;
   findings.length("offset_change", "distance of the head's centre from the bone's shaft axis, implant less bone",
-                  offset, "the bone's head and shaft");
-  findings.length("length_change", "head's centre along the bone's shaft axis, implant less bone; positive: longer",
-                  length, "the bone's head and shaft");
+                  offset, "the heads of bone and implant, the bone's shaft");
+  findings.length("length_change",
+                  "head's centre along the bone's shaft axis, implant less bone; the leg's, where the socket's centre "
+                  "stays in place",
+                  length, "the heads of bone and implant, the bone's shaft");
   findings.degrees("version_change", "neck axes seen along the bone's shaft axis, implant less bone; positive: ahead",
                    version(femur.neck(), direction_of(new_neck), shaft, side),
-                   "the bone's neck and shaft, the implant's neck and the side");
-  findings.degrees("implant_ccd", "the implant's neck axis against the bone's shaft axis, in space",
-                   angle_of(new_neck, shaft, true), "the bone's shaft and the implant's neck");
+                   "the necks of bone and implant, the bone's shaft and the side");
+  findings.degrees("ccd_change", "neck axes against the bone's shaft axis, in space, implant less bone", ccd_change,
+                   "the necks of bone and implant, the bone's shaft");
+  findings.degrees("implant_ccd", "the implant's neck axis against the bone's shaft axis, in space", new_ccd,
+                   "the bone's shaft and the implant's neck");
+  if (implant.shaft_proximal && implant.shaft_distal) {
+    findings.degrees("implant_tilt", "the implant's shaft axis against the bone's shaft axis, in space",
+                     angle_of(posed_implant.shaft(), shaft, false), "the shafts of bone and implant");
+  }
   return findings.take();
 }
 

@@ -2,6 +2,7 @@
 #include "verisq/posed_model.hpp"
 
 #include <array>
+#include <optional>
 
 #include "verify/proof/rigid_motion.hpp"
 
@@ -33,11 +34,14 @@ std::array<double, 4> normalised(const Quaternion& q) {
   return {nearest(q[0] / length), nearest(q[1] / length), nearest(q[2] / length), nearest(q[3] / length)};
 }
 
+Point moved_by(const verify::RigidMotion& motion, const Point& point) {
+  const PreciseVector moved = motion(verify::precise(point));
+  return {nearest(moved[0]), nearest(moved[1]), nearest(moved[2])};
+}
+
 /// x -> outer(inner(x))
 Pose composed(const Pose& outer, const Pose& inner) {
-  const verify::RigidMotion motion(outer);
-  const PreciseVector moved = motion(verify::precise(inner.translation));
-  return {.translation = {nearest(moved[0]), nearest(moved[1]), nearest(moved[2])},
+  return {.translation = moved_by(verify::RigidMotion(outer), inner.translation),
           .quaternion = normalised(product(exact(outer.quaternion), exact(inner.quaternion)))};
 }
 
@@ -46,6 +50,16 @@ Pose composed(const Pose& outer, const Pose& inner) {
 Model posed(const Model& model, const Pose& pose) {
   Model moved = model;
   for (Primitive& primitive : moved.primitives) primitive.pose = composed(pose, primitive.pose);
+  return moved;
+}
+
+FemurLandmarks posed(const FemurLandmarks& landmarks, const Pose& pose) {
+  const verify::RigidMotion motion(pose);
+  FemurLandmarks moved = landmarks;
+  for (const NamedLandmark& landmark : named_landmarks) {
+    std::optional<Point>& point = moved.*landmark.point;
+    if (point) point = moved_by(motion, *point);
+  }
   return moved;
 }
 
