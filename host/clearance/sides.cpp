@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "host/mesh/rims.hpp"
+#include "verify/containment/closed_surface.hpp"
 #include "verify/deviation/triangle_tree.hpp"
-#include "verify/sides/winding_number.hpp"
 #include "verisq/error.hpp"
 #include "verisq/mesh_topology.hpp"
 #include "verisq/signed_distance.hpp"
@@ -21,16 +21,20 @@ Model alone(const Primitive& primitive) {
   return {.units = {}, .primitives = {primitive}, .csg = {}};
 }
 
+std::vector<Triangle> closed(const Mesh& surface, const Closing& closing) {
+  std::vector<Triangle> triangles = verify::triangles_of(surface);
+  const std::vector<Triangle> openings = verify::triangles_of(closing.mesh);
+  triangles.insert(triangles.end(), openings.begin(), openings.end());
+  return triangles;
+}
+
 class SideProof {
  public:
   SideProof(const Mesh& surface, const MeshClearance& clearance, const SidesOptions& options)
       : options_(options),
         clear_(clearance.proven_too_deep == 0 && clearance.undecided == 0),
         closing_(closing_over_rims(surface)),
-        closed_(verify::triangles_of(surface)) {
-    const std::vector<Triangle> openings = verify::triangles_of(closing_.mesh);
-    closed_.insert(closed_.end(), openings.begin(), openings.end());
-  }
+        closed_(closed(surface, closing_)) {}
 
   [[nodiscard]] std::size_t rims() const { return closing_.rims; }
 
@@ -42,7 +46,7 @@ class SideProof {
     if (!(SignedDistance(alone(primitive))(centre, tolerance).hi < -options_.penetration_limit)) {
       return SideFinding::no_deep_point;
     }
-    const std::optional<int> winding = verify::winding_number(centre, closed_);
+    const std::optional<int> winding = closed_.winding_number(centre);
     if (!winding) return SideFinding::on_the_surface;
     if ((*winding != 0) != (required == SurfaceSide::inside)) return SideFinding::other_side;
     if (!clear_) return SideFinding::enters_surface;
@@ -63,7 +67,7 @@ class SideProof {
   const SidesOptions& options_;
   bool clear_;
   Closing closing_;
-  std::vector<Triangle> closed_;
+  verify::ClosedSurface closed_;
 };
 
 }  // namespace

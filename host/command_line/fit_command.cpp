@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string_view>
@@ -19,6 +20,7 @@
 
 #include "host/command_line/choice.hpp"
 #include "host/command_line/default_tolerance.hpp"
+#include "host/command_line/fit_constraints.hpp"
 #include "host/command_line/fit_problem.hpp"
 #include "host/command_line/fit_summary.hpp"
 #include "host/command_line/interruption.hpp"
@@ -42,6 +44,9 @@ constexpr std::size_t most_samples = 1'000'000'000;
 constexpr double gaps_shown = 5.0;
 // The depth of a cut needs many samples to be known closely, and none where nothing is cut.
 constexpr double surface_coarseness = 10.0;
+// Eight times what the search's own proofs may take: where an implant is pressed flat against the bone, more would only
+// say more closely how far it is too deep.
+constexpr std::uint64_t most_surface_samples = std::uint64_t{1} << 19U;
 
 constexpr const char* closing_words =
     "Maximises F, the sum over the vertices of weight times f(distance): f is 1 at the wanted distance (0 for\n"
@@ -71,7 +76,8 @@ constexpr const char* closing_words =
     "runs, -o is written already.\n"
     "\n"
     "Exit status: 0 every enclosure is at most the tolerance wide, nothing is proven deeper than the limit, and every\n"
-    "primitive is proven to lie on its side; 3 finished, but not so; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
+    "primitive is proven to lie on its side, every change to be within --keep; 3 finished, but not so; 2 bad usage or\n"
+    "input; 130 interrupted by Ctrl-C.\n"
     "\n"
     "Examples:\n"
     "  verisq fit --implant stem_mm.json --mesh canal.stl --cavity --resection 105,0,-120,-0.7,0,0.7 --crossing neck "
@@ -116,6 +122,7 @@ void tell_of_empty_areas(const Cavity& cavity) {
 Fit search(FitProblem& problem, const FitArguments& arguments) {
   ProgressBar bar(!arguments.no_progress, "poses");
   FitOptions options = problem.options;
+  options.constraints = constraints_of(arguments, problem);
   options.interrupted = interrupted;
   options.progress = [&](const FitProgress& progress) {
     const std::string name = std::filesystem::path(arguments.implants[progress.implant]).filename().string();
@@ -143,6 +150,7 @@ MeshClearance prove_surface(const FitProblem& problem, const Model& fitted) {
                         {.penetration_limit = problem.options.penetration_limit,
                          .tolerance = surface_coarseness * problem.options.surface_tolerance,
                          .limit_tolerance = problem.options.surface_tolerance,
+                         .most_samples = most_surface_samples,
                          .device = problem.options.device});
 }
 
@@ -204,13 +212,17 @@ void explain(const FitSummary& summary) {
                      summary.surface->proven_too_deep));
   }
   for (const std::string& sentence : broken_sides(summary)) tell(sentence);
+  for (const std::string& sentence : broken_features(summary)) tell(sentence);
 }
 
 ExitStatus status_of(const FitSummary& summary) {
   if (summary.fit.interrupted) return ExitStatus::interrupted;
   const bool as_asked = summary.clearance.map.wide == 0 && summary.clearance.proven_too_deep == 0 &&
                         (!summary.surface || summary.surface->proven_too_deep == 0) &&
-                        (!summary.sides || summary.sides->kept());
+                        (!summary.sides || summary.sides->kept()) &&
+                        std::ranges::all_of(summary.changes.features, [&](const Feature& feature) {
+                          return is_kept(summary, feature).value_or(false) || !is_asked(summary, feature);
+                        });
   return as_asked ? ExitStatus::verified : ExitStatus::unverified;
 }
 
@@ -255,6 +267,27 @@ void declare_sides(Options& options, FitArguments& arguments) {
                    "One that has to lie outside of the cavity; may be repeated");
 }
 
+KeptFeature parse_kept(std::string_view option, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) refuse(fmt::format("{}: {} is not NAME=LO,HI", option, text));
+  const std::string name = fmt::format("{} {}", option, text);
+  const std::vector<double> ends = parse_numbers(name, text.substr(equals + 1), "LO,HI");
+  if (ends[0] > ends[1]) refuse(fmt::format("{}: {} is above {}", name, ends[0], ends[1]));
+  return {text.substr(0, equals), {ends[0], ends[1]}};
+}
+
+/// What of the bone is to be preserved.
+void declare_preservation(Options& options, FitArguments& arguments) {
+  options.add("--landmarks", arguments.landmarks, "FILE",
+              "The bone's, as `verisq features -o` writes them: says what the implant changes, of the points that its "
+              "own file names");
+  options.add("--landmark-radius", arguments.landmark_radius, parse_length, "NUMBER",
+              "How well they are known, in model units (default 0)");
+  options.add_each("--keep", arguments.kept, parse_kept, "NAME=LO,HI",
+                   "A change that has to be within these ends: offset_change, length_change, head_distance, in model "
+                   "units; version_change, ccd_change, implant_ccd, implant_tilt, in degrees; may be repeated");
+}
+
 /// Which pose is best, and which are allowed at all.
 void declare_aims(Options& options, FitArguments& arguments) {
   options.add("--completion", arguments.completion,
@@ -292,6 +325,7 @@ void declare_fit(Options& options, FitArguments& arguments) {
   options.require("--mesh", arguments.mesh, "FILE", "The bone: .stl .obj .ply .off; its vertices are fitted");
   declare_sides(options, arguments);
   declare_aims(options, arguments);
+  declare_preservation(options, arguments);
   declare_search(options, arguments);
   options.add("--labels", arguments.labels, "PROPERTY",
               "Areas are the values of this integer property of a .ply mesh's vertices, not the boxes of the model "
@@ -328,12 +362,17 @@ ExitStatus run_fit(const FitArguments& arguments) {
   Proof proof =
       prove(problem, found, {.tolerance = tolerance, .device = arguments.device}, !arguments.no_progress, map);
   const std::size_t implant = found.implant;
+  FemurFeatures changes;
+  if (problem.bone) changes = changes_of(problem, arguments.landmark_radius, implant, found.pose);
   const FitSummary summary{.fit = std::move(found),
                            .clearance = std::move(proof.clearance),
                            .surface = std::move(proof.surface),
                            .side_of = problem.surface,
                            .required_sides = sides_required(problem, implant),
                            .sides = std::move(proof.sides),
+                           .changes = std::move(changes),
+                           .kept = arguments.kept,
+                           .landmark_radius = arguments.landmark_radius,
                            .implant = arguments.implants[implant],
                            .implants = arguments.implants.size(),
                            .sized = !is_exact(problem.series[implant]),

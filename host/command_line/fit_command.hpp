@@ -25,6 +25,12 @@ enum class Surface {
   unsided,  ///< sides do not matter, or there are none
 };
 
+/// What a change of a feature has to be within.
+struct KeptFeature {
+  std::string name;
+  Enclosure range;
+};
+
 /// As typed; `read_fit_problem` checks what depends on the files or on several options.
 struct FitArguments {
   std::vector<std::string> implants;  ///< files of the series
@@ -35,6 +41,9 @@ struct FitArguments {
   std::optional<Plane> resection;
   std::vector<std::string> crossing;  ///< primitives
   std::vector<std::string> outside;   ///< likewise
+  std::string landmarks;              ///< of the bone; empty when not given
+  double landmark_radius = 0.0;
+  std::vector<KeptFeature> kept;
   Completion completion = Completion::cementless;
   std::optional<double> gap;
   std::optional<double> gap_tolerance;

@@ -16,6 +16,7 @@
 #include <verisq/model_file.hpp>
 #include <verisq/sides.hpp>
 
+#include "host/command_line/fit_constraints.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/mesh/extent.hpp"
 
@@ -265,10 +266,13 @@ FitProblem read_fit_problem(const FitArguments& arguments) {
                      .landmarks = {},
                      .units = {},
                      .mesh = {},
+                     .bone = {},
                      .cavity = {},
                      .options = {.fitness = {}, .penetration_limit = arguments.penetration_limit, .range = {}}};
   for (const std::string& file : arguments.implants) problem.landmarks.push_back(read_model_landmarks(file));
   problem.units = common_units(problem.series, arguments.implants);
+  if (!arguments.landmarks.empty()) problem.bone = read_landmarks(arguments.landmarks);
+  check_kept(arguments, problem);
   problem.options.fitness = fitness_of(arguments, problem.units);
   problem.options.surface_tolerance = relative_surface_tolerance * problem.options.fitness.scale;
   CutMesh cut = read_cut_mesh(arguments);

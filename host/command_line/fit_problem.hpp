@@ -1,10 +1,12 @@
 /// What a fit is to solve, from the options and files of the user.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 #include <verisq/features.hpp>
 #include <verisq/fit.hpp>
+#include <verisq/landmark_file.hpp>
 #include <verisq/mesh.hpp>
 
 #include "host/command_line/fit_command.hpp"
@@ -17,7 +19,8 @@ struct FitProblem {
   std::string units;                      ///< of all implants; empty when none has any
   Mesh mesh;                              ///< cut off at the resection
   Surface surface = Surface::unsided;
-  Cavity cavity;  ///< the vertices of the mesh
+  std::optional<LandmarkFile> bone;  ///< its landmarks, where they are given
+  Cavity cavity;                     ///< the vertices of the mesh
   FitOptions options;
 };
 

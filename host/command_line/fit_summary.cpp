@@ -79,6 +79,12 @@ Lines surface_lines(const MeshClearance& surface, const std::string& units) {
           {"  undecided", fmt::format("{} triangles", surface.undecided)}};
 }
 
+Lines joined(std::initializer_list<Lines> parts) {
+  Lines lines;
+  for (const Lines& part : parts) lines.insert(lines.end(), part.begin(), part.end());
+  return lines;
+}
+
 std::string_view surface_name(Surface surface) {
   return surface == Surface::cavity ? "cavity" : "bone";
 }
@@ -157,6 +163,44 @@ Lines side_lines(const FitSummary& summary) {
   return lines;
 }
 
+std::string_view unit_of(const Feature& feature, const FitSummary& summary) {
+  return feature.unit == FeatureUnit::degrees ? std::string_view("degrees") : std::string_view(summary.units);
+}
+
+std::string in_words(const KeptFeature& kept) {
+  return fmt::format("{:.10g} to {:.10g}", kept.range.lo, kept.range.hi);
+}
+
+std::optional<bool> is_within(const Enclosure& value, const Enclosure& range) {
+  if (value.lo >= range.lo && value.hi <= range.hi) return true;
+  if (value.hi < range.lo || value.lo > range.hi) return false;
+  return std::nullopt;
+}
+
+/// Under which what is proven of changes holds; "" where landmarks are exact.
+std::string condition(const FitSummary& summary) {
+  if (summary.landmark_radius == 0.0) return "";
+  return fmt::format(" for all landmarks within {:.10g} {}", summary.landmark_radius, summary.units);
+}
+
+std::string verdict(const FitSummary& summary, const Enclosure& value, const KeptFeature& kept) {
+  const std::optional<bool> within = is_within(value, kept.range);
+  if (!within) return fmt::format("{}: not decided", in_words(kept));
+  return fmt::format("{}: {}, proven{}", in_words(kept), *within ? "kept" : "BROKEN", condition(summary));
+}
+
+Lines change_lines(const FitSummary& summary) {
+  Lines lines;
+  for (const Feature& change : summary.changes.features) {
+    std::string text = fmt::format("{} {}", outward_digits(change.value), unit_of(change, summary));
+    for (const KeptFeature& kept : summary.kept) {
+      if (kept.name == change.name) text += "; " + verdict(summary, change.value, kept);
+    }
+    lines.push_back({change.name, text});
+  }
+  return lines;
+}
+
 Lines proven_lines(const FitSummary& summary) {
   const Clearance& clearance = summary.clearance;
   const std::string units = units_of(summary);
@@ -172,9 +216,7 @@ Lines proven_lines(const FitSummary& summary) {
     const Lines of_surface = surface_lines(*summary.surface, units);
     lines.insert(lines.end(), of_surface.begin(), of_surface.end());
   }
-  const Lines of_sides = side_lines(summary);
-  lines.insert(lines.end(), of_sides.begin(), of_sides.end());
-  return lines;
+  return joined({lines, side_lines(summary), change_lines(summary)});
 }
 
 Lines point_lines(const FitSummary& summary) {
@@ -209,12 +251,6 @@ Lines run_lines(const FitSummary& summary) {
                                     clearance.map.device, clearance.map.device_seconds, clearance.map.host_seconds)},
               {"fitted model", summary.output}};
   if (!summary.map.empty()) lines.push_back({"map", summary.map});
-  return lines;
-}
-
-Lines joined(std::initializer_list<Lines> parts) {
-  Lines lines;
-  for (const Lines& part : parts) lines.insert(lines.end(), part.begin(), part.end());
   return lines;
 }
 
@@ -275,6 +311,23 @@ JsonValue sides_json(const FitSummary& summary) {
                     {"primitives", sides}};
 }
 
+JsonValue changes_json(const FitSummary& summary) {
+  JsonValue::Array changes;
+  for (const Feature& change : summary.changes.features) {
+    JsonValue::Array asked;
+    for (const KeptFeature& kept : summary.kept) {
+      if (kept.name == change.name) asked.emplace_back(kept.range);
+    }
+    const std::optional<bool> kept = is_kept(summary, change);
+    changes.push_back(JsonObject{{"name", change.name},
+                                 {"unit", change.unit == FeatureUnit::degrees ? "degrees" : "length"},
+                                 {"value", change.value},
+                                 {"asked", asked},
+                                 {"kept", is_asked(summary, change) && kept ? JsonValue(*kept) : JsonValue()}});
+  }
+  return changes;
+}
+
 JsonValue areas(const FitSummary& summary) {
   JsonValue::Array areas;
   for (const AreaClearance& area : summary.clearance.areas) {
@@ -298,6 +351,32 @@ double largest_objective(const Clearance& clearance) {
     sum = verify::add(sum, of_area, verify::Direction::up);
   }
   return sum;
+}
+
+bool is_asked(const FitSummary& summary, const Feature& change) {
+  return std::ranges::find(summary.kept, change.name, &KeptFeature::name) != summary.kept.end();
+}
+
+std::optional<bool> is_kept(const FitSummary& summary, const Feature& change) {
+  bool decided = true;
+  for (const KeptFeature& kept : summary.kept) {
+    if (kept.name != change.name) continue;
+    const std::optional<bool> within = is_within(change.value, kept.range);
+    if (within == false) return false;
+    decided = decided && within.has_value();
+  }
+  return decided ? std::optional(true) : std::nullopt;
+}
+
+std::vector<std::string> broken_features(const FitSummary& summary) {
+  std::vector<std::string> sentences;
+  for (const Feature& change : summary.changes.features) {
+    const std::optional<bool> kept = is_kept(summary, change);
+    if (!is_asked(summary, change) || kept == true) continue;
+    sentences.push_back(fmt::format("{} is {}, {} within what --keep asks{}", change.name, outward_digits(change.value),
+                                    kept ? "proven not to be" : "not proven to be", kept ? condition(summary) : ""));
+  }
+  return sentences;
 }
 
 std::vector<std::string> broken_sides(const FitSummary& summary) {
@@ -339,6 +418,8 @@ std::string json(const FitSummary& summary) {
       {"undecided", undecided_depths(clearance)},
       {"surface", summary.surface ? surface_json(*summary.surface) : JsonValue()},
       {"sides", sides_json(summary)},
+      {"changes", changes_json(summary)},
+      {"landmark_radius", summary.landmark_radius},
       {"areas", areas(summary)},
       {"points", map.points},
       {"device_verified", map.device_verified},

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 #include <verisq/clearance.hpp>
+#include <verisq/features.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/report.hpp>
@@ -21,9 +22,12 @@ struct FitSummary {
   Surface side_of;
   std::vector<SurfaceSide> required_sides;  ///< one a primitive; none where the surface is unsided
   std::optional<Sides> sides;               ///< likewise
-  std::string implant;                      ///< file of the chosen one
-  std::size_t implants;                     ///< in the series
-  bool sized;                               ///< the chosen one has sizes to choose from
+  FemurFeatures changes;                    ///< of the bone's features; none where its landmarks are not given
+  std::vector<KeptFeature> kept;            ///< ranges asked of them
+  double landmark_radius;
+  std::string implant;   ///< file of the chosen one
+  std::size_t implants;  ///< in the series
+  bool sized;            ///< the chosen one has sizes to choose from
   double penetration_limit;
   double tolerance;
   std::string units;      ///< empty when not given
@@ -35,6 +39,15 @@ struct FitSummary {
 
 /// The objective if every point of the cavity were served perfectly: the sum of the weights, rounded up.
 [[nodiscard]] double largest_objective(const Clearance& clearance);
+
+/// Whether a range is asked of that change.
+[[nodiscard]] bool is_asked(const FitSummary& summary, const Feature& change);
+
+/// Proven to be within all ranges asked of it, or proven not to be; nothing where that is open.
+[[nodiscard]] std::optional<bool> is_kept(const FitSummary& summary, const Feature& change);
+
+/// A sentence for each change that is not proven to be within what is asked.
+[[nodiscard]] std::vector<std::string> broken_features(const FitSummary& summary);
 
 /// A sentence for each primitive that is not proven to lie where it has to.
 [[nodiscard]] std::vector<std::string> broken_sides(const FitSummary& summary);

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "host/threads/parallel.hpp"
-#include "verify/containment/mesh_parity.hpp"
+#include "verify/containment/closed_surface.hpp"
 #include "verify/containment/mesh_side.hpp"
 #include "verify/containment/union_cavities.hpp"
 #include "verify/deviation/triangle_tree.hpp"
@@ -57,10 +57,10 @@ verify::SignedDistances distances_to(const Primitive& primitive, const Containme
 
 /// A primitive's interior is connected, holds its centre, and meets no triangle: it lies where its centre does.
 std::vector<std::string> centres_outside(const Model& model, const Mesh& mesh) {
-  const verify::MeshParity parity(verify::triangles_of(mesh));
+  const verify::ClosedSurface surface(verify::triangles_of(mesh));
   std::vector<std::string> outside;
   for (const Primitive& primitive : model.primitives)
-    if (!parity.inside(primitive.pose.translation).value_or(false)) outside.push_back(primitive.name);
+    if (!surface.odd(primitive.pose.translation).value_or(false)) outside.push_back(primitive.name);
   return outside;
 }
 

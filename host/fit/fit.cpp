@@ -16,7 +16,7 @@
 #include "host/fit/local_refinement.hpp"
 #include "host/fit/penetration_limit.hpp"
 #include "host/fit/pose_objective.hpp"
-#include "host/fit/side_requirements.hpp"
+#include "host/fit/requirements.hpp"
 #include "host/fit/surface_limit.hpp"
 #include "host/fit/surface_points.hpp"
 #include "host/fit/union_depth.hpp"
@@ -71,6 +71,10 @@ void check(const Cavity& cavity, const FitOptions& options) {
           fmt::format("fitness: target must be at least 0 and scale positive, not {} and {}", target, scale));
   require(std::isfinite(options.penetration_limit) && options.penetration_limit >= 0.0,
           fmt::format("penetration limit: must be finite and at least 0, not {}", options.penetration_limit));
+  for (const FitConstraint& constraint : options.constraints) {
+    require(constraint.range.lo <= constraint.range.hi && constraint.unit > 0.0 && constraint.value != nullptr,
+            fmt::format("constraint {}: needs a range, a positive unit and a value", constraint.name));
+  }
   require(cavity.triangles.empty() || (options.surface_tolerance > 0.0 && std::isfinite(options.surface_tolerance)),
           fmt::format("surface tolerance: must be finite and positive, not {}", options.surface_tolerance));
   const auto& [start, translation, rotation] = options.range;
@@ -162,24 +166,24 @@ double spacing_of_surface_points(std::span<const UncertainModel> series) {
 /// The search for one implant.
 class ImplantSearch {
  public:
-  ImplantSearch(const CandidateSpace& space, std::size_t implant, SearchedCavity& cavity, const SideRequirements& sides,
+  ImplantSearch(const CandidateSpace& space, std::size_t implant, SearchedCavity& cavity, const Requirements& asked,
                 const FitOptions& options, SearchWatch& watch)
       : space_(space),
         implant_(implant),
         evaluator_(*cavity.point_evaluator),
         cavity_(cavity.points),
-        sides_(sides),
+        asked_(asked),
         options_(options),
         watch_(watch),
         weights_(weights_of(cavity_)),
-        full_(space, *cavity.surface_evaluator, cavity.surface, sides, options.fitness, options.penetration_limit,
+        full_(space, *cavity.surface_evaluator, cavity.surface, asked, options.fitness, options.penetration_limit,
               watch) {}
 
   /// Of the surface only what the search knows.
   Found best() {
     watch_.at(implant_, 0.0);
     full_.at(space_.start());  // so that there is a best pose, whenever the search is interrupted
-    std::vector<Ranked> starts = global_start(space_, evaluator_, sides_, landscape(kSampledWidening, kSampledPoints),
+    std::vector<Ranked> starts = global_start(space_, evaluator_, asked_, landscape(kSampledWidening, kSampledPoints),
                                               {options_.samples, options_.seed, kRounds[0].starts}, watch_);
     watch_.at(implant_, kSampled);
     for (std::size_t round = 0; round < std::size(kRounds); ++round) {
@@ -204,7 +208,7 @@ class ImplantSearch {
             .objective = depth.objective,
             .deepest_penetration = depth.deepest_penetration,
             .within_limit = depth.deepest_penetration <= options_.penetration_limit,
-            .misplaced = found.misplaced};
+            .broken = found.broken};
   }
 
  private:
@@ -225,7 +229,7 @@ class ImplantSearch {
     const Landscape climbed = landscape(round.widening, kClimbedPoints);
     for (Ranked& start : starts) {
       if (watch_.interrupted()) return;
-      start = refined(space_, evaluator_, sides_, climbed, start.parameters, round.stop, watch_);
+      start = refined(space_, evaluator_, asked_, climbed, start.parameters, round.stop, watch_);
     }
   }
 
@@ -238,7 +242,7 @@ class ImplantSearch {
       if (in_union.within_limit || !found.within_limit || settling == kMostSettlings || watch_.interrupted())
         return in_union;
       limit *= kSettlingMargin * options_.penetration_limit / in_union.deepest_penetration;
-      FullEvaluation lower(space_, evaluator_, cavity_, sides_, options_.fitness, limit, watch_);
+      FullEvaluation lower(space_, evaluator_, cavity_, asked_, options_.fitness, limit, watch_);
       refine_within_limit(lower, found.parameters);
       found = *lower.best();
     }
@@ -248,7 +252,7 @@ class ImplantSearch {
   std::size_t implant_;
   CandidateEvaluator& evaluator_;
   const Cavity& cavity_;
-  const SideRequirements& sides_;
+  const Requirements& asked_;
   const FitOptions& options_;
   SearchWatch& watch_;
   std::vector<double> weights_;
@@ -272,11 +276,12 @@ Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitO
   std::size_t implant = 0;
   std::optional<Found> best;
   for (std::size_t i = 0; i < spaces.size() && (i == 0 || !watch.interrupted()); ++i) {
-    const SideRequirements sides = inside ? SideRequirements(*inside, options.sides[i]) : SideRequirements();
-    ImplantSearch search(spaces[i], i, searched, sides, options, watch);
+    const Requirements asked{inside ? SideRequirements(*inside, options.sides[i]) : SideRequirements(),
+                             PoseConstraints(spaces[i], options.constraints, i)};
+    ImplantSearch search(spaces[i], i, searched, asked, options, watch);
     Found found = search.best();
     if (!cavity.triangles.empty()) {
-      found = within_surface(spaces[i], found, cavity, sides, spacing, options, device, make_evaluator, watch);
+      found = within_surface(spaces[i], found, cavity, asked, spacing, options, device, make_evaluator, watch);
       found.objective = search.found_in_union(found).objective;
     }
     if (best && !better(found, *best)) continue;

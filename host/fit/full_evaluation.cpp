@@ -8,12 +8,12 @@
 namespace verisq::fit_search {
 
 FullEvaluation::FullEvaluation(const CandidateSpace& space, CandidateEvaluator& evaluator, const Cavity& cavity,
-                               const SideRequirements& sides, const Fitness& fitness, double penetration_limit,
+                               const Requirements& asked, const Fitness& fitness, double penetration_limit,
                                SearchWatch& watch)
     : space_(space),
       evaluator_(evaluator),
       cavity_(cavity),
-      sides_(sides),
+      asked_(asked),
       fitness_(fitness),
       penetration_limit_(penetration_limit),
       watch_(watch),
@@ -31,13 +31,13 @@ const FullEvaluation::Result& FullEvaluation::at(std::span<const double> paramet
   result_.evaluation = sum.result();
   result_.deepest_penetration = std::max(-result_.evaluation.smallest_distance, 0.0);
   result_.within_limit = -result_.evaluation.smallest_distance <= penetration_limit_;
-  const std::size_t misplaced = sides_.misplaced(candidate);
+  const double broken = asked_.broken(parameters_, candidate);
   incumbent_.offer({.parameters = parameters_,
                     .objective = result_.evaluation.objective,
                     .deepest_penetration = result_.deepest_penetration,
                     .within_limit = result_.within_limit,
-                    .misplaced = misplaced});
-  if (result_.within_limit && misplaced == 0) watch_.found(result_.evaluation.objective);
+                    .broken = broken});
+  if (result_.within_limit && broken == 0.0) watch_.found(result_.evaluation.objective);
   return result_;
 }
 

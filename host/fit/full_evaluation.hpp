@@ -3,8 +3,8 @@
 
 #include "host/fit/candidate_space.hpp"
 #include "host/fit/incumbent.hpp"
+#include "host/fit/requirements.hpp"
 #include "host/fit/search_watch.hpp"
-#include "host/fit/side_requirements.hpp"
 #include "verisq/cavity.hpp"
 
 namespace verisq::fit_search {
@@ -22,13 +22,13 @@ class FullEvaluation {
   };
 
   FullEvaluation(const CandidateSpace& space, CandidateEvaluator& evaluator, const Cavity& cavity,
-                 const SideRequirements& sides, const Fitness& fitness, double penetration_limit, SearchWatch& watch);
+                 const Requirements& asked, const Fitness& fitness, double penetration_limit, SearchWatch& watch);
 
   const Result& at(std::span<const double> parameters);
 
   [[nodiscard]] const CandidateSpace& space() const { return space_; }
   [[nodiscard]] const Cavity& cavity() const { return cavity_; }
-  [[nodiscard]] const SideRequirements& sides() const { return sides_; }
+  [[nodiscard]] const Requirements& asked() const { return asked_; }
   [[nodiscard]] const Fitness& fitness() const { return fitness_; }
   [[nodiscard]] double penetration_limit() const { return penetration_limit_; }
   [[nodiscard]] SearchWatch& watch() { return watch_; }
@@ -39,7 +39,7 @@ class FullEvaluation {
   const CandidateSpace& space_;
   CandidateEvaluator& evaluator_;
   const Cavity& cavity_;
-  const SideRequirements& sides_;
+  const Requirements& asked_;
   Fitness fitness_;
   double penetration_limit_;
   SearchWatch& watch_;

@@ -52,9 +52,9 @@ struct Cell {
 
 class Sampler {
  public:
-  Sampler(const CandidateSpace& space, CandidateEvaluator& evaluator, const SideRequirements& sides,
+  Sampler(const CandidateSpace& space, CandidateEvaluator& evaluator, const Requirements& asked,
           const Landscape& landscape, std::uint64_t seed, SearchWatch& watch)
-      : space_(space), evaluator_(evaluator), sides_(sides), landscape_(landscape), watch_(watch), sequence_(seed) {}
+      : space_(space), evaluator_(evaluator), asked_(asked), landscape_(landscape), watch_(watch), sequence_(seed) {}
 
   /// Adds `count` samples of the box around the centre; each has a cell of its own size around it.
   void sample(const Parameters& centre, double half, double cell_half, std::size_t count, std::vector<Cell>& cells) {
@@ -88,14 +88,14 @@ class Sampler {
     evaluator_.evaluate(candidates, landscape_.fitness, cell, landscape_.stride, evaluations_);
     watch_.count(poses.size());
     for (std::size_t i = 0; i < poses.size(); ++i) {
-      const double rank = landscape_.rank(evaluations_[i].objective, sides_.misplaced(candidates[i]));
+      const double rank = landscape_.rank(evaluations_[i].objective, asked_.broken(poses[i], candidates[i]));
       cells.push_back({{poses[i], rank}, evaluations_[i].objective_bound});
     }
   }
 
   const CandidateSpace& space_;
   CandidateEvaluator& evaluator_;
-  const SideRequirements& sides_;
+  const Requirements& asked_;
   const Landscape& landscape_;
   SearchWatch& watch_;
   LowDiscrepancySequence sequence_;
@@ -129,10 +129,9 @@ bool close(const CandidateSpace& space, const Parameters& a, const Parameters& b
 
 }  // namespace
 
-std::vector<Ranked> global_start(const CandidateSpace& space, CandidateEvaluator& evaluator,
-                                 const SideRequirements& sides, const Landscape& landscape, const Sampling& sampling,
-                                 SearchWatch& watch) {
-  Sampler sampler(space, evaluator, sides, landscape, sampling.seed, watch);
+std::vector<Ranked> global_start(const CandidateSpace& space, CandidateEvaluator& evaluator, const Requirements& asked,
+                                 const Landscape& landscape, const Sampling& sampling, SearchWatch& watch) {
+  Sampler sampler(space, evaluator, asked, landscape, sampling.seed, watch);
   std::vector<Cell> all;
   sampler.sample(space.start(), 0.0, 0.0, 1, all);  // the start itself
   const std::size_t first = std::max<std::size_t>(sampling.samples / 2, 1);

@@ -16,7 +16,7 @@ struct Sampling {
 
 /// The best samples, best first, no two of them in one cell. Sizes stay at the middle of their intervals.
 [[nodiscard]] std::vector<Ranked> global_start(const CandidateSpace& space, CandidateEvaluator& evaluator,
-                                               const SideRequirements& sides, const Landscape& landscape,
+                                               const Requirements& asked, const Landscape& landscape,
                                                const Sampling& sampling, SearchWatch& watch);
 
 }  // namespace verisq::fit_search

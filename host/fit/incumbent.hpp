@@ -1,7 +1,6 @@
 /// The best candidate of an implant so far, kept for when the caller interrupts.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 
 #include "host/fit/candidate_space.hpp"
@@ -14,12 +13,13 @@ struct Found {
   double objective;
   double deepest_penetration;  ///< >= 0
   bool within_limit;
-  std::size_t misplaced;  ///< as SideRequirements counts
+  double broken;  ///< of what is asked besides, as Requirements counts
 };
 
-/// The fewer samples misplaced; within the limit before beyond it; beyond it, the shallower; then the larger objective.
+/// What breaks less of what is asked; within the limit before beyond it; beyond it, the shallower; then the larger
+/// objective.
 [[nodiscard]] inline bool better(const Found& a, const Found& b) {
-  if (a.misplaced != b.misplaced) return a.misplaced < b.misplaced;
+  if (a.broken != b.broken) return a.broken < b.broken;
   if (a.within_limit != b.within_limit) return a.within_limit;
   if (!a.within_limit && a.deepest_penetration != b.deepest_penetration)
     return a.deepest_penetration < b.deepest_penetration;

@@ -11,7 +11,7 @@ Fitness widened(const Fitness& fitness, double factor) {
   return {fitness.target, fitness.scale * factor, fitness.serves};
 }
 
-Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const SideRequirements& sides,
+Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const Requirements& asked,
                const Landscape& landscape, const Parameters& start, const StoppingCriteria& stop, SearchWatch& watch) {
   Ranked best{start, -infinity};
   std::vector<Evaluation> evaluations;
@@ -21,7 +21,7 @@ Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const
     watch.count(1);
     const Evaluation& found = evaluations.front();
     std::ranges::copy(space.gradient(parameters, found.pose_gradient, found.size_gradient), gradient.begin());
-    const double rank = landscape.rank(found.objective, sides.misplaced(candidate));
+    const double rank = landscape.rank(found.objective, asked.broken(parameters, candidate));
     if (rank > best.objective) best = {{parameters.begin(), parameters.end()}, rank};
     return found.objective;
   };

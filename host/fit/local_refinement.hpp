@@ -3,8 +3,8 @@
 
 #include "host/fit/candidate_space.hpp"
 #include "host/fit/nlopt_maximiser.hpp"
+#include "host/fit/requirements.hpp"
 #include "host/fit/search_watch.hpp"
-#include "host/fit/side_requirements.hpp"
 
 namespace verisq::fit_search {
 
@@ -19,17 +19,15 @@ struct Landscape {
   std::size_t stride;
   double weight;  ///< of the points that take part, in all
 
-  /// So that whoever lies where it has to ranks before all others: the objective is at least 0, at most the weight.
-  [[nodiscard]] double rank(double objective, std::size_t misplaced) const {
-    return objective - weight * static_cast<double>(misplaced);
-  }
+  /// A sample on the wrong side, or a unit that is missing, costs what all points are worth at best.
+  [[nodiscard]] double rank(double objective, double broken) const { return objective - weight * broken; }
 };
 
 /// The fitness with its scale multiplied: wide enough, every point of the cavity tells where to go, and F has fewer
 /// maxima.
 [[nodiscard]] Fitness widened(const Fitness& fitness, double factor);
 
-[[nodiscard]] Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const SideRequirements& sides,
+[[nodiscard]] Ranked refined(const CandidateSpace& space, CandidateEvaluator& evaluator, const Requirements& asked,
                              const Landscape& landscape, const Parameters& start, const StoppingCriteria& stop,
                              SearchWatch& watch);
 

@@ -85,7 +85,7 @@ class LimitedRefinement {
       std::ranges::copy(cavity_.space().gradient(x, found.pose_gradient, found.size_gradient), gradient.begin());
       return found.objective;
     });
-    result.constraints = watched_.size();
+    result.constraints = watched_.size() + cavity_.asked().constraints.rows();
     result.constraint_tolerance = kMargin / 2.0;
     result.constrain = [this](std::span<const double> x, std::span<double> values, std::span<double> jacobian) {
       const FullEvaluation::Result& found = cavity_.at(x);
@@ -95,6 +95,10 @@ class LimitedRefinement {
         write_derivatives(x, watched_[j], found.distances[watched_[j]], row);
         for (double& derivative : row) derivative /= scale_;
       }
+      const PoseConstraints& asked = cavity_.asked().constraints;
+      std::ranges::transform(asked.slack(x), values.begin() + static_cast<std::ptrdiff_t>(watched_.size()),
+                             [](double slack) { return slack - kMargin; });
+      std::ranges::copy(asked.jacobian(x), jacobian.begin() + static_cast<std::ptrdiff_t>(watched_.size() * x.size()));
     };
     return result;
   }
@@ -108,7 +112,8 @@ class LimitedRefinement {
 
   /// From a candidate beyond the limit to one within it, if one is near: least squares of what all points are too deep.
   [[nodiscard]] Parameters restored(const Parameters& parameters) const {
-    if (cavity_.at(parameters).within_limit) return parameters;
+    const PoseConstraints& asked = cavity_.asked().constraints;
+    if (cavity_.at(parameters).within_limit && asked.violation(parameters) == 0.0) return parameters;
     std::vector<double> row(parameters.size());
     Parameters best = parameters;
     double least = infinity;
@@ -123,6 +128,13 @@ class LimitedRefinement {
         sum += missing * missing;
         write_derivatives(x, i, found.distances[i], row);
         for (std::size_t k = 0; k < row.size(); ++k) gradient[k] -= 2.0 * missing * row[k] / scale_;
+      }
+      const std::vector<double> left = asked.slack(x);
+      const std::vector<double> derivatives = asked.jacobian(x);
+      for (std::size_t j = 0; j < left.size(); ++j) {
+        const double missing = std::min(left[j] - 2.0 * kMargin, 0.0);
+        sum += missing * missing;
+        for (std::size_t k = 0; k < x.size(); ++k) gradient[k] -= 2.0 * missing * derivatives[j * x.size() + k];
       }
       if (sum < least) {
         least = sum;

@@ -43,11 +43,10 @@ constexpr double lowering = 0.98;
 
 class SurfaceSearch {
  public:
-  SurfaceSearch(const CandidateSpace& space, const Cavity& cavity, const SideRequirements& sides,
-                const FitOptions& options, double spacing, std::string device, const MakeEvaluator& make_evaluator,
-                SearchWatch& watch)
+  SurfaceSearch(const CandidateSpace& space, const Cavity& cavity, const Requirements& asked, const FitOptions& options,
+                double spacing, std::string device, const MakeEvaluator& make_evaluator, SearchWatch& watch)
       : space_(space),
-        sides_(sides),
+        asked_(asked),
         options_(options),
         spacing_(spacing),
         device_(std::move(device)),
@@ -87,7 +86,7 @@ class SurfaceSearch {
         if (futile > patient_rounds) kept_away_ *= impatience;
       } else {
         // A repaired pose is not yet the best nearby: the search goes on from there while that pays.
-        if (best && found.misplaced > best->misplaced) break;
+        if (best && found.broken > best->broken) break;
         if (best && found.objective <= best->objective + worthwhile * std::abs(best->objective)) break;
         best = found;
         futile = 0;
@@ -158,7 +157,7 @@ class SurfaceSearch {
   }
 
   [[nodiscard]] FullEvaluation evaluation(CandidateEvaluator& evaluator) {
-    return {space_, evaluator, guarded_, sides_, options_.fitness, limit_ - kept_away_, watch_};
+    return {space_, evaluator, guarded_, asked_, options_.fitness, limit_ - kept_away_, watch_};
   }
 
   /// For a candidate that the search takes to be within the limit, and a proof does not.
@@ -170,7 +169,7 @@ class SurfaceSearch {
   }
 
   const CandidateSpace& space_;
-  const SideRequirements& sides_;
+  const Requirements& asked_;
   const FitOptions& options_;
   double spacing_;
   std::string device_;
@@ -184,10 +183,10 @@ class SurfaceSearch {
 
 }  // namespace
 
-Found within_surface(const CandidateSpace& space, const Found& start, const Cavity& cavity,
-                     const SideRequirements& sides, double spacing, const FitOptions& options,
-                     const std::string& device, const MakeEvaluator& make_evaluator, SearchWatch& watch) {
-  SurfaceSearch search(space, cavity, sides, options, spacing, device, make_evaluator, watch);
+Found within_surface(const CandidateSpace& space, const Found& start, const Cavity& cavity, const Requirements& asked,
+                     double spacing, const FitOptions& options, const std::string& device,
+                     const MakeEvaluator& make_evaluator, SearchWatch& watch) {
+  SurfaceSearch search(space, cavity, asked, options, spacing, device, make_evaluator, watch);
   search.guard_grid_about(start);
   return search.within(start);
 }

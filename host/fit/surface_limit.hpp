@@ -7,8 +7,8 @@
 
 #include "host/fit/candidate_space.hpp"
 #include "host/fit/incumbent.hpp"
+#include "host/fit/requirements.hpp"
 #include "host/fit/search_watch.hpp"
-#include "host/fit/side_requirements.hpp"
 #include "verisq/cavity.hpp"
 #include "verisq/fit.hpp"
 
@@ -22,7 +22,7 @@ using MakeEvaluator = std::function<std::unique_ptr<CandidateEvaluator>(const Ca
 /// `within_limit` and `deepest_penetration` are of the whole surface and proven. Precondition: the cavity has
 /// triangles.
 [[nodiscard]] Found within_surface(const CandidateSpace& space, const Found& start, const Cavity& cavity,
-                                   const SideRequirements& sides, double spacing, const FitOptions& options,
+                                   const Requirements& asked, double spacing, const FitOptions& options,
                                    const std::string& device, const MakeEvaluator& make_evaluator, SearchWatch& watch);
 
 }  // namespace verisq::fit_search

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 #include <verisq/cavity.hpp>
+#include <verisq/enclosure.hpp>
 #include <verisq/fitness.hpp>
 #include <verisq/model.hpp>
 #include <verisq/sides.hpp>
@@ -24,6 +25,15 @@ struct PoseRange {
   double rotation_degrees;  ///< in [0, 180]
 };
 
+/// What is asked of the pose of an implant: a number within a range.
+struct FitConstraint {
+  std::string name;
+  Enclosure range;  ///< ends may be infinite
+  double unit;      ///< a change of the value that matters, > 0
+  /// Encloses the number of this implant of the series in this pose; smooth.
+  std::function<Enclosure(std::size_t implant, const Pose& pose)> value;
+};
+
 struct FitProgress {
   double objective;     ///< of the best pose so far that respects the limits; -infinity where there is none
   double done;          ///< share of the work, in [0, 1]
@@ -38,6 +48,8 @@ struct FitOptions {
   /// Of the cavity's triangles, one a primitive for each implant, which the search keeps to where it can: whether it
   /// did, prove_sides tells. Empty: each may be anywhere.
   std::vector<std::vector<SurfaceSide>> sides = {};
+  /// Which the search keeps to where it can: whether the values do at its pose is the caller's to see.
+  std::vector<FitConstraint> constraints = {};
   std::uint64_t seed = 1;                                    ///< the same seed on the same device gives the same pose
   std::size_t samples = 4096;                                ///< poses of the global start
   std::string device = "auto";                               ///< as MapOptions::device; "host": no OpenCL at all

@@ -15,8 +15,8 @@
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
+#include "verify/containment/closed_surface.hpp"
 #include "verify/deviation/triangle_tree.hpp"
-#include "verify/sides/winding_number.hpp"
 
 namespace verisq {
 namespace {
@@ -52,7 +52,7 @@ std::optional<int> winding(const Point& point, const Mesh& mesh) {
   std::vector<Triangle> triangles = verify::triangles_of(mesh);
   const std::vector<Triangle> openings = verify::triangles_of(closing_over_rims(mesh).mesh);
   triangles.insert(triangles.end(), openings.begin(), openings.end());
-  return verify::winding_number(point, triangles);
+  return verify::ClosedSurface(std::move(triangles)).winding_number(point);
 }
 
 /// The sum of the triangles' solid angles over 4 pi (Van Oosterom and Strackee, The solid angle of a plane triangle,
@@ -123,8 +123,8 @@ TEST(WindingNumber, IsKnownWhereRaysMeetVertices) {
                     {2, 4, 6},
                     {1, 3, 5},
                     {3, 7, 5}}};
-  const Point first{0.5773, 0.3989, 0.7126};  // of the ray that is tried first
-  const Point below{1 - 0.5773, 1 - 0.3989, 1 - 0.7126};
+  const Point first{0.0123, 0.0217, 1.0};  // along the segment that is tried first
+  const Point below{1 - first[0], 1 - first[1], 1 - first[2]};
   EXPECT_EQ(winding(below, box), 1);
   EXPECT_EQ(winding({1 + first[0], 1 + first[1], 1 + first[2]}, box), 0);
   EXPECT_EQ(winding({1 - 4 * first[0], 1 - 4 * first[1], 1 - 4 * first[2]}, box), 0);

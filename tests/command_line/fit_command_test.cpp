@@ -411,7 +411,19 @@ class SidedFitCommand : public ProgramTest {
         {"name": "shaft", "superquadric": {"semi_axes": [3, 3, 7], "exponents": [0.5, 0.5]},
          "pose": {"translation": [0, 0, -2]}},
         {"name": "neck", "superquadric": {"semi_axes": [2, 2, 6], "exponents": [1, 1]},
-         "pose": {"translation": [0, 0, 8]}}]})");
+         "pose": {"translation": [0, 0, 8]}}],
+        "landmarks": {"head_centre": [2, 0, 14], "neck_centre": [0, 0, 8],
+                      "shaft_proximal": [0, 0, 3], "shaft_distal": [0, 0, -7]}})");
+  }
+  /// Of the bone that the cavity is in: the head's centre is 1 to the side of where the pin's file has its own.
+  [[nodiscard]] std::string landmarks() const {
+    return write("landmarks.json", R"({"format": "verisq-landmarks/1", "units": "mm", "side": "left", "landmarks": {
+        "head_centre": [2, 1, 14], "neck_centre": [0, 1, 8], "shaft_proximal": [0, 0, 4], "shaft_distal": [0, 0, -9]}})");
+  }
+  [[nodiscard]] Outcome fit_preserving(Arguments arguments, const std::string& range = "4") const {
+    arguments.insert(arguments.begin(), {"--mesh", cavity(), "--cavity", "--resection", top, "--crossing", "neck",
+                                         "--landmarks", landmarks()});
+    return fit(arguments, range, range);
   }
   [[nodiscard]] Outcome fit(Arguments arguments, const std::string& translation = "12",
                             const std::string& rotation = "10") const {
@@ -458,6 +470,37 @@ TEST_F(SidedFitCommand, PutsTheShaftInside) {
   EXPECT_EQ(sides["kept"], true);
   EXPECT_EQ(sides["primitives"][0], (json{{"primitive", "shaft"}, {"required", "inside"}, {"found", "proven"}}));
   EXPECT_EQ(sides["primitives"][1], (json{{"primitive", "neck"}, {"required", "any"}, {"found", nullptr}}));
+}
+
+TEST_F(SidedFitCommand, KeepsWhatIsToBePreserved) {
+  const auto head_distance = [](const json& summary) {
+    for (const json& change : summary["changes"])
+      if (change["name"] == "head_distance") return change;
+    return json();
+  };
+  const Outcome free = fit_preserving({});
+  const Outcome kept = fit_preserving({"--keep", "head_distance=0,0.5", "--keep", "version_change=-8,8"});
+  EXPECT_EQ(kept.status, 0) << kept.out << kept.err;
+  EXPECT_TRUE(head_distance(json::parse(free.out))["kept"].is_null());
+  EXPECT_GT(head_distance(json::parse(free.out))["value"]["lo"], 0.5) << "the test asks for nothing";
+  const json found = head_distance(json::parse(kept.out));
+  EXPECT_EQ(found["kept"], true);
+  EXPECT_LE(found["value"]["hi"], 0.5);
+  EXPECT_EQ(found["asked"][0]["hi"], 0.5);
+}
+
+TEST_F(SidedFitCommand, SaysWhatIsNotPreserved) {
+  const Outcome outcome = fit_preserving({"--keep", "length_change=30,40"}, "0");
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("length_change is "));
+  EXPECT_THAT(outcome.err, HasSubstr("proven not to be within what --keep asks"));
+  const Outcome vague = fit_preserving({"--keep", "offset_change=-0.1,0.1", "--landmark-radius", "1"}, "0");
+  EXPECT_EQ(vague.status, 3);
+  EXPECT_THAT(vague.err, HasSubstr("offset_change is "));
+  EXPECT_THAT(vague.err, HasSubstr("not proven to be within what --keep asks"));
+  expect_refused(fit_preserving({"--keep", "length=1,2"}), {"--keep length: ", "known are ", "length_change"});
+  expect_refused(fit_preserving({"--keep", "length_change=2,1"}), {"--keep length_change=2,1: 2 is above 1"});
+  expect_refused(fit({"--mesh", cavity(), "--cavity", "--keep", "length_change=1,2"}), {"--keep: needs --landmarks"});
 }
 
 TEST_F(SidedFitCommand, KnowsACavityByItsNormals) {

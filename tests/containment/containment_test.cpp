@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "verify/containment/mesh_parity.hpp"
+#include "verify/containment/closed_surface.hpp"
 #include "verify/containment/union_cavities.hpp"
 #include "verify/deviation/triangle_tree.hpp"
 #include "verisq/error.hpp"
@@ -130,15 +130,15 @@ TEST(ContainmentTest, ARingHasNoCavity) {
 }
 
 TEST(ContainmentTest, ParityKnowsInsideFromOutside) {
-  const verify::MeshParity parity(verify::triangles_of(joined(joined(cube(3.0), cube(2.0)), cube(1.0))));
-  const auto inside = [&parity](double x) { return parity.inside({x, 0.0, 0.0}); };
+  const verify::ClosedSurface surface(verify::triangles_of(joined(joined(cube(3.0), cube(2.0)), cube(1.0))));
+  const auto inside = [&surface](double x) { return surface.odd({x, 0.0, 0.0}); };
   EXPECT_EQ(inside(0.0), true);
   EXPECT_EQ(inside(0.999), true);
   EXPECT_EQ(inside(1.5), false);
   EXPECT_EQ(inside(-2.5), true);
   EXPECT_EQ(inside(3.5), false);
   EXPECT_EQ(inside(2.0), std::nullopt);
-  EXPECT_EQ(parity.inside({2.0, 2.0, 2.0}), std::nullopt);
+  EXPECT_EQ(surface.odd({2.0, 2.0, 2.0}), std::nullopt);
 }
 
 TEST(ContainmentTest, RefusesWhatBoundsNothing) {

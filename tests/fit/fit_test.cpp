@@ -19,6 +19,7 @@
 #include "tests/fixtures/requested_count.hpp"
 #include "verify/sets/bounding_box.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/error.hpp"
 #include "verisq/mesh_clearance.hpp"
 #include "verisq/model_file.hpp"
 #include "verisq/posed_model.hpp"
@@ -197,6 +198,29 @@ TEST(Fit, RangeIsRespected) {
   EXPECT_NEAR(quaternion(best.pose).angularDistance(quaternion(start)), 0.0, 1e-12);
   const Fit fixed = fit_one(implant, cavity, options(start, 0.0, 0.0));
   EXPECT_NEAR((moved(fixed.pose, c) - moved(start, c)).norm(), 0.0, 1e-12);
+}
+
+/// Of the pose alone: how far the implant's origin is moved along x.
+FitConstraint along_x(double lo, double hi) {
+  return {.name = "x", .range = {lo, hi}, .unit = 1.0, .value = [](std::size_t, const Pose& pose) {
+            return Enclosure{pose.translation[0], pose.translation[0]};
+          }};
+}
+
+TEST(Fit, KeepsToConstraints) {
+  const Model implant = hook();
+  const Cavity cavity = testing::offset_cavity(implant, kGap, 60);
+  FitOptions how = options(moved_off(implant, {2.0, -1.0, 1.0}, {0.05, 0.1, -0.05}), 6.0, 15.0);
+  how.penetration_limit = 0.4;
+  how.samples = 256;
+  how.constraints = {along_x(0.25, infinity)};
+  const Fit kept = fit_one(implant, cavity, how);
+  EXPECT_GE(kept.pose.translation[0], 0.25);
+  EXPECT_LE(kept.pose.translation[0], 0.3) << "0 is best";
+  how.constraints = {along_x(-infinity, infinity)};
+  EXPECT_NEAR(fit_one(implant, cavity, how).pose.translation[0], 0.0, 0.02);
+  how.constraints = {along_x(2.0, 1.0)};
+  EXPECT_THROW((void)fit_one(implant, cavity, how), Error);
 }
 
 TEST(Fit, SameSeedSamePose) {

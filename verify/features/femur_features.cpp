@@ -406,6 +406,8 @@ FemurFeatures implant_changes(const FemurLandmarks& bone, std::optional<Side> si
                   "head's centre along the bone's shaft axis, implant less bone; the leg's, where the socket's centre "
                   "stays in place",
                   length, "the heads of bone and implant, the bone's shaft");
+  findings.length("head_distance", "the implant's head's centre from the bone's", distance_of(new_head, head),
+                  "the heads of bone and implant");
   findings.degrees("version_change", "neck axes seen along the bone's shaft axis, implant less bone; positive: ahead",
                    version(femur.neck(), direction_of(new_neck), shaft, side),
                    "the necks of bone and implant, the bone's shaft and the side");

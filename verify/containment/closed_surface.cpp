@@ -1,11 +1,12 @@
 /// Signs of determinants in binary64 intervals; a segment that passes an edge too closely is replaced by another one.
-#include "verify/containment/mesh_parity.hpp"
+#include "verify/containment/closed_surface.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstdint>
 #include <utility>
 
+#include "verify/analysis/largest_coordinate.hpp"
 #include "verify/numbers/interval.hpp"
 
 namespace verisq::verify {
@@ -20,13 +21,8 @@ constexpr std::array<std::array<double, 2>, 6> slopes{
 /// Products of three differences are far from overflow.
 constexpr double largest_size = 1e100;
 
-double largest_coordinate(const Triangle& points) {
-  double largest = 0.0;
-  for (const Point& point : points) {
-    for (const double x : point) largest = std::max(largest, std::abs(x));
-  }
-  return largest;
-}
+/// How a segment meets a triangle.
+enum class Crossing : std::uint8_t { none, outward, inward };
 
 enum class Sign : std::uint8_t { negative, positive, unknown };
 
@@ -57,23 +53,25 @@ bool boxes_meet(const Point& from, const Point& to, const Triangle& triangle) {
   return true;
 }
 
-/// Whether the segment crosses the triangle's inside; nothing where it may touch its boundary or end on it.
-std::optional<bool> crosses(const Point& from, const Point& to, const Triangle& triangle) {
+/// Of the triangle's inside; nothing where the segment may touch its boundary or end on it.
+std::optional<Crossing> crossing(const Point& from, const Point& to, const Triangle& triangle) {
   const auto& [a, b, c] = triangle;
   const std::array around{orientation(from, to, a, b), orientation(from, to, b, c), orientation(from, to, c, a)};
   // The line meets the closed triangle only where none is positive or none is negative.
-  if (std::ranges::count(around, Sign::positive) > 0 && std::ranges::count(around, Sign::negative) > 0) return false;
+  if (std::ranges::count(around, Sign::positive) > 0 && std::ranges::count(around, Sign::negative) > 0) {
+    return Crossing::none;
+  }
   const Sign side_of_from = orientation(a, b, c, from);
   const Sign side_of_to = orientation(a, b, c, to);
   if (side_of_from == Sign::unknown || side_of_to == Sign::unknown) return std::nullopt;
-  if (side_of_from == side_of_to) return false;
+  if (side_of_from == side_of_to) return Crossing::none;
   if (std::ranges::count(around, Sign::unknown) > 0) return std::nullopt;
-  return true;
+  return side_of_to == Sign::positive ? Crossing::outward : Crossing::inward;  // where the normal points
 }
 
 }  // namespace
 
-MeshParity::MeshParity(std::vector<Triangle> triangles)
+ClosedSurface::ClosedSurface(std::vector<Triangle> triangles)
     : triangles_(std::move(triangles)), lower_(triangles_[0][0]), upper_(lower_) {
   for (const Triangle& triangle : triangles_) {
     for (const Point& corner : triangle) {
@@ -85,30 +83,42 @@ MeshParity::MeshParity(std::vector<Triangle> triangles)
   }
 }
 
-std::optional<bool> MeshParity::inside(const Point& point) const {
+std::optional<bool> ClosedSurface::odd(const Point& point) const {
+  const std::optional<Crossings> found = crossings(point);
+  if (!found) return std::nullopt;
+  return (found->outward + found->inward) % 2 == 1;
+}
+
+std::optional<int> ClosedSurface::winding_number(const Point& point) const {
+  const std::optional<Crossings> found = crossings(point);
+  if (!found) return std::nullopt;
+  return found->outward - found->inward;
+}
+
+std::optional<ClosedSurface::Crossings> ClosedSurface::crossings(const Point& point) const {
   for (std::size_t i = 0; i < 3; ++i) {
-    if (point[i] < lower_[i] || point[i] > upper_[i]) return false;
+    if (point[i] < lower_[i] || point[i] > upper_[i]) return Crossings{};
   }
-  const Triangle all{lower_, upper_, point};
-  if (largest_coordinate(all) > largest_size) return std::nullopt;
+  if (largest_coordinate(Triangle{lower_, upper_, point}) > largest_size) return std::nullopt;
   for (const auto& [slope_x, slope_y] : slopes) {
     const double height = 2.0 * (upper_[2] - point[2]) + (upper_[2] - lower_[2]);
     const Point to{point[0] + slope_x * height, point[1] + slope_y * height, point[2] + height};
     if (!(to[2] > upper_[2])) return std::nullopt;  // only then it is outside
-    if (const std::optional<bool> odd = odd_crossings(point, to)) return odd;
+    if (const std::optional<Crossings> found = crossings(point, to)) return found;
   }
   return std::nullopt;
 }
 
-std::optional<bool> MeshParity::odd_crossings(const Point& from, const Point& to) const {
-  bool odd = false;
+std::optional<ClosedSurface::Crossings> ClosedSurface::crossings(const Point& from, const Point& to) const {
+  Crossings sum;
   for (const Triangle& triangle : triangles_) {
     if (!boxes_meet(from, to, triangle)) continue;
-    const std::optional<bool> crossed = crosses(from, to, triangle);
-    if (!crossed) return std::nullopt;
-    odd = odd != *crossed;
+    const std::optional<Crossing> found = crossing(from, to, triangle);
+    if (!found) return std::nullopt;
+    if (*found == Crossing::outward) ++sum.outward;
+    if (*found == Crossing::inward) ++sum.inward;
   }
-  return odd;
+  return sum;
 }
 
 }  // namespace verisq::verify

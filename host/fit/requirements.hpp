@@ -1,0 +1,21 @@
+/// All that is asked of a candidate besides the limit of penetration.
+#pragma once
+
+#include <span>
+
+#include "host/fit/pose_constraints.hpp"
+#include "host/fit/side_requirements.hpp"
+
+namespace verisq::fit_search {
+
+struct Requirements {
+  SideRequirements sides;
+  PoseConstraints constraints;
+
+  /// 0 where all is kept: the samples misplaced, and what is missing of the constraints in their units.
+  [[nodiscard]] double broken(std::span<const double> parameters, const Candidate& candidate) const {
+    return static_cast<double>(sides.misplaced(candidate)) + constraints.violation(parameters);
+  }
+};
+
+}  // namespace verisq::fit_search
