@@ -19,8 +19,8 @@ namespace verisq::kernels {
 /// The objective of a fit and its gradient for many candidates: floating point, for searches.
 [[nodiscard]] std::string_view embedded_pose_objective_sources();
 
-/// Of programs for models with bends or set operations: the layers, those of models with tapered primitives, and kernels
-/// that call functions of the model's own tree, which come last (host/batches/model_source.hpp).
+/// Of programs for models with bends or set operations: the layers, those of models with tapered primitives, and
+/// kernels that call functions of the model's own tree, which come last (host/batches/model_source.hpp).
 [[nodiscard]] std::string_view embedded_solid_layers();
 [[nodiscard]] std::string_view embedded_tapered_solid_layers();
 [[nodiscard]] std::string_view embedded_bent_distance();

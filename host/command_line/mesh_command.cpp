@@ -100,7 +100,7 @@ void declare_mesh(Options& options, MeshArguments& arguments) {
               "How far mesh and surface may be from each other, in model units (required)");
   options.require("-o,--output", arguments.output, "FILE", "The mesh, by extension: .stl .ply .off .obj");
   options.add_flag("--no-proof", arguments.no_proof,
-                   "Estimate the deviation at samples of the mesh instead: tapered and bent models take long to prove");
+                   "Estimate the deviation at samples of the mesh instead: bent models take long to prove");
   add_device(options, arguments.device);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);

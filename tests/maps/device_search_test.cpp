@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 #include <vector>
 #include <verisq/device.hpp>
 #include <verisq/error.hpp>
@@ -180,8 +181,9 @@ Model overlapping() {
            {"c", {{0.5, 0.5, 1.2}, {1.6, 1.0}}, {{0.0, 0.0, 0.2}, {1.0, 0.0, 0.0, 0.0}}}}};
 }
 
-std::vector<MapResult> mapped(const std::vector<Point>& points, const MapOptions& options, MapSummary& summary) {
-  PointMapper mapper(overlapping(), options);
+std::vector<MapResult> mapped(const Model& model, const std::vector<Point>& points, const MapOptions& options,
+                              MapSummary& summary) {
+  PointMapper mapper(model, options);
   std::vector<MapResult> results;
   summary = mapper.map(source_of(points), [&](auto, std::span<const MapResult> rows, auto) {
     results.insert(results.end(), rows.begin(), rows.end());
@@ -199,7 +201,7 @@ TEST(DeviceSearchTest, AgreesWithTheHostWherePrimitivesOverlap) {
 
   const double tolerance = 1e-6;
   MapSummary summary;
-  const std::vector<MapResult> rows = mapped(points, {.tolerance = tolerance}, summary);
+  const std::vector<MapResult> rows = mapped(overlapping(), points, {.tolerance = tolerance}, summary);
   ASSERT_EQ(rows.size(), points.size());
   EXPECT_EQ(summary.wide, 0U);
   EXPECT_EQ(summary.host_verified, 0U);
@@ -213,7 +215,7 @@ TEST(DeviceSearchTest, AgreesWithTheHostWherePrimitivesOverlap) {
   std::copy(points.begin(), points.begin() + 30, many.begin());
   std::copy(points.begin() + 30, points.begin() + 100, many.end() - 70);
   MapSummary of_many;
-  const std::vector<MapResult> more_rows = mapped(many, {.tolerance = tolerance}, of_many);
+  const std::vector<MapResult> more_rows = mapped(overlapping(), many, {.tolerance = tolerance}, of_many);
   ASSERT_EQ(more_rows.size(), many.size());
   EXPECT_EQ(of_many.wide, 0U);
   EXPECT_TRUE(std::equal(rows.begin() + 30, rows.begin() + 100, more_rows.end() - 70,
@@ -223,8 +225,30 @@ TEST(DeviceSearchTest, AgreesWithTheHostWherePrimitivesOverlap) {
 
   MapSummary certified;
   const std::vector<Point> few(points.begin(), points.begin() + 80);
-  mapped(few, {.tolerance = tolerance, .certificates = true}, certified);
+  mapped(overlapping(), few, {.tolerance = tolerance, .certificates = true}, certified);
   EXPECT_GT(certified.host_verified + certified.wide, 0U) << "a search has no certificates: the host's have";
+}
+
+TEST(DeviceSearchTest, AgreesWithTheHostWhereTaperedPrimitivesOverlap) {
+  const auto devices = test_devices();
+  if (std::ranges::none_of(devices, &DeviceReport::passed)) GTEST_SKIP() << "no OpenCL device";
+  Model model = overlapping();
+  for (const auto& [i, taper] : {std::pair{0U, 3.0}, std::pair{1U, 0.4}})
+    model.primitives[i].superquadric.taper = taper;
+  std::mt19937_64 generator(19);
+  std::uniform_real_distribution<double> within(-0.3, 0.3);
+  std::vector<Point> points(300);
+  for (Point& point : points) point = {within(generator), within(generator), within(generator)};
+  MapSummary summary;
+  const std::vector<MapResult> rows = mapped(model, points, {.tolerance = 1e-6}, summary);
+  ASSERT_EQ(rows.size(), points.size());
+  EXPECT_EQ(summary.wide, 0U);
+  EXPECT_GT(10 * summary.device_verified, 9 * points.size());
+  const SignedDistance host(model);
+  for (std::size_t i = 0; i < points.size(); i += 7) {
+    const Enclosure truth = host(points[i], 1e-5);
+    EXPECT_TRUE(rows[i].distance.lo <= truth.hi && rows[i].distance.hi >= truth.lo) << i;
+  }
 }
 
 }  // namespace

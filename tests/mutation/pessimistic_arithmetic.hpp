@@ -25,7 +25,7 @@ enum class Arithmetic {
 
 /// The programs of kernels/embedded_sources.hpp.
 /// `solids` are the searches with what bent_distance tells them; `bent_depths` that kernel alone; `tapered_cubes` the
-/// searches of tapered solids.
+/// layers of their searches alone, for tapered solids.
 enum class Program { points, tapered_points, triangles, pairs, solids, set_bounds, bent_depths, tapered_cubes };
 
 /// Those that show the mutants of a program. With points and loose_below or loose_above, results are displaced too.

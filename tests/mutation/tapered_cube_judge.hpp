@@ -17,13 +17,14 @@ class TaperedCubeJudge {
   TaperedCubeJudge(const TaperedCubeJudge&) = delete;
   TaperedCubeJudge& operator=(const TaperedCubeJudge&) = delete;
 
-  /// The true kernels of a search of one tapered primitive, with one that shows what is claimed about cubes.
+  /// The true layers for one tapered primitive, with a kernel that shows what they claim about cubes.
   [[nodiscard]] static std::string sources();
 
   /// A first claim that is false; empty when all is well.
   [[nodiscard]] std::string false_claim(const CompiledKernels& kernels) const;
 
-  /// Of all points beside the surface, the share for which a cube's colour, and that for which a half-space, is told.
+  /// Of points hardly beside the surface, the share whose colour is told, and of cubes with such a point that for which
+  /// a half-space is.
   struct Shares {
     double colours, half_spaces;
   };
