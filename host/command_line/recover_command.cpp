@@ -159,7 +159,7 @@ void declare_recover(Options& options, RecoverArguments& arguments) {
   options.add_flag("--inside", arguments.inside,
                    "The model lies within the solid of the mesh, which must be closed: fitted to, and proven");
   options.add_flag("--outside", arguments.outside,
-                   "The model lies around it, a safe hull: fitted to, and proven; at most one primitive may be bent");
+                   "The model lies around it, a safe hull: fitted to, and proven; with --bend of one primitive alone");
   options.add("--seed", arguments.seed, whole_number<std::uint64_t>(0), "NUMBER", "Of samples and starts (default 1)");
   options.add("--units", arguments.units, "TEXT", "What the model file says of its units, \"mm\"");
   options.add_flag("--no-proof", arguments.no_proof, "Do not prove the deviation of a mesh, which takes a while");

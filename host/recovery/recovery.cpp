@@ -217,10 +217,11 @@ class UnionRecovery {
     }
   }
 
-  /// One bent primitive may then do what two straight ones did.
+  /// One bent primitive may then do what two straight ones did. `polish` leaves one stage for each number.
   void bend(UnionFit& fit, double no_cost) {
     for (int k = 0; k < sweeps && !options_.interrupted(); ++k)
       if (!fit.sweep()) break;
+    add_stage(fit);
     improve(fit, no_cost);
   }
 
