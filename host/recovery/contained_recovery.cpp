@@ -158,6 +158,7 @@ ContainedRecovery recover_contained(const Mesh& mesh, Containment containment, c
     fit.grow();
   }
   result.recovery.interrupted = result.recovery.interrupted || options.interrupted();
+  if (result.proofs == 0) return result;
   std::mt19937_64 random(options.seed);
   result.recovery.stages.push_back(
       stage_of(shapes_of(result.recovery.model), sample_mesh(mesh, surface_samples, random), &tree, options.seed));
