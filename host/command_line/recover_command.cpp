@@ -43,15 +43,14 @@ constexpr const char* closing_words =
     "as\n"
     "`verisq deviation` does it. The same seed gives the same model.\n"
     "\n"
-    "--inside and --outside begin with the same search. Then the union is fitted so that it crosses the mesh's surface "
-    "to\n"
-    "neither side but one, and grows or shrinks until that is proven, of all points of all triangles.\n"
+    "--inside and --outside begin with the same search. Then the union is fitted with the mesh's surface on one side "
+    "of\n"
+    "it, and grows or shrinks until that is proven, of all points of all triangles.\n"
     "\n"
     "Ctrl-C ends the search: the best model so far is written.\n"
     "\n"
-    "Exit status: 0 done; 3 written, but --deviation is not reached, or --inside or --outside not proven; 2 bad usage "
-    "or\n"
-    "input; 130 interrupted by Ctrl-C.\n"
+    "Exit status: 0 done; 3 written, but --deviation is not reached, or --inside or --outside not proven; 2 bad usage\n"
+    "or input; 130 interrupted by Ctrl-C.\n"
     "\n"
     "Examples:\n"
     "  verisq recover --points scan.csv -o part.json\n"
@@ -159,7 +158,7 @@ void declare_recover(Options& options, RecoverArguments& arguments) {
   options.add_flag("--inside", arguments.inside,
                    "The model lies within the solid of the mesh, which must be closed: fitted to, and proven");
   options.add_flag("--outside", arguments.outside,
-                   "The model lies around it, a safe hull: fitted to, and proven; at most one primitive may be bent");
+                   "The model lies around it, a safe hull: fitted to, and proven; with --bend of one primitive alone");
   options.add("--seed", arguments.seed, whole_number<std::uint64_t>(0), "NUMBER", "Of samples and starts (default 1)");
   options.add("--units", arguments.units, "TEXT", "What the model file says of its units, \"mm\"");
   options.add_flag("--no-proof", arguments.no_proof, "Do not prove the deviation of a mesh, which takes a while");

@@ -48,7 +48,7 @@ std::string contained_line(const ContainedWords& contained) {
   const char* const word = contained.containment == Containment::within ? "inside the mesh" : "outside the mesh";
   if (!contained.proof.proven) return fmt::format("{:<19}not proven\n", word);
   const char* const what = contained.containment == Containment::within
-                               ? "no point of the mesh's surface in the model, the model within the mesh"
+                               ? "every point of the model in the mesh's solid"
                                : "every point of the mesh's solid in the model";
   return fmt::format("{:<19}proven: {}\n", word, what);
 }

@@ -26,6 +26,7 @@ constexpr double finest = 1e-9;
 constexpr double finest_of_bent = 1e-5;
 
 void check(const Model& model, const Mesh& mesh) {
+  if (model.primitives.empty()) throw Error(ErrorKind::input, "containment: the model has no primitives");
   if (model.csg) throw Error(ErrorKind::input, "containment: the model has set operations, not primitives alone");
   const MeshTopology topology = mesh_topology(mesh);
   if (!bounds_for_containment(topology))

@@ -46,7 +46,7 @@ class OneSidedFit {
     samples_.surface = sample_mesh(mesh, surface_samples, random);
     add_space(mesh, tree, samples_);
     for (const Eigen::Vector3d& point : samples_.surface) guard(point);
-    for (const Point& vertex : mesh.vertices) guard(Eigen::Vector3d(vertex.data()));
+    guard_corners(mesh);
     options_ = {.family = family_of(options.taper, options.bend),
                 .size = box_along(samples_.surface, Eigen::Matrix3d::Identity()).half.maxCoeff()};
     growth_ = least_growth * options_.size;
@@ -93,6 +93,17 @@ class OneSidedFit {
   void remove(std::size_t shape) { shapes_.erase(shapes_.begin() + static_cast<std::ptrdiff_t>(shape)); }
 
  private:
+  /// Vertices that no triangle uses are no part of the surface.
+  void guard_corners(const Mesh& mesh) {
+    std::vector<bool> guarded(mesh.vertices.size(), false);
+    for (const auto& triangle : mesh.triangles) {
+      for (const std::uint32_t corner : triangle) {
+        if (!guarded[corner]) guard(Eigen::Vector3d(mesh.vertices[corner].data()));
+        guarded[corner] = true;
+      }
+    }
+  }
+
   /// Of each primitive, how far the samples that are nearest to it are astray, at most, to first order.
   [[nodiscard]] std::vector<double> astray(const UnionFit& fit) const {
     const std::vector<double> distances = fit.distances();
@@ -147,6 +158,7 @@ ContainedRecovery recover_contained(const Mesh& mesh, Containment containment, c
     fit.grow();
   }
   result.recovery.interrupted = result.recovery.interrupted || options.interrupted();
+  if (result.proofs == 0) return result;
   std::mt19937_64 random(options.seed);
   result.recovery.stages.push_back(
       stage_of(shapes_of(result.recovery.model), sample_mesh(mesh, surface_samples, random), &tree, options.seed));

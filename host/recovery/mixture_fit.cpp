@@ -118,15 +118,7 @@ class MixtureSearch {
   void update_reach() {
     if (!options_.prior) return;
     const double farthest = mixture_.noise * std::sqrt(2.0 * std::log(1.0 / std::min(outlier_ratio(), 0.5)));
-    Eigen::Vector3d lowest = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-    Eigen::Vector3d highest = -lowest;
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      if (std::abs(residuals_[i]) > farthest) continue;
-      const Eigen::Vector3d local = shape_.rotation.transpose() * points_[i];
-      lowest = lowest.cwiseMin(local);
-      highest = highest.cwiseMax(local);
-    }
-    reach_ = (0.5 * (highest - lowest)).cwiseMax(smallest_axis * options_.size);
+    reach_ = (0.5 * extent_of(blocks_, shape_, residuals_, farthest)).cwiseMax(smallest_axis * options_.size);
     if (!reach_.allFinite()) reach_.setConstant(std::numeric_limits<double>::infinity());
   }
 

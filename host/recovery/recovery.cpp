@@ -40,7 +40,8 @@ constexpr double harmless = 1.01;  // cost without a primitive over that with it
 constexpr int most_exchanges = 6;
 constexpr double worth_an_exchange = 0.97;  // cost after it over that before
 constexpr int sweeps = 40;
-constexpr int last_sweeps = 15;
+constexpr int pruning_sweeps = 15;
+constexpr int last_sweeps = 80;  // primitives that overlap converge slowly, one after the other
 
 void require(bool holds, std::string_view message) {
   if (!holds) throw Error(ErrorKind::input, std::string(message));
@@ -134,7 +135,7 @@ UnionFit pruned(UnionFit fit, double no_cost) {
   for (std::size_t i = 0; i < fit.shapes().size() && fit.shapes().size() > 1;) {
     UnionFit less = fit;
     less.remove(i);
-    for (int k = 0; k < last_sweeps; ++k)
+    for (int k = 0; k < pruning_sweeps; ++k)
       if (!less.sweep()) break;
     if (less.cost() <= std::max(harmless * fit.cost(), no_cost))
       fit = std::move(less);
@@ -191,8 +192,7 @@ class UnionRecovery {
     if (!options_.interrupted()) {
       fit = pruned(std::move(fit), no_cost);
       fit.vary(family_of(options_.taper, options_.bend));
-      for (int k = 0; k < sweeps && options_.bend && !options_.interrupted(); ++k)
-        if (!fit.sweep()) break;
+      if (options_.bend) bend(fit, no_cost);
       polish(fit);
     }
     return {.model = model_of(shapes_),
@@ -215,6 +215,14 @@ class UnionRecovery {
       stages_.pop_back();
       add_stage(fit);
     }
+  }
+
+  /// One bent primitive may then do what two straight ones did. `polish` leaves one stage for each number.
+  void bend(UnionFit& fit, double no_cost) {
+    for (int k = 0; k < sweeps && !options_.interrupted(); ++k)
+      if (!fit.sweep()) break;
+    add_stage(fit);
+    improve(fit, no_cost);
   }
 
   /// From the likeliest superquadric, which may reach far beyond the surface, and from an ellipsoid in the box.

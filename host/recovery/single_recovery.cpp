@@ -22,12 +22,17 @@ constexpr double start_precision = 1e-3;
 constexpr double start_noise = 0.1;         // of the cloud's size
 constexpr double alternative_noise = 0.03;  // likewise
 constexpr double start_outliers = 0.1;
-constexpr double least_noise = 3e-3;  // of the cloud's size, before the last steps
-constexpr int rounds = 3;             // of alternatives
-constexpr std::size_t kept = 4;       // polished on all points
-constexpr int polish_iterations = 30;
+constexpr double least_noise = 3e-3;        // of the cloud's size, before the last steps
+constexpr int rounds = 3;                   // of alternatives
+constexpr std::size_t kept = 4;             // polished on all points
+constexpr int first_polish_iterations = 8;  // then what is hopeless is left out
+constexpr int polish_iterations = 22;
+constexpr int last_iterations = 30;
+constexpr double hopeless = 30.0;  // in the logarithm of the likelihood
 constexpr double polish_precision = 1e-4;
 constexpr double last_precision = 1e-9;
+// Of the noise, over the size: parameters are not known better than to a multiple of it, so more steps say nothing.
+constexpr double precision_in_noise = 1e-3;
 constexpr double gain = 0.1;            // in the logarithm of the likelihood, that is worth another round
 constexpr double noise_step = 0.03;     // the least noise becomes so many times what it was
 constexpr double no_noise = 1e-13;      // of the cloud's size
@@ -121,20 +126,32 @@ class SingleSearch {
 
   /// On all points.
   MixtureFit polished() {
-    options_.iterations = polish_iterations;
     options_.precision = polish_precision;
     if (found_.size() > kept) found_.resize(kept);
+    polish(first_polish_iterations);
+    std::erase_if(found_, [best = found_.front().cost](const MixtureFit& fit) { return fit.cost > best + hopeless; });
+    if (found_.size() > 1) polish(polish_iterations);  // one alone is finished by what follows
+    return found_.front();
+  }
+
+  void polish(int iterations) {
+    options_.iterations = iterations;
     for (MixtureFit& fit : found_) fit = fit_mixture(points_, fit.shape, fit.mixture, options_);
     sort();
-    return found_.front();
+  }
+
+  [[nodiscard]] double precision_for(const Mixture& mixture) const {
+    return std::max(last_precision, precision_in_noise * mixture.noise / size_);
   }
 
   /// As long as the noise is as small as it may be, it may be smaller.
   MixtureFit sharpened(MixtureFit best) {
-    options_.precision = last_precision;
+    options_.iterations = last_iterations;
+    options_.precision = precision_for(best.mixture);
     best = fit_mixture(points_, best.shape, best.mixture, options_);
     while (best.mixture.noise <= 1.01 * options_.least_noise && options_.least_noise > no_noise * size_) {
       options_.least_noise *= noise_step;
+      options_.precision = precision_for({options_.least_noise, best.mixture.outliers});
       const MixtureFit fit = fit_mixture(points_, best.shape, best.mixture, options_);
       if (fit.mixture.outliers > best.mixture.outliers + outliers_lost) break;
       best = fit;

@@ -1,8 +1,10 @@
 /// Loops over lanes that compilers turn into vectors; sums stay apart by lane until the end.
 #include "host/recovery/weighted_sums.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "host/recovery/gauge.hpp"
 
@@ -18,7 +20,7 @@ namespace {
 
 using Lane = std::array<double, lanes>;
 
-constexpr double farthest = 650.0;  // exponents beyond give nothing
+constexpr double no_likelihood = 650.0;  // e to the negative of what is beyond counts for nothing
 
 struct Placement {
   explicit Placement(const Shape& shape) {
@@ -72,7 +74,7 @@ struct LaneSums {
     const GaugeAt at = gauge_at<true>(gauge, x, y, z);
     const double scale = 1.0 / at.length;
     const double distance = at.value * scale;
-    const double likelihood = fast_exponential(-std::min(terms.precision * distance * distance, farthest));
+    const double likelihood = fast_exponential(-std::min(terms.precision * distance * distance, no_likelihood));
     const double sum = likelihood + terms.ratio;
     const double weight = block.present[l] * likelihood / sum;
     rows.cost[l] = -block.present[l] * fast_logarithm(sum);
@@ -153,7 +155,7 @@ void add_mixture(std::span<const PointBlock> blocks, const MixtureTerms& terms, 
     for (std::size_t l = 0; l < lanes; ++l) distance[l] = distances[l];
     for (std::size_t l = 0; l < lanes; ++l) {
       const double square = distance[l] * distance[l];
-      const double likelihood = fast_exponential(-std::min(precision * square, farthest));
+      const double likelihood = fast_exponential(-std::min(precision * square, no_likelihood));
       const double sum = likelihood + ratio;
       const double weight = block.present[l] * likelihood / sum;
       sums.cost[l] -= block.present[l] * fast_logarithm(sum);
@@ -163,6 +165,46 @@ void add_mixture(std::span<const PointBlock> blocks, const MixtureTerms& terms, 
     distances += lanes;
   }
   result = sums;
+}
+
+struct ExtentLanes {
+  alignas(64) std::array<Lane, 3> lowest;
+  alignas(64) std::array<Lane, 3> highest;
+};
+
+VERISQ_WIDEST_VECTORS
+void add_extent(std::span<const PointBlock> blocks, const Placement& place, const double* distances, double farthest,
+                ExtentLanes& result) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const Placement own_place = place;
+  ExtentLanes lanes_of;
+  for (std::size_t i = 0; i < 3; ++i) {
+    lanes_of.lowest[i].fill(infinity);
+    lanes_of.highest[i].fill(-infinity);
+  }
+  PointBlock own_block;
+  alignas(64) std::array<Lane, 3> own;
+  alignas(64) Lane beyond;  // 0, or infinite for those that do not count
+  for (const PointBlock& block : blocks) {
+    own_block = block;
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const OwnPoint point = own_point(own_place, own_block, l);
+      own[0][l] = point.x;
+      own[1][l] = point.y;
+      own[2][l] = point.z;
+      beyond[l] = std::abs(distances[l]) > farthest || own_block.present[l] == 0.0 ? infinity : 0.0;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t l = 0; l < lanes; ++l) {
+        const double low = own[i][l] + beyond[l];
+        const double high = own[i][l] - beyond[l];
+        lanes_of.lowest[i][l] = low < lanes_of.lowest[i][l] ? low : lanes_of.lowest[i][l];
+        lanes_of.highest[i][l] = high > lanes_of.highest[i][l] ? high : lanes_of.highest[i][l];
+      }
+    }
+    distances += lanes;
+  }
+  result = lanes_of;
 }
 
 /// Arrays of one coordinate each: a loop of any length over them is what compilers turn into vectors best.
@@ -236,6 +278,16 @@ WeightedSums weighted_sums(std::span<const PointBlock> blocks, const Shape& shap
 
 void distances_to(std::span<const PointBlock> blocks, const Shape& shape, std::span<double> distances) {
   fill_distances(blocks, GaugeConstants(shape), Placement(shape), distances.data());
+}
+
+Eigen::Vector3d extent_of(std::span<const PointBlock> blocks, const Shape& shape, std::span<const double> distances,
+                          double farthest) {
+  ExtentLanes found;
+  add_extent(blocks, Placement(shape), distances.data(), farthest, found);
+  Eigen::Vector3d extent;
+  for (int i = 0; i < 3; ++i)
+    extent[i] = *std::ranges::max_element(found.highest[i]) - *std::ranges::min_element(found.lowest[i]);
+  return extent;
 }
 
 MixtureSums mixture_sums(std::span<const PointBlock> blocks, const MixtureTerms& terms,

@@ -56,6 +56,11 @@ struct WeightedSums {
 /// The distances alone.
 void distances_to(std::span<const PointBlock> blocks, const Shape& shape, std::span<double> distances);
 
+/// Along the shape's axes, from the least to the greatest coordinate of the points whose distances are no larger than
+/// `farthest`; -infinity where there are none.
+[[nodiscard]] Eigen::Vector3d extent_of(std::span<const PointBlock> blocks, const Shape& shape,
+                                        std::span<const double> distances, double farthest);
+
 [[nodiscard]] MixtureSums mixture_sums(std::span<const PointBlock> blocks, const MixtureTerms& terms,
                                        std::span<const double> distances);
 

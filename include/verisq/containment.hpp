@@ -1,8 +1,8 @@
 /// Proves that a model lies within the solid that a closed mesh bounds, or around it.
 ///
-/// The mesh counts as its binary64 corners state it, its triangles may cross each other. Within it are the points that
-/// its triangles part from infinity an odd number of times; around it is what leaves none of the points that they part
-/// from infinity at all.
+/// The mesh counts as its binary64 corners state it, its triangles may cross each other. Its solid is what they part
+/// from infinity an odd number of times. A model that is proven to be around it contains all that they part from
+/// infinity.
 #pragma once
 
 #include <cstdint>
@@ -50,8 +50,8 @@ struct ContainmentProof {
 [[nodiscard]] bool bounds_for_containment(const MeshTopology& topology);
 
 /// Decides it as far as it can (docs/mathematics.md §21); `proven` false is no proof of the contrary. `around` by
-/// several primitives is proven of convex ones alone. Throws Error(input) for models with set operations, meshes that
-/// do not bound a solid as above, coordinates that are not finite, and as Mapper.
+/// several primitives is proven of convex ones alone. Throws Error(input) for models with set operations or without
+/// primitives, meshes that do not bound a solid as above, coordinates that are not finite, and as Mapper.
 [[nodiscard]] ContainmentProof prove_containment(const Model& model, const Mesh& mesh, Containment containment,
                                                  const ContainmentOptions& options);
 

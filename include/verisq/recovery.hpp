@@ -65,7 +65,7 @@ struct Recovery {
 [[nodiscard]] Recovery recover(const Mesh& mesh, const RecoveryOptions& options);
 
 struct ContainedRecovery {
-  Recovery recovery;       ///< its model is the contained one, and so is the last of its stages
+  Recovery recovery;       ///< its model is the contained one, and so is the last of its stages, where proofs > 0
   ContainmentProof proof;  ///< of that model
   std::size_t proofs;      ///< that were tried
 };

@@ -88,21 +88,17 @@ TEST_F(RecoverCommand, SaysThatADeviationIsNotReached) {
   EXPECT_EQ(read_model(model()).primitives.size(), 1U);
 }
 
-TEST_F(RecoverCommand, ProvesThatTheModelLiesInsideOrOutside) {
-  for (const std::string option : {"inside", "outside"}) {
-    const Outcome outcome = recover({"--mesh", tetrahedron(), "--" + option, "--no-proof", "--json", "-o", model()});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    const auto json = nlohmann::json::parse(outcome.out);
-    EXPECT_EQ(json["containment"]["asked"], option);
-    EXPECT_EQ(json["containment"]["proven"], true);
-    EXPECT_EQ(json["containment"]["triangles_proven"], 4);
-    EXPECT_EQ(json["stages"].back()["containment"], option);
-    const SignedDistance distance(read_model(model()));
-    for (const Point& corner : {Point{0.0, 0.0, 0.0}, Point{1.0, 0.0, 0.0}, Point{0.0, 0.0, 1.0}}) {
-      const Enclosure found = distance(corner, 1e-6);
-      EXPECT_TRUE(option == "inside" ? found.lo > 0.0 : found.hi < 0.0);
-    }
-  }
+TEST_F(RecoverCommand, ProvesThatTheModelLiesOutside) {
+  const Outcome outcome = recover({"--mesh", tetrahedron(), "--outside", "--no-proof", "--json", "-o", model()});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["containment"]["asked"], "outside");
+  EXPECT_EQ(json["containment"]["proven"], true);
+  EXPECT_EQ(json["containment"]["triangles_proven"], 4);
+  EXPECT_EQ(json["stages"].back()["containment"], "outside");
+  const SignedDistance distance(read_model(model()));
+  for (const Point& corner : {Point{0.0, 0.0, 0.0}, Point{1.0, 0.0, 0.0}, Point{0.0, 0.0, 1.0}})
+    EXPECT_LT(distance(corner, 1e-6).hi, 0.0);
 }
 
 TEST_F(RecoverCommand, RefusesWhatItCannotUse) {

@@ -160,6 +160,7 @@ TEST(ContainmentTest, RefusesWhatBoundsNothing) {
   Model cut = model_of({ball(0.1)});
   cut.csg = SetExpression{};
   EXPECT_TRUE(refused(cut, cube(1.0)));
+  EXPECT_TRUE(refused({}, cube(1.0)));
 }
 
 }  // namespace

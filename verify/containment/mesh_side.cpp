@@ -87,8 +87,8 @@ class SidePieces {
     for (std::size_t v = 0; v < rows.size(); ++v) {
       for (std::size_t k = 0; k < solids_.size(); ++k) rows[v].push_back(at_vertices_[k][v]);
       astray[v] = is_astray(rows[v]);
-      if (astray[v]) found_.astray.push_back({mesh_.vertices[v], excess(rows[v])});
     }
+    note_corners(astray, rows);
     for (std::uint32_t n = 0; n < mesh_.triangles.size(); ++n) {
       const auto& [a, b, c] = mesh_.triangles[n];
       const OpenPiece piece{.corners = {mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]},
@@ -102,6 +102,16 @@ class SidePieces {
         open_.push_back(piece);
     }
     count_open();
+  }
+
+  /// Of vertices that no triangle uses nothing is told.
+  void note_corners(std::vector<bool> astray, const std::vector<std::vector<Enclosure>>& rows) {
+    for (const auto& triangle : mesh_.triangles) {
+      for (const std::uint32_t corner : triangle) {
+        if (astray[corner]) found_.astray.push_back({mesh_.vertices[corner], excess(rows[corner])});
+        astray[corner] = false;
+      }
+    }
   }
 
   /// Of a whole triangle, whose corners are exact.
