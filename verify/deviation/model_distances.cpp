@@ -30,9 +30,9 @@ struct Part {
   double radius = infinity;
 };
 
-class ModelSearch {
+class PatchMeanSearch {
  public:
-  ModelSearch(const Model& model, const TriangleTree& triangles, std::span<const double> percentiles, double largest,
+  PatchMeanSearch(const Model& model, const TriangleTree& triangles, std::span<const double> percentiles, double largest,
               const DeviationSearch& search)
       : triangles_(triangles), percentiles_(percentiles), largest_(largest), search_(search) {
     for (std::uint32_t k = 0; k < model.primitives.size(); ++k) {
@@ -268,7 +268,7 @@ class ModelSearch {
 
 ModelDistances distances_of_model(const Model& model, const TriangleTree& triangles,
                                   std::span<const double> percentiles, double largest, const DeviationSearch& search) {
-  return ModelSearch(model, triangles, percentiles, largest, search)();
+  return PatchMeanSearch(model, triangles, percentiles, largest, search)();
 }
 
 }  // namespace verisq::verify

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "verify/deviation/surface_patch.hpp"
 #include "verify/proof/superquadric.hpp"
