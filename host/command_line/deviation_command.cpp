@@ -4,7 +4,10 @@
 #include <fmt/core.h>
 
 #include <filesystem>
+#include <utility>
 #include <verisq/deviation.hpp>
+#include <verisq/error.hpp>
+#include <verisq/landmark_file.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/model_file.hpp>
@@ -20,14 +23,19 @@
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/time_limit.hpp"
+#include "host/command_line/whole_number.hpp"
+#include "host/features/femur_regions.hpp"
 
 namespace verisq::command_line {
 namespace {
+
+constexpr std::uint32_t most_parts = 100;
 
 constexpr const char* closing_words =
     "Encloses the distance of each vertex to the model's surface; over all points of all triangles the largest, the\n"
     "mean by area and percentiles of that distance; and over the whole surface of the model the largest distance to\n"
     "the mesh. The larger of both largest ones is the two-sided Hausdorff distance.\n"
+    "Of --parts or --landmarks the table by region tells largest and mean of the triangles whose centroids lie there.\n"
     "Proven is the distance between the boundary of the model's solid and the triangles exactly as their binary64\n"
     "corners state them: neither what was measured nor what lies inside of the mesh. It need not be closed.\n"
     "Of --points each point counts by itself, from the points to the model; with --both-ways also the model's surface\n"
@@ -40,6 +48,7 @@ constexpr const char* closing_words =
     "Examples:\n"
     "  verisq deviation --model stem.json --mesh stem.stl\n"
     "  verisq deviation --model femur.json --mesh femur.stl --tol 0.05 --png deviation.png -o vertices.csv\n"
+    "  verisq deviation --model femur.json --mesh femur.stl --landmarks landmarks.json --statistics-of-model\n"
     "  verisq deviation --model stem.json --points scan.csv --percentile 90 --percentile 99 --json";
 
 double parse_percentile(std::string_view option, const std::string& text) {
@@ -55,6 +64,13 @@ void check_usage(const DeviationArguments& arguments) {
   check_usage(arguments.inputs);
   if (arguments.both_ways && arguments.inputs.points.empty()) {
     refuse("--both-ways: only for --points; of a --mesh both ways are measured");
+  }
+  if (arguments.statistics_of_model && !arguments.inputs.points.empty() && !arguments.both_ways) {
+    refuse("--statistics-of-model: of --points only with --both-ways");
+  }
+  if (arguments.parts > 0 && !arguments.landmarks.empty()) refuse("--parts and --landmarks: give one of them");
+  if ((arguments.parts > 0 || !arguments.landmarks.empty()) && arguments.inputs.mesh.empty()) {
+    refuse(fmt::format("{}: only for a --mesh", arguments.parts > 0 ? "--parts" : "--landmarks"));
   }
   const std::vector<std::string> inputs{arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points};
   if (!arguments.output.empty()) refuse_to_overwrite("-o", arguments.output, inputs);
@@ -77,11 +93,25 @@ DeviationOptions options_of(const DeviationArguments& arguments, const TimeLimit
   if (arguments.tolerance && arguments.tolerance->is_share) options.relative_tolerance = arguments.tolerance->value;
   if (arguments.tolerance && !arguments.tolerance->is_share) options.tolerance = arguments.tolerance->value;
   if (!arguments.percentiles.empty()) options.percentiles = arguments.percentiles;
+  options.statistics_of_model = arguments.statistics_of_model;
   options.from_model = arguments.inputs.points.empty() || arguments.both_ways;
   options.device = arguments.device;
   options.interrupted = interrupted;
   if (limit.given()) options.out_of_time = [&limit] { return limit.passed(); };
   return options;
+}
+
+/// None where none are asked for.
+features::Regions regions_of(const Mesh& mesh, const DeviationArguments& arguments) {
+  if (arguments.parts > 0) return features::parts_along(mesh, arguments.parts);
+  if (arguments.landmarks.empty()) return {};
+  try {
+    return features::femur_regions(mesh, read_landmarks(arguments.landmarks).landmarks);
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    if (what.starts_with(arguments.landmarks)) throw;
+    throw Error(error.kind(), fmt::format("{}: {}", arguments.landmarks, what));
+  }
 }
 
 std::string file_name(const std::string& path) {
@@ -151,6 +181,13 @@ void declare_deviation(Options& options, DeviationArguments& arguments) {
   options.add_each("--percentile", arguments.percentiles, parse_percentile, "P",
                    "Of the distances, above 0 and at most 100; may be given again and again (default: 50 and 95)");
   options.add_flag("--both-ways", arguments.both_ways, "Of --points, too, the model's surface to the nearest point");
+  options.add_flag("--statistics-of-model", arguments.statistics_of_model,
+                   "Mean and percentiles of the model's surface, too; takes several times as long");
+  options.add("--parts", arguments.parts, whole_number<std::uint32_t>(1, most_parts), "N",
+              "Where the mesh deviates: by N equal parts along its longest axis, 1 to 100");
+  options.add("--landmarks", arguments.landmarks, "FILE",
+              "Where a femur deviates: by head, neck, trochanters, shaft and condyles, of the landmarks that\n"
+              "`verisq features -o` writes (verisq-landmarks/1)");
   options.add("--time-limit", arguments.time_limit, parse_time_limit, "SECONDS",
               "Ends the work this long after its beginning, with what is proven by then (default: none)");
   add_device(options, arguments.device);
@@ -165,6 +202,7 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
   check_usage(arguments);
   const Model model = read_model(arguments.inputs.model);
   const Mesh mesh = read_input(arguments.inputs);
+  features::Regions regions = regions_of(mesh, arguments);
   watch_for_interruption();
   std::optional<MapWriter> writer;
   if (!arguments.output.empty()) writer.emplace(arguments.output, &mesh);
@@ -175,10 +213,13 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
   std::optional<ProgressBar> bar(std::in_place, !arguments.no_progress, "points");
   DeviationOptions options = options_of(arguments, limit);
   options.progress = [&bar](std::string_view stage, double done) { bar->update_state(stage, done); };
+  options.region_of = std::move(regions.of_triangles);
+  options.regions = static_cast<std::uint32_t>(regions.names.size());
   DeviationReport report{.deviation = deviation(model, mesh, options)};
   bar.reset();  // the line is cleared before anything else is said
 
   report.options = options;
+  report.region_names = std::move(regions.names);
   report.units = model.units;
   report.is_cloud = mesh.triangles.empty();
   report.triangles = mesh.triangles.size();

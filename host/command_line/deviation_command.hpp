@@ -1,6 +1,7 @@
 /// `verisq deviation`: how far a mesh or a cloud and the surface of a model lie apart, both ways.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,6 +29,9 @@ struct DeviationArguments {
   std::optional<LengthOrShare> tolerance;
   std::vector<double> percentiles;  ///< none: those of the library
   bool both_ways = false;           ///< of points
+  bool statistics_of_model = false;
+  std::uint32_t parts = 0;  ///< along the mesh; 0: none
+  std::string landmarks;    ///< of a femur, whose regions are measured
   std::optional<double> time_limit;
   std::string device = "auto";
   std::string output;

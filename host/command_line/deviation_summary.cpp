@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "host/command_line/directed_digits.hpp"
@@ -36,6 +37,34 @@ void add_statistics(std::vector<Line>& lines, const std::string& direction, cons
   }
 }
 
+/// Means are as narrow as those of all made them.
+void add_regions(std::vector<Line>& lines, const DeviationReport& report) {
+  if (report.region_names.empty()) return;
+  lines.push_back({"mesh to model by region", ""});
+  for (std::size_t i = 0; i < report.region_names.size(); ++i) {
+    const DistanceStatistics& region = report.deviation.by_region[i];
+    const bool is_empty = std::ranges::find(report.options.region_of, i) == report.options.region_of.end();
+    lines.push_back({"  " + report.region_names[i],
+                     is_empty ? "no triangles"
+                              : fmt::format("largest {}, mean {}", with_units(region.largest, report),
+                                            with_units(*region.mean, report))});
+  }
+}
+
+JsonValue json_of_regions(const DeviationReport& report) {
+  JsonValue::Array regions;
+  for (std::size_t i = 0; i < report.region_names.size(); ++i) {
+    const DistanceStatistics& region = report.deviation.by_region[i];
+    const auto triangles = std::ranges::count(report.options.region_of, i);
+    regions.push_back(JsonObject{{"name", report.region_names[i]},
+                                 {"triangles", static_cast<std::size_t>(triangles)},
+                                 {"largest", region.largest},
+                                 {"farthest", region.farthest},
+                                 {"mean", region.mean}});
+  }
+  return {regions};
+}
+
 std::string tolerance_text(const DeviationReport& report) {
   if (!report.options.tolerance) return fmt::format("{:g} %", 100.0 * report.options.relative_tolerance);
   return fmt::format("{:g}{}", *report.options.tolerance, report.units.empty() ? "" : " " + report.units);
@@ -47,6 +76,7 @@ std::vector<Line> lines_of(const DeviationReport& report) {
   std::vector<Line> lines;
   if (deviation.hausdorff) lines.push_back({"both ways (Hausdorff)", with_units(*deviation.hausdorff, report)});
   if (deviation.from_mesh) add_statistics(lines, "mesh to model", *deviation.from_mesh, report);
+  add_regions(lines, report);
   if (deviation.from_model) {
     add_statistics(lines, report.is_cloud ? "model to points" : "model to mesh", *deviation.from_model, report);
   }
@@ -115,6 +145,7 @@ std::string json(const DeviationReport& report) {
       {is_cloud ? "points_to_model" : "vertices_to_model", json_of(vertices, report)},
       {"mesh_to_model", json_of(deviation.from_mesh, report)},
       {is_cloud ? "model_to_points" : "model_to_mesh", json_of(deviation.from_model, report)},
+      {"mesh_to_model_by_region", json_of_regions(report)},
       {"hausdorff", deviation.hausdorff},
       {"tolerance", report.options.tolerance},
       {"relative_tolerance", report.options.tolerance ? JsonValue() : JsonValue(report.options.relative_tolerance)},

@@ -14,6 +14,7 @@ namespace verisq::command_line {
 struct DeviationReport {
   Deviation deviation;
   DeviationOptions options = {};
+  std::vector<std::string> region_names = {};
   bool is_cloud = false;
   std::size_t triangles = 0;
   std::string output = {};  ///< the file that holds the rows; empty when none was kept

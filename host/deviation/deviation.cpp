@@ -14,6 +14,7 @@
 #include "host/threads/parallel.hpp"
 #include "verify/deviation/farthest_patch.hpp"
 #include "verify/deviation/mesh_distances.hpp"
+#include "verify/deviation/model_distances.hpp"
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/deviation/triangle_tree.hpp"
 #include "verify/deviation/weighted_cells.hpp"
@@ -45,6 +46,15 @@ void check_mesh(const Mesh& mesh) {
       if (corner < mesh.vertices.size()) continue;
       refuse(fmt::format("triangle {} of the mesh names vertex {}, of {}", n, corner, mesh.vertices.size()));
     }
+  }
+}
+
+void check_regions(const Mesh& mesh, const DeviationOptions& options) {
+  if (options.regions == 0) return;
+  if (options.region_of.size() != mesh.triangles.size())
+    refuse(fmt::format("{} regions for {} triangles", options.region_of.size(), mesh.triangles.size()));
+  for (const std::uint32_t region : options.region_of) {
+    if (region >= options.regions) refuse(fmt::format("there is no region {} of {}", region, options.regions));
   }
 }
 
@@ -168,7 +178,6 @@ class DeviationRun {
   [[nodiscard]] verify::DeviationSearch search_by(const MappedDistances& to_model) const {
     verify::DeviationSearch search{
         .to_model = to_model,
-        .to_primitives = {},
         .convex = model_.primitives.size() == 1 && is_union_of_convex(model_),
         .allowed = [this](double size) { return allowed_width(size, options_, radius_); },
         .in_parallel = [](std::size_t count,
@@ -176,15 +185,15 @@ class DeviationRun {
         .ended = [this] { return ended(); },
         .progress = {},
         .most_samples = options_.most_samples};
-    if (!search.convex) {
-      const double tolerance = share_of_samples * allowed_width(found_.of_vertices.largest.lo, options_, radius_);
-      if (tolerance > finest()) search.to_model = MappedDistances(model_, map_options(tolerance));
+    const double tolerance =
+        std::max(finest(), share_of_samples * allowed_width(found_.of_vertices.largest.lo, options_, radius_));
+    if (!search.convex && tolerance > finest()) search.to_model = MappedDistances(model_, map_options(tolerance));
+    if (model_.primitives.size() == 1 && !model_.csg) return search;
+    for (const Primitive& primitive : model_.primitives) {
+      search.to_each_primitive.emplace_back(
+          MappedDistances({model_.units, {primitive}, {}}, map_options(is_bent(primitive) ? tolerance : finest())));
     }
-    if (is_union_of_convex(model_) && !search.convex) {
-      for (const Primitive& primitive : model_.primitives) {
-        search.to_primitives.emplace_back(MappedDistances({model_.units, {primitive}, {}}, map_options(finest())));
-      }
-    }
+    if (is_union_of_convex(model_)) search.to_primitives = search.to_each_primitive;
     return search;
   }
 
@@ -194,26 +203,46 @@ class DeviationRun {
     to_model.progress = [this](double done) { options_.progress("mesh to model", done); };
     std::optional<verify::MeshSearch> of_mesh;
     if (!mesh_.triangles.empty()) {
-      of_mesh.emplace(mesh_, rows_, to_model);
+      of_mesh.emplace(mesh_, rows_, to_model, verify::MeshRegions{options_.region_of, options_.regions});
       of_mesh->search_largest();
     }
-    if (options_.from_model) measure_model(search);
-    if (!of_mesh) return;
-    if (options_.statistics_of_surface) of_mesh->search_statistics(options_.percentiles);
-    const verify::MeshDistances distances = of_mesh->found();
-    found_.from_mesh = {distances.largest, distances.where, distances.mean, distances.percentiles};
-    found_.samples += distances.samples;
-    ended_early_ = ended_early_ || distances.ended;
+    std::optional<verify::TriangleTree> triangles;
+    if (options_.from_model) {
+      triangles.emplace(verify::triangles_of(mesh_));
+      measure_model(*triangles, search);
+    }
+    if (of_mesh) {
+      if (options_.statistics_of_surface) of_mesh->search_statistics(options_.percentiles);
+      const verify::MeshDistances distances = of_mesh->found();
+      found_.from_mesh = {distances.largest, distances.where, distances.mean, distances.percentiles};
+      if (options_.regions > 0) {
+        for (const verify::MeshDistances& region : of_mesh->found_by_region())
+          found_.by_region.push_back({region.largest, region.where, region.mean, {}});
+      }
+      found_.samples += distances.samples;
+      ended_early_ = ended_early_ || distances.ended;
+    }
+    if (triangles && options_.statistics_of_model) measure_statistics_of_model(*triangles, search);
   }
 
-  void measure_model(verify::DeviationSearch search) {
+  void measure_model(const verify::TriangleTree& triangles, verify::DeviationSearch search) {
     search.progress = [this](double done) { options_.progress("model to mesh", done); };
-    const verify::TriangleTree triangles(verify::triangles_of(mesh_));
     const verify::FarthestOfModel farthest = verify::farthest_of_model(model_, triangles, search);
     found_.from_model = {farthest.distance, farthest.where, {}, {}};
     found_.samples += farthest.samples;
     found_.patches = farthest.patches;
     ended_early_ = ended_early_ || farthest.ended;
+  }
+
+  void measure_statistics_of_model(const verify::TriangleTree& triangles, verify::DeviationSearch search) {
+    search.progress = [this](double done) { options_.progress("model to mesh, mean", done); };
+    const verify::ModelDistances distances =
+        verify::distances_of_model(model_, triangles, options_.percentiles, found_.from_model->largest.hi, search);
+    found_.from_model->mean = distances.mean;
+    found_.from_model->percentiles = distances.percentiles;
+    found_.samples += distances.samples;
+    found_.patches += distances.patches;
+    ended_early_ = ended_early_ || distances.ended;
   }
 
   [[nodiscard]] bool narrow(const DistanceStatistics& statistics) const {
@@ -225,7 +254,11 @@ class DeviationRun {
   void summarise() {
     const Enclosure& from_mesh = found_.from_mesh ? found_.from_mesh->largest : found_.of_vertices.largest;
     if (found_.from_model) found_.hausdorff = larger(from_mesh, found_.from_model->largest);
-    found_.to_tolerance = narrow(found_.of_vertices) && (!found_.from_mesh || narrow(*found_.from_mesh)) &&
+    found_.to_tolerance = std::ranges::all_of(found_.by_region, [&](const DistanceStatistics& region) {
+      return to_tolerance(region.largest, options_, radius_);
+    });
+    found_.to_tolerance = found_.to_tolerance && narrow(found_.of_vertices) &&
+                          (!found_.from_mesh || narrow(*found_.from_mesh)) &&
                           (!found_.from_model || narrow(*found_.from_model));
     found_.out_of_time = !found_.interrupted && !found_.to_tolerance && (ended_early_ || found_.map.out_of_time);
   }
@@ -248,6 +281,7 @@ bool to_tolerance(const Enclosure& distance, const DeviationOptions& options, do
 Deviation deviation(const Model& model, const Mesh& mesh, const DeviationOptions& options) {
   check_mesh(mesh);
   check_options(options);
+  check_regions(mesh, options);
   return DeviationRun(model, mesh, options)();
 }
 

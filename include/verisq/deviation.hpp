@@ -25,8 +25,12 @@ struct DeviationOptions {
   /// Instead, in model units. Above 0.
   std::optional<double> tolerance = {};
   std::vector<double> percentiles{50.0, 95.0};  ///< each above 0, at most 100
-  bool statistics_of_surface = true;       ///< mean and percentiles of the mesh's surface, not of its vertices alone
-  bool from_model = true;                  ///< the model's surface to the mesh; of a cloud to its points
+  bool statistics_of_surface = true;  ///< mean and percentiles of the mesh's surface, not of its vertices alone
+  bool from_model = true;             ///< the model's surface to the mesh; of a cloud to its points
+  bool statistics_of_model = false;   ///< mean and percentiles of the model's surface, too: takes much longer
+  /// A region of each triangle, to say where it deviates, too: below `regions`. Empty: none are asked for.
+  std::vector<std::uint32_t> region_of = {};
+  std::uint32_t regions = 0;
   std::uint64_t most_samples = 1U << 24U;  ///< of the model's surface and of the mesh's, each; what is left is wide
   std::string device = "auto";             ///< as MapOptions
   std::function<bool()> interrupted = [] { return false; };  ///< polled; true ends early, with what is proven by then
@@ -49,7 +53,8 @@ struct Deviation {
   MapSummary map;                                ///< of them
   DistanceStatistics of_vertices;                ///< of their distances to the model's surface
   std::optional<DistanceStatistics> from_mesh;   ///< of all points of all triangles; nothing for a cloud
-  std::optional<DistanceStatistics> from_model;  ///< of all points of the model's surface: `largest` alone
+  std::optional<DistanceStatistics> from_model;  ///< of all points of the model's surface
+  std::vector<DistanceStatistics> by_region;     ///< of the mesh's triangles: `largest`, `farthest` and `mean`
   /// The larger of both largest distances: the two-sided Hausdorff distance. Nothing unless both are known.
   std::optional<Enclosure> hausdorff;
   std::uint64_t samples = 0;  ///< distances to the model that were asked for, but for those of `vertices`
@@ -64,7 +69,7 @@ struct Deviation {
 
 /// Encloses the deviation of any model from any mesh (docs/mathematics.md §20). A mesh without triangles is a cloud.
 /// Throws Error(input) for a mesh without vertices, coordinates that are not finite, triangles that name vertices which
-/// are not there, options out of range, and as Mapper.
+/// are not there, options out of range, regions that are not one a triangle, and as Mapper.
 [[nodiscard]] Deviation deviation(const Model& model, const Mesh& mesh, const DeviationOptions& options);
 
 }  // namespace verisq

@@ -55,6 +55,28 @@ TEST_F(DeviationCommand, SaysHowFarBothSurfacesLieApart) {
   }
 }
 
+TEST_F(DeviationCommand, SaysWhereAndOfTheModelsSurfaceWhatItIsAskedFor) {
+  const Outcome outcome = deviation({"--mesh", sphere(), "--json", "--tol", "50%", "--parts", "4"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json summary = Json::parse(outcome.out);
+  ASSERT_EQ(summary["mesh_to_model_by_region"].size(), 4U);
+  std::size_t triangles = 0;
+  double largest = 0.0;
+  for (const Json& part : summary["mesh_to_model_by_region"]) {
+    triangles += part["triangles"].get<std::size_t>();
+    largest = std::max(largest, part["largest"]["hi"].get<double>());
+  }
+  EXPECT_EQ(triangles, 32U);
+  EXPECT_EQ(largest, summary["mesh_to_model"]["largest"]["hi"]);
+  EXPECT_FALSE(summary["model_to_mesh"].contains("mean")) << "not asked for";
+  const Outcome both = deviation({"--mesh", sphere(), "--statistics-of-model", "--tol", "0.2", "--parts", "2"});
+  EXPECT_THAT(both.out, HasSubstr("mesh to model by region\n  0 to "));
+  EXPECT_THAT(both.out.substr(both.out.find("model to mesh\n")), HasSubstr("  mean  "));
+  expect_refused(deviation({"--mesh", sphere(), "--parts", "2", "--landmarks", "l.json"}), {"--parts and --landmarks"});
+  const std::string headless = write("l.json", R"({"format": "verisq-landmarks/1", "landmarks": {}})");
+  expect_refused(deviation({"--mesh", sphere(), "--landmarks", headless}), {"l.json: landmarks: regions need"});
+}
+
 TEST_F(DeviationCommand, PrintsJson) {
   const Outcome outcome =
       deviation({"--mesh", sphere(), "--json", "--tol", "0.01", "--percentile", "90", "--png", path("sphere.png")});

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -16,6 +17,7 @@
 #include "tests/deviation/brute_force.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
+#include "verify/deviation/model_distances.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -204,6 +206,109 @@ TEST(Deviation, ContainsThatOfSamplesForADifference) {
   const Deviation found = deviation(model, mesh, options);
   expect_proven(found, by_samples(model, mesh, 3, 30), 0.03);
   EXPECT_GT(found.from_model->largest.lo, 0.6);
+}
+
+constexpr std::array statistics_percents{50.0, 95.0};
+
+/// Of the model's boundary, by area: centroids of fine triangles on its primitives' surfaces that no other holds.
+void expect_statistics_of_model(const DistanceStatistics& found, const Model& model, const Mesh& mesh) {
+  std::vector<Point> points;
+  std::vector<double> areas;
+  for (const Primitive& primitive : model.primitives) {
+    constexpr std::uint32_t bands = 40;
+    const Mesh fine = surface_mesh(primitive, bands);
+    for (std::size_t n = 0; n < fine.triangles.size(); ++n) {
+      const Triangle t = corners_of(fine, n);
+      const LongPoint normal =
+          cross(difference(widened(t[1]), widened(t[0])), difference(widened(t[2]), widened(t[0])));
+      areas.push_back(static_cast<double>(std::sqrt(dot(normal, normal)) / 2));
+      Point middle;
+      for (std::size_t i = 0; i < 3; ++i) middle[i] = (t[0][i] + t[1][i] + t[2][i]) / 3.0;
+      points.push_back(middle);
+    }
+  }
+  constexpr double off_the_surface = 0.01;  // chords of bands are within it
+  std::vector<double> from_boundary(points.size(), 0.0);
+  if (model.primitives.size() > 1) from_boundary = mapped(model, points);
+  std::vector<std::pair<double, double>> distances;  // and areas
+  double area = 0.0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (from_boundary[i] > off_the_surface) continue;
+    distances.emplace_back(static_cast<double>(distance_to_mesh(points[i], mesh)), areas[i]);
+    area += areas[i];
+    sum += areas[i] * distances.back().first;
+  }
+  std::ranges::sort(distances);
+  constexpr double sampling = 0.02;
+  const double mean = sum / area;
+  EXPECT_LE(found.mean->lo, mean * (1.0 + sampling) + off_the_surface / 4);
+  EXPECT_GE(found.mean->hi, mean * (1.0 - sampling) - off_the_surface / 4);
+  for (std::size_t k = 0; k < statistics_percents.size(); ++k) {
+    double reached = 0.0;
+    std::size_t i = 0;
+    while (reached < statistics_percents[k] / 100.0 * area) reached += distances[i++].second;
+    EXPECT_LE(found.percentiles[k].lo, distances[i - 1].first * (1.0 + sampling) + off_the_surface / 4);
+    EXPECT_GE(found.percentiles[k].hi, distances[i - 1].first * (1.0 - sampling) - off_the_surface / 4);
+  }
+}
+
+TEST(Deviation, MeanAndPercentilesOfAUnionsSurface) {
+  const Model model{
+      "",
+      {solid({1.0, 0.6, 0.8}, {0.5, 1.0}, {0, 0, 0}), solid({0.5, 0.5, 1.2}, {1.0, 0.7}, {0.7, 0.3, 0.2}, 2.0)},
+      {}};
+  const Mesh mesh = surface_mesh(solid({1.8, 1.3, 1.6}, {1.0, 1.0}, {0.3, 0.1, 0.1}), 8);
+  DeviationOptions options;
+  options.relative_tolerance = 0.2;
+  options.statistics_of_surface = false;
+  options.statistics_of_model = true;
+  const Deviation found = deviation(model, mesh, options);
+  EXPECT_TRUE(found.to_tolerance);
+  expect_statistics_of_model(*found.from_model, model, mesh);
+}
+
+/// All of a single primitive's surface is the boundary: no distance to the model is asked for.
+TEST(ModelDistances, OfABentAndTaperedSurface) {
+  Primitive bent = solid({0.4, 0.3, 1.5}, {0.7, 1.0}, {1, 0, 0}, 1.5);
+  bent.bend = Bend{0.5, 30.0};
+  const Model model{"", {bent}, {}};
+  const Mesh mesh = surface_mesh(solid({0.9, 0.8, 1.9}, {1.0, 1.0}, {1, 0, 0}), 8);
+  const verify::TriangleTree triangles(verify::triangles_of(mesh));
+  constexpr double tolerance = 0.1;
+  const verify::DeviationSearch search{.to_model = {},
+                                       .allowed = [](double size) { return tolerance * size; },
+                                       .in_parallel =
+                                           [](std::size_t count, const std::function<void(std::size_t)>& work) {
+                                             for (std::size_t i = 0; i < count; ++i) work(i);
+                                           },
+                                       .ended = [] { return false; },
+                                       .progress = [](double) {}};
+  const verify::ModelDistances found =
+      verify::distances_of_model(model, triangles, statistics_percents, infinity, search);
+  EXPECT_FALSE(found.ended);
+  EXPECT_LE(found.mean.width(), tolerance * found.mean.hi);
+  expect_statistics_of_model({{0.0, infinity}, {}, found.mean, found.percentiles}, model, mesh);
+}
+
+TEST(Deviation, TellsWhereItIs) {
+  // A ball of radius 1 from one of radius 1.1 that is moved: far to the one side, near to the other.
+  const Model model = ball(1.0);
+  const Mesh mesh = surface_mesh(ball(1.1, {0.1, 0, 0}).primitives[0], 24);
+  DeviationOptions options = on_host();
+  options.regions = 3;
+  for (std::size_t n = 0; n < mesh.triangles.size(); ++n)
+    options.region_of.push_back(corners_of(mesh, n)[0][0] > 0.1 ? 0 : 1);
+  const Deviation found = deviation(model, mesh, options);
+  EXPECT_TRUE(found.to_tolerance);
+  ASSERT_EQ(found.by_region.size(), 3U);
+  EXPECT_NEAR(found.by_region[0].largest.lo, 0.2, 0.01);
+  EXPECT_NEAR(found.by_region[1].largest.hi, 0.11, 0.02);
+  EXPECT_GT(found.by_region[0].mean->lo, found.by_region[1].mean->hi);
+  EXPECT_EQ(found.by_region[0].largest, found.from_mesh->largest);
+  EXPECT_EQ(found.by_region[2].largest, (Enclosure{0.0, 0.0}));
+  options.region_of.pop_back();
+  EXPECT_THROW(static_cast<void>(deviation(model, mesh, options)), Error);
 }
 
 TEST(Deviation, OfACloudIsThatOfItsPoints) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "tests/deviation/brute_force.hpp"
 #include "tests/fixtures/random.hpp"
@@ -108,6 +109,124 @@ TEST(SurfacePatch, HoldsItsPartOfTheSurface) {
       ASSERT_TRUE(halves);
       cell = (*halves)[random.uniform(0.0, 1.0) < 0.5 ? 0 : 1];
     }
+  }
+}
+
+/// Points of a cell over a grid of shares of both chords, row by row.
+struct CellGrid {
+  int steps;
+  std::vector<Point> points;
+
+  [[nodiscard]] const Point& at(int i, int j) const { return points[static_cast<std::size_t>(i * (steps + 1) + j)]; }
+};
+
+CellGrid grid_of(const Primitive& primitive, const ArcTree& along, const ArcTree& around, const PatchCell& cell,
+                 int steps) {
+  CellGrid grid{steps, {}};
+  for (int i = 0; i <= steps; ++i) {
+    for (int j = 0; j <= steps; ++j) {
+      const auto c1 = on_arc(along, cell.along, Long(i) / steps, primitive.superquadric.exponents[0]);
+      const auto c2 = on_arc(around, cell.around, Long(j) / steps, primitive.superquadric.exponents[1]);
+      testing::LongPoint unit{c1[0] * c2[0], c1[0] * c2[1], c1[1]};
+      for (std::size_t k = 0; k < 3; ++k) {
+        if ((cell.octant >> k & 1U) != 0) unit[k] = -unit[k];
+      }
+      grid.points.push_back(testing::placed(primitive, unit));
+    }
+  }
+  return grid;
+}
+
+/// Of the triangles between the grid's points: the area, and the mean of x by it.
+struct Integrals {
+  Long area = 0;
+  Long mean = 0;
+};
+
+Integrals integrals_of(const CellGrid& grid) {
+  Integrals sums;
+  const auto add = [&](const Point& a, const Point& b, const Point& c) {
+    const testing::LongPoint normal = testing::cross(testing::difference(testing::widened(b), testing::widened(a)),
+                                                     testing::difference(testing::widened(c), testing::widened(a)));
+    const Long area = std::sqrt(testing::dot(normal, normal)) / 2;
+    sums.area += area;
+    sums.mean += area * (Long(a[0]) + b[0] + c[0]) / 3;
+  };
+  for (int i = 0; i < grid.steps; ++i) {
+    for (int j = 0; j < grid.steps; ++j) {
+      add(grid.at(i, j), grid.at(i + 1, j), grid.at(i, j + 1));
+      add(grid.at(i + 1, j + 1), grid.at(i, j + 1), grid.at(i + 1, j));
+    }
+  }
+  sums.mean /= sums.area;
+  return sums;
+}
+
+/// Down a random way; x, as a function of the point, changes no faster than distances do.
+TEST(PatchArea, HoldsAreaAndMeansOfItsPartOfTheSurface) {
+  Random random(4);
+  int known = 0;
+  for (int n = 0; n < 60; ++n) {
+    const Primitive primitive = random_primitive(random, n);
+    PatchedSurface surface(primitive, 0);
+    ArcTree along(primitive.superquadric.exponents[0]);
+    ArcTree around(primitive.superquadric.exponents[1]);
+    PatchCell cell = surface.octants()[static_cast<std::size_t>(random.uniform(0.0, 7.999))];
+    for (int depth = 0; depth < 10; ++depth) {
+      surface.prepare(cell);
+      along.halve(cell.along);
+      around.halve(cell.around);
+      const PatchArea area = surface.area(cell);
+      const CellGrid grid = grid_of(primitive, along, around, cell, 24);
+      const Integrals fine = integrals_of(grid);
+      const Integrals coarse = integrals_of(grid_of(primitive, along, around, cell, 12));
+      const Long missed = 2 * std::abs(fine.area - coarse.area) + 1e-12L;
+      ASSERT_LE(area.area.lo, fine.area + missed) << n << ' ' << depth;
+      ASSERT_GE(area.area.hi, fine.area - missed) << n << ' ' << depth;
+      if (area.unevenness < 1.0) {
+        ++known;
+        const auto corners = surface.patch(cell).corners;
+        const Long even = (2 * Long(corners[0][0]) + corners[1][0] + corners[2][0] + 2 * Long(corners[3][0])) / 6;
+        double least = grid.points[0][0];
+        double greatest = least;
+        for (const Point& p : grid.points) {
+          least = std::min(least, p[0]);
+          greatest = std::max(greatest, p[0]);
+        }
+        const Long off = area.correspondence + 0.25L * area.unevenness * (greatest - least);
+        ASSERT_LE(std::abs(fine.mean - even), off + 2 * std::abs(fine.mean - coarse.mean) + 1e-12L)
+            << n << ' ' << depth;
+      }
+      cell = (*surface.halves(cell))[random.uniform(0.0, 1.0) < 0.5 ? 0 : 1];
+    }
+  }
+  EXPECT_GT(known, 200);
+}
+
+/// Where the surface is smooth, what is lost falls with the square of the size.
+TEST(PatchArea, IsTight) {
+  Random random(5);
+  for (int n = 0; n < 8; ++n) {
+    Primitive primitive = random_primitive(random, n);
+    primitive.superquadric.exponents = {1.0, 1.0};
+    PatchedSurface surface(primitive, 0);
+    std::vector<PatchCell> cells = surface.octants();
+    for (int depth = 0; depth < 8; ++depth) {
+      std::vector<PatchCell> next;
+      for (const PatchCell& cell : cells) {
+        surface.prepare(cell);
+        const auto halves = surface.halves(cell);
+        next.insert(next.end(), halves->begin(), halves->end());
+      }
+      cells = std::move(next);
+    }
+    Enclosure total{0.0, 0.0};
+    for (const PatchCell& cell : cells) {
+      surface.prepare(cell);
+      const Enclosure area = surface.area(cell).area;
+      total = {total.lo + area.lo, total.hi + area.hi};
+    }
+    EXPECT_LE(total.width(), 0.05 * total.hi) << n;
   }
 }
 

@@ -16,7 +16,19 @@ double middle_of(const Interval& a, const Interval& b) {
 }  // namespace
 
 ArcTree::ArcTree(double exponent) : primal_(primal_exponent<double>(exponent)), dual_(dual_exponent<double>(exponent)) {
-  arcs_.push_back({{Interval(1), Interval(0)}, {Interval(0), Interval(1)}});
+  const CurvePoint first{Interval(1), Interval(0)};
+  const CurvePoint last{Interval(0), Interval(1)};
+  arcs_.push_back({first, last, normal_at(first), normal_at(last)});
+}
+
+/// The gradient of x^p + y^p by p. Its product with the point, x^p + y^p, is 1.
+CurvePoint ArcTree::normal_at(const CurvePoint& point) const {
+  const Interval p = primal_.value;  // 1 at least, but for rounding
+  const Interval exponent(std::max(0.0, (p - Interval(1)).lower()), std::max(0.0, (p - Interval(1)).upper()));
+  const auto power_of = [&](const Interval& x) {
+    return pow(Interval(std::clamp(x.lower(), 0.0, 1.0), std::clamp(x.upper(), 0.0, 1.0)), exponent);
+  };
+  return {power_of(point.x), power_of(point.y)};
 }
 
 /// (x, y) divided by its gauge lies on the curve, whatever x and y are.
@@ -32,12 +44,13 @@ void ArcTree::halve(Arc arc) {
   // Wherever on the curve this point is, what leads from one end to it and on to the other covers the arc.
   const CurvePoint middle = point_towards(middle_of(from.x, to.x), middle_of(from.y, to.y));
   arcs_[arc].first_half = static_cast<Arc>(arcs_.size());
-  arcs_.push_back({from, middle});
-  arcs_.push_back({middle, to});
+  const CurvePoint normal = normal_at(middle);
+  arcs_.push_back({from, middle, arcs_[arc].normal_from, normal});
+  arcs_.push_back({middle, to, normal, arcs_[arc].normal_to});
 }
 
 double ArcTree::bulge(Arc arc, double width, double height) const {
-  const auto& [from, to, half] = arcs_[arc];
+  const auto& [from, to, normal_from, normal_to, half] = arcs_[arc];
   const Interval run = abs(from.x - to.x) * Interval(width);
   const Interval rise = abs(from.y - to.y) * Interval(height);
   const Interval chord = sqrt(square(run) + square(rise));

@@ -29,6 +29,10 @@ class ArcTree {
   [[nodiscard]] const CurvePoint& from(Arc arc) const { return arcs_[arc].from; }
   [[nodiscard]] const CurvePoint& to(Arc arc) const { return arcs_[arc].to; }
 
+  /// Normals of the curve at the ends, of any length, outward: between the ends they turn from one to the other.
+  [[nodiscard]] const CurvePoint& normal_from(Arc arc) const { return arcs_[arc].normal_from; }
+  [[nodiscard]] const CurvePoint& normal_to(Arc arc) const { return arcs_[arc].normal_to; }
+
   /// Makes the halves, where they are not made yet. Not while another thread asks anything.
   void halve(Arc arc);
   /// The halves are this arc and the next. Precondition: halved.
@@ -44,10 +48,13 @@ class ArcTree {
   struct Entry {
     CurvePoint from;
     CurvePoint to;
+    CurvePoint normal_from;
+    CurvePoint normal_to;
     Arc first_half = 0;  ///< 0: not made yet
   };
 
   [[nodiscard]] CurvePoint point_towards(double x, double y) const;
+  [[nodiscard]] CurvePoint normal_at(const CurvePoint& point) const;
 
   NormExponent<double> primal_;
   NormExponent<double> dual_;

@@ -23,7 +23,9 @@ using Parallel = std::function<void(std::size_t count, const std::function<void(
 struct DeviationSearch {
   SignedDistances to_model;
   /// To each primitive by itself; empty unless the model is a union of several convex ones.
-  std::vector<SignedDistances> to_primitives;
+  std::vector<SignedDistances> to_primitives = {};
+  /// To each primitive by itself, whatever the model is; empty where it has one and no set operations.
+  std::vector<SignedDistances> to_each_primitive = {};
   bool convex = false;                    ///< the model is one convex primitive
   std::function<double(double)> allowed;  ///< how wide an enclosure with this lower end may be; rises with it
   Parallel in_parallel;

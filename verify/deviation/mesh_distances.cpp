@@ -19,8 +19,6 @@ namespace {
 constexpr std::size_t pieces_a_task = 1024;
 /// A piece so small is not halved any more: what is left is rounding.
 constexpr double smallest_in_displacements = 8.0;
-/// What pieces that stay may leave of an allowed width.
-constexpr double share_of_pieces = 0.5;
 /// Convexity is asked about where the solid is nearer than so many radii of the piece: elsewhere distances alone do.
 constexpr double near_in_radii = 4.0;
 
@@ -43,7 +41,9 @@ struct Leaf {
 
 class MeshSearch::Pieces {
  public:
-  Pieces(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search) : search_(search) {
+  Pieces(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search,
+         const MeshRegions& regions)
+      : search_(search), regions_(regions), lower_(std::max<std::size_t>(1, regions.count)), where_(lower_.size()) {
     for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
       const auto& [a, b, c] = mesh.triangles[n];
       const Triangle whole{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
@@ -55,7 +55,7 @@ class MeshSearch::Pieces {
                           .at_corners = {at_vertices[a], at_vertices[b], at_vertices[c]},
                           .at_centre = {-infinity, infinity}},
                          {{0.0, infinity}, {0.0, infinity}}});
-      for (const std::uint32_t i : {a, b, c}) note(at_vertices[i], mesh.vertices[i]);
+      for (const std::uint32_t i : {a, b, c}) note(at_vertices[i], mesh.vertices[i], n);
     }
     found_.ended = !complete(leaves_);
   }
@@ -77,7 +77,23 @@ class MeshSearch::Pieces {
 
   [[nodiscard]] MeshDistances found() const {
     MeshDistances found = found_;
-    found.largest = largest();
+    const std::vector<double> uppers = largest_by_region();
+    const auto farthest = static_cast<std::size_t>(std::ranges::max_element(lower_) - lower_.begin());
+    found.where = where_[farthest];
+    found.largest = largest_between(lower_[farthest], *std::ranges::max_element(uppers));
+    return found;
+  }
+
+  [[nodiscard]] std::vector<MeshDistances> found_by_region() const {
+    std::vector<std::vector<WeightedCell>> cells(lower_.size());
+    for (const Leaf& leaf : leaves_) cells[region_of(leaf.piece.triangle)].push_back(cell(leaf));
+    const std::vector<double> uppers = largest_by_region();
+    std::vector<MeshDistances> found(lower_.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      found[i].largest = largest_between(lower_[i], uppers[i]);
+      found[i].where = where_[i];
+      found[i].mean = cells[i].empty() ? Enclosure{0.0, 0.0} : mean_of(cells[i]);
+    }
     return found;
   }
 
@@ -96,11 +112,16 @@ class MeshSearch::Pieces {
     }
   }
 
-  void note(const Enclosure& signed_distance, const Point& point) {
+  [[nodiscard]] std::size_t region_of(std::uint32_t triangle) const {
+    return regions_.count == 0 ? 0 : regions_.region_of[triangle];
+  }
+
+  void note(const Enclosure& signed_distance, const Point& point, std::uint32_t triangle) {
     const double lower = magnitude(signed_distance).lo;
-    if (!(lower > lower_)) return;
-    lower_ = lower;
-    found_.where = point;
+    const std::size_t region = region_of(triangle);
+    if (!(lower > lower_[region])) return;
+    lower_[region] = lower;
+    where_[region] = point;
   }
 
   /// The rows of points that are off by the displacement of their triangle. False where it ended early.
@@ -125,7 +146,7 @@ class MeshSearch::Pieces {
     if (!ask(search_.to_model, points, triangles, rows)) return false;
     for (std::size_t i = 0; i < leaves.size(); ++i) {
       leaves[i].piece.at_centre = rows[i];
-      note(rows[i], points[i]);
+      note(rows[i], points[i], triangles[i]);
     }
     if (!find_convex(leaves)) return false;
     bound(leaves);
@@ -198,10 +219,17 @@ class MeshSearch::Pieces {
     return result.hi - result.lo <= search_.allowed(result.lo);
   }
 
-  [[nodiscard]] Enclosure largest() const {
-    double upper = 0.0;
-    for (const Leaf& leaf : leaves_) upper = std::max(upper, leaf.distances.range.hi);
-    return between(lower_, upper, [] { return "the largest distance of the mesh"; });
+  [[nodiscard]] static Enclosure largest_between(double lower, double upper) {
+    return between(lower, upper, [] { return "the largest distance of the mesh"; });
+  }
+
+  [[nodiscard]] std::vector<double> largest_by_region() const {
+    std::vector<double> uppers(lower_.size(), 0.0);
+    for (const Leaf& leaf : leaves_) {
+      double& upper = uppers[region_of(leaf.piece.triangle)];
+      upper = std::max(upper, leaf.distances.range.hi);
+    }
+    return uppers;
   }
 
   [[nodiscard]] std::vector<WeightedCell> all_cells() const {
@@ -219,27 +247,17 @@ class MeshSearch::Pieces {
   }
 
   void choose_for_largest(std::vector<bool>& chosen) const {
-    const double target = add(lower_, search_.allowed(lower_), Direction::down);
-    double greatest = 0.0;
+    std::vector<double> targets;
+    for (const double lower : lower_) targets.push_back(add(lower, search_.allowed(lower), Direction::down));
+    double worst = 1.0;  // of target to bound
     for (std::size_t i = 0; i < leaves_.size(); ++i) {
       const double upper = leaves_[i].distances.range.hi;
-      greatest = std::max(greatest, upper);
-      if (upper > target) chosen[i] = true;
-    }
-    if (greatest > 0.0 && greatest < infinity) search_.progress(std::min(1.0, target / greatest));
-  }
-
-  /// The widest, until the others leave no more than a share of what is allowed. Nothing is proven by this.
-  static void choose_widest(std::vector<std::pair<double, std::size_t>>& widths, double allowed,
-                            std::vector<bool>& chosen) {
-    double excess = 0.0;
-    for (const auto& [width, i] : widths) excess += width;
-    std::ranges::sort(widths, std::greater<>());
-    for (const auto& [width, i] : widths) {
-      if (excess <= share_of_pieces * allowed) return;
-      excess -= width;
+      const double target = targets[region_of(leaves_[i].piece.triangle)];
+      if (!(upper > target)) continue;
       chosen[i] = true;
+      worst = std::min(worst, target / upper);
     }
+    search_.progress(worst);
   }
 
   void choose_for_mean(const std::vector<WeightedCell>& cells, std::vector<bool>& chosen) const {
@@ -287,7 +305,7 @@ class MeshSearch::Pieces {
     std::vector<Leaf> parts;
     parts.reserve(2 * chosen.size());
     for (std::size_t i = 0; i < chosen.size(); ++i) {
-      note(rows[i], middles[i]);
+      note(rows[i], middles[i], triangles[i]);
       for (const TrianglePiece& half : halves(leaves_[chosen[i]].piece, sides[i], rows[i])) {
         parts.push_back({half, {leaves_[chosen[i]].distances.range, {0.0, infinity}}});
       }
@@ -303,12 +321,15 @@ class MeshSearch::Pieces {
   std::vector<double> displacement_;  // of each triangle
   std::vector<Enclosure> area_;       // likewise
   std::vector<Leaf> leaves_;
-  double lower_ = 0.0;
+  MeshRegions regions_;
+  std::vector<double> lower_;  // of the largest distance, of each region
+  std::vector<Point> where_;   // likewise
   MeshDistances found_{};
 };
 
-MeshSearch::MeshSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search)
-    : pieces_(std::make_unique<Pieces>(mesh, at_vertices, search)) {}
+MeshSearch::MeshSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search,
+                       const MeshRegions& regions)
+    : pieces_(std::make_unique<Pieces>(mesh, at_vertices, search, regions)) {}
 
 MeshSearch::~MeshSearch() = default;
 
@@ -318,6 +339,10 @@ void MeshSearch::search_largest() {
 
 void MeshSearch::search_statistics(std::span<const double> percentiles) {
   pieces_->search_statistics(percentiles);
+}
+
+std::vector<MeshDistances> MeshSearch::found_by_region() const {
+  return pieces_->found_by_region();
 }
 
 MeshDistances MeshSearch::found() const {

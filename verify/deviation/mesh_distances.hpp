@@ -23,11 +23,18 @@ struct MeshDistances {
   bool ended = false;  ///< early: everything is valid, and something wide
 };
 
+/// Parts of a mesh that are measured by themselves, too: the region of each triangle, below `count`. None: empty, 0.
+struct MeshRegions {
+  std::span<const std::uint32_t> region_of = {};
+  std::size_t count = 0;
+};
+
 class MeshSearch {
  public:
-  /// `at_vertices`: signed distances of the mesh's vertices. Mesh and search must outlive it. Precondition: the mesh
-  /// has triangles; as many enclosures as vertices, each of which may be unbounded.
-  MeshSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search);
+  /// `at_vertices`: signed distances of the mesh's vertices. Mesh, search and regions must outlive it. Precondition:
+  /// the mesh has triangles; as many enclosures as vertices, each of which may be unbounded.
+  MeshSearch(const Mesh& mesh, std::span<const Enclosure> at_vertices, const DeviationSearch& search,
+             const MeshRegions& regions = {});
   ~MeshSearch();
   MeshSearch(const MeshSearch&) = delete;
   MeshSearch& operator=(const MeshSearch&) = delete;
@@ -36,6 +43,10 @@ class MeshSearch {
   void search_largest();
   /// Until mean and percentiles are.
   void search_statistics(std::span<const double> percentiles);
+
+  /// Of each region, `largest`, `where` and `mean`: its largest is as narrow as that of all if `search_largest` was not
+  /// ended, its mean as it came. Of a region without triangles all are 0.
+  [[nodiscard]] std::vector<MeshDistances> found_by_region() const;
 
   /// What is known by now; mean and percentiles only after the search for them.
   [[nodiscard]] MeshDistances found() const;

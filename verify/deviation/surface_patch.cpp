@@ -110,30 +110,32 @@ Interval PatchedSurface::taper_stretch(const PatchCell& cell, double reach) cons
   return greater(scale, slope) + Interval(reach) * slope * abs(k_) / semi_axes_[2];
 }
 
-double PatchedSurface::thickness(const PatchCell& cell, const std::array<Placed, 4>& corners) const {
+Interval PatchedSurface::straight_thickness(const PatchCell& cell) const {
   const double widest = std::max(along_.from(cell.along).x.upper(), along_.to(cell.along).x.upper());
   const double section = section_radius(cell);
   const double of_section = multiply(
       widest, around_.bulge(cell.around, superquadric_.semi_axes[0], superquadric_.semi_axes[1]), Direction::up);
   Interval thickness(sum_up(of_section, along_.bulge(cell.along, section, superquadric_.semi_axes[2])));
   if (tapered_) thickness *= taper_stretch(cell, sum_up(multiply(widest, section, Direction::up), of_section));
-  if (bend_map_) {
-    // The corners' hull and the patch lie in the solid, where |k r| < 1, so that the bend stretches by at most 1 + |k
-    // r| < 2. Its second derivative is at most 2 |k|: a point of the hull, Σ λ w, goes no farther than |k| Σ λ |w - c|²
-    // from the hull of the bent corners, for any c.
-    const Point centre = middle_of(
-        (corners[0].straight + corners[1].straight + corners[2].straight + corners[3].straight) / Interval(4));
-    double radius = 0.0;
-    double reach = 0.0;
-    for (const Placed& corner : corners) {
-      radius = std::max(radius, upper_length(corner.straight - exact(centre)));
-      reach = std::max(reach, sqrt(square(corner.straight[0]) + square(corner.straight[1])).upper());
-    }
-    const Interval curvature = abs(Interval(bend_->curvature));
-    const Interval stretch = Interval(1) + curvature * (Interval(reach) + thickness);
-    thickness = thickness * Interval(std::min(2.0, stretch.upper())) + curvature * square(Interval(radius));
+  return thickness;
+}
+
+Interval PatchedSurface::bent_thickness(const Interval& straight, const std::array<Placed, 4>& corners) const {
+  if (!bend_map_) return straight;
+  // The corners' hull and the patch lie in the solid, where |k r| < 1, so that the bend stretches by at most 1 + |k
+  // r| < 2. Its second derivative is at most 2 |k|: a point of the hull, Σ λ w, goes no farther than |k| Σ λ |w - c|²
+  // from the hull of the bent corners, for any c.
+  const Point centre =
+      middle_of((corners[0].straight + corners[1].straight + corners[2].straight + corners[3].straight) / Interval(4));
+  double radius = 0.0;
+  double reach = 0.0;
+  for (const Placed& corner : corners) {
+    radius = std::max(radius, upper_length(corner.straight - exact(centre)));
+    reach = std::max(reach, sqrt(square(corner.straight[0]) + square(corner.straight[1])).upper());
   }
-  return thickness.upper();
+  const Interval curvature = abs(Interval(bend_->curvature));
+  const Interval stretch = Interval(1) + curvature * (Interval(reach) + straight);
+  return straight * Interval(std::min(2.0, stretch.upper())) + curvature * square(Interval(radius));
 }
 
 void PatchedSurface::prepare(const PatchCell& cell) {
@@ -141,21 +143,33 @@ void PatchedSurface::prepare(const PatchCell& cell) {
   around_.halve(cell.around);
 }
 
-Patch PatchedSurface::patch(const PatchCell& cell) const {
+std::array<PatchedSurface::Placed, 4> PatchedSurface::corners(const PatchCell& cell) const {
   const std::array<CurvePoint, 2> along{along_.from(cell.along), along_.to(cell.along)};
   const std::array<CurvePoint, 2> around{around_.from(cell.around), around_.to(cell.around)};
-  const std::array corners{placed(along[0], around[0], cell.octant), placed(along[0], around[1], cell.octant),
-                           placed(along[1], around[0], cell.octant), placed(along[1], around[1], cell.octant)};
+  return {placed(along[0], around[0], cell.octant), placed(along[0], around[1], cell.octant),
+          placed(along[1], around[0], cell.octant), placed(along[1], around[1], cell.octant)};
+}
+
+double PatchedSurface::flat_thickness(const Interval& straight, const std::array<Placed, 4>& corners) const {
+  std::array<Point, 4> rounded{};
+  double blurred = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    rounded[i] = middle_of(corners[i].posed);
+    blurred = std::max(blurred, blur(corners[i].posed, rounded[i]));
+  }
+  return sum_up(sum_up(bent_thickness(straight, corners).upper(), blurred), unevenness(rounded));
+}
+
+Patch PatchedSurface::patch(const PatchCell& cell) const {
+  const std::array<Placed, 4> corners = this->corners(cell);
   Patch patch{};
   patch.sample = middle_of(placed(along_.middle(cell.along), around_.middle(cell.around), cell.octant).posed);
-  double blurred = 0.0;
   double farthest = 0.0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     patch.corners[i] = middle_of(corners[i].posed);
-    blurred = std::max(blurred, blur(corners[i].posed, patch.corners[i]));
     farthest = std::max(farthest, upper_length(exact(patch.corners[i]) - exact(patch.sample)));
   }
-  patch.thickness = sum_up(sum_up(thickness(cell, corners), blurred), unevenness(patch.corners));
+  patch.thickness = flat_thickness(straight_thickness(cell), corners);
   patch.radius = sum_up(farthest, patch.thickness);
   return patch;
 }

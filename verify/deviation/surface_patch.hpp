@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "verify/deviation/curve_arc.hpp"
+#include "verify/deviation/patch_area.hpp"
+#include "verify/deviation/plane_arc.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/sets/bend.hpp"
 #include "verisq/mesh.hpp"
@@ -51,6 +53,8 @@ class PatchedSurface {
 
   [[nodiscard]] Patch patch(const PatchCell& cell) const;
 
+  [[nodiscard]] PatchArea area(const PatchCell& cell) const;
+
   /// Across the longer way. Nothing where the ends of its arcs cannot be told apart well.
   [[nodiscard]] std::optional<std::array<PatchCell, 2>> halves(const PatchCell& cell) const;
 
@@ -63,7 +67,19 @@ class PatchedSurface {
 
   [[nodiscard]] Placed placed(const CurvePoint& along, const CurvePoint& around, std::uint8_t octant) const;
   [[nodiscard]] Interval taper_stretch(const PatchCell& cell, double reach) const;
-  [[nodiscard]] double thickness(const PatchCell& cell, const std::array<Placed, 4>& corners) const;
+  [[nodiscard]] std::array<Placed, 4> corners(const PatchCell& cell) const;
+  /// How far the patch is from the corners' hull before the bend, at most.
+  [[nodiscard]] Interval straight_thickness(const PatchCell& cell) const;
+  /// What the bend makes of the distance between straight points of the patch and those of the corners' hull.
+  [[nodiscard]] Interval bent_thickness(const Interval& straight, const std::array<Placed, 4>& corners) const;
+  /// From straight points near the corners' hull to the flat triangles of the corners in the model, as a `Patch` has
+  /// them.
+  [[nodiscard]] double flat_thickness(const Interval& straight, const std::array<Placed, 4>& corners) const;
+  /// The arc along the latitude after the taper, x scaled by `scale`; that around it.
+  [[nodiscard]] PlaneArc profile(const PatchCell& cell, const Interval& scale) const;
+  [[nodiscard]] PlaneArc section(const PatchCell& cell) const;
+  /// By how much the bend stretches the patch along z: 1 - k r.
+  [[nodiscard]] Interval bend_stretch(const std::array<Placed, 4>& corners, double beyond) const;
   /// Of the section's arc of the cell, of what is farthest from the axis.
   [[nodiscard]] double section_radius(const PatchCell& cell) const;
 

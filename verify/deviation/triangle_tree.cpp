@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "verify/deviation/triangle_distance_bounds.hpp"
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::verify {
 
@@ -113,6 +114,25 @@ TriangleTree::Nearest TriangleTree::nearest(const Point& point) const {
     open[size++] = first_is_nearer ? first : second;
   }
   return found;
+}
+
+bool TriangleTree::alone(const Point& point, double reach, std::uint32_t n) const {
+  const double squared_reach = multiply(reach, reach, Direction::up);
+  std::array<std::uint32_t, deepest> open{};
+  std::size_t size = 0;
+  open[size++] = 0;
+  while (size > 0) {
+    const std::uint32_t place = open[--size];
+    const Node& node = nodes_[place];
+    if (squared_distance_down(point, node.lower, node.upper) > squared_reach) continue;
+    for (std::uint32_t k = node.first; k < node.first + node.count; ++k) {
+      if (k != n && !(distance_from_triangle(point, triangles_[k]).lo > reach)) return false;
+    }
+    if (node.count > 0) continue;
+    open[size++] = node.first;
+    open[size++] = place + 1;
+  }
+  return true;
 }
 
 std::vector<Triangle> triangles_of(const Mesh& mesh) {

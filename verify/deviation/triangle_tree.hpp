@@ -24,6 +24,9 @@ class TriangleTree {
   /// Precondition: finite.
   [[nodiscard]] Nearest nearest(const Point& point) const;
 
+  /// Whether every triangle but n is proven to be farther than `reach` from the point.
+  [[nodiscard]] bool alone(const Point& point, double reach, std::uint32_t n) const;
+
   [[nodiscard]] const Triangle& triangle(std::uint32_t n) const { return triangles_[n]; }
 
  private:

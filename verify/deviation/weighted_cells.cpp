@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "verify/numbers/rounding.hpp"
 
@@ -61,7 +62,52 @@ Enclosure part_up_to(const WeightedCell& cell, const Limit& limit) {
   return {std::max(0.0, lower), std::min(1.0, upper)};
 }
 
+/// Of the sum of w (m - mean) over all cells, each w in its interval the largest: where that is at most 0, no choice of
+/// weights has a greater mean. `sign` -1: of the lower ends, for the least mean.
+double greatest_excess(std::span<const WeightedCell> cells, double mean, double sign) {
+  double sum_up = 0.0;
+  for (const WeightedCell& cell : cells) {
+    const double excess =
+        sign > 0.0 ? subtract(cell.mean.hi, mean, Direction::up) : subtract(mean, cell.mean.lo, Direction::up);
+    const double weight = excess > 0.0 ? cell.weight.hi : cell.weight.lo;
+    sum_up = sum(sum_up, multiply(weight, excess, Direction::up), Direction::up);
+  }
+  return sum_up;
+}
+
+/// The extreme mean over all choices of weights, about: each step chooses the weights that the last mean asks for
+/// (Dinkelbach's method), which climbs to it.
+double extreme_mean(std::span<const WeightedCell> cells, double mean, double sign) {
+  constexpr int steps = 8;
+  for (int i = 0; i < steps; ++i) {
+    double weights = 0.0;
+    double moments = 0.0;
+    for (const WeightedCell& cell : cells) {
+      const double end = sign > 0.0 ? cell.mean.hi : cell.mean.lo;
+      const double weight = sign * (end - mean) > 0.0 ? cell.weight.hi : cell.weight.lo;
+      weights += weight;
+      moments += weight * end;
+    }
+    mean = moments / weights;
+  }
+  return mean;
+}
+
+constexpr double step_beyond = 0x1p-40;  // more than sums of many millions of terms round
+
 }  // namespace
+
+void choose_widest(std::vector<std::pair<double, std::size_t>>& widths, double allowed, std::vector<bool>& chosen) {
+  constexpr double share_of_the_others = 0.5;
+  double excess = 0.0;
+  for (const auto& [width, i] : widths) excess += width;
+  std::ranges::sort(widths, std::greater<>());
+  for (const auto& [width, i] : widths) {
+    if (excess <= share_of_the_others * allowed) return;
+    excess -= width;
+    chosen[i] = true;
+  }
+}
 
 Enclosure part_up_to(const WeightedCell& cell, double distance) {
   return part_up_to(cell, limit_of(distance));
@@ -80,8 +126,14 @@ Enclosure mean_of(std::span<const WeightedCell> cells) {
   }
   const Enclosure hull = hull_of_ranges(cells);
   if (!(weight_down > 0.0)) return hull;
-  return {std::max(hull.lo, divide(lower, weight_up, Direction::down)),
-          std::min(hull.hi, divide(upper, weight_down, Direction::up))};
+  Enclosure mean{std::max(hull.lo, divide(lower, weight_up, Direction::down)),
+                 std::min(hull.hi, divide(upper, weight_down, Direction::up))};
+  if (!(mean.hi < infinity)) return mean;
+  const double most = extreme_mean(cells, mean.hi, 1.0) + step_beyond * mean.hi;
+  if (most < mean.hi && greatest_excess(cells, most, 1.0) <= 0.0) mean.hi = most;
+  const double least = extreme_mean(cells, mean.lo, -1.0) - step_beyond * mean.hi;
+  if (least > mean.lo && greatest_excess(cells, least, -1.0) <= 0.0) mean.lo = least;
+  return mean;
 }
 
 Distribution::Distribution(std::span<const WeightedCell> cells) : cells_(cells) {
@@ -115,7 +167,45 @@ Enclosure Distribution::percentile(double percent) const {
     return multiply(divide(percent, 100.0, direction), total, direction);
   };
   const Enclosure wanted{part(total_.lo, Direction::down), part(total_.hi, Direction::up)};
-  return narrowed({first_at_least(lower_, wanted.lo, true), first_at_least(upper_, wanted.hi, false)}, wanted);
+  const Enclosure found =
+      narrowed({first_at_least(lower_, wanted.lo, true), first_at_least(upper_, wanted.hi, false)}, wanted);
+  constexpr double known_well = 1e-9;
+  if (total_.hi - total_.lo <= known_well * total_.hi) return found;
+  return balanced(found, {divide(percent, 100.0, Direction::down), divide(percent, 100.0, Direction::up)});
+}
+
+/// Of the sum of w (part up to the distance - p) over all cells, whichever weights and parts they have. Terms round by
+/// 4u each, n terms add up to within n u more of the sum of their magnitudes.
+Enclosure Distribution::balance(double distance, const Enclosure& part) const {
+  const Limit limit = limit_of(distance);
+  Enclosure balance{0.0, 0.0};
+  double magnitudes = 0.0;
+  for (const WeightedCell& cell : cells_) {
+    const Enclosure reached = part_up_to(cell, limit);
+    const double least = reached.lo - part.hi;
+    const double most = reached.hi - part.lo;
+    balance.lo += (least > 0.0 ? cell.weight.lo : cell.weight.hi) * least;
+    balance.hi += (most > 0.0 ? cell.weight.hi : cell.weight.lo) * most;
+    magnitudes += cell.weight.hi;
+  }
+  const double error = 0x1p-51 * static_cast<double>(cells_.size() + 4) * magnitudes + 0x1p-1000;
+  return {balance.lo - error, balance.hi + error};
+}
+
+/// As much as wanted of all weight lies up to v where the balance is not below 0, whatever the weights are; less where
+/// it is.
+Enclosure Distribution::balanced(const Enclosure& percentile, const Enclosure& part) const {
+  if (!(percentile.hi < infinity)) return percentile;
+  Enclosure result = percentile;
+  double above = result.hi;
+  double below = result.lo;
+  for (int i = 0; i < halvings && result.lo < result.hi; ++i) {
+    const double lower = 0.5 * result.lo + 0.5 * above;
+    (balance(lower, part).hi < 0.0 ? result.lo : above) = lower;
+    const double upper = 0.5 * below + 0.5 * result.hi;
+    (balance(upper, part).lo >= 0.0 ? result.hi : below) = upper;
+  }
+  return result;
 }
 
 Distribution::Near Distribution::near(const Enclosure& bracket) const {

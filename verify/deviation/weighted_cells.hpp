@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "verisq/enclosure.hpp"
@@ -29,9 +31,13 @@ struct WeightedCell {
 /// Which part of the cell's weight has distances of at most `distance`: enclosed, in [0, 1].
 [[nodiscard]] Enclosure part_up_to(const WeightedCell& cell, double distance);
 
-/// Of all cells together, by weight; where the total is not proven above 0, the hull of all ranges. Precondition: at
-/// least one cell.
+/// Of all cells together, by weight, whichever of its interval each is; where the total is not proven above 0, the hull
+/// of all ranges. Precondition: at least one cell.
 [[nodiscard]] Enclosure mean_of(std::span<const WeightedCell> cells);
+
+/// Chooses the widest of (width, index), until the others leave no more than a share of what is allowed; sorts them.
+/// Nothing is proven by this.
+void choose_widest(std::vector<std::pair<double, std::size_t>>& widths, double allowed, std::vector<bool>& chosen);
 
 /// Sorts the ends once, for any number of percentiles. The cells must outlive it.
 class Distribution {
@@ -59,6 +65,8 @@ class Distribution {
   [[nodiscard]] Near near(const Enclosure& bracket) const;
   [[nodiscard]] static Enclosure weight_up_to(const Near& near, double distance);
   [[nodiscard]] Enclosure narrowed(const Enclosure& percentile, const Enclosure& wanted) const;
+  [[nodiscard]] Enclosure balance(double distance, const Enclosure& part) const;
+  [[nodiscard]] Enclosure balanced(const Enclosure& percentile, const Enclosure& part) const;
 
   std::span<const WeightedCell> cells_;
   std::vector<End> lower_;  ///< sorted; with the largest weight that each may have

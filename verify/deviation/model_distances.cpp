@@ -1,0 +1,274 @@
+/// Generation by generation: patches that mean or percentiles need smaller are halved, those that are proven off the
+/// boundary of the solid are dropped.
+#include "verify/deviation/model_distances.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "verify/deviation/surface_patch.hpp"
+#include "verify/deviation/triangle_piece.hpp"
+#include "verify/deviation/weighted_cells.hpp"
+#include "verify/numbers/interval.hpp"
+#include "verify/numbers/rounding.hpp"
+#include "verify/proof/intersection.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+constexpr std::size_t parts_a_task = 256;
+/// One triangle alone is asked about where it is nearer than so many radii of the piece: elsewhere distances alone do.
+constexpr double thin_in_radii = 4.0;
+
+struct Part {
+  PatchCell cell;
+  bool whole = false;  ///< all of it is proven to lie on the boundary
+  WeightedCell weighted = {{0.0, infinity}, {0.0, infinity}, {0.0, infinity}};  ///< of the patch as a whole
+  Point sample{};
+  double radius = infinity;
+};
+
+class PatchMeanSearch {
+ public:
+  PatchMeanSearch(const Model& model, const TriangleTree& triangles, std::span<const double> percentiles, double largest,
+              const DeviationSearch& search)
+      : triangles_(triangles), percentiles_(percentiles), largest_(largest), search_(search) {
+    for (std::uint32_t k = 0; k < model.primitives.size(); ++k) {
+      surfaces_.emplace_back(model.primitives[k], k);
+      for (const PatchCell& octant : surfaces_.back().octants()) {
+        parts_.push_back({.cell = octant, .whole = search.to_each_primitive.empty()});
+      }
+    }
+    bound(parts_);
+  }
+
+  ModelDistances operator()() {
+    bool open = place(parts_);
+    measure();
+    while (open) {
+      const std::vector<std::size_t> chosen = choose();
+      if (chosen.empty()) return found_;
+      open = !search_.ended() && found_.patches + 2 * chosen.size() <= search_.most_samples && halve(chosen);
+      if (open) measure();
+    }
+    found_.ended = true;
+    return found_;
+  }
+
+ private:
+  void bound(std::vector<Part>& parts) {
+    for (const Part& part : parts) surfaces_[part.cell.primitive].prepare(part.cell);
+    const std::size_t tasks = (parts.size() + parts_a_task - 1) / parts_a_task;
+    search_.in_parallel(tasks, [&](std::size_t task) {
+      const std::size_t end = std::min(parts.size(), (task + 1) * parts_a_task);
+      for (std::size_t i = task * parts_a_task; i < end; ++i) bound(parts[i]);
+    });
+    found_.patches += parts.size();
+  }
+
+  /// The distances of the two flat triangles' points, moved to the patch; what was proven of a larger patch holds of
+  /// its parts.
+  void bound(Part& part) const {
+    const PatchedSurface& surface = surfaces_[part.cell.primitive];
+    const Patch patch = surface.patch(part.cell);
+    const PatchArea area = surface.area(part.cell);
+    part.sample = patch.sample;
+    part.radius = patch.radius;
+    part.weighted.weight = {part.whole ? area.area.lo : 0.0, std::min(part.weighted.weight.hi, area.area.hi)};
+
+    std::array<Enclosure, 4> at_corners{};
+    for (std::size_t i = 0; i < 4; ++i) at_corners[i] = triangles_.nearest(patch.corners[i]).distance;
+    const auto [first, second] = patch.halves();
+    const PieceDistances one = on_half(first, {at_corners[0], at_corners[1], at_corners[3]});
+    const PieceDistances other = on_half(second, {at_corners[0], at_corners[2], at_corners[3]});
+    const auto what = [] { return "distances on a patch and on its part"; };
+    const Enclosure flat{std::min(one.range.lo, other.range.lo), std::max(one.range.hi, other.range.hi)};
+    part.weighted.range = intersection(part.weighted.range, beyond(flat, patch.thickness), what);
+    part.weighted.mean = part.weighted.range;
+
+    // With shares distributed evenly the mean is that of both halves; with the patch's density it is off by the
+    // covariance, at most a quarter of the product of both ranges (Grüss).
+    const double width = subtract(part.weighted.range.hi, part.weighted.range.lo, Direction::up);
+    const double off =
+        add(area.correspondence, multiply(0.25, multiply(area.unevenness, width, Direction::up), Direction::up),
+            Direction::up);
+    if (!(off < width)) return;
+    const Enclosure even{0.5 * add(one.mean.lo, other.mean.lo, Direction::down),
+                         0.5 * add(one.mean.hi, other.mean.hi, Direction::up)};
+    part.weighted.mean = intersection(part.weighted.range, beyond(even, off), what);
+  }
+
+  [[nodiscard]] PieceDistances on_half(const Triangle& half, const std::array<Enclosure, 3>& at_corners) const {
+    const double off = displacement(half);
+    const PieceShape shape = shape_of(half, off);
+    const Point middle = centre(half);
+    const TriangleTree::Nearest nearest = triangles_.nearest(middle);
+    TrianglePiece piece{.corners = half, .triangle = 0, .at_corners = at_corners};
+    piece.at_centre = widened(nearest.distance, off);
+    // Where one triangle alone is near, the distance is that from a convex set: another one is no nearer to any point
+    // of the piece than the first is, if it is farther from the middle than that by two radii.
+    if (nearest.distance.hi < thin_in_radii * shape.radius) {
+      const double reach =
+          add(add(piece.at_centre.hi, off, Direction::up), multiply(2.0, shape.radius, Direction::up), Direction::up);
+      piece.convex = triangles_.alone(middle, reach, nearest.triangle);
+    }
+    return distances_on(piece, shape);
+  }
+
+  /// Distances that are off by no more.
+  [[nodiscard]] static Enclosure beyond(const Enclosure& distances, double off) {
+    return {std::max(0.0, subtract(distances.lo, off, Direction::down)), add(distances.hi, off, Direction::up)};
+  }
+
+  /// Which parts lie on the boundary, which do not. Where no other primitive's surface comes near, all of a part does
+  /// or none; the sample's distance tells. False where it ended early: parts are as before.
+  [[nodiscard]] bool place(std::vector<Part>& parts) {
+    std::vector<std::size_t> open;
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (parts[i].whole) continue;
+      open.push_back(i);
+      points.push_back(parts[i].sample);
+    }
+    if (open.empty()) return true;
+    std::vector<Enclosure> to_model(points.size(), {-infinity, infinity});
+    if (!search_.to_model(points, to_model)) return false;
+    std::vector<bool> alone(points.size(), true);
+    std::vector<Enclosure> rows(points.size());
+    for (std::size_t k = 0; k < search_.to_each_primitive.size(); ++k) {
+      rows.assign(points.size(), {-infinity, infinity});
+      if (!search_.to_each_primitive[k](points, rows)) return false;
+      for (std::size_t i = 0; i < open.size(); ++i) {
+        const Part& part = parts[open[i]];
+        if (part.cell.primitive != k && !(magnitude(rows[i]).lo > part.radius)) alone[i] = false;
+      }
+    }
+    found_.samples += points.size() * (1 + search_.to_each_primitive.size());
+    std::vector<bool> off(parts.size(), false);
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      const Enclosure from_boundary = magnitude(to_model[i]);
+      Part& part = parts[open[i]];
+      off[open[i]] = from_boundary.lo > part.radius || part.weighted.range.lo > largest_;
+      if (alone[i] && from_boundary.hi < part.radius) {
+        part.whole = true;
+        part.weighted.weight.lo = surfaces_[part.cell.primitive].area(part.cell).area.lo;
+      }
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (!off[i]) parts[kept++] = parts[i];
+    }
+    parts.resize(kept);
+    return true;
+  }
+
+  /// Of what of the part lies on the boundary: its points are no farther than `largest`, and where it may not be all of
+  /// the part the mean is any of the range.
+  [[nodiscard]] WeightedCell cell(const Part& part) const {
+    WeightedCell cell = part.weighted;
+    if (!part.whole) cell.mean = cell.range;
+    for (Enclosure* const e : {&cell.range, &cell.mean}) e->hi = std::min(e->hi, largest_);
+    return cell;
+  }
+
+  void measure() {
+    cells_.clear();
+    for (const Part& part : parts_) cells_.push_back(cell(part));
+    found_.mean = mean_of(cells_);
+    const Distribution distribution(cells_);
+    found_.percentiles.clear();
+    for (const double percent : percentiles_) found_.percentiles.push_back(distribution.percentile(percent));
+  }
+
+  [[nodiscard]] bool is_narrow(const Enclosure& result) const {
+    return result.hi - result.lo <= search_.allowed(result.lo);
+  }
+
+  /// Nothing is proven by what is chosen.
+  [[nodiscard]] std::vector<std::size_t> choose() const {
+    std::vector<bool> chosen(parts_.size(), false);
+    choose_for_mean(chosen);
+    for (std::size_t i = 0; i < percentiles_.size(); ++i)
+      choose_for_percentile(found_.percentiles[i], percentiles_[i] / 100.0, chosen);
+    std::vector<std::size_t> indices;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      if (chosen[i] && surfaces_[parts_[i].cell.primitive].halves(parts_[i].cell)) indices.push_back(i);
+    }
+    return indices;
+  }
+
+  void choose_for_mean(std::vector<bool>& chosen) const {
+    if (is_narrow(found_.mean)) return;
+    const double middle = 0.5 * found_.mean.lo + 0.5 * found_.mean.hi;
+    double weight = 0.0;
+    std::vector<std::pair<double, std::size_t>> widths;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const WeightedCell& cell = cells_[i];
+      weight += 0.5 * cell.weight.lo + 0.5 * cell.weight.hi;
+      const double from_middle = std::max(cell.mean.hi - middle, middle - cell.mean.lo);
+      widths.emplace_back(cell.weight.hi * (cell.mean.hi - cell.mean.lo) + cell.weight.width() * from_middle, i);
+    }
+    choose_widest(widths, search_.allowed(found_.mean.lo) * weight, chosen);
+  }
+
+  void choose_for_percentile(const Enclosure& value, double part, std::vector<bool>& chosen) const {
+    if (is_narrow(value)) return;
+    const double middle = 0.5 * value.lo + 0.5 * value.hi;
+    double excess = 0.0;
+    std::vector<std::pair<double, std::size_t>> widths;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const WeightedCell& cell = cells_[i];
+      const Enclosure reached = part_up_to(cell, middle);
+      const double width = cell.weight.hi * (reached.hi - reached.lo) +
+                           cell.weight.width() * std::max(std::abs(reached.hi - part), std::abs(reached.lo - part));
+      if (!(width > 0.0)) continue;
+      widths.emplace_back(width, i);
+      excess += width;
+    }
+    choose_widest(widths, excess * search_.allowed(value.lo) / (value.hi - value.lo), chosen);
+  }
+
+  /// False where it ended early: the parts are as before.
+  [[nodiscard]] bool halve(const std::vector<std::size_t>& chosen) {
+    std::vector<Part> next;
+    next.reserve(2 * chosen.size());
+    std::vector<bool> is_chosen(parts_.size(), false);
+    for (const std::size_t i : chosen) {
+      is_chosen[i] = true;
+      Part half = parts_[i];
+      half.weighted.mean = {0.0, infinity};
+      const auto halves = surfaces_[half.cell.primitive].halves(half.cell);
+      for (const PatchCell& cell : *halves) {
+        half.cell = cell;
+        next.push_back(half);
+      }
+    }
+    bound(next);
+    if (!place(next)) return false;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (!is_chosen[i]) next.push_back(parts_[i]);
+    }
+    parts_ = std::move(next);
+    return true;
+  }
+
+  const TriangleTree& triangles_;
+  std::span<const double> percentiles_;
+  double largest_;  // of the boundary
+  const DeviationSearch& search_;
+  std::vector<PatchedSurface> surfaces_;  // one a primitive
+  std::vector<Part> parts_;
+  std::vector<WeightedCell> cells_;  // of the parts
+  ModelDistances found_{};
+};
+
+}  // namespace
+
+ModelDistances distances_of_model(const Model& model, const TriangleTree& triangles,
+                                  std::span<const double> percentiles, double largest, const DeviationSearch& search) {
+  return PatchMeanSearch(model, triangles, percentiles, largest, search)();
+}
+
+}  // namespace verisq::verify
