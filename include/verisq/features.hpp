@@ -84,9 +84,9 @@ struct FemurFeatures {
 
 /// How an implant in its place changes what the bone was, with the implant's head centre, a point on its neck's axis
 /// and two on its shaft's, as far as it has them, exact in the bone's coordinates: change of offset, of leg length
-/// (along the bone's shaft axis, positive: longer), of version and of CCD, the heads' distance, the implant's own CCD and its tilt against
-/// the bone's shaft. Throws as above; what misses the landmarks is missing, but for the tilt of an implant without a
-/// shaft.
+/// (along the bone's shaft axis, positive: longer), of version and of CCD, the heads' distance, the implant's own CCD
+/// and its tilt against the bone's shaft. Throws as above; what misses the landmarks is missing, but for the tilt of an
+/// implant without a shaft.
 [[nodiscard]] FemurFeatures implant_changes(const FemurLandmarks& bone, std::optional<Side> side,
                                             double landmark_radius, const FemurLandmarks& implant);
 

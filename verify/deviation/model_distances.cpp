@@ -32,8 +32,8 @@ struct Part {
 
 class PatchMeanSearch {
  public:
-  PatchMeanSearch(const Model& model, const TriangleTree& triangles, std::span<const double> percentiles, double largest,
-              const DeviationSearch& search)
+  PatchMeanSearch(const Model& model, const TriangleTree& triangles, std::span<const double> percentiles,
+                  double largest, const DeviationSearch& search)
       : triangles_(triangles), percentiles_(percentiles), largest_(largest), search_(search) {
     for (std::uint32_t k = 0; k < model.primitives.size(); ++k) {
       surfaces_.emplace_back(model.primitives[k], k);
