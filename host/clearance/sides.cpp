@@ -1,6 +1,8 @@
 /// A convex primitive that keeps off the closed surface lies on one side of it: that of any of its points.
 #include "verisq/sides.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -28,13 +30,18 @@ std::vector<Triangle> closed(const Mesh& surface, const Closing& closing) {
   return triangles;
 }
 
+int orientation_of(const Mesh& surface, const Closing& closing) {
+  return signed_volume(surface) + signed_volume(closing.mesh) > 0.0 ? 1 : -1;
+}
+
 class SideProof {
  public:
   SideProof(const Mesh& surface, const MeshClearance& clearance, const SidesOptions& options)
       : options_(options),
         clear_(clearance.proven_too_deep == 0 && clearance.undecided == 0),
         closing_(closing_over_rims(surface)),
-        closed_(closed(surface, closing_)) {}
+        closed_(closed(surface, closing_)),
+        orientation_(orientation_of(surface, closing_)) {}
 
   [[nodiscard]] std::size_t rims() const { return closing_.rims; }
 
@@ -48,7 +55,9 @@ class SideProof {
     }
     const std::optional<int> winding = closed_.winding_number(centre);
     if (!winding) return SideFinding::on_the_surface;
-    if ((*winding != 0) != (required == SurfaceSide::inside)) return SideFinding::other_side;
+    // Where a surface crosses itself it may wind the other way about: that is neither side.
+    const bool kept = required == SurfaceSide::inside ? *winding * orientation_ > 0 : *winding == 0;
+    if (!kept) return SideFinding::other_side;
     if (!clear_) return SideFinding::enters_surface;
     return keeps_off_openings(primitive) ? SideFinding::kept : SideFinding::reaches_through;
   }
@@ -68,12 +77,17 @@ class SideProof {
   bool clear_;
   Closing closing_;
   verify::ClosedSurface closed_;
+  int orientation_;
 };
 
 }  // namespace
 
 bool Sides::kept() const {
   return std::ranges::all_of(of_primitives, [](SideFinding finding) { return finding == SideFinding::kept; });
+}
+
+bool faces_outward(const Mesh& surface) {
+  return orientation_of(surface, closing_over_rims(surface)) > 0;
 }
 
 void check_surface_has_sides(const Mesh& surface) {
@@ -88,6 +102,11 @@ void check_surface_has_sides(const Mesh& surface) {
 Sides prove_sides(const Model& model, const Mesh& surface, const MeshClearance& clearance,
                   std::span<const SurfaceSide> required, const SidesOptions& options) {
   check_surface_has_sides(surface);
+  if (!is_union_of_convex(model)) throw Error(ErrorKind::input, "sides: only of unions of convex primitives");
+  if (required.size() != model.primitives.size()) {
+    throw Error(ErrorKind::input,
+                fmt::format("sides: {} required of {} primitives", required.size(), model.primitives.size()));
+  }
   const SideProof proof(surface, clearance, options);
   Sides sides{.of_primitives = {}, .rims = proof.rims()};
   for (std::size_t k = 0; k < model.primitives.size(); ++k) {

@@ -219,17 +219,16 @@ ExitStatus status_of(const FitSummary& summary) {
   if (summary.fit.interrupted) return ExitStatus::interrupted;
   const bool as_asked = summary.clearance.map.wide == 0 && summary.clearance.proven_too_deep == 0 &&
                         (!summary.surface || summary.surface->proven_too_deep == 0) &&
-                        (!summary.sides || summary.sides->kept()) &&
-                        std::ranges::all_of(summary.changes.features, [&](const Feature& feature) {
-                          return is_kept(summary, feature).value_or(false) || !is_asked(summary, feature);
-                        });
+                        (!summary.sides || summary.sides->kept()) && is_preserved(summary);
   return as_asked ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 Plane parse_plane(std::string_view option, const std::string& text) {
   const std::vector<double> numbers = parse_numbers(option, text, "x,y,z,nx,ny,nz");
-  const Plane plane{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
+  Plane plane{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
   if (plane.normal == Point{}) refuse(fmt::format("{}: {} has a zero normal", option, text));
+  const double largest = std::max({std::abs(numbers[3]), std::abs(numbers[4]), std::abs(numbers[5])});
+  for (double& x : plane.normal) x /= largest;  // of any length
   return plane;
 }
 

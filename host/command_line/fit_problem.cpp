@@ -17,6 +17,7 @@
 #include <verisq/sides.hpp>
 
 #include "host/command_line/fit_constraints.hpp"
+#include "host/command_line/messages.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/mesh/extent.hpp"
 
@@ -145,8 +146,10 @@ bool limits_triangles(const FitArguments& arguments, const Mesh& mesh) {
 CutMesh read_cut_mesh(const FitArguments& arguments) {
   Mesh mesh = read_mesh(arguments.mesh);
   if (arguments.resection) {
+    const bool has_triangles = !mesh.triangles.empty();
     CutMesh cut = cut_off(mesh, *arguments.resection);
-    if (cut.mesh.vertices.empty()) refuse(fmt::format("--resection: all of {} lies beyond it", arguments.mesh));
+    if (cut.mesh.vertices.empty() || (cut.mesh.triangles.empty() && has_triangles))
+      refuse(fmt::format("--resection: all of {} lies beyond it", arguments.mesh));
     return cut;
   }
   CutMesh whole{std::move(mesh), {}};
@@ -156,9 +159,14 @@ CutMesh read_cut_mesh(const FitArguments& arguments) {
 }
 
 /// One part, whose inside is what the user means.
-void check_cavity(const FitArguments& arguments, const Mesh& mesh) {
+void check_parts(const FitArguments& arguments, const Mesh& mesh) {
   const std::size_t parts = mesh_topology(mesh).components;
   if (parts == 1) return;
+  if (arguments.bone) {
+    refuse(
+        fmt::format("--bone: {} has {} separate surfaces: give the one that the implant touches, a canal's as --cavity",
+                    arguments.mesh, parts));
+  }
   refuse(fmt::format("--cavity: {} has {} separate surfaces, and only one can be the cavity's", arguments.mesh, parts));
 }
 
@@ -187,10 +195,24 @@ Surface surface_of(const FitArguments& arguments, const Mesh& mesh) {
     refuse(fmt::format("{}: {}: mend it by `verisq surface`, or give --any-side", arguments.mesh, error.what()));
   }
   if (!arguments.bone && (arguments.cavity || faces_inward(mesh))) {
-    check_cavity(arguments, mesh);
+    check_parts(arguments, mesh);
+    if (!arguments.cavity) tell(fmt::format("{}: taken for a cavity, as its normals point inward", arguments.mesh));
     return Surface::cavity;
   }
-  if (arguments.bone) return Surface::bone;
+  if (arguments.bone) {
+    check_parts(arguments, mesh);
+    if (!faces_outward(mesh)) {
+      refuse(
+          mesh_topology(mesh).closed()
+              ? fmt::format("--bone: {}: its normals point inward, as those of a cavity: if it is none, turn them by "
+                            "`verisq surface --mesh`",
+                            arguments.mesh)
+              : fmt::format("--bone: {}: closed over its rims it would hold what its normals point to, which is no "
+                            "bone: give the whole bone",
+                            arguments.mesh));
+    }
+    return Surface::bone;
+  }
   refuse(
       fmt::format("{}: is it a cavity, which the implant lies in, or bone, which it lies outside of? "
                   "Give --cavity or --bone (or --any-side)",
@@ -218,6 +240,8 @@ void refuse_unknown_parts(const FitArguments& arguments, const FitProblem& probl
       if (std::ranges::none_of(problem.series, has_it))
         refuse(fmt::format("{}: no primitive is named {}", option, name));
       if (problem.surface == Surface::unsided) refuse(fmt::format("{} {}: not with --any-side", option, name));
+      if (is_named(arguments.crossing, name) && is_named(arguments.outside, name))
+        refuse(fmt::format("--crossing {}: has to lie outside, by --outside", name));
     }
   }
 }
@@ -234,6 +258,8 @@ std::vector<std::vector<SurfaceSide>> sides_of(const FitArguments& arguments, co
       const bool outside = is_named(arguments.outside, primitive.name);
       of_implant.push_back(crossing ? SurfaceSide::any : (outside ? SurfaceSide::outside : all));
     }
+    if (std::ranges::count(of_implant, SurfaceSide::any) == std::ssize(of_implant))
+      refuse("--crossing: names every primitive of an implant, so that none has to lie anywhere: give --any-side");
   }
   return sides;
 }
@@ -271,7 +297,11 @@ FitProblem read_fit_problem(const FitArguments& arguments) {
                      .options = {.fitness = {}, .penetration_limit = arguments.penetration_limit, .range = {}}};
   for (const std::string& file : arguments.implants) problem.landmarks.push_back(read_model_landmarks(file));
   problem.units = common_units(problem.series, arguments.implants);
-  if (!arguments.landmarks.empty()) problem.bone = read_landmarks(arguments.landmarks);
+  if (!arguments.landmarks.empty()) {
+    if (!problem.units.empty() && problem.units != "mm")
+      refuse(fmt::format("--landmarks: are in mm, the implants in {}", problem.units));
+    problem.bone = read_landmarks(arguments.landmarks);
+  }
   check_kept(arguments, problem);
   problem.options.fitness = fitness_of(arguments, problem.units);
   problem.options.surface_tolerance = relative_surface_tolerance * problem.options.fitness.scale;

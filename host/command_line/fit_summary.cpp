@@ -98,10 +98,10 @@ std::string_view finding_name(SideFinding finding) {
   switch (finding) {
     case SideFinding::kept: return "proven";
     case SideFinding::other_side: return "other side";
-    case SideFinding::enters_surface: return "enters the surface";
-    case SideFinding::reaches_through: return "reaches through an opening";
-    case SideFinding::no_deep_point: return "no point deeper than the limit";
-    case SideFinding::on_the_surface: return "on the surface";
+    case SideFinding::enters_surface: return "not off the surface";
+    case SideFinding::reaches_through: return "not off the openings";
+    case SideFinding::no_deep_point: return "centre not deep enough";
+    case SideFinding::on_the_surface: return "centre not decided";
   }
   return "";
 }
@@ -118,11 +118,12 @@ std::string in_words(SideFinding finding, SurfaceSide required, Surface surface)
       return fmt::format("is not proven to lie {} the {}: the implant is not proven to keep off its surface", side,
                          name);
     case SideFinding::reaches_through:
-      return fmt::format("is not proven to lie {} the {}: it reaches through an opening", side, name);
+      return fmt::format("is not proven to lie {} the {}: it is not proven to keep off the openings", side, name);
     case SideFinding::no_deep_point:
-      return fmt::format("is not proven to lie {} the {}: it is thinner than the penetration limit", side, name);
+      return fmt::format("is not proven to lie {} the {}: its centre is not proven to lie deeper than the limit", side,
+                         name);
     case SideFinding::on_the_surface:
-      return fmt::format("is not proven to lie {} the {}: its centre is on the surface", side, name);
+      return fmt::format("is not proven to lie {} the {}: the side of its centre is not decided", side, name);
   }
   return "";
 }
@@ -142,6 +143,13 @@ std::string names_where(const FitSummary& summary, const Holds& holds) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+/// What the limit of penetration takes out of what is proven of a part; "" where it is 0.
+std::string exemption(const FitSummary& summary) {
+  if (summary.penetration_limit == 0.0) return "";
+  return fmt::format(", but for what lies at most {:.10g}{} deep in them", summary.penetration_limit,
+                     units_of(summary));
+}
+
 Lines side_lines(const FitSummary& summary) {
   if (!summary.sides) return {};
   Lines lines;
@@ -153,7 +161,7 @@ Lines side_lines(const FitSummary& summary) {
     const std::string open = names_where(summary, [&](SurfaceSide required, SideFinding found) {
       return required == side && found != SideFinding::kept;
     });
-    std::string text = proven.empty() ? "" : fmt::format("proven of {}", proven);
+    std::string text = proven.empty() ? "" : fmt::format("proven of {}{}", proven, exemption(summary));
     if (!open.empty()) text += fmt::format("{}NOT PROVEN of {}", proven.empty() ? "" : "; ", open);
     lines.push_back({fmt::format("{} the {}", side_name(side), surface_name(summary.side_of)), text});
   }
@@ -187,6 +195,23 @@ std::string verdict(const FitSummary& summary, const Enclosure& value, const Kep
   const std::optional<bool> within = is_within(value, kept.range);
   if (!within) return fmt::format("{}: not decided", in_words(kept));
   return fmt::format("{}: {}, proven{}", in_words(kept), *within ? "kept" : "BROKEN", condition(summary));
+}
+
+/// Whether a range is asked of that change.
+bool is_asked(const FitSummary& summary, const Feature& change) {
+  return std::ranges::find(summary.kept, change.name, &KeptFeature::name) != summary.kept.end();
+}
+
+/// Proven to be within all ranges asked of it, or proven not to be; nothing where that is open.
+std::optional<bool> is_kept(const FitSummary& summary, const Feature& change) {
+  bool decided = true;
+  for (const KeptFeature& kept : summary.kept) {
+    if (kept.name != change.name) continue;
+    const std::optional<bool> within = is_within(change.value, kept.range);
+    if (within == false) return false;
+    decided = decided && within.has_value();
+  }
+  return decided ? std::optional(true) : std::nullopt;
 }
 
 Lines change_lines(const FitSummary& summary) {
@@ -353,23 +378,19 @@ double largest_objective(const Clearance& clearance) {
   return sum;
 }
 
-bool is_asked(const FitSummary& summary, const Feature& change) {
-  return std::ranges::find(summary.kept, change.name, &KeptFeature::name) != summary.kept.end();
-}
-
-std::optional<bool> is_kept(const FitSummary& summary, const Feature& change) {
-  bool decided = true;
-  for (const KeptFeature& kept : summary.kept) {
-    if (kept.name != change.name) continue;
-    const std::optional<bool> within = is_within(change.value, kept.range);
-    if (within == false) return false;
-    decided = decided && within.has_value();
-  }
-  return decided ? std::optional(true) : std::nullopt;
+bool is_preserved(const FitSummary& summary) {
+  return std::ranges::all_of(summary.kept, [&](const KeptFeature& kept) {
+    const auto change = std::ranges::find(summary.changes.features, kept.name, &Feature::name);
+    return change != summary.changes.features.end() && is_within(change->value, kept.range) == true;
+  });
 }
 
 std::vector<std::string> broken_features(const FitSummary& summary) {
   std::vector<std::string> sentences;
+  for (const KeptFeature& kept : summary.kept) {
+    if (std::ranges::find(summary.changes.features, kept.name, &Feature::name) == summary.changes.features.end())
+      sentences.push_back(fmt::format("{} is not known in this pose, which --keep asks of", kept.name));
+  }
   for (const Feature& change : summary.changes.features) {
     const std::optional<bool> kept = is_kept(summary, change);
     if (!is_asked(summary, change) || kept == true) continue;

@@ -40,13 +40,10 @@ struct FitSummary {
 /// The objective if every point of the cavity were served perfectly: the sum of the weights, rounded up.
 [[nodiscard]] double largest_objective(const Clearance& clearance);
 
-/// Whether a range is asked of that change.
-[[nodiscard]] bool is_asked(const FitSummary& summary, const Feature& change);
+/// Every change that a range is asked of is known here, and proven to be within it.
+[[nodiscard]] bool is_preserved(const FitSummary& summary);
 
-/// Proven to be within all ranges asked of it, or proven not to be; nothing where that is open.
-[[nodiscard]] std::optional<bool> is_kept(const FitSummary& summary, const Feature& change);
-
-/// A sentence for each change that is not proven to be within what is asked.
+/// A sentence for each change that is not known, or not proven to be within what is asked.
 [[nodiscard]] std::vector<std::string> broken_features(const FitSummary& summary);
 
 /// A sentence for each primitive that is not proven to lie where it has to.

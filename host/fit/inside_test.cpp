@@ -49,9 +49,9 @@ std::size_t InsideTest::column(double along, std::size_t axis) const {
 }
 
 void InsideTest::add(std::uint32_t triangle) {
-  const auto& [a, b, c] = triangles_[triangle];
+  const Triangle& corners = triangles_[triangle];
   const auto range = [&](std::size_t axis) {
-    const auto [low, high] = std::minmax({a[axis], b[axis], c[axis]});
+    const auto [low, high] = std::minmax({corners[0][axis], corners[1][axis], corners[2][axis]});
     return std::pair(column(low, axis), column(high, axis));
   };
   const auto [first_x, last_x] = range(0);

@@ -22,7 +22,7 @@ enum class SurfaceSide : std::uint8_t {
 
 enum class SideFinding : std::uint8_t {
   kept,             ///< proven
-  other_side,       ///< proven to be broken: a part of the primitive lies on the other side
+  other_side,       ///< proven to be broken: a part of the primitive is not on that side
   enters_surface,   ///< it is not proven to keep off the surface, so that it may reach through
   reaches_through,  ///< it is not proven to keep off the openings
   no_deep_point,    ///< it has no point that is known to lie deeper than the limit of penetration
@@ -42,6 +42,10 @@ struct Sides {
   [[nodiscard]] bool kept() const;
 };
 
+/// Whether the surface, closed over its rims, faces outward (its signed volume is positive, to nearest). Precondition:
+/// it has sides.
+[[nodiscard]] bool faces_outward(const Mesh& surface);
+
 /// Throws Error(input) unless the triangles enclose a side: manifold, and consistently oriented.
 void check_surface_has_sides(const Mesh& surface);
 
@@ -49,8 +53,9 @@ void check_surface_has_sides(const Mesh& surface);
 /// of it (all points of its interior where the limit is 0). They form a connected set, being those of a convex solid;
 /// no point of the surface, nor of its openings, is among them, by `clearance` and by proofs of their own; and for one
 /// of them its winding number is proven (docs/mathematics.md §22).
-/// Preconditions: a union of convex primitives, `required` one a primitive, `clearance` that of the same model and
-/// surface under the same limit. Throws Error(input) as check_surface_has_sides and Mapper.
+/// Inside is where the closed surface winds about a point as it does about its volume, outside where it does not wind.
+/// Precondition: `clearance` is that of the same model and surface under the same limit. Throws Error(input) unless the
+/// model is a union of convex primitives and `required` one a primitive, as check_surface_has_sides, and as Mapper.
 [[nodiscard]] Sides prove_sides(const Model& model, const Mesh& surface, const MeshClearance& clearance,
                                 std::span<const SurfaceSide> required, const SidesOptions& options);
 

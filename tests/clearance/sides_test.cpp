@@ -220,6 +220,18 @@ TEST(Sides, AreThoseOfEachPrimitive) {
               ElementsAre(SideFinding::kept, SideFinding::reaches_through, SideFinding::other_side));
 }
 
+/// A part that is turned inside out, as where a surface has crossed itself: no side at all.
+TEST(Sides, AreNotThoseOfWhatIsTurnedInsideOut) {
+  Mesh lobe = turned_round(scaled(sphere_mesh(2), 0.5));
+  for (Point& vertex : lobe.vertices) vertex[0] += 2.0;
+  const Mesh surface = join(sphere_mesh(2), lobe);
+  EXPECT_TRUE(faces_outward(surface));
+  EXPECT_FALSE(faces_outward(lobe));
+  EXPECT_EQ(finding(ellipsoid({2.0, 0.0, 0.0}, small), surface, SurfaceSide::inside), SideFinding::other_side);
+  EXPECT_EQ(finding(ellipsoid({2.0, 0.0, 0.0}, small), surface, SurfaceSide::outside), SideFinding::other_side);
+  EXPECT_EQ(finding(ellipsoid({2.0, 0.0, 0.0}, small), lobe, SurfaceSide::inside), SideFinding::kept);
+}
+
 TEST(Sides, RefusesSurfacesWithoutAny) {
   Mesh twisted = sphere_mesh(1);
   std::swap(twisted.triangles[0][0], twisted.triangles[0][1]);

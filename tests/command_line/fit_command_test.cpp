@@ -457,6 +457,11 @@ TEST_F(SidedFitCommand, AsksWhatTheMeshIs) {
   expect_refused(fit({"--mesh", cavity(), "--cavity", "--on", "vertices"}), {"vertices alone have no sides"});
   expect_refused(fit({"--mesh", cavity(), "--cavity", "--resection", "0,0,8,0,0,0"}), {"has a zero normal"});
   expect_refused(fit({"--mesh", cavity(), "--cavity", "--resection", "0,0,-99,0,0,1"}), {"lies beyond it"});
+  expect_refused(fit({"--mesh", cavity(), "--cavity", "--resection", top, "--crossing", "neck", "--outside", "neck"}),
+                 {"--crossing neck: has to lie outside, by --outside"});
+  expect_refused(fit({"--mesh", cavity(), "--cavity", "--resection", top, "--crossing", "neck", "--crossing", "shaft"}),
+                 {"--crossing: names every primitive of an implant"});
+  expect_refused(fit({"--mesh", cavity(true), "--bone"}), {"its normals point inward, as those of a cavity"});
   const std::string two = write("two.off", off(testing::join(tessellated_box({2, 2, 6}), tessellated_box({1, 1, 1}))));
   expect_refused(fit({"--mesh", two, "--cavity"}), {"2 separate surfaces"});
 }
@@ -506,6 +511,7 @@ TEST_F(SidedFitCommand, SaysWhatIsNotPreserved) {
 TEST_F(SidedFitCommand, KnowsACavityByItsNormals) {
   const Outcome outcome = fit({"--mesh", cavity(true)});
   EXPECT_EQ(json::parse(outcome.out)["sides"]["of"], "cavity");
+  EXPECT_THAT(outcome.err, HasSubstr("taken for a cavity, as its normals point inward"));
 }
 
 TEST_F(SidedFitCommand, NeverCallsWhatLiesBesideTheCavityDone) {
