@@ -241,7 +241,7 @@ Lines proven_lines(const FitSummary& summary) {
     const Lines of_surface = surface_lines(*summary.surface, units);
     lines.insert(lines.end(), of_surface.begin(), of_surface.end());
   }
-  return joined({lines, side_lines(summary), change_lines(summary)});
+  return joined({side_lines(summary), lines, change_lines(summary)});
 }
 
 Lines point_lines(const FitSummary& summary) {
