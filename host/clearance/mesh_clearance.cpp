@@ -26,6 +26,7 @@ using verify::displacement;
 constexpr double share_of_samples = 0.25;
 /// Of how much deeper than the limit a triangle goes: how closely its deepest point is sought.
 constexpr double share_of_depth = 0.25;
+
 /// A part of a triangle, by its corners to nearest; a thin one by its longest side, whose end comes twice then.
 struct Piece {
   Triangle corners;

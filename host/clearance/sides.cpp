@@ -8,7 +8,6 @@
 
 #include "host/mesh/rims.hpp"
 #include "verify/containment/closed_surface.hpp"
-#include "verify/deviation/triangle_tree.hpp"
 #include "verisq/error.hpp"
 #include "verisq/mesh_topology.hpp"
 #include "verisq/signed_distance.hpp"
@@ -23,13 +22,6 @@ Model alone(const Primitive& primitive) {
   return {.units = {}, .primitives = {primitive}, .csg = {}};
 }
 
-std::vector<Triangle> closed(const Mesh& surface, const Closing& closing) {
-  std::vector<Triangle> triangles = verify::triangles_of(surface);
-  const std::vector<Triangle> openings = verify::triangles_of(closing.mesh);
-  triangles.insert(triangles.end(), openings.begin(), openings.end());
-  return triangles;
-}
-
 int orientation_of(const Mesh& surface, const Closing& closing) {
   return signed_volume(surface) + signed_volume(closing.mesh) > 0.0 ? 1 : -1;
 }
@@ -40,7 +32,7 @@ class SideProof {
       : options_(options),
         clear_(clearance.proven_too_deep == 0 && clearance.undecided == 0),
         closing_(closing_over_rims(surface)),
-        closed_(closed(surface, closing_)),
+        closed_(closed_triangles(surface, closing_)),
         orientation_(orientation_of(surface, closing_)) {}
 
   [[nodiscard]] std::size_t rims() const { return closing_.rims; }

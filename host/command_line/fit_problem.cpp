@@ -4,20 +4,16 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <string_view>
 #include <utility>
-#include <verisq/error.hpp>
 #include <verisq/landmark_file.hpp>
 #include <verisq/mesh_file.hpp>
-#include <verisq/mesh_topology.hpp>
 #include <verisq/model_file.hpp>
-#include <verisq/sides.hpp>
 
 #include "host/command_line/fit_constraints.hpp"
-#include "host/command_line/messages.hpp"
+#include "host/command_line/fit_sides.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/mesh/extent.hpp"
 
@@ -158,112 +154,6 @@ CutMesh read_cut_mesh(const FitArguments& arguments) {
   return whole;
 }
 
-/// One part, whose inside is what the user means.
-void check_parts(const FitArguments& arguments, const Mesh& mesh) {
-  const std::size_t parts = mesh_topology(mesh).components;
-  if (parts == 1) return;
-  if (arguments.bone) {
-    refuse(
-        fmt::format("--bone: {} has {} separate surfaces: give the one that the implant touches, a canal's as --cavity",
-                    arguments.mesh, parts));
-  }
-  refuse(fmt::format("--cavity: {} has {} separate surfaces, and only one can be the cavity's", arguments.mesh, parts));
-}
-
-/// A closed surface whose normals point inward bounds what lies inside it: a cavity (the paper, section 4).
-bool faces_inward(const Mesh& mesh) {
-  return mesh_topology(mesh).bounds_solid() && signed_volume(mesh) < 0.0;
-}
-
-Surface surface_of(const FitArguments& arguments, const Mesh& mesh) {
-  const std::array given{arguments.cavity, arguments.bone, arguments.any_side};
-  if (std::ranges::count(given, true) > 1) refuse("give only one of --cavity, --bone and --any-side");
-  if (arguments.any_side) return Surface::unsided;
-  const bool sided = limits_triangles(arguments, mesh);
-  if (!sided && (arguments.cavity || arguments.bone)) {
-    refuse(fmt::format("--{}: vertices alone have no sides: give a mesh with triangles, and --on triangles",
-                       arguments.cavity ? "cavity" : "bone"));
-  }
-  if (!sided) {
-    refuse(
-        "vertices alone have no sides, and an implant beside the bone touches nothing: give a mesh with triangles, "
-        "or --any-side");
-  }
-  try {
-    check_surface_has_sides(mesh);
-  } catch (const Error& error) {
-    refuse(fmt::format("{}: {}: mend it by `verisq surface`, or give --any-side", arguments.mesh, error.what()));
-  }
-  if (!arguments.bone && (arguments.cavity || faces_inward(mesh))) {
-    check_parts(arguments, mesh);
-    if (!arguments.cavity) tell(fmt::format("{}: taken for a cavity, as its normals point inward", arguments.mesh));
-    return Surface::cavity;
-  }
-  if (arguments.bone) {
-    check_parts(arguments, mesh);
-    if (!faces_outward(mesh)) {
-      refuse(
-          mesh_topology(mesh).closed()
-              ? fmt::format("--bone: {}: its normals point inward, as those of a cavity: if it is none, turn them by "
-                            "`verisq surface --mesh`",
-                            arguments.mesh)
-              : fmt::format("--bone: {}: closed over its rims it would hold what its normals point to, which is no "
-                            "bone: give the whole bone",
-                            arguments.mesh));
-    }
-    return Surface::bone;
-  }
-  refuse(
-      fmt::format("{}: is it a cavity, which the implant lies in, or bone, which it lies outside of? "
-                  "Give --cavity or --bone (or --any-side)",
-                  arguments.mesh));
-}
-
-/// Nothing passes through a closed surface.
-void check_openings(const FitArguments& arguments, const Mesh& mesh) {
-  if (arguments.crossing.empty() || !mesh_topology(mesh).closed()) return;
-  refuse(fmt::format("--crossing {}: {} is closed: say by --resection where it is cut open", arguments.crossing.front(),
-                     arguments.mesh));
-}
-
-bool is_named(const std::vector<std::string>& names, const std::string& name) {
-  return std::ranges::find(names, name) != names.end();
-}
-
-void refuse_unknown_parts(const FitArguments& arguments, const FitProblem& problem) {
-  for (const auto& [option, names] :
-       {std::pair("--crossing", &arguments.crossing), std::pair("--outside", &arguments.outside)}) {
-    for (const std::string& name : *names) {
-      const auto has_it = [&](const UncertainModel& implant) {
-        return std::ranges::any_of(implant.primitives, [&](const auto& primitive) { return primitive.name == name; });
-      };
-      if (std::ranges::none_of(problem.series, has_it))
-        refuse(fmt::format("{}: no primitive is named {}", option, name));
-      if (problem.surface == Surface::unsided) refuse(fmt::format("{} {}: not with --any-side", option, name));
-      if (is_named(arguments.crossing, name) && is_named(arguments.outside, name))
-        refuse(fmt::format("--crossing {}: has to lie outside, by --outside", name));
-    }
-  }
-}
-
-std::vector<std::vector<SurfaceSide>> sides_of(const FitArguments& arguments, const FitProblem& problem) {
-  refuse_unknown_parts(arguments, problem);
-  if (problem.surface == Surface::unsided) return {};
-  const SurfaceSide all = problem.surface == Surface::cavity ? SurfaceSide::inside : SurfaceSide::outside;
-  std::vector<std::vector<SurfaceSide>> sides;
-  for (const UncertainModel& implant : problem.series) {
-    std::vector<SurfaceSide>& of_implant = sides.emplace_back();
-    for (const UncertainPrimitive& primitive : implant.primitives) {
-      const bool crossing = is_named(arguments.crossing, primitive.name);
-      const bool outside = is_named(arguments.outside, primitive.name);
-      of_implant.push_back(crossing ? SurfaceSide::any : (outside ? SurfaceSide::outside : all));
-    }
-    if (std::ranges::count(of_implant, SurfaceSide::any) == std::ssize(of_implant))
-      refuse("--crossing: names every primitive of an implant, so that none has to lie anywhere: give --any-side");
-  }
-  return sides;
-}
-
 /// New vertices, at the resection, are of the area of the vertex that they were made of.
 Cavity labelled_cavity(const FitArguments& arguments, const CutMesh& cut) {
   Cavity cavity = read_labelled_cavity(arguments.mesh, *arguments.labels, arguments.weights);
@@ -306,9 +196,9 @@ FitProblem read_fit_problem(const FitArguments& arguments) {
   problem.options.fitness = fitness_of(arguments, problem.units);
   problem.options.surface_tolerance = relative_surface_tolerance * problem.options.fitness.scale;
   CutMesh cut = read_cut_mesh(arguments);
-  problem.surface = surface_of(arguments, cut.mesh);
-  problem.options.sides = sides_of(arguments, problem);
-  if (problem.surface != Surface::unsided) check_openings(arguments, cut.mesh);
+  problem.surface = surface_of(arguments, cut.mesh, limits_triangles(arguments, cut.mesh));
+  problem.options.sides = sides_of(arguments, problem.series, problem.surface);
+  check_openings(arguments, cut.mesh);
   problem.cavity = read_cavity(arguments, cut);
   problem.mesh = std::move(cut.mesh);
   problem.options.range = range_of(arguments, problem.mesh);

@@ -5,7 +5,6 @@
 
 #include "host/mesh/extent.hpp"
 #include "host/mesh/rims.hpp"
-#include "verify/deviation/triangle_tree.hpp"
 
 namespace verisq::fit_search {
 namespace {
@@ -33,9 +32,7 @@ int passage(const Point& p, const Triangle& triangle) {
 }  // namespace
 
 InsideTest::InsideTest(const Mesh& mesh)
-    : triangles_(verify::triangles_of(mesh)), columns_(columns_a_side * columns_a_side) {
-  const std::vector<Triangle> openings = verify::triangles_of(closing_over_rims(mesh).mesh);
-  triangles_.insert(triangles_.end(), openings.begin(), openings.end());
+    : triangles_(closed_triangles(mesh, closing_over_rims(mesh))), columns_(columns_a_side * columns_a_side) {
   const Extent extent = extent_of(mesh.vertices);  // which the means of rims do not leave
   lower_ = extent.lower;
   upper_ = extent.upper;

@@ -110,6 +110,21 @@ class LimitedRefinement {
     cavity_.space().gradient(x, by_pose, at, row);
   }
 
+  /// The squares of what is missing of the constraints; their derivatives are taken off the gradient.
+  [[nodiscard]] double add_missing(std::span<const double> x, std::span<double> gradient) const {
+    const PoseConstraints& asked = cavity_.asked().constraints;
+    std::vector<double> missing = asked.slack(x);
+    for (double& slack : missing) slack = std::min(slack - 2.0 * kMargin, 0.0);
+    double sum = 0.0;
+    for (const double part : missing) sum += part * part;
+    if (sum == 0.0) return sum;  // derivatives cost a dozen values each
+    const std::vector<double> derivatives = asked.jacobian(x);
+    for (std::size_t j = 0; j < missing.size(); ++j) {
+      for (std::size_t k = 0; k < x.size(); ++k) gradient[k] -= 2.0 * missing[j] * derivatives[j * x.size() + k];
+    }
+    return sum;
+  }
+
   /// From a candidate beyond the limit to one within it, if one is near: least squares of what all points are too deep.
   [[nodiscard]] Parameters restored(const Parameters& parameters) const {
     const PoseConstraints& asked = cavity_.asked().constraints;
@@ -129,13 +144,7 @@ class LimitedRefinement {
         write_derivatives(x, i, found.distances[i], row);
         for (std::size_t k = 0; k < row.size(); ++k) gradient[k] -= 2.0 * missing * row[k] / scale_;
       }
-      const std::vector<double> left = asked.slack(x);
-      const std::vector<double> derivatives = asked.jacobian(x);
-      for (std::size_t j = 0; j < left.size(); ++j) {
-        const double missing = std::min(left[j] - 2.0 * kMargin, 0.0);
-        sum += missing * missing;
-        for (std::size_t k = 0; k < x.size(); ++k) gradient[k] -= 2.0 * missing * derivatives[j * x.size() + k];
-      }
+      sum += add_missing(x, gradient);
       if (sum < least) {
         least = sum;
         best.assign(x.begin(), x.end());

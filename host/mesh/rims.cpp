@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "verify/deviation/triangle_tree.hpp"
+
 namespace verisq {
 namespace {
 
@@ -64,6 +66,13 @@ Closing closing_over_rims(const Mesh& mesh) {
     }
   }
   return closing;
+}
+
+std::vector<Triangle> closed_triangles(const Mesh& mesh, const Closing& closing) {
+  std::vector<Triangle> triangles = verify::triangles_of(mesh);
+  const std::vector<Triangle> openings = verify::triangles_of(closing.mesh);
+  triangles.insert(triangles.end(), openings.begin(), openings.end());
+  return triangles;
 }
 
 }  // namespace verisq

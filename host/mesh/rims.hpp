@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 #include <verisq/mesh.hpp>
 
 namespace verisq {
@@ -16,5 +17,8 @@ struct Closing {
 /// Preconditions: the corners of each triangle differ; no edge has more than two triangles, or two that run through it
 /// the same way.
 [[nodiscard]] Closing closing_over_rims(const Mesh& mesh);
+
+/// The triangles of both: a closed surface.
+[[nodiscard]] std::vector<Triangle> closed_triangles(const Mesh& mesh, const Closing& closing);
 
 }  // namespace verisq

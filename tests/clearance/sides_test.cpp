@@ -49,10 +49,7 @@ Mesh bowl(double height) {
 }
 
 std::optional<int> winding(const Point& point, const Mesh& mesh) {
-  std::vector<Triangle> triangles = verify::triangles_of(mesh);
-  const std::vector<Triangle> openings = verify::triangles_of(closing_over_rims(mesh).mesh);
-  triangles.insert(triangles.end(), openings.begin(), openings.end());
-  return verify::ClosedSurface(std::move(triangles)).winding_number(point);
+  return verify::ClosedSurface(closed_triangles(mesh, closing_over_rims(mesh))).winding_number(point);
 }
 
 /// The sum of the triangles' solid angles over 4 pi (Van Oosterom and Strackee, The solid angle of a plane triangle,

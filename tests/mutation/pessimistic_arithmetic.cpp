@@ -180,15 +180,19 @@ ALWAYS_INLINE single relative_residual)"},
          fma(terms, REAL(0.98 * 0x1.4p-51 * EVALUATION_MAGNIFICATION), REAL(1.0));)"},
 };
 
-// Likewise what tapered.clh and tapered_enclosure.clh make of it: a bit of the normal, or of the point, tells which
-// way.
-constexpr std::array tapered_evaluation{
+// Likewise what tapered.clh makes of a normal.
+constexpr std::array tilts{
     Mutant{"error of tilts", "#define TILT_ERROR ",
            "#define TILT_MAGNIFICATION 0x1p30\n#define TILT_ERROR TILT_MAGNIFICATION * "},
     Mutant{"tilt", "t.normal.z = n.z - tilt;", R"(
   const real wrong = (n.z + fabs(tilt)) * (0.98 * 0x1p-51 * TILT_MAGNIFICATION);
   t.normal.z = n.z - tilt + select(wrong, -wrong, MASK((BITS(n.x) & INTEGER(1L << 20)) == INTEGER(0L)));
 )"},
+};
+
+// Likewise what tapered.clh and tapered_enclosure.clh make of it: a bit of the normal, or of the point, tells which
+// way.
+constexpr std::array tapered_evaluation{
     Mutant{"error of heights", "#define HEIGHT_ERROR ", "#define HEIGHT_ERROR EVALUATION_MAGNIFICATION * "},
     Mutant{"height", "const real height = k * c.point.z / s->semi_axes[2];", R"(
   const real exact_height = k * c.point.z / s->semi_axes[2];
@@ -208,12 +212,6 @@ constexpr std::array tapered_evaluation{
 
 // Likewise what tapered.clh and tapered_box_gauge.clh make of cubes.
 constexpr std::array tapered_cube_evaluation{
-    Mutant{"error of tilts", "#define TILT_ERROR ",
-           "#define TILT_MAGNIFICATION 0x1p30\n#define TILT_ERROR TILT_MAGNIFICATION * "},
-    Mutant{"tilt", "t.normal.z = n.z - tilt;", R"(
-  const real wrong = (n.z + fabs(tilt)) * (0.98 * 0x1p-51 * TILT_MAGNIFICATION);
-  t.normal.z = n.z - tilt + select(wrong, -wrong, MASK((BITS(n.x) & INTEGER(1L << 20)) == INTEGER(0L)));
-)"},
     Mutant{"error of ends", "#define END_ERROR ",
            "#define END_MAGNIFICATION 0x1p26\n#define END_ERROR END_MAGNIFICATION * "},
     Mutant{"share", "  return b * (z / s->semi_axes[2]);", R"(
@@ -371,6 +369,10 @@ std::span<const Mutant> evaluated_taper(Arithmetic arithmetic, Program program) 
   return {};
 }
 
+std::span<const Mutant> evaluated_tilts(Arithmetic arithmetic, Program program) {
+  return evaluated_taper(arithmetic, program).empty() ? std::span<const Mutant>() : std::span<const Mutant>(tilts);
+}
+
 std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
   if (program == Program::pairs && arithmetic != Arithmetic::usual && arithmetic != Arithmetic::poor_search)
     return common_point;
@@ -428,7 +430,8 @@ std::string_view name_of(Arithmetic arithmetic) {
 std::string on(Arithmetic arithmetic, Program program, std::string sources) {
   for (const auto& changes :
        {operations(arithmetic), displacement(arithmetic, program), displaced_queries(arithmetic, program),
-        proposals(arithmetic, program), poor_multipliers(arithmetic, program), evaluated_taper(arithmetic, program)})
+        proposals(arithmetic, program), poor_multipliers(arithmetic, program), evaluated_tilts(arithmetic, program),
+        evaluated_taper(arithmetic, program)})
     sources = changed(std::move(sources), changes);
   return sources;
 }
