@@ -2,7 +2,7 @@
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/verisq")
 
-install(TARGETS verisq_proof verisq_bend_range verisq_verify verisq_readers verisq EXPORT verisqTargets
+install(TARGETS verisq_proof verisq_bend_range verisq_placement verisq_verify verisq_readers verisq EXPORT verisqTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS verisq_program verisq_check RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 if(TARGET verisq_surface)

@@ -11,13 +11,13 @@
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/model_file.hpp>
 #include <verisq/uncertain_model.hpp>
 
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/element_words.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
+#include "host/command_line/posed_input.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
@@ -226,7 +226,7 @@ void declare_check(Options& options, CheckArguments& arguments) {
 ExitStatus run_check(const CheckArguments& arguments) {
   check_usage(arguments.inputs);
   watch_for_interruption();
-  const UncertainModel model = read_uncertain_model(arguments.inputs.model);
+  const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
   if (!is_union_of_convex(bracket(model).largest)) {
     refuse(
         fmt::format("{}: has no certificates to check, because of bends or csg other than the union of all primitives",

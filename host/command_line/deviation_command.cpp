@@ -10,7 +10,6 @@
 #include <verisq/landmark_file.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_file.hpp>
-#include <verisq/model_file.hpp>
 
 #include "host/command_line/cloud_input.hpp"
 #include "host/command_line/deviation_summary.hpp"
@@ -18,6 +17,7 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/messages.hpp"
 #include "host/command_line/overwriting.hpp"
+#include "host/command_line/posed_input.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
@@ -74,11 +74,11 @@ void check_usage(const DeviationArguments& arguments) {
   }
   const std::vector<std::string> inputs{arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points};
   if (!arguments.output.empty()) refuse_to_overwrite("-o", arguments.output, inputs);
+  check_usage(arguments.report, inputs);
   if (!arguments.report.any()) return;
   if (arguments.inputs.mesh.empty()) {
     refuse(fmt::format("{}: give a --mesh to draw", arguments.report.html.empty() ? "--png" : "--report"));
   }
-  check_usage(arguments.report, inputs);
 }
 
 Mesh read_input(const InputArguments& inputs) {
@@ -200,7 +200,7 @@ void declare_deviation(Options& options, DeviationArguments& arguments) {
 
 ExitStatus run_deviation(const DeviationArguments& arguments) {
   check_usage(arguments);
-  const Model model = read_model(arguments.inputs.model);
+  const Model model = read_model_at(arguments.inputs.pose, arguments.inputs.model);
   const Mesh mesh = read_input(arguments.inputs);
   features::Regions regions = regions_of(mesh, arguments);
   watch_for_interruption();

@@ -3,8 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <string_view>
 #include <vector>
 #include <verisq/insertion.hpp>
 #include <verisq/map_file.hpp>
@@ -14,11 +12,11 @@
 #include <verisq/signed_distance.hpp>
 
 #include "host/command_line/default_tolerance.hpp"
+#include "host/command_line/direction_option.hpp"
 #include "host/command_line/insert_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/messages.hpp"
-#include "host/command_line/number_list.hpp"
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
@@ -46,15 +44,6 @@ constexpr const char* closing_words =
     "Examples:\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --along 0,0,-1 --length 120 -o removal.vtp\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --poses path.csv --tol 0.05 -o removal.csv --json";
-
-Point parse_direction(std::string_view option, const std::string& text) {
-  const std::vector<double> numbers = parse_numbers(option, text, "x,y,z");
-  const Point direction{numbers[0], numbers[1], numbers[2]};
-  if (std::ranges::all_of(direction, [](double x) { return x == 0.0; })) {
-    refuse(fmt::format("{}: {} is no direction", option, text));
-  }
-  return direction;
-}
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const InsertArguments& arguments) {

@@ -7,7 +7,6 @@
 #include <vector>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "host/command_line/choice.hpp"
@@ -18,6 +17,7 @@
 #include "host/command_line/map_to_file.hpp"
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/peeked_stream.hpp"
+#include "host/command_line/posed_input.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/time_limit.hpp"
@@ -93,12 +93,12 @@ void check_outputs(const MapArguments& arguments) {
   } else {
     refuse_to_overwrite("-o", arguments.output, inputs);
   }
+  check_usage(arguments.report, inputs);
   if (!arguments.report.any()) return;
   if (arguments.inputs.mesh.empty()) refuse(fmt::format("{}: give a --mesh to draw", report_option(arguments)));
   if (arguments.on == MapElements::triangles) {
     refuse(fmt::format("{}: shows rows of vertices, not --on triangles", report_option(arguments)));
   }
-  check_usage(arguments.report, inputs);
 }
 
 /// Everything that the options alone tell, before any file is opened.
@@ -118,12 +118,15 @@ void refuse_what_cannot_be_drawn(const MapArguments& arguments, const Mesh* mesh
 }
 
 /// The page speaks of exact distances: it must say of what.
-std::vector<ReportLine> report_lines(const MapReport& report, const UncertainModel& model, double point_radius) {
+std::vector<ReportLine> report_lines(const MapReport& report, const UncertainModel& model,
+                                     const MapArguments& arguments) {
   std::vector<ReportLine> lines = report_lines(report);
-  if (point_radius > 0.0) {
+  if (arguments.point_radius > 0.0) {
     const std::string units = model.units.empty() ? std::string() : " " + model.units;
-    lines.push_back({"each vertex", fmt::format("any point within {}{} of the drawn one", point_radius, units)});
+    lines.push_back(
+        {"each vertex", fmt::format("any point within {}{} of the drawn one", arguments.point_radius, units)});
   }
+  if (arguments.inputs.pose) lines.push_back({"the model", "moved by --pose"});
   if (!is_exact(model)) lines.push_back({"the model", "any within the intervals of its file; the largest is drawn"});
   return lines;
 }
@@ -174,7 +177,7 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
                                .rows = rows,
                                .implant = bracket(model).largest,
                                .units = model.units,
-                               .summary = report_lines(report, model, options.point_radius),
+                               .summary = report_lines(report, model, arguments),
                                .area_names = {},
                                .area_of = {}});
     };
@@ -220,7 +223,7 @@ void declare_map(Options& options, MapArguments& arguments) {
 ExitStatus run_map(const MapArguments& arguments) {
   check_usage(arguments);
   TimeLimit limit(arguments.time_limit);
-  const UncertainModel model = read_uncertain_model(arguments.inputs.model);
+  const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
   const Model largest = bracket(model).largest;
   refuse_what_needs_convexity(largest, arguments);
   MapOptions options{.tolerance = tolerance_of(arguments, largest),

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <cstdio>
-#include <verisq/model_file.hpp>
 #include <verisq/octree_file.hpp>
 
 #include "host/command_line/byte_size.hpp"
@@ -13,6 +12,7 @@
 #include "host/command_line/messages.hpp"
 #include "host/command_line/octree_summary.hpp"
 #include "host/command_line/overwriting.hpp"
+#include "host/command_line/posed_input.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
@@ -75,6 +75,7 @@ void explain(const OctreeSummary& summary, bool is_complete, const std::string& 
 void declare_octree(Options& options, OctreeArguments& arguments) {
   options.explain(closing_words);
   require_model(options, "--model", arguments.model);
+  add_pose(options, arguments.pose);
   options.add("--depth", arguments.depth, whole_number(0, deepest_octree_level), "LEVEL",
               "Split cubes up to this level: 0 to 20 (default 7)");
   options.add("--tol", arguments.tolerance, parse_length, "NUMBER",
@@ -94,7 +95,7 @@ ExitStatus run_octree(const OctreeArguments& arguments) {
   OctreeOptions options = options_of(arguments);
   const std::uint64_t most_bytes = parse_byte_size("--max-output", arguments.max_output);
   refuse_to_overwrite("-o", arguments.output, {arguments.model});
-  const Model model = read_model(arguments.model);
+  const Model model = read_model_at(arguments.pose, arguments.model);
   watch_for_interruption();
   OctreeWriter writer(arguments.output, arguments.white ? WhiteCubes::written : WhiteCubes::left_out);
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <verisq/model.hpp>
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
@@ -12,6 +13,7 @@ namespace verisq::command_line {
 /// As typed; `run_octree` checks what depends on the file or on several options.
 struct OctreeArguments {
   std::string model;
+  std::optional<Pose> pose;
   std::optional<int> depth;
   std::optional<double> tolerance;  ///< of the volume
   std::optional<std::size_t> budget;

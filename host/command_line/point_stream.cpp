@@ -5,6 +5,7 @@
 #include <verisq/mesh_file.hpp>
 
 #include "host/command_line/file_fraction.hpp"
+#include "host/command_line/posed_input.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 
@@ -12,6 +13,7 @@ namespace verisq::command_line {
 
 void declare_inputs(Options& options, InputArguments& inputs) {
   require_model(options, "--model", inputs.model);
+  add_pose(options, inputs.pose);
   options.add("--mesh", inputs.mesh, "FILE", "Mesh whose vertices or triangles are meant: .stl .obj .ply .off");
   options.add("--points", inputs.points, "FILE",
               "Points instead of a mesh: text with x,y,z a line, .npy of shape (N, 3), or - for the\nstandard input");

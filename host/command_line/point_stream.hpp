@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
 #include <verisq/point_file.hpp>
 
 #include "host/command_line/options.hpp"
@@ -15,11 +16,12 @@ namespace verisq::command_line {
 /// Names of files, as typed.
 struct InputArguments {
   std::string model;
-  std::string mesh;    ///< empty when `points` is given
-  std::string points;  ///< empty when `mesh` is given
+  std::string mesh;               ///< empty when `points` is given
+  std::string points;             ///< empty when `mesh` is given
+  std::optional<Pose> pose = {};  ///< moves the model
 };
 
-/// Adds --model, --mesh and --points.
+/// Adds --model, --pose, --mesh and --points.
 void declare_inputs(Options& options, InputArguments& inputs);
 
 /// Throws Error(input) unless `inputs` has either a mesh or points.

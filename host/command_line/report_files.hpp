@@ -1,6 +1,7 @@
-/// The options --report and --png: a finished map for people to look at.
+/// The options --report and --png, --range and --up: a finished map for people to look at.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 #include <verisq/report.hpp>
@@ -9,22 +10,24 @@
 
 namespace verisq::command_line {
 
-/// Names of files, as typed; empty when not asked for.
+/// Names of files, as typed, empty when not asked for; and how they show things.
 struct ReportFiles {
   std::string html;
   std::string png;
+  std::optional<double> range = {};
+  std::optional<Point> up = {};
 
   [[nodiscard]] bool any() const { return !html.empty() || !png.empty(); }
 };
 
-/// Adds --report and --png.
+/// Adds --report, --png, --range and --up.
 void declare_report_files(Options& options, ReportFiles& files);
 
 /// Throws Error(input) for other extensions and where a file would overwrite one of `inputs`, whose empty names are
 /// none; Error(failure) where a file cannot be written: known before all the work, not after it.
 void check_usage(const ReportFiles& files, const std::vector<std::string>& inputs);
 
-/// Throws Error(failure).
+/// Throws Error(failure). --range and --up, where given, take the place of what `report` says.
 void write(const ReportFiles& files, const Report& report);
 
 }  // namespace verisq::command_line

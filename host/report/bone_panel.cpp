@@ -48,15 +48,28 @@ Colour seen(const Sample& bone, const Sample& implant, const ColourScale& scale)
   return implant.covered() ? through_bone(colour, implant) : colour;
 }
 
-/// Half way from the nearest to the farthest point, in the coordinates of the scene.
-double middle_depth(const ProjectedSurface& surface) {
-  double nearest = -infinity;
+/// From the farthest to the nearest point, in the coordinates of the scene.
+struct Depths {
   double farthest = infinity;
+  double nearest = -infinity;
+
+  [[nodiscard]] double at(double share) const { return farthest + share * (nearest - farthest); }
+};
+
+Depths depths_of(const ProjectedSurface& surface) {
+  Depths depths;
   for (const Eigen::Vector3d& vertex : surface.vertices) {
-    nearest = std::max(nearest, vertex[2]);
-    farthest = std::min(farthest, vertex[2]);
+    depths.nearest = std::max(depths.nearest, vertex[2]);
+    depths.farthest = std::min(depths.farthest, vertex[2]);
   }
-  return (nearest + farthest) / 2.0;
+  return depths;
+}
+
+/// Through the middle of the implant, or as near to it as there is bone on both sides: a cut that shows none tells
+/// nothing.
+double depth_of_cut(const Scene& scene) {
+  const Depths bone = depths_of(scene.bone);
+  return std::clamp(depths_of(scene.implant).at(0.5), bone.at(0.25), bone.at(0.75));
 }
 
 }  // namespace
@@ -64,8 +77,8 @@ double middle_depth(const ProjectedSurface& surface) {
 void draw_panel(const Scene& scene, BoneShown shown, const ColourScale& scale, int width, int height,
                 const RowSink& sink) {
   constexpr int side = samples_a_pixel_side;
-  const double nearest =
-      shown == BoneShown::cut && !scene.implant.vertices.empty() ? middle_depth(scene.implant) : infinity;
+  const bool cuts_open = shown == BoneShown::cut && !scene.implant.vertices.empty() && !scene.bone.vertices.empty();
+  const double nearest = cuts_open ? depth_of_cut(scene) : infinity;
   std::vector<Colour> colours(static_cast<std::size_t>(width));
   for (int top = 0; top < height; top += band_height) {
     const int rows = std::min(band_height, height - top);

@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
 
 namespace verisq::report {
 namespace {
@@ -35,6 +38,35 @@ double round_step(double size) {
   return 10.0 * power;
 }
 
+/// How far from the implant's surface the rows are, by their lower bounds.
+std::vector<double> sizes_of(std::span<const MapResult> rows) {
+  std::vector<double> sizes;
+  for (const MapResult& row : rows) {
+    if (std::isfinite(row.distance.lo)) sizes.push_back(std::abs(row.distance.lo));
+  }
+  return sizes;
+}
+
+/// 3 mm.
+std::optional<double> decisive_range(std::string_view units) {
+  if (units == "mm") return 3.0;
+  if (units == "cm") return 0.3;
+  if (units == "m") return 0.003;
+  return std::nullopt;
+}
+
+/// Round, and so that few are beyond.
+double usual_range(std::vector<double> sizes) {
+  if (sizes.empty()) return 1.0;
+  // A few far vertices must not take the contrast of all others.
+  const auto usual = sizes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(sizes.size() - 1));
+  std::ranges::nth_element(sizes, usual);
+  if (!std::isnormal(*usual)) return 1.0;
+  const double step = round_step(*usual / 10.0);
+  const double range = std::ceil(*usual / step * (1.0 - 1e-9)) * step;
+  return std::isnormal(range) ? range : *usual;
+}
+
 }  // namespace
 
 Colour ColourScale::colour(double value) const {
@@ -50,19 +82,20 @@ std::vector<double> ColourScale::ticks() const {
   return ticks;
 }
 
-ColourScale scale_of(std::span<const MapResult> rows) {
-  std::vector<double> sizes;
-  for (const MapResult& row : rows) {
-    if (std::isfinite(row.distance.lo)) sizes.push_back(std::abs(row.distance.lo));
-  }
-  if (sizes.empty()) return ColourScale(1.0);
-  // A few far vertices must not take the contrast of all others.
-  const auto usual = sizes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(sizes.size() - 1));
-  std::ranges::nth_element(sizes, usual);
-  if (!std::isnormal(*usual)) return ColourScale(1.0);
-  const double step = round_step(*usual / 10.0);
-  const double range = std::ceil(*usual / step * (1.0 - 1e-9)) * step;
-  return ColourScale(std::isnormal(range) ? range : *usual);
+ColourScale scale_of(const Report& report) {
+  return ColourScale(report.range ? *report.range : default_range(report.rows, report.units));
 }
 
 }  // namespace verisq::report
+
+namespace verisq {
+
+double default_range(std::span<const MapResult> rows, std::string_view units) {
+  const std::vector<double> sizes = report::sizes_of(rows);
+  const std::optional<double> decisive = report::decisive_range(units);
+  if (!decisive) return report::usual_range(sizes);
+  const auto near = std::ranges::count_if(sizes, [&](double size) { return size <= *decisive; });
+  return 10 * near >= std::ssize(sizes) && near > 0 ? *decisive : report::usual_range(sizes);
+}
+
+}  // namespace verisq

@@ -2,9 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
 #include <vector>
-#include <verisq/map_result.hpp>
+#include <verisq/report.hpp>
 
 namespace verisq::report {
 
@@ -28,7 +27,7 @@ class ColourScale {
   double range_;
 };
 
-/// Round, and so that few lower bounds are beyond it.
-[[nodiscard]] ColourScale scale_of(std::span<const MapResult> rows);
+/// Of `report.range`, or of the default one.
+[[nodiscard]] ColourScale scale_of(const Report& report);
 
 }  // namespace verisq::report

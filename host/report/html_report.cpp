@@ -1,5 +1,6 @@
 /// The data of a report as JSON (report/README.md), in its place in the page.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "host/mesh/extent.hpp"
 #include "host/report/base64.hpp"
 #include "host/report/model_surface.hpp"
+#include "host/report/view.hpp"
 #include "report/page_template.hpp"
 
 namespace verisq {
@@ -60,6 +62,8 @@ Json areas(const Report& report) {
 
 Json data_of(const Report& report) {
   const Point centre = extent_of(report.bone.vertices).centre();
+  const Mesh implant = report::model_surface(report.implant);
+  const Eigen::Vector3d up = report::upright(report.bone, implant, report.up);
   Json summary = Json::array();
   for (const ReportLine& line : report.summary) summary.push_back({{"label", line.label}, {"value", line.value}});
   return {
@@ -67,11 +71,12 @@ Json data_of(const Report& report) {
       {"title", report.title},
       {"units", report.units},
       {"solid_name", report.solid_name},
-      {"range", report.range ? Json(*report.range) : Json()},
+      {"range", report.range.value_or(default_range(report.rows, report.units))},
+      {"up", std::array{up[0], up[1], up[2]}},
       {"summary", summary},
       {"centre", centre},
       {"bone", surface(report.bone, centre)},
-      {"implant", surface(report::model_surface(report.implant), centre)},
+      {"implant", surface(implant, centre)},
       {"lo", column<double>(report.rows, [](const MapResult& row) { return row.distance.lo; })},
       {"hi", column<double>(report.rows, [](const MapResult& row) { return row.distance.hi; })},
       {"status",

@@ -61,7 +61,7 @@ std::vector<float> values_of(std::span<const MapResult> rows, const ColourScale&
 
 void draw_bone(Drawing& drawing, const Report& report, const ColourScale& scale, const Layout& layout) {
   const Mesh implant = report::model_surface(report.implant);
-  const report::View view = report::broad_view(report.bone, implant);
+  const report::View view = report::broad_view(report.bone, implant, report::upright(report.bone, implant, report.up));
   constexpr int side = report::samples_a_pixel_side;
   const auto raster = report::fitted(view, report.bone, implant, side * layout.panel_width, side * layout.panel_height,
                                      4.0 * side * layout.unit);
@@ -76,7 +76,7 @@ void draw_bone(Drawing& drawing, const Report& report, const ColourScale& scale,
     drawing.write(left, layout.panel_top + layout.panel_height + 36.0 * layout.unit, layout.panel_width, caption, type);
   };
   draw(0, BoneShown::whole, fmt::format("whole; the {} shows through", report.solid_name));
-  draw(1, BoneShown::cut, fmt::format("cut open at the middle of the {}", report.solid_name));
+  draw(1, BoneShown::cut, fmt::format("cut open by a plane through the {}", report.solid_name));
 }
 
 std::string number(double value) {
@@ -166,7 +166,7 @@ void write_summary(Drawing& drawing, const Report& report, const Layout& layout,
 void write_picture(const std::filesystem::path& path, const Report& report, int width, int height) {
   Drawing drawing(width, height);
   const Layout layout(width, height);
-  const ColourScale scale = report.range ? ColourScale(*report.range) : report::scale_of(report.rows);
+  const ColourScale scale = report::scale_of(report);
   drawing.write(layout.margin, layout.margin + 24.0 * layout.unit, width - 2.0 * layout.margin, report.title,
                 {30.0 * layout.unit, ink, Drawing::Weight::bold});
   draw_bone(drawing, report, scale, layout);

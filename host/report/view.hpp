@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 #include <verisq/mesh.hpp>
 
@@ -20,8 +21,12 @@ struct View {
   }
 };
 
-/// The bone upright, that is its long axis, with the implant's end on top, and seen from where it is broadest.
-[[nodiscard]] View broad_view(const Mesh& bone, const Mesh& implant);
+/// Of length 1: `asked`, or the bone's long axis, towards the end that is the implant's. An implant in the middle third
+/// has no end: then as positive as the axis goes, as scanners place bodies.
+[[nodiscard]] Eigen::Vector3d upright(const Mesh& bone, const Mesh& implant, const std::optional<Point>& asked);
+
+/// With `up` on top, and seen from where the bone is broadest. Precondition: `up` of length 1.
+[[nodiscard]] View broad_view(const Mesh& bone, const Mesh& implant, const Eigen::Vector3d& up);
 
 /// The centroid of the triangles' area; of the vertices, where there is none.
 [[nodiscard]] Eigen::Vector3d surface_centroid(const std::vector<Eigen::Vector3d>& vertices, const Mesh& mesh);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
@@ -30,8 +31,14 @@ struct Report {
   std::vector<std::string> area_names;     ///< empty: no areas
   std::span<const std::uint32_t> area_of;  ///< one a vertex where there are areas
   std::string solid_name = "implant";      ///< what `implant` is called
-  std::optional<double> range = {};        ///< colours end at this distance, > 0; else where few vertices are beyond
+  std::optional<double> range = {};        ///< colours end at this distance, > 0; default as `default_range` says
+  std::optional<Point> up = {};            ///< what pictures have on top, not zero; default: the bone's long axis, at
+                                           ///< the end that is the implant's
 };
+
+/// Where colours end unless a report says it: at 3 mm, between which implants are judged, where `units` are mm, cm or m
+/// and at least a tenth of the lower bounds is nearer; else round, and so that few are beyond.
+[[nodiscard]] double default_range(std::span<const MapResult> rows, std::string_view units);
 
 /// A self-contained `.html` (no network): the bone coloured by its proven distances, the implant, [lo, hi] where the
 /// pointer is, histogram, summary. Distances are kept as exact binary64. Throws Error(failure) when the file cannot be

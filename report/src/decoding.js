@@ -47,6 +47,7 @@ export function decodeReport(text) {
     units: report.units,
     solidName: report.solid_name,
     range: report.range ?? null,
+    up: report.up,
     summary: report.summary,
     centre: report.centre,
     count,

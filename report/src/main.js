@@ -57,7 +57,7 @@ class Page {
     stage.prepend(canvas);
     this.scene = new BoneScene(canvas, context, this.report);
     this.scene.resize(stage.clientWidth, stage.clientHeight);
-    this.views = new Views(this.scene, stage);
+    this.views = new Views(this.scene, stage, this.report.up);
     this.picker = new Picker(this.scene);
     this.scene.onDraw = (camera) => drawTriad(byId("triad"), camera);
     this.views.addButtons(byId("views"));

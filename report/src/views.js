@@ -28,20 +28,19 @@ const shiftedKeys = {
 };
 
 export class Views {
-  constructor(scene, stage) {
+  // `up`: what stands on top, of length 1.
+  constructor(scene, stage, up) {
     this.scene = scene;
-    // Long bones stand.
-    const extent = scene.box.getSize(new Vector3()).toArray();
-    this.up = extent.indexOf(Math.max(...extent));
+    this.up = new Vector3(...up);
     this.stand(1);
     stage.addEventListener("keydown", (event) => this.press(event));
   }
 
-  // Which end of the long axis is up: 1 or -1. The controls read the camera's up once, so they are made anew.
+  // Which end of the upright axis is up: 1 or -1. The controls read the camera's up once, so they are made anew.
   stand(sign) {
     const { camera, canvas } = this.scene;
     this.upwards = sign;
-    camera.up.copy(axis(this.up, sign));
+    camera.up.copy(this.up).multiplyScalar(sign);
     this.controls?.dispose();
     this.controls = new OrbitControls(camera, canvas);
     this.controls.zoomToCursor = true;
@@ -77,8 +76,11 @@ export class Views {
   }
 
   reset() {
-    const [front, side] = [axis((this.up + 1) % 3), axis((this.up + 2) % 3)];
-    this.look(front.addScaledVector(side, -0.55).addScaledVector(axis(this.up, this.upwards), 0.25));
+    const sizes = this.up.toArray().map(Math.abs);
+    const along = sizes.indexOf(Math.max(...sizes));
+    const front = axis((along + 1) % 3).projectOnPlane(this.up).normalize();
+    const side = this.up.clone().cross(front).multiplyScalar(Math.sign(this.up.getComponent(along)));
+    this.look(front.addScaledVector(side, -0.55).addScaledVector(this.up, 0.25 * this.upwards));
   }
 
   // Turns the camera so that a vertex is seen from outside, at the present distance; from the side if it can be, for
@@ -86,7 +88,7 @@ export class Views {
   face(vertex) {
     const { camera, sphere } = this.scene;
     const normal = this.scene.outwardNormal(vertex);
-    const sideways = normal.clone().setComponent(this.up, 0);
+    const sideways = normal.clone().projectOnPlane(this.up);
     const direction = sideways.length() > 0.25 ? sideways.normalize() : normal;
     if (direction.lengthSq() === 0) return;
     const distance = camera.position.distanceTo(this.controls.target);

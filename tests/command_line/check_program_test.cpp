@@ -74,6 +74,16 @@ TEST_F(CheckProgram, AnswersAsTheCommandDoes) {
   }
 }
 
+TEST_F(CheckProgram, ProvesMapsOfMovedModels) {
+  const std::string pose = "0.1,-0.2,0.3,1,2,3,4";
+  expect_the_same({"--model", model_, "--pose", pose, "--points", points_, "--map", path("map.csv")}, 2);  // bounds
+  model_ = VERISQ_EXAMPLES "/stem.json";
+  const std::string of_points = map("points_map.csv", {"--points", points_, "--pose", pose});
+  expect_the_same({"--model", model_, "--pose", pose, "--points", points_, "--map", of_points}, 0);
+  expect_the_same({"--model", model_, "--points", points_, "--map", of_points}, 3);
+  expect_the_same({"--model", model_, "--pose", "1,2,3", "--points", points_, "--map", of_points}, 2);
+}
+
 TEST_F(CheckProgram, RefusesAsTheCommandDoes) {
   const std::string of_points = map("points_map.csv", {"--points", points_});
   expect_the_same({"--model", model_, "--points", points_, "--map", path("none.csv")}, 2);

@@ -587,6 +587,21 @@ TEST_F(CommandLine, UnknownDeviceIsRefusedWithTheListOfDevices) {
   EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
 }
 
+TEST_F(CommandLine, ReportsShowWhatIsAskedFor) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  const auto shown = [&](const Arguments& more) {
+    Arguments arguments{"--model", ball, "--mesh", mesh, "--report", path("map.html")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return map(arguments);
+  };
+  ASSERT_EQ(shown({"--range", "0.5", "--up", "0,-2,0"}).status, 0);
+  EXPECT_THAT(contents(path("map.html")), HasSubstr(R"("range":0.5,"up":[0.0,-1.0,0.0],)"));
+  expect_refused(shown({"--up", "0,0,0"}), {"--up", "0,0,0"});
+  expect_refused(shown({"--range", "0"}), {"--range", "0"});
+  expect_refused(map({"--model", ball, "--mesh", mesh, "-o", path("map.csv"), "--range", "3"}), {"--range", "--png"});
+  expect_refused(map({"--model", ball, "--mesh", mesh, "-o", path("map.csv"), "--up", "0,0,1"}), {"--up", "--png"});
+}
+
 TEST_F(CommandLine, OutputThatCannotBeWrittenFails) {
   const auto mesh = write("mesh.off", tetrahedron);
   const auto outcome = map({"--model", ball, "--mesh", mesh, "-o", path("no/such/folder/map.csv")});

@@ -87,6 +87,17 @@ TEST_F(OctreeCommand, GivesTheSameFileEachTime) {
   EXPECT_TRUE(folder_.contents("cubes.vtu") == first);
 }
 
+TEST_F(OctreeCommand, MovesTheModelWhereAsked) {
+  EXPECT_EQ(octree_of_ball({"--depth", "3", "--pose", "16,-8,32,1,0,0,0"}).status, 0);
+  const std::string moved = folder_.contents("cubes.vtu");
+  const std::string elsewhere = R"({"format": "verisq-model/1", "units": "mm", "primitives": [{"name": "ball",
+      "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]},
+      "pose": {"translation": [16, -8, 32], "quaternion": [1, 0, 0, 0]}}]})";
+  const std::string model = folder_.file("elsewhere.json", elsewhere).string();
+  EXPECT_EQ(octree({"--model", model, "-o", cubes(), "--depth", "3"}).status, 0);
+  EXPECT_TRUE(folder_.contents("cubes.vtu") == moved);
+}
+
 TEST_F(OctreeCommand, WritesWhiteCubesWhereAsked) {
   EXPECT_EQ(octree_of_ball({"--depth", "4"}).status, 0);
   const auto without = std::filesystem::file_size(cubes());

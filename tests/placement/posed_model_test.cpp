@@ -8,6 +8,7 @@
 #include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
 #include <vector>
+#include <verisq/error.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "tests/oracle/random_cases.hpp"
@@ -126,6 +127,25 @@ TEST(PosedModel, ComposesPosesToNearest) {
     // Four elements, each half a unit in the last place off, turn a vector by at most 2^-51 and a little.
     EXPECT_LE(largest_difference(rotated(q, x), expected), 0x1p-50);
   }
+}
+
+TEST(PosedModel, OfBoundsMovesAsTheModelBetweenThemDoes) {
+  const Pose pose{{1.0, 2.0, 3.0}, {0.1, 0.2, -0.3, 0.4}};
+  UncertainModel bounds(two_bodies);
+  bounds.primitives[0].semi_axes[0] = {1.5, 2.5};
+  const UncertainModel moved = posed(bounds, pose);
+  const UncertainModel expected(posed(two_bodies, pose));
+  EXPECT_EQ(moved.primitives[0].semi_axes[0], (Enclosure{1.5, 2.5}));
+  for (std::size_t n = 0; n < 2; ++n) {
+    EXPECT_EQ(moved.primitives[n].translation, expected.primitives[n].translation);
+    EXPECT_EQ(moved.primitives[n].quaternion, expected.primitives[n].quaternion);
+  }
+}
+
+TEST(PosedModel, DoesNotTurnBoxesOfPlaces) {
+  UncertainModel bounds(two_bodies);
+  bounds.primitives[1].translation[2] = {0.0, 0.5};
+  EXPECT_THROW(static_cast<void>(posed(bounds, {})), Error);
 }
 
 TEST(PosedModel, HasTheDistancesOfThePointsMovedBack) {

@@ -441,7 +441,8 @@ class FilledPage(unittest.TestCase):
         lo[2] = hi[2] = -0.0
         surface = {"positions": encoded("f", flat(bone.vertices)), "triangles": encoded("I", flat(bone.triangles))}
         return {"format": "verisq-report/1", "title": self.hostile, "units": self.hostile,
-                "summary": [{"label": self.hostile, "value": self.hostile}], "centre": [0, 0, 0], "bone": surface,
+                "summary": [{"label": self.hostile, "value": self.hostile}], "centre": [0, 0, 0], "up": [0, 0, 1],
+                "bone": surface,
                 "implant": {"positions": "", "triangles": ""}, "lo": encoded("d", lo), "hi": encoded("d", hi),
                 "status": encoded("B", [vertex % 3 for vertex in range(count)]),
                 "areas": {"names": ["calcar", self.hostile],

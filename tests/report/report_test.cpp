@@ -37,6 +37,7 @@
 namespace verisq::testing {
 namespace {
 
+using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -355,9 +356,18 @@ TEST(HtmlReport, HoldsAreas) {
 
 TEST(HtmlReport, HoldsTheRangeOfTheColours) {
   Report report = report_of();
-  EXPECT_TRUE(written_data(report).at("range").is_null());
+  EXPECT_EQ(written_data(report).at("range"), default_range(report.rows, report.units));
   report.range = 12.5;
   EXPECT_EQ(written_data(report).at("range"), 12.5);
+}
+
+TEST(HtmlReport, HoldsWhatIsOnTop) {
+  Report report = report_of();
+  const std::vector<double> by_itself = written_data(report).at("up");
+  EXPECT_NEAR(std::hypot(by_itself[0], by_itself[1], by_itself[2]), 1.0, 1e-12);
+  report.up = Point{0.0, -3e200, 4e200};
+  EXPECT_THAT(written_data(report).at("up").get<std::vector<double>>(),
+              ElementsAre(0.0, DoubleNear(-0.6, 1e-15), DoubleNear(0.8, 1e-15)));
 }
 
 TEST(HtmlReport, TextsStayTexts) {
@@ -453,10 +463,19 @@ TEST(ColourScale, ShowsMostOfTheMap) {
   map.reserve(1000);
   for (int k = 0; k < 1000; ++k) map.push_back({{k == 0 ? -infinity : 0.00731 * k, infinity}, Status::wide});
   map.back().distance.lo = 1e300;
-  EXPECT_NEAR(report::scale_of(map).range(), 8.0, 1e-12);  // 98 % are below 7.2, in steps of 1
-  EXPECT_EQ(report::scale_of({}).range(), 1.0);
+  EXPECT_NEAR(default_range(map, ""), 8.0, 1e-12);  // 98 % are below 7.2, in steps of 1
+  EXPECT_EQ(default_range({}, "mm"), 1.0);
   const std::vector<MapResult> zeros(3, {{0.0, 0.0}, Status::wide});
-  EXPECT_EQ(report::scale_of(zeros).range(), 1.0);
+  EXPECT_EQ(default_range(zeros, ""), 1.0);
+}
+
+TEST(ColourScale, ShowsThreeMillimetresWhereEnoughIsNearer) {
+  std::vector<MapResult> map(10, {{50.0, 50.0}, Status::wide});
+  EXPECT_NEAR(default_range(map, "mm"), 50.0, 1e-12);
+  map.front().distance.lo = -2.0;
+  EXPECT_EQ(default_range(map, "mm"), 3.0);
+  EXPECT_NEAR(default_range(map, "inch"), 50.0, 1e-12);
+  EXPECT_NEAR(default_range(map, "m"), 50.0, 1e-12);
 }
 
 struct Picture {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "verify/proof/rigid_motion.hpp"
+#include "verisq/error.hpp"
 
 namespace verisq {
 namespace {
@@ -50,6 +51,26 @@ Pose composed(const Pose& outer, const Pose& inner) {
 Model posed(const Model& model, const Pose& pose) {
   Model moved = model;
   for (Primitive& primitive : moved.primitives) primitive.pose = composed(pose, primitive.pose);
+  return moved;
+}
+
+UncertainModel posed(const UncertainModel& model, const Pose& pose) {
+  UncertainModel moved = model;
+  for (UncertainPrimitive& primitive : moved.primitives) {
+    Pose inner{.quaternion = primitive.quaternion};
+    for (std::size_t i = 0; i < inner.translation.size(); ++i) {
+      const Enclosure& coordinate = primitive.translation[i];
+      if (coordinate.lo != coordinate.hi) {
+        throw Error(ErrorKind::input, "translations that are intervals cannot be moved by a pose");
+      }
+      inner.translation[i] = coordinate.lo;
+    }
+    const Pose outer = composed(pose, inner);
+    primitive.quaternion = outer.quaternion;
+    for (std::size_t i = 0; i < inner.translation.size(); ++i) {
+      primitive.translation[i] = {outer.translation[i], outer.translation[i]};
+    }
+  }
   return moved;
 }
 
