@@ -152,6 +152,15 @@ features::HeadSphere head_of(const Mesh& bone) {
   return *head;
 }
 
+/// Of bones that were cut below the lesser trochanter there is more than that; stems have none.
+void check_shaft(const features::ShaftAxis& shaft, const features::HeadSphere& head) {
+  const double length = shaft.proximal - shaft.distal;
+  if (length >= 2.0 * head.radius) return;
+  refuse(
+      fmt::format("mesh: its shaft is {:.0f} mm long, less than its head is wide ({:.0f} mm): no femur; give landmarks",
+                  length, 2.0 * head.radius));
+}
+
 /// What is left of v across the direction, of length 1.
 Vector3d across(const Vector3d& v, const Vector3d& direction) {
   return (v - direction.dot(v) * direction).normalized();
@@ -201,6 +210,7 @@ DetectedFemur detect_femur(const Mesh& mesh, std::optional<Side> side) {
   const features::HeadSphere head = head_of(bone);
   const auto shaft = features::shaft_axis(bone, head.centre, head.radius, towards_head(bone, axis, head.centre));
   if (!shaft) refuse("mesh: no shaft was found below the head; give landmarks");
+  check_shaft(*shaft, head);
   const Vector3d medial = across(head.centre - shaft->point, shaft->direction);
   const auto neck = features::neck_section(bone, head.centre, head.radius, usual_neck(*shaft, -medial));
   if (!neck) refuse("mesh: no neck was found between head and shaft; give landmarks");

@@ -89,22 +89,31 @@ TEST_F(FeaturesCommand, TakesThePointsThatAnImplantNames) {
 }
 
 TEST_F(FeaturesCommand, MeshesAModel) {
-  // A stem has a head, a neck and a shaft; the points that its file names come before those of its mesh.
-  const Outcome outcome = features({"--model", VERISQ_EXAMPLES "/stem_mm.json", "--deviation", "1", "--json"});
+  // The points that a file names come before those of its mesh.
+  const std::string femur = write("femur.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+    {"name": "head", "superquadric": {"semi_axes": [22, 22, 22], "exponents": [1, 1]},
+     "pose": {"translation": [40, 0, 20]}},
+    {"name": "neck", "superquadric": {"semi_axes": [13, 13, 40], "exponents": [0.5, 1]},
+     "pose": {"translation": [20, 0, 0], "quaternion": [0.92388, 0, 0.38268, 0]}},
+    {"name": "shaft", "superquadric": {"semi_axes": [14, 14, 110], "exponents": [0.3, 1]},
+     "pose": {"translation": [0, 0, -110]}}], "landmarks": {"head_centre": [40, 0, 20.5]}})");
+  const Outcome outcome = features({"--model", femur, "--deviation", "1", "--json"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const auto summary = nlohmann::json::parse(outcome.out);
   EXPECT_THAT(summary["notes"][0], HasSubstr("the model's, meshed to"));
-  EXPECT_NEAR(summary["head_radius"], 14.0, 0.5);
-  EXPECT_EQ(summary["landmarks"]["head_centre"], nlohmann::json::parse("[96, 0, -80]"));
+  EXPECT_NEAR(summary["head_radius"], 22.0, 0.5);
+  EXPECT_EQ(summary["landmarks"]["head_centre"], nlohmann::json::parse("[40, 0, 20.5]"));
   const std::string ball = write("ball.json", R"({"format": "verisq-model/1", "primitives": [
     {"name": "ball", "superquadric": {"semi_axes": [60, 60, 60], "exponents": [1, 1]}}]})");
   expect_refused(features({"--model", ball, "--deviation", "1"}), {"ball.json: mesh: has no long axis"});
-  expect_refused(features({"--model", VERISQ_EXAMPLES "/stem_mm.json", "--mesh", "a.stl"}), {"--mesh and --model"});
+  expect_refused(features({"--model", femur, "--mesh", "a.stl"}), {"--mesh and --model"});
 }
 
 TEST_F(FeaturesCommand, RefusesWhatIsNoFemur) {
   const std::string three = write("three.off", "OFF\n3 1 0\n0 0 0\n100 0 0\n0 100 0\n3 0 1 2\n");
   expect_refused(features({"--mesh", three}), {"three.off", "too few"});
+  expect_refused(features({"--model", VERISQ_EXAMPLES "/stem_mm.json", "--deviation", "1"}),
+                 {"stem_mm.json: mesh: its shaft is", "no femur"});
   expect_refused(features({}), {"--mesh", "--landmarks"});
   expect_refused(features({"--landmarks", landmarks_, "--side", "left"}), {"--side"});
   expect_refused(features({"--landmarks", write("bad.json", R"({"format": "verisq-landmarks/1",
