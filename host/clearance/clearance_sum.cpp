@@ -30,10 +30,36 @@ void count(AreaClearance& area, const Enclosure& distance, const Enclosure& serv
     ++area.undecided;
 }
 
+/// Of the numbers, the least that at least `percent` of them do not exceed: the nearest rank. Precondition: not empty.
+double percentile(std::vector<double> numbers, std::size_t percent) {
+  const std::size_t rank = (numbers.size() * percent + 99) / 100;
+  const auto place = numbers.begin() + static_cast<std::ptrdiff_t>(rank) - 1;
+  std::ranges::nth_element(numbers, place);
+  return *place;
+}
+
+Enclosure rounded_outward(const PreciseInterval& value) {
+  return {value.lower().to_double(Direction::down), value.upper().to_double(Direction::up)};
+}
+
 }  // namespace
 
+void ClearanceSum::Distances::add(const Enclosure& distance) {
+  sum += PreciseInterval(Real(distance.lo), Real(distance.hi));
+  lower.push_back(distance.lo);
+  upper.push_back(distance.hi);
+}
+
+/// Ranks rise with every number that they are of: that of the lower ends is no more than that of the distances.
+void ClearanceSum::Distances::tell(AreaClearance& area) const {
+  if (lower.empty()) return;
+  area.mean_distance = rounded_outward(sum / PreciseInterval(Real(static_cast<double>(lower.size()))));
+  area.median_distance = {percentile(lower, 50), percentile(upper, 50)};
+  area.distance_of_95 = {percentile(lower, 95), percentile(upper, 95)};
+}
+
 ClearanceSum::ClearanceSum(const Cavity& cavity, const Fitness& fitness, double penetration_limit)
-    : cavity_(cavity), fitness_(fitness), penetration_limit_(penetration_limit) {
+    : cavity_(cavity), fitness_(fitness), penetration_limit_(penetration_limit), distances_(cavity.areas.size()) {
   clearance_.smallest_distance = nothing;
   for (const Area& area : cavity.areas) clearance_.areas.push_back({.area = area, .smallest_distance = nothing});
 }
@@ -43,7 +69,9 @@ void ClearanceSum::add(std::span<const MapResult> rows) {
 }
 
 void ClearanceSum::add(const MapResult& row) {
-  AreaClearance& area = clearance_.areas[cavity_.area_of[rows_++]];
+  const std::uint32_t index = cavity_.area_of[rows_++];
+  AreaClearance& area = clearance_.areas[index];
+  distances_[index].add(row.distance);
   // A weight of 0 keeps even an unbounded value out of the sum: 0 times an infinite bound is 0 (rounding.hpp).
   const Enclosure served = value(fitness_, row.distance);
   objective_ += PreciseInterval(Real(area.area.weight)) * PreciseInterval(Real(served.lo), Real(served.hi));
@@ -55,7 +83,8 @@ void ClearanceSum::add(const MapResult& row) {
 
 Clearance ClearanceSum::report() const {
   Clearance report = clearance_;
-  report.objective = {objective_.lower().to_double(Direction::down), objective_.upper().to_double(Direction::up)};
+  for (std::size_t index = 0; index < report.areas.size(); ++index) distances_[index].tell(report.areas[index]);
+  report.objective = rounded_outward(objective_);
   report.deepest_penetration = {std::max(0.0, -report.smallest_distance.hi),
                                 std::max(0.0, -report.smallest_distance.lo)};
   return report;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "verify/numbers/interval.hpp"
 #include "verisq/clearance.hpp"
@@ -22,6 +23,16 @@ class ClearanceSum {
   [[nodiscard]] Clearance report() const;
 
  private:
+  /// Of one area, by its points.
+  struct Distances {
+    verify::PreciseInterval sum{0};
+    std::vector<double> lower;
+    std::vector<double> upper;
+
+    void add(const Enclosure& distance);
+    void tell(AreaClearance& area) const;
+  };
+
   void add(const MapResult& row);
 
   const Cavity& cavity_;
@@ -31,6 +42,7 @@ class ClearanceSum {
   /// Of terms of either sign: 127 bits, because the roundings of thousands of binary64 additions would add up.
   verify::PreciseInterval objective_{0};
   Clearance clearance_{};
+  std::vector<Distances> distances_;  ///< by area
 };
 
 }  // namespace verisq

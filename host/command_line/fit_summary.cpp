@@ -261,7 +261,10 @@ Lines area_lines(const FitSummary& summary) {
                     area.area.weight, percentage(area.proven_within, area.points),
                     percentage_up(area.proven_outside, area.points), percentage_up(area.undecided, area.points));
     if (area.points > 0) {
-      text += fmt::format("; smallest distance {}{}", outward_digits(area.smallest_distance), units_of(summary));
+      const std::string units = units_of(summary);
+      text += fmt::format("; smallest distance {}{}, mean {}{}, median {}{}, of 95 % of the points at most {}{}",
+                          outward_digits(area.smallest_distance), units, outward_digits(area.mean_distance), units,
+                          outward_digits(area.median_distance), units, outward_digits(area.distance_of_95), units);
     }
     lines.push_back({"area " + area.area.name, text});
   }
@@ -285,6 +288,20 @@ std::string text_of(const Lines& lines) {
   return text;
 }
 
+/// Of each area that has points, in units of the model.
+std::string distance_table(const FitSummary& summary, std::size_t widest) {
+  constexpr int digits = 4;
+  std::string text =
+      fmt::format("{:<{}}  {:<20}{:<20}95 % of the points at most\n", "area", widest, "mean distance", "median");
+  for (const AreaClearance& area : summary.clearance.areas) {
+    if (area.points == 0) continue;
+    text += fmt::format("{:<{}}  {:<20}{:<20}{}{}\n", area.area.name, widest,
+                        outward_digits(area.mean_distance, digits), outward_digits(area.median_distance, digits),
+                        outward_digits(area.distance_of_95, digits), units_of(summary));
+  }
+  return text;
+}
+
 std::string area_table(const FitSummary& summary) {
   std::size_t widest = 4;
   for (const AreaClearance& area : summary.clearance.areas) widest = std::max(widest, area.area.name.size());
@@ -296,7 +313,7 @@ std::string area_table(const FitSummary& summary) {
                         percentage_up(area.proven_outside, area.points), percentage_up(area.undecided, area.points),
                         area.points > 0 ? outward_digits(area.smallest_distance) + units_of(summary) : "-");
   }
-  return text + "\n";
+  return text + "\n" + distance_table(summary, widest) + "\n";
 }
 
 JsonValue sizes(const FitSummary& summary) {
@@ -356,13 +373,19 @@ JsonValue changes_json(const FitSummary& summary) {
 JsonValue areas(const FitSummary& summary) {
   JsonValue::Array areas;
   for (const AreaClearance& area : summary.clearance.areas) {
+    const auto of_points = [&](const Enclosure& distance) {
+      return area.points > 0 ? JsonValue(distance) : JsonValue();
+    };
     areas.push_back(JsonObject{{"name", area.area.name},
                                {"weight", area.area.weight},
                                {"points", area.points},
                                {"proven_within", area.proven_within},
                                {"proven_outside", area.proven_outside},
                                {"undecided", area.undecided},
-                               {"smallest_distance", area.points > 0 ? area.smallest_distance : JsonValue()}});
+                               {"smallest_distance", of_points(area.smallest_distance)},
+                               {"mean_distance", of_points(area.mean_distance)},
+                               {"median_distance", of_points(area.median_distance)},
+                               {"distance_of_95", of_points(area.distance_of_95)}});
   }
   return areas;
 }

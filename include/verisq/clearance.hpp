@@ -21,6 +21,10 @@ struct AreaClearance {
   std::uint64_t proven_outside = 0;
   std::uint64_t undecided = 0;
   Enclosure smallest_distance;  ///< of its points
+  // Of the signed distances of its points, each point counting once; undefined for an area without points.
+  Enclosure mean_distance{};
+  Enclosure median_distance{};  ///< no more than half of them are farther, no more than half nearer
+  Enclosure distance_of_95{};   ///< so near are at least 95 % of them, by the nearest rank
 };
 
 struct Clearance {

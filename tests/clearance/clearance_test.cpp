@@ -233,6 +233,25 @@ TEST(ClearanceSum, EnclosesSumsOfAnySignTightly) {
   EXPECT_LE(positive.objective.hi, std::nextafter(positive.objective.lo, infinity));
 }
 
+/// Of members of the rows the order statistics are known: those of the enclosures hold them, and no less would.
+TEST(ClearanceSum, EnclosesMeanAndPercentiles) {
+  std::vector<MapResult> rows;
+  rows.reserve(101);
+  for (int n = 0; n <= 100; ++n) rows.push_back(row((37 * n) % 101 - 1.0, (37 * n) % 101 + (n % 2 == 0 ? 0.0 : 0.5)));
+  const AreaClearance area = report_of(rows, cementless(2.0, 1.0), 1.0).areas.at(0);
+  EXPECT_EQ(area.mean_distance.lo, 49.0);
+  const double upper_mean = 50.0 + 50 * 0.5 / 101;
+  EXPECT_GE(area.mean_distance.hi, upper_mean);
+  EXPECT_LE(area.mean_distance.hi, std::nextafter(upper_mean, infinity));
+  EXPECT_EQ(area.median_distance.lo, 49.0);  // the 51st of 101
+  EXPECT_THAT(area.median_distance.hi, ::testing::AnyOf(50.0, 50.5));
+  EXPECT_EQ(area.distance_of_95.lo, 94.0);  // the 96th
+  EXPECT_THAT(area.distance_of_95.hi, ::testing::AnyOf(95.0, 95.5));
+  const AreaClearance one = report_of({row(-infinity, 3.0)}, cementless(2.0, 1.0), 1.0).areas.at(0);
+  for (const Enclosure& of_one : {one.mean_distance, one.median_distance, one.distance_of_95})
+    EXPECT_EQ(of_one, (Enclosure{-infinity, 3.0}));
+}
+
 TEST(ClearanceSum, KeepsAreasApart) {
   const Cavity cavity{std::vector<Point>(3), {{"rim", 1.0}, {"floor", 3.0}, {"none", 5.0}}, {1, 0, 1}};
   ClearanceSum sum(cavity, {0.0, 1.0, {-1.0, 1.0}}, 2.0);
