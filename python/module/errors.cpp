@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 #include <exception>
+#include <utility>
 #include <verisq/error.hpp>
 
 #include "python/module/declarations.hpp"
@@ -23,7 +24,7 @@ const char* word(ErrorKind kind) {
 /// Translators are plain functions: the class is found where the module keeps it.
 void translate(std::exception_ptr thrown) {
   try {
-    if (thrown) std::rethrow_exception(thrown);
+    if (thrown) std::rethrow_exception(std::move(thrown));
   } catch (const Error& error) {
     const py::object type = py::module_::import("verisq._verisq").attr("Error");
     const py::object value = type(error.what());

@@ -3,14 +3,16 @@
 
 #include <pybind11/pybind11.h>
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <thread>
 
 namespace verisq::python {
 
 /// Asks Python now and then whether a signal's handler raised something, KeyboardInterrupt for Ctrl-C. Python runs
-/// handlers in its main thread alone: elsewhere nothing is ever seen.
+/// handlers in its main thread alone: queries of other threads never see any.
 class Interruption {
  public:
   Interruption() = default;
@@ -20,35 +22,43 @@ class Interruption {
   Interruption& operator=(Interruption&&) = delete;
   ~Interruption() = default;
 
-  /// For the library's options: polled by the thread that works, which must not hold Python's lock. True once a handler
-  /// raised. This must outlive it.
+  /// For the library's options: true once a handler raised. Only the thread that made this asks Python, whose lock it
+  /// must not hold then; threads that work for it are told. This must outlive it.
   [[nodiscard]] std::function<bool()> poll() {
     return [this] { return raised(); };
   }
 
-  /// Forgets what was raised: before each of several calls.
-  void reset() { raised_.reset(); }
+  /// As made anew, by this thread. Precondition: nobody polls.
+  void reset() {
+    owner_ = std::this_thread::get_id();
+    stop_ = false;
+    exception_.reset();
+  }
 
   /// Raises in Python what a handler raised. Precondition: Python's lock is held.
   void rethrow() const {
-    if (raised_) throw pybind11::error_already_set(*raised_);
+    if (exception_) throw pybind11::error_already_set(*exception_);
   }
 
  private:
   /// To take Python's lock costs what another thread makes of its turn: not at every poll.
   [[nodiscard]] bool raised() {
     constexpr std::chrono::milliseconds between{50};
-    if (raised_) return true;
+    if (stop_ || std::this_thread::get_id() != owner_) return stop_;
     const auto now = std::chrono::steady_clock::now();
     if (now - asked_ < between) return false;
     asked_ = now;
     const pybind11::gil_scoped_acquire lock;
-    if (PyErr_CheckSignals() != 0) raised_.emplace();  // takes over what is raised
-    return raised_.has_value();
+    if (PyErr_CheckSignals() == 0) return false;
+    exception_.emplace();  // takes over what is raised
+    stop_ = true;
+    return true;
   }
 
+  std::thread::id owner_ = std::this_thread::get_id();
   std::chrono::steady_clock::time_point asked_{};
-  std::optional<pybind11::error_already_set> raised_;
+  std::optional<pybind11::error_already_set> exception_;
+  std::atomic<bool> stop_ = false;
 };
 
 /// What `work` returns, done without Python's lock; raises what a handler raised meanwhile. Precondition: the lock is
