@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -151,7 +152,13 @@ std::vector<Pose> poses(py::handle object, std::string_view name) {
 Pose pose(py::handle object) {
   if (object.is_none()) return {};
   const py::array numbers_of_pose = numbers(object, "a pose", {7});
-  return poses(numbers_of_pose.attr("reshape")(1, 7), "a pose").front();
+  const Pose result = poses(numbers_of_pose.attr("reshape")(1, 7), "a pose").front();
+  const auto finite = [](double number) { return std::isfinite(number); };
+  const auto zero = [](double number) { return number == 0.0; };
+  if (!std::ranges::all_of(result.translation, finite) || !std::ranges::all_of(result.quaternion, finite) ||
+      std::ranges::all_of(result.quaternion, zero))
+    throw Error(ErrorKind::input, "a pose must be finite, and its quaternion not zero");
+  return result;
 }
 
 Point point(py::handle object) {

@@ -29,7 +29,8 @@ namespace verisq::python {
 /// ... (N, 7): translation and quaternion [w, x, y, z].
 [[nodiscard]] std::vector<Pose> poses(pybind11::handle object, std::string_view name);
 
-/// A sequence of seven numbers, or None: no motion.
+/// A sequence of seven numbers, or None: no motion. Throws Error(input) for numbers that are not finite and a
+/// quaternion of zero.
 [[nodiscard]] Pose pose(pybind11::handle object);
 /// A sequence of three numbers.
 [[nodiscard]] Point point(pybind11::handle object);

@@ -122,11 +122,7 @@ class PythonMapper {
   PythonMap operator()(const Queries<Query>& queries) {
     PythonMap map = empty_map(queries.size(), settings_.tolerance);
     const ResultColumns rows = columns(map);
-    std::unique_lock<std::mutex> one_at_a_time(calls_, std::defer_lock);
-    {
-      const py::gil_scoped_release released;
-      one_at_a_time.lock();
-    }
+    const std::unique_lock<std::timed_mutex> one_at_a_time = turn();
     interruption_.reset();
     start_limit();
     if (settings_.certificates) {
@@ -141,6 +137,19 @@ class PythonMapper {
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  /// Waits for the calls of other threads, until Ctrl-C.
+  [[nodiscard]] std::unique_lock<std::timed_mutex> turn() {
+    constexpr std::chrono::milliseconds between{50};
+    std::unique_lock<std::timed_mutex> lock(calls_, std::defer_lock);
+    while (true) {
+      {
+        const py::gil_scoped_release released;
+        if (lock.try_lock_for(between)) return lock;
+      }
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+  }
 
   [[nodiscard]] MapOptions options() {
     MapOptions options{.tolerance = settings_.tolerance,
@@ -177,7 +186,7 @@ class PythonMapper {
   Settings settings_;
   Interruption interruption_;
   std::atomic<Clock::duration> end_{Clock::duration::max()};
-  std::mutex calls_;
+  std::timed_mutex calls_;
   Mapper<Query> mapper_;  // last: its options point to the others
 };
 

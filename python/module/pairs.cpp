@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <functional>
 #include <optional>
 #include <string>
-#include <verisq/error.hpp>
 #include <verisq/model_distance.hpp>
 #include <verisq/model_search.hpp>
 
@@ -39,13 +37,6 @@ std::string word(Proximity proximity) {
   return "undecided";
 }
 
-void check_pose(const Pose& pose) {
-  const bool turned = std::ranges::any_of(pose.quaternion, [](double number) { return number != 0.0; });
-  const auto finite = [](double number) { return std::isfinite(number); };
-  if (!turned || !std::ranges::all_of(pose.quaternion, finite) || !std::ranges::all_of(pose.translation, finite))
-    throw Error(ErrorKind::input, "a pose must be finite, and its quaternion not zero");
-}
-
 /// By certificates of convex primitives.
 PythonPair certified(const PythonModel& a, const PythonModel& b, const Pose& pose, const std::function<bool()>& stop) {
   const PairDistance pair(a.model(), b.model());
@@ -67,7 +58,6 @@ PythonPair distance(const PythonModel& a, const PythonModel& b, const py::handle
   check_units(a, b);
   check_time_limit(time_limit);
   const Pose moved = pose(pose_of_b);
-  check_pose(moved);
   const double width = tolerance_or_default(tolerance, std::max(a.bounding_radius(), b.bounding_radius()));
   const bool convex = is_union_of_convex(a.largest()) && is_union_of_convex(b.largest());
   const auto start = std::chrono::steady_clock::now();

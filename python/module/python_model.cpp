@@ -11,8 +11,10 @@
 #include <vector>
 #include <verisq/error.hpp>
 #include <verisq/model_file.hpp>
+#include <verisq/posed_model.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 
 namespace verisq::python {
@@ -180,6 +182,15 @@ void declare_models(py::module_& module) {
           py::arg("path"),
           "save(path)\n\nWrites the file, so that load gives the same bits; it appears when it is complete. Raises\n"
           "Error where it cannot be written, and for models with intervals.")
+      .def(
+          "posed",
+          [](const PythonModel& self, const py::handle& by) {
+            return PythonModel(verisq::posed(self.exact("moving a model"), pose(by)));
+          },
+          py::arg("pose"),
+          "posed(pose) -> Model\n\nThe model moved: seven numbers, translation in model units and quaternion\n"
+          "[w, x, y, z]. Its numbers are rounded to nearest: what is enclosed is of the model that they state. Raises\n"
+          "Error for models with intervals.")
       .def_property_readonly(
           "units", [](const PythonModel& self) { return self.model().units; },
           "Free text of the file, as \"mm\"; empty where it says none.")

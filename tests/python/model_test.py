@@ -55,6 +55,15 @@ class Models(unittest.TestCase):
         }
         self.assertEqual(verisq.Model.from_dict(description).to_dict()["csg"], description["csg"])
 
+    def test_are_moved(self):
+        soap = verisq.Model.load(EXAMPLES / "soap.json")
+        moved = soap.posed([0, 0, 5, 0, 0, 0, 2])  # half a turn about z, then up
+        self.assertEqual(moved.to_dict()["primitives"][0]["pose"]["translation"], [0, 0, 5])
+        here, there = verisq.SignedDistance(soap)([4, 1, 2]), verisq.SignedDistance(moved)([-4, -1, 7])
+        self.assertEqual(there, here)
+        with self.assertRaisesRegex(verisq.Error, "^a pose must be finite, and its quaternion not zero$"):
+            soap.posed([0, 0, 5, 0, 0, 0, 0])
+
     def test_take_arrays(self):
         description = copy.deepcopy(SOAP)
         superquadric = description["primitives"][0]["superquadric"]
