@@ -1,6 +1,7 @@
-# One version everywhere: that of project() is what include/verisq/version.hpp and CITATION.cff say.
+# One version everywhere: that of project() is what include/verisq/version.hpp, CITATION.cff and
+# pyproject.toml say.
 set(version_header include/verisq/version.hpp)
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${version_header} CITATION.cff)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${version_header} CITATION.cff pyproject.toml)
 
 file(READ ${version_header} text)
 foreach(part IN ITEMS MAJOR MINOR PATCH)
@@ -15,4 +16,9 @@ endif()
 file(READ CITATION.cff text)
 if(NOT text MATCHES "\nversion: ${PROJECT_VERSION}\n")
   message(FATAL_ERROR "CITATION.cff: version is not ${PROJECT_VERSION}")
+endif()
+
+file(READ pyproject.toml text)
+if(NOT text MATCHES "\nversion = \"${PROJECT_VERSION}\"\n")
+  message(FATAL_ERROR "pyproject.toml: version is not ${PROJECT_VERSION}")
 endif()

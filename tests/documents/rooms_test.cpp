@@ -173,5 +173,18 @@ TEST(RoomsTest, NoneIncludesWhatIncludesIt) {
   }
 }
 
+TEST(PythonTest, IncludesNothingOfTheProjectButItselfAndPublicHeaders) {
+  std::size_t headers = 0;
+  for (const std::string& file : sources_below(root, "python")) {
+    for (const std::string& name : includes_of(root / file)) {
+      const std::string included = own_file(root, name);
+      const bool is_public = included.starts_with("include/verisq/");
+      if (is_public) ++headers;
+      EXPECT_TRUE(included.empty() || is_public || included.starts_with("python/")) << file << " includes " << name;
+    }
+  }
+  EXPECT_GT(headers, 20U);
+}
+
 }  // namespace
 }  // namespace verisq

@@ -1,0 +1,14 @@
+/// The class verisq.Certificates: what proves the rows of a map again, kept as the library has it.
+#pragma once
+
+#include <vector>
+#include <verisq/certificate.hpp>
+
+namespace verisq::python {
+
+/// One for each row, in the order of the map.
+struct CertificateList {
+  std::vector<Certificate> certificates;
+};
+
+}  // namespace verisq::python

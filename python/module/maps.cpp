@@ -1,0 +1,368 @@
+/// Maps: many enclosures at once, of points, triangles and poses, from arrays to arrays.
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+#include <verisq/error.hpp>
+#include <verisq/map.hpp>
+
+#include "python/module/arrays.hpp"
+#include "python/module/certificate_list.hpp"
+#include "python/module/declarations.hpp"
+#include "python/module/interruption.hpp"
+#include "python/module/python_model.hpp"
+
+namespace verisq::python {
+namespace {
+
+namespace py = pybind11;
+
+/// "auto" leaves so few rows to the host, as the command line does: a device takes longer to be made ready.
+constexpr std::size_t few_rows = 128;
+
+static_assert(sizeof(Status) == 1);
+
+/// A finished map: its columns are arrays.
+struct PythonMap {
+  py::array_t<double> lo;
+  py::array_t<double> hi;
+  py::array_t<std::uint8_t> status;
+  std::shared_ptr<const CertificateList> certificates;  ///< null unless asked for
+  MapSummary summary;
+  double tolerance;
+};
+
+/// The bytes of the array, which are values of the enumeration.
+Status* statuses(py::array_t<std::uint8_t>& array) {
+  return reinterpret_cast<Status*>(array.mutable_data());
+}
+
+PythonMap empty_map(std::size_t size, double tolerance) {
+  const auto length = static_cast<py::ssize_t>(size);
+  return {py::array_t<double>(length),
+          py::array_t<double>(length),
+          py::array_t<std::uint8_t>(length),
+          nullptr,
+          {},
+          tolerance};
+}
+
+ResultColumns columns(PythonMap& map) {
+  return {static_cast<std::size_t>(map.lo.size()),
+          {map.lo.mutable_data()},
+          {map.hi.mutable_data()},
+          {statuses(map.status)}};
+}
+
+/// As queries of the library, and what keeps them alive.
+template <class Query>
+struct Queries;
+
+template <>
+struct Queries<Point> {
+  explicit Queries(const py::handle& object)
+      : array(numbers(object, "points", {-1, 3})), columns(python::columns(array)) {}
+  [[nodiscard]] std::size_t size() const { return columns.size(); }
+  [[nodiscard]] Point operator[](std::size_t i) const { return columns[i]; }
+  [[nodiscard]] const PointColumns& in_memory() const { return columns; }
+
+  py::array array;
+  PointColumns columns;
+};
+
+template <class Query>
+struct CopiedQueries {
+  [[nodiscard]] std::size_t size() const { return list.size(); }
+  [[nodiscard]] const Query& operator[](std::size_t i) const { return list[i]; }
+  [[nodiscard]] std::span<const Query> in_memory() const { return list; }
+
+  std::vector<Query> list;
+};
+
+template <>
+struct Queries<Triangle> : CopiedQueries<Triangle> {
+  explicit Queries(const py::handle& object) : CopiedQueries{triangles(object, "triangles")} {}
+};
+
+template <>
+struct Queries<Pose> : CopiedQueries<Pose> {
+  explicit Queries(const py::handle& object) : CopiedQueries{poses(object, "poses")} {}
+};
+
+/// What all maps are told.
+struct Settings {
+  double tolerance;
+  std::string device = "auto";
+  bool certificates = false;
+  double point_radius = 0.0;
+  std::optional<double> time_limit = {};  ///< seconds, from the first call on: for mappers that are called once
+};
+
+/// A library's mapper, whose calls from several threads wait for each other.
+template <class Query>
+class PythonMapper {
+ public:
+  /// `make` makes the library's mapper of these options, without Python's lock.
+  template <class Make>
+  PythonMapper(const Settings& settings, const Make& make)
+      : settings_(settings), mapper_(without_lock(interruption_, [&] { return make(options()); })) {}
+
+  PythonMap operator()(const Queries<Query>& queries) {
+    PythonMap map = empty_map(queries.size(), settings_.tolerance);
+    const ResultColumns rows = columns(map);
+    const std::unique_lock<std::timed_mutex> one_at_a_time = turn();
+    interruption_.reset();
+    start_limit();
+    if (settings_.certificates) {
+      const auto list = std::make_shared<CertificateList>();
+      map.summary = without_lock(interruption_, [&] { return with_certificates(queries, rows, *list); });
+      map.certificates = list;
+    } else {
+      map.summary = without_lock(interruption_, [&] { return mapper_.map(queries.in_memory(), rows); });
+    }
+    return map;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// Waits for the calls of other threads, until Ctrl-C.
+  [[nodiscard]] std::unique_lock<std::timed_mutex> turn() {
+    constexpr std::chrono::milliseconds between{50};
+    std::unique_lock<std::timed_mutex> lock(calls_, std::defer_lock);
+    while (true) {
+      {
+        const py::gil_scoped_release released;
+        if (lock.try_lock_for(between)) return lock;
+      }
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+  }
+
+  [[nodiscard]] MapOptions options() {
+    MapOptions options{.tolerance = settings_.tolerance,
+                       .device = settings_.device,
+                       .certificates = settings_.certificates,
+                       .point_radius = settings_.point_radius,
+                       .interrupted = interruption_.poll()};
+    if (settings_.time_limit) options.out_of_time = [this] { return Clock::now().time_since_epoch() >= end_.load(); };
+    return options;
+  }
+
+  void start_limit() {
+    if (!settings_.time_limit) return;
+    const std::chrono::duration<double> limit(*settings_.time_limit);
+    end_ = Clock::now().time_since_epoch() + std::chrono::duration_cast<Clock::duration>(limit);
+  }
+
+  MapSummary with_certificates(const Queries<Query>& queries, const ResultColumns& rows, CertificateList& list) {
+    std::size_t read = 0;
+    std::size_t written = 0;
+    const auto source = [&](std::span<Query> chunk) {
+      std::size_t count = 0;
+      for (; count < chunk.size() && read < queries.size(); ++count) chunk[count] = queries[read++];
+      return count;
+    };
+    const auto sink = [&](std::span<const Query>, std::span<const MapResult> results,
+                          std::span<const Certificate> certificates) {
+      for (const MapResult& result : results) rows.set(written++, result);
+      list.certificates.insert(list.certificates.end(), certificates.begin(), certificates.end());
+    };
+    return mapper_.map(source, sink);
+  }
+
+  Settings settings_;
+  Interruption interruption_;
+  std::atomic<Clock::duration> end_{Clock::duration::max()};
+  std::timed_mutex calls_;
+  Mapper<Query> mapper_;  // last: its options point to the others
+};
+
+Settings settings_of(double radius, const std::optional<double>& tolerance, const std::string& device,
+                     bool certificates, double point_radius, const std::optional<double>& time_limit = {}) {
+  check_length(point_radius, "point_radius");
+  check_time_limit(time_limit);
+  return {tolerance_or_default(tolerance, radius), device, certificates, point_radius, time_limit};
+}
+
+template <class Query>
+std::unique_ptr<PythonMapper<Query>> mapper(const PythonModel& model, const Settings& settings) {
+  return std::make_unique<PythonMapper<Query>>(
+      settings, [&](const MapOptions& options) { return Mapper<Query>(model.model(), options); });
+}
+
+std::unique_ptr<PythonMapper<Pose>> mapper(const PythonModel& a, const PythonModel& b, const Settings& settings) {
+  return std::make_unique<PythonMapper<Pose>>(
+      settings, [&](const MapOptions& options) { return PoseMapper(a.model(), b.model(), options); });
+}
+
+Settings settings_of(const PythonModel& a, const PythonModel& b, const std::optional<double>& tolerance,
+                     const std::string& device) {
+  check_units(a, b);
+  return settings_of(std::max(a.bounding_radius(), b.bounding_radius()), tolerance, device, false, 0.0);
+}
+
+std::string device_for(std::size_t rows, const std::string& device) {
+  return device == "auto" && rows <= few_rows ? "host" : device;
+}
+
+template <class Query>
+PythonMap map(const PythonModel& model, const py::handle& object, const std::optional<double>& tolerance,
+              const std::string& device, double point_radius, const std::optional<double>& time_limit,
+              bool certificates) {
+  const Queries<Query> queries(object);
+  const Settings settings = settings_of(model.bounding_radius(), tolerance, device_for(queries.size(), device),
+                                        certificates, point_radius, time_limit);
+  return (*mapper<Query>(model, settings))(queries);
+}
+
+PythonMap map_of_poses(const PythonModel& a, const PythonModel& b, const py::handle& object,
+                       const std::optional<double>& tolerance, const std::string& device) {
+  const Queries<Pose> queries(object);
+  return (*mapper(a, b, settings_of(a, b, tolerance, device_for(queries.size(), device))))(queries);
+}
+
+template <class Query>
+PythonMap call(PythonMapper<Query>& self, const py::handle& object) {
+  return self(Queries<Query>(object));
+}
+
+template <class Query>
+void declare_mapper(py::module_& module, const char* name, const char* explanation, const char* queries) {
+  py::class_<PythonMapper<Query>>(module, name, explanation)
+      .def(py::init([](const PythonModel& model, const std::optional<double>& tolerance, const std::string& device,
+                       double point_radius, bool certificates) {
+             return mapper<Query>(model,
+                                  settings_of(model.bounding_radius(), tolerance, device, certificates, point_radius));
+           }),
+           py::arg("model"), py::kw_only(), py::arg("tolerance") = py::none(), py::arg("device") = "auto",
+           py::arg("point_radius") = 0.0, py::arg("certificates") = false)
+      .def("__call__", call<Query>, py::arg(queries));
+}
+
+template <class Query>
+void declare_map(py::module_& module, const char* name, const char* queries, const char* explanation) {
+  module.def(name, map<Query>, py::arg("model"), py::arg(queries), py::kw_only(), py::arg("tolerance") = py::none(),
+             py::arg("device") = "auto", py::arg("point_radius") = 0.0, py::arg("time_limit") = py::none(),
+             py::arg("certificates") = false, explanation);
+}
+
+py::object smallest(const PythonMap& self) {
+  if (self.summary.points == 0) return py::none();
+  return py::cast(Enclosure{self.summary.minimum_lo, self.summary.minimum_hi});
+}
+
+std::string representation(const PythonMap& self) {
+  return fmt::format("<verisq.Map: {} rows, {} wide, by {}>", self.summary.points, self.summary.wide,
+                     self.summary.device);
+}
+
+py::object verified_rows(const PythonMap& self) {
+  return self.status.attr("__ne__")(static_cast<int>(Status::wide));
+}
+
+void declare_class_of_maps(py::module_& module) {
+  const auto summary = [](auto MapSummary::*member) {
+    return [member](const PythonMap& self) { return self.summary.*member; };
+  };
+  py::class_<PythonMap>(
+      module, "Map",
+      "What a map returns: row i of the arrays lo, hi and status is that of query i. The exact value\n"
+      "is at least lo[i] and at most hi[i]. lo, hi, status = map takes it apart.")
+      .def_readonly("lo", &PythonMap::lo, "float64 (N,): lower ends, in model units.")
+      .def_readonly("hi", &PythonMap::hi, "float64 (N,): upper ends, in model units; infinite where none is proven.")
+      .def_readonly("status", &PythonMap::status, "uint8 (N,): values of Status.")
+      .def_property_readonly("verified", verified_rows,
+                             "bool (N,): which rows are at most the tolerance wide. The others are valid, too.")
+      .def_property_readonly(
+          "certificates", [](const PythonMap& self) { return self.certificates; },
+          "What proves each row again (Certificates), where it was asked for; else None.")
+      .def_readonly("tolerance", &PythonMap::tolerance, "In model units.")
+      .def_property_readonly("smallest", smallest, "Enclosure of the smallest distance of all rows; None without rows.")
+      .def_property_readonly("largest_width", summary(&MapSummary::largest_width), "Of all rows.")
+      .def_property_readonly("device", summary(&MapSummary::device), "The device's name, or \"host\".")
+      .def_property_readonly("device_verified", summary(&MapSummary::device_verified), "How many rows.")
+      .def_property_readonly("host_verified", summary(&MapSummary::host_verified), "How many rows.")
+      .def_property_readonly("wide", summary(&MapSummary::wide), "How many rows are wider than the tolerance.")
+      .def_property_readonly("wide_inside", summary(&MapSummary::wide_inside),
+                             "How many of those have a lower end below 0.")
+      .def_property_readonly("device_seconds", summary(&MapSummary::device_seconds), "During which kernels ran.")
+      .def_property_readonly("host_seconds", summary(&MapSummary::host_seconds), "Wall time of the host's proofs.")
+      .def_property_readonly("out_of_time", summary(&MapSummary::out_of_time),
+                             "Whether the time limit came while rows were wide.")
+      .def_property_readonly("notice", summary(&MapSummary::notice),
+                             "Why a device was passed over; empty when nothing is to be said.")
+      .def("__len__", [](const PythonMap& self) { return self.lo.size(); })
+      .def("__iter__", [](const PythonMap& self) { return py::iter(py::make_tuple(self.lo, self.hi, self.status)); })
+      .def("__repr__", representation);
+}
+
+}  // namespace
+
+void declare_maps(py::module_& module) {
+  declare_class_of_maps(module);
+  declare_mapper<Point>(
+      module, "Mapper",
+      "Mapper(model, *, tolerance=None, device=\"auto\", point_radius=0.0, certificates=False)\n\n"
+      "A model made ready for maps of points: device chosen and tested, kernels compiled. Called with points, as "
+      "map()\n"
+      "takes them, it returns a Map. Many maps of one model pay for that once. Calls of several threads wait for each\n"
+      "other. Arguments and errors are those of map().",
+      "points");
+  declare_mapper<Triangle>(module, "TriangleMapper",
+                           "TriangleMapper(model, *, tolerance=None, device=\"auto\", point_radius=0.0, "
+                           "certificates=False)\n\n"
+                           "The same for maps of triangles: called with an array of shape (N, 3, 3).",
+                           "triangles");
+  py::class_<PythonMapper<Pose>>(module, "PoseMapper",
+                                 "PoseMapper(a, b, *, tolerance=None, device=\"auto\")\n\n"
+                                 "Two models made ready for maps of poses: called with an array of shape (N, 7).")
+      .def(py::init([](const PythonModel& a, const PythonModel& b, const std::optional<double>& tolerance,
+                       const std::string& device) { return mapper(a, b, settings_of(a, b, tolerance, device)); }),
+           py::arg("a"), py::arg("b"), py::kw_only(), py::arg("tolerance") = py::none(), py::arg("device") = "auto")
+      .def("__call__", call<Pose>, py::arg("poses"));
+  declare_map<Point>(
+      module, "map", "points",
+      "map(model, points, *, tolerance=None, device=\"auto\", point_radius=0.0, time_limit=None,\n"
+      "    certificates=False) -> Map\n\n"
+      "Encloses the signed distance of each point to the model: positive outside, the Euclidean distance; negative\n"
+      "inside, minus the distance to the boundary.\n\n"
+      "points: shape (N, 3), in model units; nothing else may write there meanwhile. float64 is read where it lies,\n"
+      "    whatever its strides; float32, float16, other byte orders and integers are widened exactly, into a copy.\n"
+      "tolerance: rows at most as wide are verified, in model units; 0 asks for the tightest. Default: 1e-6 of the\n"
+      "    model's bounding_radius.\n"
+      "device: \"auto\" (the host for up to 128 rows), \"host\", an index as text or a part of a device's name.\n"
+      "point_radius: each point is any within this distance of the given one, in model units.\n"
+      "time_limit: seconds; then what is open stays valid, and wide.\n"
+      "certificates: keep what proves each row again, for Checker.\n\n"
+      "Other threads of Python run meanwhile. Ctrl-C ends the map: KeyboardInterrupt.\n\n"
+      "Raises ValueError for another shape, TypeError for numbers that binary64 does not hold exactly, Error for a\n"
+      "point that is not finite, and for models and devices as `verisq map` does.");
+  declare_map<Triangle>(
+      module, "map_triangles", "triangles",
+      "map_triangles(model, triangles, *, tolerance=None, device=\"auto\", point_radius=0.0, time_limit=None,\n"
+      "    certificates=False) -> Map\n\n"
+      "Encloses the distance of each whole triangle to the model, 0 where they meet. triangles: shape (N, 3, 3), the\n"
+      "corners; of a mesh: mesh.vertices[mesh.triangles]. They are copied. Otherwise as map().");
+  module.def("map_poses", map_of_poses, py::arg("a"), py::arg("b"), py::arg("poses"), py::kw_only(),
+             py::arg("tolerance") = py::none(), py::arg("device") = "auto",
+             "map_poses(a, b, poses, *, tolerance=None, device=\"auto\") -> Map\n\n"
+             "Encloses the distance of model a and of model b moved by each pose, 0 where they meet. poses: shape\n"
+             "(N, 7): translation in model units and quaternion [w, x, y, z] of any length but 0; a point x of b goes\n"
+             "to R x + t. They are copied. Default tolerance: 1e-6 of the larger bounding_radius. Raises Error unless\n"
+             "both models are unions of convex primitives, and as map().");
+}
+
+}  // namespace verisq::python

@@ -1,0 +1,214 @@
+/// verisq.Model: from files, text and dictionaries, and back.
+#include "python/module/python_model.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+#include <vector>
+#include <verisq/error.hpp>
+#include <verisq/model_file.hpp>
+#include <verisq/posed_model.hpp>
+#include <verisq/signed_distance.hpp>
+
+#include "python/module/arrays.hpp"
+#include "python/module/declarations.hpp"
+
+namespace verisq::python {
+namespace {
+
+namespace py = pybind11;
+
+constexpr const char* name_of_text = "model";
+
+py::object number_or_interval(const Enclosure& number) {
+  if (number.lo == number.hi) return py::float_(number.lo);
+  return py::cast(std::vector<double>{number.lo, number.hi});
+}
+
+template <std::size_t N>
+py::list list(const std::array<Enclosure, N>& numbers) {
+  py::list result;
+  for (const Enclosure& number : numbers) result.append(number_or_interval(number));
+  return result;
+}
+
+py::dict dictionary(const UncertainPrimitive& primitive) {
+  py::dict superquadric;
+  superquadric["semi_axes"] = list(primitive.semi_axes);
+  superquadric["exponents"] = list(primitive.exponents);
+  if (primitive.taper != 1.0) superquadric["taper"] = primitive.taper;
+  py::dict pose;
+  pose["translation"] = list(primitive.translation);
+  pose["quaternion"] = std::vector<double>(primitive.quaternion.begin(), primitive.quaternion.end());
+  py::dict result;
+  result["name"] = primitive.name;
+  result["superquadric"] = superquadric;
+  if (primitive.bend) {
+    py::dict bend;
+    bend["curvature"] = primitive.bend->curvature;
+    bend["angle_deg"] = primitive.bend->angle_degrees;
+    result["bend"] = bend;
+  }
+  result["pose"] = pose;
+  return result;
+}
+
+const char* key(SetOperation operation) {
+  switch (operation) {
+    case SetOperation::unite: return "union";
+    case SetOperation::intersect: return "intersection";
+    case SetOperation::subtract: break;
+  }
+  return "difference";
+}
+
+py::object operand(const SetExpression& expression, const UncertainModel& model) {
+  if (expression.operands.empty()) return py::str(model.primitives[expression.primitive].name);
+  py::list operands;
+  for (const SetExpression& each : expression.operands) operands.append(operand(each, model));
+  py::dict result;
+  result[key(expression.operation)] = operands;
+  return result;
+}
+
+py::dict dictionary(const UncertainModel& model) {
+  py::dict result;
+  result["format"] = "verisq-model/1";
+  if (!model.units.empty()) result["units"] = model.units;
+  py::list primitives;
+  for (const UncertainPrimitive& primitive : model.primitives) primitives.append(dictionary(primitive));
+  result["primitives"] = primitives;
+  if (model.csg) result["csg"] = operand(*model.csg, model);
+  return result;
+}
+
+PythonModel from_text(const std::string& text, const std::string& name) {
+  return PythonModel(parse_uncertain_model(text, name));
+}
+
+/// Of what JSON does not know, arrays and NumPy's numbers become lists and numbers.
+py::object plain(const py::object& value) {
+  if (!py::hasattr(value, "tolist")) {
+    throw py::type_error(fmt::format("a model holds numbers, texts, lists and dictionaries, not {}",
+                                     std::string(py::str(py::type::of(value).attr("__name__")))));
+  }
+  return value.attr("tolist")();
+}
+
+PythonModel from_dictionary(const py::dict& description) {
+  const py::object text =
+      py::module_::import("json").attr("dumps")(description, py::arg("default") = py::cpp_function(plain));
+  return from_text(text.cast<std::string>(), name_of_text);
+}
+
+std::vector<std::string> names(const PythonModel& model) {
+  std::vector<std::string> result;
+  for (const UncertainPrimitive& primitive : model.model().primitives) result.push_back(primitive.name);
+  return result;
+}
+
+std::string representation(const PythonModel& model) {
+  const std::size_t count = model.model().primitives.size();
+  return fmt::format("<verisq.Model: {} primitive{}{}{}>", count, count == 1 ? "" : "s",
+                     model.model().units.empty() ? "" : ", " + model.model().units,
+                     is_exact(model.model()) ? "" : ", with intervals");
+}
+
+}  // namespace
+
+PythonModel::PythonModel(UncertainModel model)
+    : model_(std::move(model)),
+      largest_(bracket(model_).largest),
+      bounding_radius_(verisq::bounding_radius(largest_)) {}
+
+const Model& PythonModel::exact(std::string_view what) const {
+  if (!is_exact(model_)) throw Error(ErrorKind::input, fmt::format("{}: not for models with intervals", what));
+  return largest_;  // an exact model is its own bracket
+}
+
+void check_units(const PythonModel& a, const PythonModel& b) {
+  const std::string& of_a = a.model().units;
+  const std::string& of_b = b.model().units;
+  if (!of_a.empty() && !of_b.empty() && of_a != of_b)
+    throw Error(ErrorKind::input, fmt::format("units {} of b differ from {} of a", of_b, of_a));
+}
+
+void check_time_limit(const std::optional<double>& seconds) {
+  constexpr double longest = 1e9;
+  if (seconds && !(*seconds > 0.0 && *seconds <= longest))
+    throw py::value_error(fmt::format("time_limit must be above 0 and at most 1e9 seconds, not {}", *seconds));
+}
+
+void check_length(double value, std::string_view name) {
+  if (!(value >= 0.0) || !std::isfinite(value))
+    throw py::value_error(fmt::format("{} must be finite and at least 0, not {}", name, value));
+}
+
+double tolerance_or_default(const std::optional<double>& given, double radius) {
+  constexpr double relative = 1e-6;
+  if (given) check_length(*given, "tolerance");
+  const double tolerance = given.value_or(relative * radius);
+  if (!std::isfinite(tolerance))
+    throw Error(ErrorKind::input, "tolerance: give one, because the size of the model overflows");
+  return tolerance;
+}
+
+void declare_models(py::module_& module) {
+  py::class_<PythonModel>(module, "Model",
+                          "A solid: posed superquadrics and the set operations on them, as a model file states them\n"
+                          "(verisq-model/1, docs/formats.md §2). Made by load, loads or from_dict; immutable.")
+      .def_static(
+          "load", [](const std::filesystem::path& path) { return PythonModel(read_uncertain_model(path)); },
+          py::arg("path"),
+          "load(path) -> Model\n\nThe model of a file. Raises Error, one line with file, key and value, for\n"
+          "everything that the format refuses. Its areas and landmarks are checked, and left out.")
+      .def_static("loads", from_text, py::arg("text"), py::arg("name") = name_of_text,
+                  "loads(text, name=\"model\") -> Model\n\nThe same from JSON; name stands for the file in messages.")
+      .def_static("from_dict", from_dictionary, py::arg("description"),
+                  "from_dict(description) -> Model\n\nThe same from the dictionary that the JSON would be; arrays may\n"
+                  "stand for lists. Every number is taken as its binary64.")
+      .def(
+          "to_dict", [](const PythonModel& self) { return dictionary(self.model()); },
+          "to_dict() -> dict\n\nWhat from_dict makes the same model of, bit for bit.")
+      .def(
+          "save",
+          [](const PythonModel& self, const std::filesystem::path& path) {
+            write_model(path, self.exact("saving a model"));
+          },
+          py::arg("path"),
+          "save(path)\n\nWrites the file, so that load gives the same bits; it appears when it is complete. Raises\n"
+          "Error where it cannot be written, and for models with intervals.")
+      .def(
+          "posed",
+          [](const PythonModel& self, const py::handle& by) {
+            return PythonModel(verisq::posed(self.exact("moving a model"), pose(by)));
+          },
+          py::arg("pose"),
+          "posed(pose) -> Model\n\nThe model moved: seven numbers, translation in model units and quaternion\n"
+          "[w, x, y, z]. Its numbers are rounded to nearest: what is enclosed is of the model that they state. Raises\n"
+          "Error for models with intervals.")
+      .def_property_readonly(
+          "units", [](const PythonModel& self) { return self.model().units; },
+          "Free text of the file, as \"mm\"; empty where it says none.")
+      .def_property_readonly("names", names, "The names of the primitives, in the file's order.")
+      .def_property_readonly(
+          "bounding_radius", &PythonModel::bounding_radius,
+          "Radius of a sphere that contains the model, rounded up, in model units. A tolerance that\n"
+          "is not given is 1e-6 of it.")
+      .def_property_readonly(
+          "is_exact", [](const PythonModel& self) { return is_exact(self.model()); },
+          "Whether no number of the model is an interval.")
+      .def_property_readonly(
+          "is_union_of_convex", [](const PythonModel& self) { return verisq::is_union_of_convex(self.largest()); },
+          "Whether the model is the union of its primitives, none of them bent: only of such there\n"
+          "are certificates and maps of poses.")
+      .def("__repr__", representation)
+      .def(py::pickle([](const PythonModel& self) { return dictionary(self.model()); },
+                      [](const py::dict& description) { return from_dictionary(description); }));
+}
+
+}  // namespace verisq::python

@@ -1,0 +1,46 @@
+/// The class verisq.Model: what a model file says, exact or not.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <verisq/model.hpp>
+#include <verisq/uncertain_model.hpp>
+
+namespace verisq::python {
+
+/// Immutable, as read.
+class PythonModel {
+ public:
+  explicit PythonModel(UncertainModel model);
+
+  [[nodiscard]] const UncertainModel& model() const { return model_; }
+  /// The model itself, or the largest that its intervals allow.
+  [[nodiscard]] const Model& largest() const { return largest_; }
+  [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
+
+  /// The ordinary model. Throws Error(input) that says `what` needs one, where this has intervals.
+  [[nodiscard]] const Model& exact(std::string_view what) const;
+
+ private:
+  UncertainModel model_;
+  Model largest_;
+  double bounding_radius_;
+};
+
+/// As given, or what the command line takes instead: 1e-6 of this radius. Throws Error(input) for a radius too large
+/// for that, ValueError for a tolerance that is negative or not finite.
+[[nodiscard]] double tolerance_or_default(const std::optional<double>& given, double radius);
+
+/// Lengths of two models can be compared only in one unit: throws Error(input) where both name one, and not the same.
+void check_units(const PythonModel& a, const PythonModel& b);
+
+/// Throws ValueError unless the number is finite and at least 0.
+void check_length(double value, std::string_view name);
+
+/// Throws ValueError unless these are seconds above 0, and at most 1e9.
+void check_time_limit(const std::optional<double>& seconds);
+
+}  // namespace verisq::python

@@ -1,0 +1,134 @@
+"""Guaranteed distances: every answer is an interval [lo, hi] that contains the exact distance.
+
+    import numpy as np, verisq
+    stem = verisq.Model.load("stem.json")
+    lo, hi, status = verisq.map(stem, points)  # points: an array of shape (N, 3), in the model's units
+
+Models are posed superquadrics, bent, tapered or neither, and unions, intersections and differences of them. Distances
+of points are signed: positive outside, negative inside. A row that is wider than the tolerance is wide, and valid.
+
+Models and meshes
+    Model, Mesh, mesh_of_model
+Many queries, from arrays to arrays
+    map, map_triangles, map_poses, map_chunks; Mapper, TriangleMapper, PoseMapper keep a model ready; Map, Status
+One query, proven by the host
+    SignedDistance, distance, Enclosure
+What proves an answer again
+    Checker, Certificates, Findings, Verdict
+Whole surfaces
+    deviation, recover
+Femurs
+    detect_femur, femur_features
+Devices and errors
+    devices, Error
+
+Lengths are in the model's units throughout, angles in degrees. The contract: docs/python.md, docs/formats.md §1.
+"""
+
+import enum as _enum
+
+from . import _verisq
+from ._chunks import map_chunks
+from ._verisq import (
+    Certificates,
+    Checker,
+    ClosestPoints,
+    Deviation,
+    Device,
+    DistanceStatistics,
+    Enclosure,
+    Error,
+    EstimatedDeviation,
+    Feature,
+    Femur,
+    FemurFeatures,
+    Findings,
+    Map,
+    Mapper,
+    Mesh,
+    Model,
+    Pair,
+    PoseMapper,
+    Recovery,
+    RecoveryStage,
+    SignedDistance,
+    TriangleMapper,
+    __version__,
+    detect_femur,
+    deviation,
+    devices,
+    distance,
+    femur_features,
+    map,
+    map_poses,
+    map_triangles,
+    mesh_of_model,
+    recover,
+)
+
+
+class Status(_enum.IntEnum):
+    """Who proved a row of a map."""
+
+    DEVICE_VERIFIED = 0  #: at most the tolerance wide, proven by the device's kernels
+    HOST_VERIFIED = 1  #: left open by the device, proven by the host
+    WIDE = 2  #: valid, but wider than the tolerance
+
+
+class Verdict(_enum.IntEnum):
+    """What a Checker says of a row."""
+
+    PROVED = 0  #: the certificate proves both ends
+    REFUTED = 1  #: the exact distance is proven to lie outside the row, or lo > hi
+    UNPROVED = 2  #: neither: the certificate proves less than the row claims
+
+
+__all__ = [
+    "Certificates",
+    "Checker",
+    "ClosestPoints",
+    "Deviation",
+    "Device",
+    "DistanceStatistics",
+    "Enclosure",
+    "Error",
+    "EstimatedDeviation",
+    "Feature",
+    "Femur",
+    "FemurFeatures",
+    "Findings",
+    "Map",
+    "Mapper",
+    "Mesh",
+    "Model",
+    "Pair",
+    "PoseMapper",
+    "Recovery",
+    "RecoveryStage",
+    "SignedDistance",
+    "Status",
+    "TriangleMapper",
+    "Verdict",
+    "__version__",
+    "detect_femur",
+    "deviation",
+    "devices",
+    "distance",
+    "femur_features",
+    "map",
+    "map_chunks",
+    "map_poses",
+    "map_triangles",
+    "mesh_of_model",
+    "recover",
+]
+
+# To users they are verisq.Model, verisq.map, whatever file they are in.
+for _name in __all__:
+    _thing = globals()[_name]
+    if getattr(_thing, "__module__", None) == _verisq.__name__:
+        try:
+            _thing.__module__ = __name__
+        except AttributeError:  # built-in functions keep theirs
+            pass
+del _name, _thing

@@ -1,0 +1,62 @@
+"""The examples do what they say, and README shows one of them as it is."""
+
+import inspect
+import re
+import subprocess
+import sys
+import unittest
+
+import verisq
+
+from command_line import EXAMPLES, SOURCE
+
+
+def output(name, *arguments):
+    command = [sys.executable, "-B", EXAMPLES / "python" / name, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True, cwd=SOURCE).stdout
+
+
+class Examples(unittest.TestCase):
+    def test_clearance(self):
+        # Every vertex is 2 mm away, to the rounding of its decimals.
+        lines = output("clearance.py", EXAMPLES / "stem_mm.json", EXAMPLES / "cavity.off", "2.001").splitlines()
+        self.assertEqual(lines[0], "786 vertices, of which 0 have a wide enclosure")
+        self.assertEqual(lines[1], "within 2.001 mm: 786 proven, 0 undecided")
+        self.assertEqual(lines[2], "beyond: 0 proven")
+        self.assertRegex(lines[3],
+                         r"^no vertex is nearer than 1\.99999\d+ mm; vertex \d+ is at most (2\.00000|1\.99999)")
+
+    def test_readme_shows_the_first(self):
+        readme = (SOURCE / "README.md").read_text()
+        lines = (EXAMPLES / "python" / "map_points.py").read_text()
+        self.assertTrue("```python\n" + lines + "```" in readme, "README shows other lines than map_points.py")
+        self.assertRegex(output("map_points.py"), r"^\d{6} of 1000000 points are proven")
+
+
+class Documentation(unittest.TestCase):
+    def test_everything_public_explains_itself(self):
+        for name in verisq.__all__:
+            if name == "__version__":
+                continue
+            thing = getattr(verisq, name)
+            self.assertTrue(inspect.getdoc(thing), name)
+            self.assertIn(f"`{name}", (SOURCE / "docs" / "python.md").read_text())
+
+    def test_stubs_declare_what_there_is(self):
+        stubs = (SOURCE / "python" / "verisq" / "_verisq.pyi").read_text()
+        for name in verisq.__all__:
+            thing = getattr(verisq, name)
+            if name in ("Status", "Verdict", "map_chunks"):
+                continue
+            declared = "class " if inspect.isclass(thing) else "def "
+            self.assertIn(f"{name}:" if name == "__version__" else declared + name, stubs)
+            if not inspect.isclass(thing):
+                continue
+            body = re.split(rf"class {name}\b", stubs)[1].split("\n\nclass ")[0]
+            for member in vars(thing):
+                if not member.startswith("_"):
+                    self.assertRegex(body, rf"\b{member}\b", f"{name}.{member}")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,256 @@
+"""Maps of arrays: the rows of the command line bit for bit, whatever the array; threads; Ctrl-C; what is refused."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import tracemalloc
+import unittest
+
+import numpy as np
+import verisq
+
+from command_line import EXAMPLES, map_of_points, message
+
+
+def random_points(count, extent, seed):
+    return np.random.default_rng(seed).uniform(-extent, extent, (count, 3))
+
+
+class SameAsCommandLine(unittest.TestCase):
+    def check(self, name, points, device, tolerance):
+        path = EXAMPLES / name
+        rows = map_of_points(path, points, "--device", device, "--tol", tolerance)
+        found = verisq.map(verisq.Model.load(path), points, device=device, tolerance=tolerance)
+        self.assertEqual(found.lo.tobytes(), np.ascontiguousarray(rows["lo"]).tobytes())
+        self.assertEqual(found.hi.tobytes(), np.ascontiguousarray(rows["hi"]).tobytes())
+        np.testing.assert_array_equal(found.status, rows["status"])
+        return found
+
+    def test_on_a_device(self):
+        found = self.check("capsule.json", random_points(5000, 200.0, 1), "auto", 1e-9)
+        if found.device != "host":  # there is one
+            self.assertGreater(found.device_verified, 4000)
+        self.assertEqual(found.device_verified + found.host_verified + found.wide, 5000)
+
+    def test_on_the_host(self):
+        for name, extent in [("soap.json", 6.0), ("stem.json", 1.0), ("tapered_stem.json", 80.0)]:
+            with self.subTest(name):
+                found = self.check(name, random_points(60, extent, 2), "host", 1e-6)
+                self.assertEqual(found.device, "host")
+                self.assertGreater(found.hi.min(), found.lo.min() - 1.0)
+
+    def test_bent_and_uncertain(self):
+        self.check("bent_stem.json", random_points(12, 40.0, 3), "host", 1e-3)
+        self.check("uncertain_stem.json", random_points(40, 40.0, 4), "host", 1e-3)
+
+    def test_default_tolerance_and_summary(self):
+        model = verisq.Model.load(EXAMPLES / "soap.json")
+        points = random_points(50, 9.0, 5)
+        rows = map_of_points(EXAMPLES / "soap.json", points)
+        found = verisq.map(model, points)
+        np.testing.assert_array_equal(found.lo, rows["lo"])
+        self.assertEqual(found.tolerance, 1e-6 * model.bounding_radius)
+        self.assertEqual(found.smallest.lo, found.lo.min())
+        self.assertEqual(found.smallest.hi, found.hi.min())
+        self.assertEqual(found.largest_width, (found.hi - found.lo).max())
+        np.testing.assert_array_equal(found.verified, found.status != verisq.Status.WIDE)
+
+
+class Arrays(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.mapper = verisq.Mapper(verisq.Model.load(EXAMPLES / "soap.json"), device="host", tolerance=1e-6)
+        cls.points = random_points(40, 8.0, 6).astype(np.float32).astype(np.float64)
+        cls.expected = cls.mapper(cls.points).lo
+
+    def same(self, points):
+        before = points.tobytes()
+        np.testing.assert_array_equal(self.mapper(points).lo, self.expected)
+        self.assertEqual(points.tobytes(), before)
+
+    def test_strides(self):
+        wide = np.full((80, 7), np.nan)
+        wide[::2, 1::2] = self.points
+        self.same(wide[::2, 1::2])
+        self.same(np.asfortranarray(self.points))
+        self.same(np.ascontiguousarray(self.points[::-1])[::-1])
+        self.same(np.ascontiguousarray(self.points[:, ::-1])[:, ::-1])
+        record = np.zeros(40, dtype=[("flag", "u1"), ("at", "f8", 3)])  # packed: nothing is aligned
+        record["at"] = self.points
+        self.same(record["at"])
+
+    def test_one_point_many_times(self):
+        found = self.mapper(np.broadcast_to(self.points[3], (5, 3)))
+        np.testing.assert_array_equal(found.lo, np.repeat(self.expected[3], 5))
+
+    def test_types(self):
+        for kind in ("<f4", ">f4", ">f8"):
+            with self.subTest(kind):
+                self.same(self.points.astype(kind))
+        whole = np.round(self.points)
+        expected = self.mapper(whole).lo
+        for kind in ("i1", "i4", ">i8", "f2"):
+            with self.subTest(kind):
+                np.testing.assert_array_equal(self.mapper(whole.astype(kind)).lo, expected)
+        np.testing.assert_array_equal(self.mapper(whole.astype(int).tolist()).lo, expected)
+
+    def test_read_only(self):
+        points = self.points.copy()
+        points.flags.writeable = False
+        self.same(points)
+
+    def test_empty(self):
+        found = self.mapper(np.empty((0, 3)))
+        self.assertEqual((len(found), found.lo.shape, found.smallest), (0, (0,), None))
+        lo, hi, status = found
+        self.assertEqual((lo.dtype, hi.dtype, status.dtype), (np.float64, np.float64, np.uint8))
+
+    def test_chunks(self):
+        model = verisq.Model.load(EXAMPLES / "soap.json")
+        chunks = (self.points[k : k + 15] for k in range(0, 40, 15))
+        found = list(verisq.map_chunks(model, chunks, device="host", tolerance=1e-6))
+        self.assertEqual([len(each) for each in found], [15, 15, 10])
+        np.testing.assert_array_equal(np.concatenate([each.lo for each in found]), self.expected)
+
+
+class Memory(unittest.TestCase):
+    def test_points_are_read_where_they_lie(self):
+        count = 20000
+        mapper = verisq.Mapper(verisq.Model.load(EXAMPLES / "capsule.json"))
+        points = random_points(count, 200.0, 9)
+        tracemalloc.start()
+        try:
+            found = mapper(points)
+            with_view = tracemalloc.get_traced_memory()[1]
+            tracemalloc.reset_peak()
+            del found
+            mapper(points.astype(np.float32))
+            with_copy = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+        rows, coordinates = 17 * count, 24 * count
+        self.assertLess(with_view, rows + coordinates // 2)
+        self.assertGreater(with_copy, rows + coordinates)  # what a copy would look like
+
+
+class Refused(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.model = verisq.Model.load(EXAMPLES / "soap.json")
+
+    def refuses(self, error, text, points, **options):
+        with self.assertRaises(error) as caught:
+            verisq.map(self.model, points, **options)
+        self.assertEqual(str(caught.exception), text)
+        return caught.exception
+
+    def test_shapes(self):
+        for shape in [(4, 2), (3,), (2, 3, 3), ()]:
+            text = f"points must be an array of shape (N, 3), not {shape}"
+            self.refuses(ValueError, text, np.zeros(shape))
+
+    def test_types(self):
+        for kind in ["c16", "O", "U3", "?", "g", "M8[s]"]:
+            with self.subTest(kind), self.assertRaises(TypeError) as caught:
+                verisq.map(self.model, np.zeros((2, 3)).astype(kind))
+            self.assertIn("points must be real numbers that binary64 holds exactly", str(caught.exception))
+        masked = np.ma.masked_array(np.zeros((1, 3)), mask=[[True, False, False]])
+        self.refuses(TypeError, "points must not be a masked array: leave out what is masked", masked)
+
+    def test_integers_that_binary64_does_not_hold(self):
+        text = "points must be within 2^53 where they are integers: binary64 holds no others"
+        self.refuses(ValueError, text, [[2**53 + 1, 0, 0]])
+        verisq.map(self.model, [[2**53, 0, 0]], tolerance=1e9)
+
+    def test_not_finite(self):
+        error = self.refuses(verisq.Error, "point (1, nan, 0) is not finite", [[0.0, 0, 0], [1, np.nan, 0]])
+        self.assertEqual(error.kind, "input")
+        self.refuses(verisq.Error, "point (inf, 0, 0) is not finite", [[np.inf, 0, 0]])
+
+    def test_options(self):
+        points = np.zeros((1, 3))
+        self.refuses(ValueError, "tolerance must be finite and at least 0, not -1", points, tolerance=-1.0)
+        self.refuses(ValueError, "point_radius must be finite and at least 0, not nan", points, point_radius=np.nan)
+        self.refuses(ValueError, "time_limit must be above 0 and at most 1e9 seconds, not 0", points, time_limit=0)
+        expected = message("map", "--model", EXAMPLES / "soap.json", "--mesh", EXAMPLES / "cavity.off", "-o",
+                           os.devnull, "--format", "csv", "--device", "no such device")
+        self.refuses(verisq.Error, expected, points, device="no such device")
+
+
+class Threads(unittest.TestCase):
+    def test_models_and_mappers_are_shared(self):
+        names = ["soap.json", "gem.json"]
+        models = [verisq.Model.load(EXAMPLES / name) for name in names]
+        points = random_points(30, 9.0, 7)
+        mappers = [verisq.Mapper(model, device="host", tolerance=1e-6) for model in models]
+        expected = [mapper(points).lo for mapper in mappers]
+        wrong = []
+
+        def work(number):
+            for which in (number % 2, 1 - number % 2):
+                if not np.array_equal(mappers[which](points).lo, expected[which]):
+                    wrong.append(number)
+
+        threads = [threading.Thread(target=work, args=(number,)) for number in range(6)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(wrong, [])
+
+    def test_others_run_during_a_map(self):
+        # No thread is told to give Python's lock away: others run only where the map has released it.
+        model = verisq.Model.load(EXAMPLES / "bent_tapered_stem.json")
+        begun, ended = threading.Event(), threading.Event()
+        ticks = []
+
+        def count():
+            begun.wait()
+            while not ended.is_set():
+                ticks.append(len(ticks))
+                time.sleep(0.001)
+
+        other = threading.Thread(target=count)
+        other.start()
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(1000.0)
+        try:
+            begun.set()
+            found = verisq.map(model, random_points(500, 30.0, 8), device="host", tolerance=0.0, time_limit=0.3)
+        finally:
+            ended.set()
+            sys.setswitchinterval(interval)
+            other.join()
+        self.assertGreater(len(ticks), 3)
+        self.assertTrue(np.all(found.lo <= found.hi))
+
+
+class Interrupted(unittest.TestCase):
+    PROGRAM = """
+import numpy, sys, verisq
+model = verisq.Model.load(sys.argv[1])
+points = numpy.random.default_rng(1).uniform(-1000, 1000, (2000000, 3))
+print("ready", flush=True)
+try:
+    verisq.map(model, points, device="host", tolerance=0.0)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+    def test_ends_the_map(self):
+        # It would take the host minutes.
+        child = subprocess.Popen([sys.executable, "-c", self.PROGRAM, EXAMPLES / "tapered_stem.json"],
+                                 stdout=subprocess.PIPE, text=True)
+        self.assertEqual(child.stdout.readline(), "ready\n")
+        time.sleep(0.2)
+        child.send_signal(signal.SIGINT)
+        self.assertEqual(child.stdout.readline(), "interrupted\n")
+        self.assertEqual(child.wait(), 0)
+        child.stdout.close()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,206 @@
+"""Everything but maps of points: single queries, meshes, triangles, poses, certificates, whole surfaces, femurs."""
+
+import json
+import pickle
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import verisq
+
+from command_line import EXAMPLES, message, run
+
+
+def model(name):
+    return verisq.Model.load(EXAMPLES / name)
+
+
+def rotations(count, seed):
+    """Poses: translations of some 20, quaternions of any length."""
+    return np.random.default_rng(seed).normal(0.0, 1.0, (count, 7)) * [20, 20, 20, 2, 2, 2, 2]
+
+
+class SingleQueries(unittest.TestCase):
+    def test_signed_distance(self):
+        distance = verisq.SignedDistance(model("soap.json"))
+        lo, hi = distance([10.0, 0.0, 0.0], tolerance=1e-12)  # the soap ends at x = 3.4
+        self.assertTrue(lo <= 6.6 <= hi and hi - lo < 1e-11)
+        self.assertIn(6.6, distance(np.array([10, 0, 0])))
+        self.assertLess(distance((0.0, 0.0, 0.0)).hi, 0.0)
+        for bad, error in [([0, 0], ValueError), ([0, 0, float("inf")], verisq.Error), ("abc", ValueError)]:
+            with self.assertRaises(error):
+                distance(bad)
+        with self.assertRaisesRegex(verisq.Error, "^SignedDistance: not for models with intervals$"):
+            verisq.SignedDistance(model("uncertain_stem.json"))
+
+    def test_enclosure(self):
+        enclosure = verisq.Enclosure(1.0, 2.5)
+        self.assertEqual((enclosure.width, list(enclosure), len(enclosure)), (1.5, [1.0, 2.5], 2))
+        self.assertEqual(pickle.loads(pickle.dumps(enclosure)), enclosure)
+        self.assertEqual(len({enclosure, verisq.Enclosure(1.0, 2.5)}), 1)
+        self.assertNotIn(3.0, enclosure)
+        self.assertEqual(repr(enclosure), "Enclosure(lo=1, hi=2.5)")
+
+    def test_pairs(self):
+        pose = [200, 0, 0, 1, 0, 0, 0]
+        a, b = EXAMPLES / "capsule.json", EXAMPLES / "soap.json"
+        printed = json.loads(run("distance", a, b, "--pose", ",".join(map(str, pose)), "--json").stdout)
+        pair = verisq.distance(verisq.Model.load(a), verisq.Model.load(b), pose)
+        self.assertEqual(list(pair.distance), [printed["lo"], printed["hi"]])
+        self.assertEqual((pair.proximity, pair.complete, pair.common), ("separated", True, None))
+        self.assertTrue(pair.closest.unique)
+        self.assertEqual([list(box) for box in pair.closest.on_b], printed["closest_points"]["on_b"])
+        self.assertEqual(verisq.distance(model("soap.json"), model("soap.json")).proximity, "overlapping")
+
+    def test_pairs_that_are_searched(self):
+        pose = [0, 0, 120, 1, 0, 0, 0]
+        pair = verisq.distance(model("bent_stem.json"), model("soap.json"), pose, tolerance=0.5)
+        self.assertLessEqual(pair.distance.width, 0.5)
+        self.assertGreater(pair.distance.lo, 0.0)
+
+    def test_pairs_that_are_refused(self):
+        soap = model("soap.json")
+        inch = verisq.Model.from_dict({**model("tapered_stem.json").to_dict(), "units": "inch"})
+        with self.assertRaisesRegex(verisq.Error, "^units inch of b differ from mm of a$"):
+            verisq.distance(model("tapered_stem.json"), inch)
+        with self.assertRaisesRegex(verisq.Error, "quaternion not zero"):
+            verisq.distance(soap, soap, [0, 0, 0, 0, 0, 0, 0])
+        with self.assertRaisesRegex(ValueError, r"a pose must be an array of shape \(7,\)"):
+            verisq.distance(soap, soap, [0, 0, 0])
+
+
+class Meshes(unittest.TestCase):
+    def test_files_and_arrays(self):
+        mesh = verisq.Mesh.load(EXAMPLES / "cavity.off")
+        again = verisq.Mesh(mesh.vertices, mesh.triangles)
+        self.assertEqual((mesh.vertices.dtype, mesh.triangles.dtype), (np.float64, np.uint32))
+        with tempfile.TemporaryDirectory() as folder:
+            again.save(Path(folder, "again.ply"))
+            read = verisq.Mesh.load(Path(folder, "again.ply"))
+        np.testing.assert_array_equal(read.vertices, mesh.vertices)
+        np.testing.assert_array_equal(read.triangles, mesh.triangles)
+
+    def test_views_outlive_their_mesh(self):
+        vertices = verisq.Mesh.load(EXAMPLES / "cavity.off").vertices
+        self.assertEqual(vertices.shape, (786, 3))
+        self.assertTrue(np.isfinite(vertices).all())
+        with self.assertRaises(ValueError):
+            vertices[0, 0] = 1.0
+
+    def test_what_is_refused(self):
+        corners = np.eye(3)
+        refused = [
+            (ValueError, "triangles name vertex 3 of 3", corners, [[0, 1, 3]]),
+            (ValueError, "triangles name vertex -1 of 3", corners, [[0, 1, -1]]),
+            (TypeError, "triangles must be integers, indices of vertices, not float64", corners, [[0.0, 1.0, 2.0]]),
+            (ValueError, "triangles must be an array of shape (N, 3), not (1, 4)", corners, [[0, 1, 2, 0]]),
+            (verisq.Error, "vertex 1 is not finite", [[0, 0, 0], [0, np.inf, 0]], None),
+        ]
+        for error, text, vertices, triangles in refused:
+            with self.assertRaises(error) as caught:
+                verisq.Mesh(vertices, triangles)
+            self.assertEqual(str(caught.exception), text)
+        with self.assertRaises(verisq.Error) as caught:
+            verisq.Mesh.load("nowhere.stl")
+        self.assertEqual(str(caught.exception), message("map", "--model", EXAMPLES / "soap.json", "--mesh",
+                                                        "nowhere.stl", "-o", "map.csv"))
+
+    def test_of_models(self):
+        mesh = verisq.mesh_of_model(model("soap.json"), 0.2)
+        self.assertTrue(mesh.is_closed)
+        found = verisq.map(model("soap.json"), mesh.vertices[:40])
+        self.assertLess(np.abs(found.lo).max(), 0.2)
+
+
+class OtherMaps(unittest.TestCase):
+    def test_triangles(self):
+        path, bone = EXAMPLES / "stem_mm.json", EXAMPLES / "cavity.off"
+        mesh = verisq.Mesh.load(bone)
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, "map.npy")
+            run("map", "--model", path, "--mesh", bone, "--on", "triangles", "--device", "host", "-o", file)
+            rows = np.load(file)[:30]
+        found = verisq.map_triangles(verisq.Model.load(path), mesh.vertices[mesh.triangles[:30]])
+        np.testing.assert_array_equal(found.lo, rows["lo"])
+        np.testing.assert_array_equal(found.hi, rows["hi"])
+        with self.assertRaisesRegex(ValueError, r"triangles must be an array of shape \(N, 3, 3\), not \(2, 3\)"):
+            verisq.map_triangles(model("soap.json"), np.zeros((2, 3)))
+
+    def test_poses(self):
+        poses = rotations(20, 1)
+        a, b = EXAMPLES / "capsule.json", EXAMPLES / "soap.json"
+        with tempfile.TemporaryDirectory() as folder:
+            given, file = Path(folder, "poses.csv"), Path(folder, "map.npy")
+            np.savetxt(given, poses, "%.17g", ",")
+            outcome = run("distance", a, b, "--poses", given, "--device", "host", "-o", file)
+            self.assertIn(outcome.returncode, (0, 3), outcome.stderr)
+            rows = np.load(file)
+        found = verisq.map_poses(verisq.Model.load(a), verisq.Model.load(b), poses, device="host")
+        np.testing.assert_array_equal(found.lo, rows["lo"])
+        np.testing.assert_array_equal(found.hi, rows["hi"])
+        mapper = verisq.PoseMapper(verisq.Model.load(a), verisq.Model.load(b), device="host")
+        np.testing.assert_array_equal(mapper(poses[:3]).lo, rows["lo"][:3])
+
+
+class Certificates(unittest.TestCase):
+    def test_prove_and_refute(self):
+        stem = model("stem_mm.json")
+        points = verisq.Mesh.load(EXAMPLES / "cavity.off").vertices[:25]
+        found = verisq.map(stem, points, certificates=True, tolerance=1e-6)
+        self.assertEqual(len(found.certificates), 25)
+        self.assertEqual(len(found.certificates[-1]["normals"][0][1]), 3)
+        checker = verisq.Checker(stem)
+        self.assertTrue(checker.points(points, found.lo, found.hi, found.certificates).all_proved)
+        wrong = checker.points(points, found.lo + 1.0, found.hi + 1.0, found.certificates)
+        np.testing.assert_array_equal(wrong.verdict, verisq.Verdict.REFUTED)
+        self.assertFalse(wrong.all_proved)
+        with self.assertRaisesRegex(ValueError, "there are 25 certificates for 24 rows"):
+            checker.points(points[1:], found.lo[1:], found.hi[1:], found.certificates)
+        self.assertIsNone(verisq.map(stem, points[:1]).certificates)
+
+    def test_of_triangles(self):
+        stem = model("stem_mm.json")
+        mesh = verisq.Mesh.load(EXAMPLES / "cavity.off")
+        corners = mesh.vertices[mesh.triangles[:10]]
+        found = verisq.map_triangles(stem, corners, certificates=True)
+        self.assertTrue(verisq.Checker(stem).triangles(corners, found.lo, found.hi, found.certificates).all_proved)
+
+    def test_of_bent_models_are_refused(self):
+        with self.assertRaises(verisq.Error):
+            verisq.map(model("bent_stem.json"), [[0, 0, 0]], certificates=True)
+
+
+class Surfaces(unittest.TestCase):
+    def test_recovery_and_deviation(self):
+        ball = verisq.Model.from_dict({
+            "format": "verisq-model/1",
+            "primitives": [{"name": "ball", "superquadric": {"semi_axes": [3, 3, 3], "exponents": [1, 1]}}],
+        })
+        mesh = verisq.mesh_of_model(ball, 0.2)
+        deviation = verisq.deviation(ball, mesh, relative_tolerance=0.3, device="host", from_model=False)
+        self.assertLess(deviation.from_mesh.largest.hi, 0.3)
+        self.assertEqual(len(deviation.from_mesh.percentiles), 2)
+        self.assertIsNone(deviation.hausdorff)
+        found = verisq.recover(mesh.vertices, units="mm")
+        self.assertEqual(found.model.units, "mm")
+        self.assertLess(abs(found.model.bounding_radius - ball.bounding_radius), 0.05)
+        self.assertEqual([stage.primitives for stage in found.stages], [1])
+        with self.assertRaisesRegex(verisq.Error, "12"):
+            verisq.recover(np.zeros((3, 3)))
+
+    def test_features(self):
+        landmarks = json.loads((EXAMPLES / "femur_landmarks.json").read_text())
+        printed = json.loads(run("features", "--landmarks", EXAMPLES / "femur_landmarks.json", "--landmark-radius", 1,
+                                 "--json").stdout)
+        points = {**landmarks["landmarks"], "head_radius": landmarks["head_radius"]}
+        found = verisq.femur_features(points, landmarks["side"], landmark_radius=1.0)
+        expected = [(each["name"], each["value"]["lo"], each["value"]["hi"]) for each in printed["features"]]
+        self.assertEqual([(each.name, *each.value) for each in found.features], expected)
+        self.assertEqual(found.features[1].unit, "degrees")
+        with self.assertRaisesRegex(verisq.Error, "no landmark is called knee"):
+            verisq.femur_features({"knee": [0, 0, 0]}, landmark_radius=1.0)
+
+
+if __name__ == "__main__":
+    unittest.main()
