@@ -33,10 +33,6 @@ void check_implant(const UncertainModel& implant, const std::string& file) {
   if (!is_union_of_convex(bracket(implant).largest)) {
     refuse(fmt::format("{}: a fit does not support bends, nor csg other than the union of all primitives", file));
   }
-  if (std::ranges::any_of(implant.primitives,
-                          [](const UncertainPrimitive& primitive) { return primitive.taper != 1.0; })) {
-    refuse(fmt::format("{}: a fit does not support tapers", file));
-  }
   for (const UncertainPrimitive& primitive : implant.primitives) {
     if (std::ranges::all_of(primitive.exponents, is_single) && std::ranges::all_of(primitive.translation, is_single)) {
       continue;

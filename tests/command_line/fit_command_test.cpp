@@ -382,7 +382,6 @@ TEST_F(FitCommand, RefusesImplantsThatDoNotServe) {
   };
   refused({with_area("one.json", "1"), with_area("two.json", "2")}, "two.json: areas: differ from those of ");
   refused({VERISQ_EXAMPLES "/bent_stem.json"}, "bent_stem.json: a fit does not support bends");
-  refused({VERISQ_EXAMPLES "/tapered_stem.json"}, "tapered_stem.json: a fit does not support tapers");
   const std::string uncertain = write("uncertain.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
       {"name": "body", "superquadric": {"semi_axes": [3, 4, 8], "exponents": [1, [0.5, 1]]}}]})");
   refused({uncertain}, uncertain + ": primitive \"body\": only semi-axes may be intervals");

@@ -398,10 +398,6 @@ TEST(Fit, RefusesWhatItCannotFit) {
   UncertainModel bent = exact;
   bent.primitives[0].bend = Bend{0.01, 0.0};
   refused({bent}, cavity, usual, "implants[0]: fit: not supported for bent solids: primitives[0].bend");
-  UncertainModel tapered = exact;
-  tapered.primitives[1].taper = 0.5;
-  refused({tapered}, cavity, usual,
-          "implants[0]: fit: not supported for tapered solids: primitives[1].superquadric.taper");
 
   Cavity lost = cavity;
   lost.points[2][1] = infinity;
