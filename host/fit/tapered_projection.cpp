@@ -1,4 +1,5 @@
-/// Walks from plane to plane, and Newton's method where that leads farther.
+/// Outside Newton's method in logarithms; inside walks from plane to plane, and Newton's method where that leads
+/// farther.
 #include "host/fit/tapered_projection.hpp"
 
 #include <Eigen/LU>
@@ -6,7 +7,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "host/fit/log_sum.hpp"
 #include "verify/proof/superquadric.hpp"
 #include "verify/search/contact.hpp"
 
@@ -31,15 +34,6 @@ constexpr double kSmallestExponent = 1e-9;
 
 double log_or_lowest(double x) {
   return std::log(std::max(x, std::numeric_limits<double>::min()));
-}
-
-double log_sum(double a, double b) {
-  return std::max(a, b) + std::log1p(std::exp(-std::fabs(a - b)));
-}
-
-/// Squares of e^+-300 are normal numbers.
-double bounded_exp(double x) {
-  return std::exp(std::clamp(x, -300.0, 300.0));
 }
 
 std::array<double, 2> exponents_of(const Superquadric& solid) {
@@ -75,7 +69,8 @@ TaperedProjection::TaperedProjection(const Superquadric& solid)
       p1_(2.0 / solid_.exponents[0]),
       p2_(2.0 / solid_.exponents[1]),
       k_(verify::taper_coefficient<double>(solid.taper)),
-      fall_(1.0 - k_ * k_) {}
+      fall_(1.0 - k_ * k_),
+      newton_(solid_) {}
 
 double TaperedProjection::lower_bound(const Vector3d& q) const {
   const double widening = 1.0 + std::fabs(k_);
@@ -101,8 +96,8 @@ TaperedProjection::Plane TaperedProjection::nearest_end_or_wall(const Vector3d& 
 TaperedProjection::BoundaryPlane TaperedProjection::plane_through(const Vector3d& x, const Vector3d& q) const {
   BoundaryPlane found;
   for (int i = 0; i < 3; ++i) found.u[i] = log_or_lowest(std::fabs(x[i])) - std::log(axes_[i]);
-  found.r = log_sum(p2_ * found.u[0], p2_ * found.u[1]) / p2_;
-  const double norm = log_sum(p1_ * found.r, p1_ * found.u[2]) / p1_;
+  found.r = log_sum(p2_ * found.u[0], p2_ * found.u[1]).value / p2_;
+  const double norm = log_sum(p1_ * found.r, p1_ * found.u[2]).value / p1_;
   found.u -= norm;
   found.r -= norm;
   found.side = std::copysign(1.0, x[2]);
@@ -154,18 +149,31 @@ TaperedProjection::BoundaryPlane TaperedProjection::nearest_plane(const Plane& f
   return nearest;
 }
 
+/// Whether the plane touches the solid where q, outside, is closest.
+bool TaperedProjection::closest(const BoundaryPlane& at, const Vector3d& q) const {
+  return tangential(q - at.point, at.plane.normal).norm() <= kOffNormal * axes_.maxCoeff();
+}
+
 Projection TaperedProjection::operator()(const Vector3d& p) const {
   const Vector3d q(std::fabs(p[0]), std::fabs(p[1]), p[2] + k_ * axes_[2]);  // about the focus
-  const Plane radial = plane_through(q, q).plane;
+  const BoundaryPlane radial = plane_through(q, q);
+  if (radial.plane.distance > 0.0) {
+    if (const std::optional<Vector3d> u = newton_(q)) {
+      const BoundaryPlane found = plane_through(*u, q);
+      if (closest(found, q)) return projection(found.plane, p);
+    }
+  }
   const Plane other = nearest_end_or_wall(q);
-  const Plane first = other.distance > radial.distance ? other : radial;
+  const Plane first = other.distance > radial.plane.distance ? other : radial.plane;
   const BoundaryPlane nearest = nearest_plane(first, q);
   const Plane& found = first.distance > nearest.plane.distance ? first : nearest.plane;
-  const Vector3d apart = q - nearest.point;
-  if (found.distance > 0.0 && !(tangential(apart, found.normal).norm() <= kOffNormal * axes_.maxCoeff()))
-    return by_contact(p);
-  const Vector3d normal(std::copysign(found.normal[0], p[0]), std::copysign(found.normal[1], p[1]), found.normal[2]);
-  return {found.distance, normal, p - found.distance * normal};
+  if (found.distance > 0.0 && !closest(nearest, q)) return by_contact(p);
+  return projection(found, p);
+}
+
+Projection TaperedProjection::projection(const Plane& plane, const Vector3d& p) {
+  const Vector3d normal(std::copysign(plane.normal[0], p[0]), std::copysign(plane.normal[1], p[1]), plane.normal[2]);
+  return {plane.distance, normal, p - plane.distance * normal};
 }
 
 Projection TaperedProjection::by_contact(const Vector3d& p) const {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "host/fit/superquadric_projection.hpp"
+#include "host/fit/tapered_newton.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::fit_search {
@@ -31,12 +32,15 @@ class TaperedProjection {
   [[nodiscard]] BoundaryPlane plane_through(const Eigen::Vector3d& x, const Eigen::Vector3d& q) const;
   [[nodiscard]] Eigen::Vector3d newton_step(const BoundaryPlane& at, const Eigen::Vector3d& q) const;
   [[nodiscard]] BoundaryPlane nearest_plane(const Plane& first, const Eigen::Vector3d& q) const;
+  [[nodiscard]] bool closest(const BoundaryPlane& at, const Eigen::Vector3d& q) const;
+  [[nodiscard]] static Projection projection(const Plane& plane, const Eigen::Vector3d& p);
   [[nodiscard]] Projection by_contact(const Eigen::Vector3d& q) const;
 
   Superquadric solid_;
   Eigen::Array3d axes_;
   double p1_, p2_;
   double k_, fall_;  ///< k, 1 - k²
+  TaperedNewton newton_;
 };
 
 }  // namespace verisq::fit_search
