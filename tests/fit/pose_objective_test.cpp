@@ -257,11 +257,8 @@ INSTANTIATE_TEST_SUITE_P(Exponents, SinglePrimitiveTest,
                                                     {{1.9, 1.9}}}),
                          name_of);
 
-INSTANTIATE_TEST_SUITE_P(
-    Tapers, SinglePrimitiveTest,
-    ::testing::ValuesIn(Shapes{
-        {{1.0, 1.0}, 4.0}, {{0.3, 0.4}, 1.9}, {{0.1, 1.0}, 0.8571}, {{0.9, 0.5}, 0.2}, {{1.4, 1.5}, 2.0}}),
-    name_of);
+INSTANTIATE_TEST_SUITE_P(Tapers, SinglePrimitiveTest, ::testing::ValuesIn(Shapes{{{0.3, 0.4}, 1.9}, {{0.9, 1.2}, 0.3}}),
+                         name_of);
 
 // Exponent 2 is taken for a smaller one: a solid at most 3.5 % larger.
 TEST_F(PoseObjectiveTest, AnOctahedronIsALittleTooLarge) {
@@ -419,8 +416,12 @@ TEST_F(PoseObjectiveTest, SumsAreThoseOfTheDistances) {
 }
 
 // Points at which primitives are equally near would be kinks; these are none.
-TEST_F(PoseObjectiveTest, GradientsAreCentralDifferences) {
-  const Candidate candidate = implant();
+class GradientTest : public PoseObjectiveTest, public ::testing::WithParamInterface<double> {};
+
+TEST_P(GradientTest, IsThatOfCentralDifferences) {
+  Candidate candidate = implant();
+  candidate.primitives[0].superquadric.taper = GetParam();
+  candidate.primitives[1].superquadric.taper = 1.0 / GetParam();
   const auto evaluated = evaluator(points_about(candidate, 200, 0.93, 1.6));
   const Evaluation at = evaluation(*evaluated, candidate);
   ASSERT_LT(at.smallest_distance, 0.0);
@@ -451,6 +452,8 @@ TEST_F(PoseObjectiveTest, GradientsAreCentralDifferences) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Tapers, GradientTest, ::testing::Values(1.0, 1.8));
 
 TEST_F(PoseObjectiveTest, NoCandidateOfTheCellIsAboveTheBound) {
   const Candidate centre = implant();
