@@ -63,7 +63,7 @@ constexpr double largest_exponent = 1.95;
 
 // What kernels/tapered_enclosure.clh bounds with, here to nearest. An exponent of the dual norm is finite: exponents
 // are below 2.
-void set_taper(PrimitiveParameters& parameters, double taper) {
+void set_taper_to_nearest(PrimitiveParameters& parameters, double taper) {
   double squares = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     parameters.inverse_axes_up[i] = 1.0 / parameters.semi_axes[i];
@@ -105,7 +105,7 @@ ScaledPrimitive scaled(const Primitive& primitive) {
     parameters.p[i] = 2.0 / exponent;
     parameters.inverse_p[i] = exponent / 2.0;
   }
-  if (is_tapered(primitive.superquadric)) set_taper(parameters, primitive.superquadric.taper);
+  if (is_tapered(primitive.superquadric)) set_taper_to_nearest(parameters, primitive.superquadric.taper);
   out.unit = std::ldexp(1.0, -scale);
   return out;
 }
@@ -197,7 +197,7 @@ Evaluation evaluation_of(std::span<const double> sums, std::size_t primitives) {
   return evaluation;
 }
 
-std::string_view sources(bool tapered) {
+std::string_view objective_sources(bool tapered) {
   return tapered ? kernels::embedded_tapered_pose_objective_sources() : kernels::embedded_pose_objective_sources();
 }
 
@@ -206,10 +206,10 @@ struct Kernels {
   Kernels(const Device& device, const std::string& memory_option, bool tapered_ones)
       : memory(memory_option),
         tapered(tapered_ones),
-        program(build_program(device.context, device.device, device.vector_width, sources(tapered), memory)),
-        pose_objective(program, sources(tapered), "pose_objective"),
-        sum_slices(program, sources(tapered), "sum_slices"),
-        pose_distance(program, sources(tapered), "pose_distance") {}
+        program(build_program(device.context, device.device, device.vector_width, objective_sources(tapered), memory)),
+        pose_objective(program, objective_sources(tapered), "pose_objective"),
+        sum_slices(program, objective_sources(tapered), "sum_slices"),
+        pose_distance(program, objective_sources(tapered), "pose_distance") {}
 
   std::string memory;
   bool tapered;

@@ -23,7 +23,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kSteadyNormal = 1e-8;
-constexpr int kMostRounds = 40;
+constexpr int kMostFocalRounds = 40;
 /// Of Newton's equations: nearer to a centre of curvature planes lead on alone.
 constexpr double kLeastDeterminant = 1e-3;
 /// Of the size: how near a point outside is to the closest point's normal. The distance is off by about its square.
@@ -41,7 +41,7 @@ std::array<double, 2> exponents_of(const Superquadric& solid) {
           std::clamp(solid.exponents[1], kSmallestExponent, kLargestExponent)};
 }
 
-Vector3d tangential(const Vector3d& a, const Vector3d& unit_normal) {
+Vector3d tangential_part(const Vector3d& a, const Vector3d& unit_normal) {
   return a - a.dot(unit_normal) * unit_normal;
 }
 
@@ -123,11 +123,11 @@ Vector3d TaperedProjection::newton_step(const BoundaryPlane& at, const Vector3d&
                    -at.side * bounded_exp(of_w + at.r) / axes_[2]);
   const Vector3d t(bounded_exp(of_t + at.u[1]) / axes_[0], -bounded_exp(of_t + at.u[0]) / axes_[1], 0.0);
   Eigen::Matrix<double, 3, 2> roots;
-  roots << tangential(w, n), tangential(t, n);
+  roots << tangential_part(w, n), tangential_part(t, n);
   const double room = 1.0 - k_ * at.side * bounded_exp(at.u[2]);
   const double c = -at.plane.distance * at.plane.inverse_length * room / fall_;
   const Matrix2d equations = Matrix2d::Identity() - c * roots.transpose() * roots;
-  const Vector3d e = tangential(foot - at.point, n);
+  const Vector3d e = tangential_part(foot - at.point, n);
   if (!(equations(0, 0) > 0.0 && equations.determinant() > kLeastDeterminant)) return foot;
   const Vector3d next = at.point + e + roots * (equations.inverse() * (c * roots.transpose() * e));
   return next.squaredNorm() <= 16.0 * axes_.square().sum() ? next : foot;
@@ -136,7 +136,7 @@ Vector3d TaperedProjection::newton_step(const BoundaryPlane& at, const Vector3d&
 TaperedProjection::BoundaryPlane TaperedProjection::nearest_plane(const Plane& first, const Vector3d& q) const {
   BoundaryPlane nearest = plane_through(q - first.distance * first.normal, q);
   bool by_newton = true;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostFocalRounds; ++round) {
     const Vector3d x =
         by_newton ? newton_step(nearest, q) : Vector3d(q - nearest.plane.distance * nearest.plane.normal);
     const BoundaryPlane next = plane_through(x, q);
@@ -151,7 +151,7 @@ TaperedProjection::BoundaryPlane TaperedProjection::nearest_plane(const Plane& f
 
 /// Whether the plane touches the solid where q, outside, is closest.
 bool TaperedProjection::closest(const BoundaryPlane& at, const Vector3d& q) const {
-  return tangential(q - at.point, at.plane.normal).norm() <= kOffNormal * axes_.maxCoeff();
+  return tangential_part(q - at.point, at.plane.normal).norm() <= kOffNormal * axes_.maxCoeff();
 }
 
 Projection TaperedProjection::operator()(const Vector3d& p) const {
