@@ -18,6 +18,8 @@ namespace verisq::kernels {
 
 /// The objective of a fit and its gradient for many candidates: floating point, for searches.
 [[nodiscard]] std::string_view embedded_pose_objective_sources();
+/// The same kernels for candidates of which primitives are tapered.
+[[nodiscard]] std::string_view embedded_tapered_pose_objective_sources();
 
 /// Of programs for models with bends or set operations: the layers, those of models with tapered primitives, and
 /// kernels that call functions of the model's own tree, which come last (host/batches/model_source.hpp).

@@ -1,6 +1,7 @@
 // This file implements the objective of a fit (paper Eq. (4)) for many candidates at once: signed distances of all
 // points to each candidate, the sum of weight * f(distance), its gradient by the candidate's pose and semi-axes, and an
-// upper bound of the sum over a cell of poses. Floating point: nothing here is proven.
+// upper bound of the sum over a cell of poses. Floating point: nothing here is proven. It stands behind one of the two
+// layers that say what the distance to a primitive is, untapered_primitive.clh or tapered_distance_gradient.clh.
 
 // The signed distance to a union, in the cavity's frame and unit.
 typedef struct {
@@ -21,7 +22,9 @@ ALWAYS_INLINE vector3 to_scaled_frame(vector3 x, MODEL_SPACE const superquadric*
 
 // The distance to the primitive's box: a lower bound for points outside the box, 0 in it.
 ALWAYS_INLINE real distance_to_box(vector3 q, MODEL_SPACE const superquadric* s) {
-  const vector3 apart = {fmax(fabs(q.x) - s->semi_axes[0], REAL(0.0)), fmax(fabs(q.y) - s->semi_axes[1], REAL(0.0)),
+  const double widening = widening_of(s);
+  const vector3 apart = {fmax(fabs(q.x) - widening * s->semi_axes[0], REAL(0.0)),
+                         fmax(fabs(q.y) - widening * s->semi_axes[1], REAL(0.0)),
                          fmax(fabs(q.z) - s->semi_axes[2], REAL(0.0))};
   return sqrt(dot_nearest(apart, apart));
 }
@@ -74,13 +77,14 @@ ALWAYS_INLINE union_distance union_distance_at(vector3 x, MODEL_SPACE const scal
     const vector3 q = to_scaled_frame(x, s);
     const integer wanted = MASK(distance_to_box(q, s) * unit <= fmax(least.distance, REAL(0.0)));
     if (!any(wanted)) continue;
-    const signed_distance own = signed_distance_at(q, wanted, s);
+    const signed_distance own = primitive_distance_at(q, wanted, s);
     union_distance other;
     other.distance = select(REAL(INFINITY), own.distance * unit, wanted);
     const vector3 turned = to_model_direction(own.normal, s); // the frame's rotation is divided by the unit
     other.normal = (vector3){turned.x * unit, turned.y * unit, turned.z * unit};
     other.primitive = INTEGER((long)i);
-    // The support function h(n) rises by n_i x_i / a_i with a_i, x the closest point.
+    // The support function h(n) rises by n_i x_i / a_i with a_i, x the closest point; with a taper too, which scales as
+    // the semi-axes do.
     other.size_gradient.x = -own.normal.x * fma(-own.distance, own.normal.x, q.x) / s->semi_axes[0];
     other.size_gradient.y = -own.normal.y * fma(-own.distance, own.normal.y, q.y) / s->semi_axes[1];
     other.size_gradient.z = -own.normal.z * fma(-own.distance, own.normal.z, q.z) / s->semi_axes[2];

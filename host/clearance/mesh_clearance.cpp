@@ -10,6 +10,7 @@
 
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/proof/convex_union.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
@@ -26,6 +27,10 @@ using verify::displacement;
 constexpr double share_of_samples = 0.25;
 /// Of how much deeper than the limit a triangle goes: how closely its deepest point is sought.
 constexpr double share_of_depth = 0.25;
+
+/// Rounds of halving before whole triangles are asked for: about tapered solids they are the host's, a thousand times
+/// slower than points, which leave few of them open by then.
+constexpr int rounds_of_tapered = 6;
 
 /// A part of a triangle, by its corners to nearest; a thin one by its longest side, whose end comes twice then.
 struct Piece {
@@ -113,22 +118,29 @@ class MeshSearch {
  public:
   MeshSearch(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options)
       : options_(options),
+        model_(model),
+        mesh_(mesh),
         mapper_(model, {.tolerance = share_of_samples *
                                      std::min(options.tolerance, options.limit_tolerance.value_or(options.tolerance)),
                         .device = options.device,
                         .interrupted = options.interrupted}),
         triangles_(mesh.triangles.size()) {
     for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
-      const auto& [a, b, c] = mesh.triangles[n];
-      const Triangle whole{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
+      const Triangle whole = corners_of(n);
       open_.push_back({.corners = whole, .triangle = n, .displacement = displacement(whole)});
     }
-    if (is_union_of_convex(model)) bound_whole_triangles(model);
+    if (is_union_of_convex(model)) rounds_before_whole_triangles_ = verify::has_taper(model) ? rounds_of_tapered : 0;
   }
 
   MeshClearance operator()() {
-    settle_unless([this](const Piece& piece) { return is_open(piece); });
-    while (!open_.empty() && !found_.interrupted && found_.samples + open_.size() <= options_.most_samples) {
+    for (int round = 0; !open_.empty() && !found_.interrupted; ++round) {
+      const bool enough = found_.samples + open_.size() > options_.most_samples;
+      if (rounds_before_whole_triangles_ && (enough || round >= *rounds_before_whole_triangles_)) {
+        rounds_before_whole_triangles_.reset();
+        bound_triangles_with_open_pieces();
+        continue;
+      }
+      if (enough) break;
       sample();
       divide();
     }
@@ -139,27 +151,41 @@ class MeshSearch {
 
  private:
   /// Of triangles that do not meet the solid the distance is the smallest signed one on them, which a certificate for
-  /// the whole triangle proves at once; of those that do it is 0, above the smallest signed one.
-  void bound_whole_triangles(const Model& model) {
-    TriangleMapper mapper(model, {.tolerance = share_of_samples * options_.tolerance,
-                                  .device = options_.device,
-                                  .interrupted = options_.interrupted});
+  /// the whole triangle proves at once; of those that do it is 0, above the smallest signed one. Returns the former, by
+  /// triangle, and no bound for others.
+  [[nodiscard]] std::vector<double> distances_of_whole(std::span<const std::uint32_t> triangles) {
+    TriangleMapper mapper(model_, {.tolerance = share_of_samples * options_.tolerance,
+                                   .device = options_.device,
+                                   .interrupted = options_.interrupted});
     std::size_t asked = 0;
     std::size_t answered = 0;
-    const Source<Triangle> source = [&](std::span<Triangle> triangles) {
-      const std::size_t count = std::min(triangles.size(), open_.size() - asked);
-      for (std::size_t i = 0; i < count; ++i) triangles[i] = open_[asked++].corners;
+    std::vector<double> bounds(triangles_.size(), -infinity);
+    const Source<Triangle> source = [&](std::span<Triangle> corners) {
+      const std::size_t count = std::min(corners.size(), triangles.size() - asked);
+      for (std::size_t i = 0; i < count; ++i) corners[i] = corners_of(triangles[asked++]);
       return count;
     };
     const Sink<Triangle> sink = [&](std::span<const Triangle>, std::span<const MapResult> rows,
                                     std::span<const Certificate>) {
       for (const auto& [distance, status] : rows) {
-        if (distance.lo > 0.0) open_[answered].bound = distance.lo;
+        if (distance.lo > 0.0) bounds[triangles[answered]] = distance.lo;
         smallest_hi_ = std::min(smallest_hi_, distance.hi);
         ++answered;
       }
     };
     found_.interrupted = mapper.map(source, sink).interrupted;
+    return bounds;
+  }
+
+  /// What is said of a whole triangle holds on its pieces.
+  void bound_triangles_with_open_pieces() {
+    std::vector<std::uint32_t> triangles;
+    for (const Piece& piece : open_) triangles.push_back(piece.triangle);
+    std::ranges::sort(triangles);
+    triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+    const std::vector<double> bounds = distances_of_whole(triangles);
+    for (Piece& piece : open_) piece.bound = std::max(piece.bound, bounds[piece.triangle]);
+    settle_unless([this](const Piece& piece) { return is_open(piece); });
   }
 
   [[nodiscard]] bool too_deep(std::uint32_t triangle) const {
@@ -258,8 +284,16 @@ class MeshSearch {
     return 0.5 * share_of_samples * std::min(options_.tolerance, options_.limit_tolerance.value_or(options_.tolerance));
   }
 
+  [[nodiscard]] Triangle corners_of(std::uint32_t triangle) const {
+    const auto& [a, b, c] = mesh_.triangles[triangle];
+    return {mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]};
+  }
+
   MeshClearanceOptions options_;
+  const Model& model_;
+  const Mesh& mesh_;
   PointMapper mapper_;
+  std::optional<int> rounds_before_whole_triangles_;  ///< none where they have been asked for, or cannot be
   std::vector<TriangleState> triangles_;
   std::vector<Piece> open_;
   double settled_lo_ = infinity;   ///< of all pieces that are not open any more

@@ -319,8 +319,10 @@ void declare_search(Options& options, FitArguments& arguments) {
 
 void declare_fit(Options& options, FitArguments& arguments) {
   options.explain(closing_words);
-  options.require_each("--implant", arguments.implants, "FILE",
-                       "Model of posed superquadrics (verisq-model/1, JSON); repeat it for a series to choose from");
+  options.require_each(
+      "--implant", arguments.implants, "FILE",
+      "Model of posed superquadrics, tapered or not (verisq-model/1, JSON); repeat it for a series to choose "
+      "from");
   options.require("--mesh", arguments.mesh, "FILE", "The bone: .stl .obj .ply .off; its vertices are fitted");
   declare_sides(options, arguments);
   declare_aims(options, arguments);

@@ -31,11 +31,10 @@ bool is_single(const Enclosure& number) {
 /// The library refuses the same without naming the file.
 void check_implant(const UncertainModel& implant, const std::string& file) {
   if (!is_union_of_convex(bracket(implant).largest)) {
-    refuse(fmt::format("{}: a fit does not support bends, nor csg other than the union of all primitives", file));
-  }
-  if (std::ranges::any_of(implant.primitives,
-                          [](const UncertainPrimitive& primitive) { return primitive.taper != 1.0; })) {
-    refuse(fmt::format("{}: a fit does not support tapers", file));
+    refuse(
+        fmt::format("{}: a fit does not support bends, nor csg other than the union of all primitives: make a union of "
+                    "tapered ones of it, by `verisq mesh` and `verisq recover --primitives N --taper`",
+                    file));
   }
   for (const UncertainPrimitive& primitive : implant.primitives) {
     if (std::ranges::all_of(primitive.exponents, is_single) && std::ranges::all_of(primitive.translation, is_single)) {

@@ -86,7 +86,6 @@ Model middle_of(const UncertainModel& implant) {
          .bend = primitive.bend});
   }
   verify::require_union_of_convex(model, "fit");
-  verify::require_no_taper(model, "fit");
   return model;
 }
 

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "host/batches/chunk_pipeline.hpp"
@@ -28,7 +29,7 @@ using fit_search::PointDistance;
 using fit_search::PoseCell;
 
 // The counterpart of `scaled_superquadric` in kernels/signed_distance_gradient.clh. Of the primitive's parameters only
-// those that propose are set: nothing is proven here.
+// those that propose are set, and those that bound a tapered one to nearest: nothing is proven here.
 struct ScaledPrimitive {
   PrimitiveParameters parameters;
   double unit;
@@ -60,6 +61,32 @@ constexpr std::size_t slices_of_block = 64;
 // Beyond, Newton's method often fails. A smaller exponent gives a larger solid: penetrations are overestimated.
 constexpr double largest_exponent = 1.95;
 
+// What kernels/tapered_enclosure.clh bounds with, here to nearest. An exponent of the dual norm is finite: exponents
+// are below 2.
+void set_taper_to_nearest(PrimitiveParameters& parameters, double taper) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    parameters.inverse_axes_up[i] = 1.0 / parameters.semi_axes[i];
+    squares += parameters.semi_axes[i] * parameters.semi_axes[i];
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    parameters.p_down[i] = parameters.p[i];
+    parameters.inverse_p_up[i] = parameters.inverse_p[i];
+    parameters.inverse_conjugate_up[i] = 1.0 - parameters.inverse_p[i];
+    parameters.conjugate_down[i] = 1.0 / parameters.inverse_conjugate_up[i];
+  }
+  const double k = (taper - 1.0) / (taper + 1.0);
+  const double fall = 1.0 - k * k;
+  parameters.containment_up = 1.0;
+  parameters.circumradius_up = std::sqrt(squares);
+  parameters.reach_up = parameters.circumradius_up * (1.0 + std::abs(k));
+  parameters.taper = k;
+  parameters.fall_down = fall;
+  parameters.fall_up = fall;
+  parameters.log_fall = std::log(fall);
+  parameters.focus = k * parameters.semi_axes[2];
+}
+
 ScaledPrimitive scaled(const Primitive& primitive) {
   ScaledPrimitive out{};
   PrimitiveParameters& parameters = out.parameters;
@@ -78,6 +105,7 @@ ScaledPrimitive scaled(const Primitive& primitive) {
     parameters.p[i] = 2.0 / exponent;
     parameters.inverse_p[i] = exponent / 2.0;
   }
+  if (is_tapered(primitive.superquadric)) set_taper_to_nearest(parameters, primitive.superquadric.taper);
   out.unit = std::ldexp(1.0, -scale);
   return out;
 }
@@ -169,17 +197,22 @@ Evaluation evaluation_of(std::span<const double> sums, std::size_t primitives) {
   return evaluation;
 }
 
-// The kernels for candidates in the memory that `model_memory_option` names.
+std::string_view objective_sources(bool tapered) {
+  return tapered ? kernels::embedded_tapered_pose_objective_sources() : kernels::embedded_pose_objective_sources();
+}
+
+// The kernels for candidates in the memory that `model_memory_option` names, of which primitives are tapered or none.
 struct Kernels {
-  Kernels(const Device& device, const std::string& memory_option)
+  Kernels(const Device& device, const std::string& memory_option, bool tapered_ones)
       : memory(memory_option),
-        program(build_program(device.context, device.device, device.vector_width,
-                              kernels::embedded_pose_objective_sources(), memory)),
-        pose_objective(program, kernels::embedded_pose_objective_sources(), "pose_objective"),
-        sum_slices(program, kernels::embedded_pose_objective_sources(), "sum_slices"),
-        pose_distance(program, kernels::embedded_pose_objective_sources(), "pose_distance") {}
+        tapered(tapered_ones),
+        program(build_program(device.context, device.device, device.vector_width, objective_sources(tapered), memory)),
+        pose_objective(program, objective_sources(tapered), "pose_objective"),
+        sum_slices(program, objective_sources(tapered), "sum_slices"),
+        pose_distance(program, objective_sources(tapered), "pose_distance") {}
 
   std::string memory;
+  bool tapered;
   cl::Program program;
   NamedKernel pose_objective;
   NamedKernel sum_slices;
@@ -194,8 +227,7 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
         weights_(weights.begin(), weights.end()),
         pace_(is_processor() ? LaunchPace(distances_of_processor_launch, distances_of_processor_launch)
                              : LaunchPace(distances_of_launch, distances_of_first_launch)),
-        queue_(device),
-        kernels_(device, "") {}
+        queue_(device) {}
 
   void evaluate(std::span<const Candidate> candidates, const Fitness& fitness, const PoseCell& cell, std::size_t stride,
                 std::vector<Evaluation>& evaluations) override {
@@ -203,7 +235,7 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     evaluations.reserve(candidates.size());
     if (candidates.empty()) return;
     reporting_failures(device_.name, [&] {
-      prepare(stride, candidates.front().primitives.size());
+      prepare(stride, candidates.front());
       set_arguments(fitness, cell);
       for (std::size_t first = 0; first < candidates.size();) {
         const std::size_t most = candidates_of_launch();
@@ -223,7 +255,7 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
 
   void distances(const Candidate& candidate, std::vector<PointDistance>& distances) override {
     reporting_failures(device_.name, [&] {
-      prepare(1, candidate.primitives.size());
+      prepare(1, candidate);
       upload({&candidate, 1});
       const std::vector<double> columns = launch_distances();
       const std::size_t capacity = columns.size() / distance_columns;
@@ -243,16 +275,21 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
 
   // Vectors of points, and how many a launch may measure, decide how candidates are cut into work: the sums depend on
   // the former alone.
-  void prepare(std::size_t stride, std::size_t primitives) {
-    if (selected_ && selected_->stride == stride && chunk_ && chunk_->primitives_of_each == primitives) return;
+  void prepare(std::size_t stride, const Candidate& first) {
+    const std::size_t primitives = first.primitives.size();
+    const bool tapered =
+        std::ranges::any_of(first.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
+    const bool compiled = kernels_ && kernels_->tapered == tapered;
+    if (compiled && selected_ && selected_->stride == stride && chunk_ && chunk_->primitives_of_each == primitives)
+      return;
     if (!selected_ || selected_->stride != stride) selected_.emplace(device_, points_, weights_, stride);
     const std::size_t vectors_of_slice = is_processor() ? vectors_of_processor_slice : points_of_slice;
     slices_ = (selected_->groups + vectors_of_slice - 1) / vectors_of_slice;
     const std::string memory = model_memory_option(device_, primitives * sizeof(ScaledPrimitive));
-    if (memory != kernels_.memory) kernels_ = Kernels(device_, memory);
+    if (!compiled || memory != kernels_->memory) kernels_.emplace(device_, memory, tapered);
     block_ = is_processor() ? slices_ : slices_of_block;
     chunk_.emplace(queue_, chunk_capacity(primitives), primitives, slices_, blocks_of(slices_));
-    NamedKernel& objective = kernels_.pose_objective;
+    NamedKernel& objective = kernels_->pose_objective;
     objective.set("slices", slices_);
     objective.set("groups", selected_->groups);
     objective.set(coordinate_arguments, selected_->coordinates);
@@ -261,8 +298,8 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     objective.set("count", primitives);
     objective.set("pivots", chunk_->pivots);
     objective.set("partials", chunk_->partials);
-    kernels_.sum_slices.set("columns", chunk_->columns);
-    kernels_.sum_slices.set("block", block_);
+    kernels_->sum_slices.set("columns", chunk_->columns);
+    kernels_->sum_slices.set("block", block_);
   }
 
   [[nodiscard]] std::size_t blocks_of(std::size_t slices) const { return (slices + block_ - 1) / block_; }
@@ -284,15 +321,15 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
         std::min(distances / (selected_->order.size() * primitives), partial_numbers_of_launch / (slices_ * columns));
     // All candidates of a launch share the constant memory, unless not even one has room there.
     const std::size_t in_constant_memory = device_.constant_memory / (primitives * sizeof(ScaledPrimitive));
-    const bool constant = kernels_.memory.empty();
+    const bool constant = kernels_->memory.empty();
     return std::max<std::size_t>(1, constant ? std::min(capacity, in_constant_memory) : capacity);
   }
 
   void set_arguments(const Fitness& fitness, const PoseCell& cell) {
-    kernels_.pose_objective.set("target", fitness.target);
-    kernels_.pose_objective.set("scale", fitness.scale);
-    kernels_.pose_objective.set("cell_translation", cell.translation);
-    kernels_.pose_objective.set("cell_rotation", cell.rotation);
+    kernels_->pose_objective.set("target", fitness.target);
+    kernels_->pose_objective.set("scale", fitness.scale);
+    kernels_->pose_objective.set("cell_translation", cell.translation);
+    kernels_->pose_objective.set("cell_rotation", cell.rotation);
   }
 
   void upload(std::span<const Candidate> candidates) {
@@ -311,12 +348,12 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
   // Returns the seconds that the kernels took.
   double launch(std::size_t candidates) {
     Chunk& chunk = *chunk_;
-    kernels_.pose_objective.set("candidates", candidates);
-    kernels_.sum_slices.set("candidates", candidates);
+    kernels_->pose_objective.set("candidates", candidates);
+    kernels_->sum_slices.set("candidates", candidates);
     // A vector work-item is long: one a work-group lets the cores share them evenly.
     const std::size_t work_items = candidates * slices_;
-    is_processor() ? queue_.launch(kernels_.pose_objective, work_items, 1)
-                   : queue_.launch(kernels_.pose_objective, work_items);
+    is_processor() ? queue_.launch(kernels_->pose_objective, work_items, 1)
+                   : queue_.launch(kernels_->pose_objective, work_items);
     queue_.read(enqueue_sums(candidates), std::span(chunk.sum_column).first(candidates * chunk.columns));
     return seconds_of(queue_.finish());
   }
@@ -325,10 +362,10 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
   const cl::Buffer& enqueue_sums(std::size_t candidates) {
     std::array<const cl::Buffer*, 2> buffers{&chunk_->partials, &chunk_->sums};
     for (std::size_t slices = slices_;; slices = blocks_of(slices)) {
-      kernels_.sum_slices.set("slices", slices);
-      kernels_.sum_slices.set("partials", *buffers[0]);
-      kernels_.sum_slices.set("sums", *buffers[1]);
-      queue_.launch(kernels_.sum_slices, candidates * blocks_of(slices) * chunk_->columns);
+      kernels_->sum_slices.set("slices", slices);
+      kernels_->sum_slices.set("partials", *buffers[0]);
+      kernels_->sum_slices.set("sums", *buffers[1]);
+      queue_.launch(kernels_->sum_slices, candidates * blocks_of(slices) * chunk_->columns);
       if (blocks_of(slices) == 1) return *buffers[1];
       std::swap(buffers[0], buffers[1]);
     }
@@ -338,13 +375,13 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
     const std::size_t capacity = selected_->groups * static_cast<std::size_t>(device_.vector_width);
     const cl::Buffer buffer = queue_.numbers(distance_columns * capacity);
     std::vector<double> columns(distance_columns * capacity);
-    kernels_.pose_distance.set("groups", selected_->groups);
-    kernels_.pose_distance.set("capacity", capacity);
-    kernels_.pose_distance.set(coordinate_arguments, selected_->coordinates);
-    kernels_.pose_distance.set("primitives", chunk_->primitives);
-    kernels_.pose_distance.set("count", chunk_->primitives_of_each);
-    kernels_.pose_distance.set("columns", buffer);
-    queue_.launch(kernels_.pose_distance, selected_->groups);
+    kernels_->pose_distance.set("groups", selected_->groups);
+    kernels_->pose_distance.set("capacity", capacity);
+    kernels_->pose_distance.set(coordinate_arguments, selected_->coordinates);
+    kernels_->pose_distance.set("primitives", chunk_->primitives);
+    kernels_->pose_distance.set("count", chunk_->primitives_of_each);
+    kernels_->pose_distance.set("columns", buffer);
+    queue_.launch(kernels_->pose_distance, selected_->groups);
     queue_.read(buffer, columns);
     queue_.finish();
     return columns;
@@ -355,7 +392,7 @@ class DeviceCandidateEvaluator final : public fit_search::CandidateEvaluator {
   std::vector<double> weights_;
   LaunchPace pace_;  // in distances
   ChunkQueue queue_;
-  Kernels kernels_;
+  std::optional<Kernels> kernels_;
   std::optional<DevicePoints> selected_;
   std::size_t slices_ = 0;
   std::size_t block_ = 1;  // slices that a work-item sums

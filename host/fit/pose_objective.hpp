@@ -14,8 +14,10 @@ namespace verisq::device {
 /// candidate each). The same call gives the same bits again, and so does a candidate among others. Distances outside
 /// and of shallow points inside are right to about 1e-12 of the primitive's size; deep inside, where several faces are
 /// about equally near, depths may be overestimated. Exponents above 1.95 count as 1.95: a solid at most 3.5 % larger.
-/// Compiles its kernels, or takes them from the cache. Throws Error(failure) here and in calls where the device fails.
-/// Precondition: at least one point; finite; weights >= 0; stride > 0; at least one primitive a candidate, none bent.
+/// Of tapered primitives with exponents above 1.4 a few of a thousand points outside are taken for closer than they
+/// are. The first call compiles its kernels, or takes them from the cache. Throws Error(failure) here and in calls
+/// where the device fails. Precondition: at least one point; finite; weights >= 0; stride > 0; at least one primitive a
+/// candidate, none bent; candidates of a call agree on which primitives are tapered.
 [[nodiscard]] std::unique_ptr<fit_search::CandidateEvaluator> device_candidate_evaluator(
     const Device& device, std::span<const Point> points, std::span<const double> weights);
 

@@ -275,6 +275,17 @@ TEST(MeshClearance, IsNeverAboveTheDistanceOfAPoint) {
   }
 }
 
+TEST(MeshClearance, OfTaperedModelsIsEnclosedToo) {
+  Random random(9);
+  const Model stem{"",
+                   {{"shaft", {{1.0, 1.4, 6.0}, {0.7, 0.9}, 2.0}, {{0.0, 0.0, -3.0}, {1.0, 0.1, 0.0, 0.0}}, {}},
+                    {"neck", {{0.8, 0.8, 3.0}, {0.4, 1.0}, 0.7}, {{1.0, 0.5, 3.0}, {0.9, 0.3, -0.2, 0.1}}, {}}},
+                   {}};
+  std::vector<Triangle> triangles;
+  for (int k = 0; k < 15; ++k) triangles.push_back(random_triangle(random, 4.0, random.uniform(0.1, 6.0)));
+  expect_sound_at_points(stem, soup(triangles), 0.4, 0.05, random);
+}
+
 TEST(MeshClearance, OfBentModelsAndSetOperationsIsEnclosedToo) {
   Random random(5);
   RandomSolids solids(5);

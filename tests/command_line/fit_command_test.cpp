@@ -382,7 +382,6 @@ TEST_F(FitCommand, RefusesImplantsThatDoNotServe) {
   };
   refused({with_area("one.json", "1"), with_area("two.json", "2")}, "two.json: areas: differ from those of ");
   refused({VERISQ_EXAMPLES "/bent_stem.json"}, "bent_stem.json: a fit does not support bends");
-  refused({VERISQ_EXAMPLES "/tapered_stem.json"}, "tapered_stem.json: a fit does not support tapers");
   const std::string uncertain = write("uncertain.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
       {"name": "body", "superquadric": {"semi_axes": [3, 4, 8], "exponents": [1, [0.5, 1]]}}]})");
   refused({uncertain}, uncertain + ": primitive \"body\": only semi-axes may be intervals");
@@ -475,6 +474,23 @@ TEST_F(SidedFitCommand, PutsTheShaftInside) {
   EXPECT_EQ(sides["kept"], true);
   EXPECT_EQ(sides["primitives"][0], (json{{"primitive", "shaft"}, {"required", "inside"}, {"found", "proven"}}));
   EXPECT_EQ(sides["primitives"][1], (json{{"primitive", "neck"}, {"required", "any"}, {"found", nullptr}}));
+}
+
+TEST_F(SidedFitCommand, PutsATaperedShaftInside) {
+  const std::string tapered = write("tapered.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+      {"name": "shaft", "superquadric": {"semi_axes": [2.2, 2.2, 7], "exponents": [0.5, 0.5], "taper": 1.8},
+       "pose": {"translation": [0, 0, -2]}},
+      {"name": "neck", "superquadric": {"semi_axes": [1.6, 1.6, 6], "exponents": [1, 1], "taper": 0.8},
+       "pose": {"translation": [0, 0, 8]}}]})");
+  const Outcome outcome =
+      run({"fit", "--implant", tapered, "--mesh", cavity(), "--cavity", "--resection", top, "--crossing", "neck", "-o",
+           path("fitted.json"), "--json", "--samples", "128", "--translation-range", "4", "--rotation-range", "5"});
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  const json summary = json::parse(outcome.out);
+  EXPECT_EQ(summary["sides"]["kept"], true);
+  EXPECT_EQ(summary["sides"]["primitives"][0],
+            (json{{"primitive", "shaft"}, {"required", "inside"}, {"found", "proven"}}));
+  EXPECT_EQ(read_model(path("fitted.json")).primitives[0].superquadric.taper, 1.8);
 }
 
 TEST_F(SidedFitCommand, KeepsWhatIsToBePreserved) {

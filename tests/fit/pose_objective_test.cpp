@@ -87,12 +87,19 @@ class Random {
   std::mt19937_64 engine_{1};
 };
 
+double taper_coefficient(const Superquadric& solid) {
+  return (solid.taper - 1.0) / (solid.taper + 1.0);
+}
+
+// Of a point about the focus, in the frame of the solid.
 double gauge(const Superquadric& solid, const Point& p) {
   const double p1 = 2.0 / solid.exponents[0];
   const double p2 = 2.0 / solid.exponents[1];
   const auto& a = solid.semi_axes;
   const double section = std::pow(std::pow(std::abs(p[0] / a[0]), p2) + std::pow(std::abs(p[1] / a[1]), p2), 1.0 / p2);
-  return std::pow(std::pow(section, p1) + std::pow(std::abs(p[2] / a[2]), p1), 1.0 / p1);
+  const double norm = std::pow(std::pow(section, p1) + std::pow(std::abs(p[2] / a[2]), p1), 1.0 / p1);
+  const double k = taper_coefficient(solid);
+  return (norm - k * p[2] / a[2]) / (1.0 - k * k);
 }
 
 // At `lower` to `upper` times the primitive's own size.
@@ -101,6 +108,7 @@ Point point_about(Random& random, const Primitive& primitive, double lower, doub
   for (std::size_t i = 0; i < 3; ++i) p[i] *= primitive.superquadric.semi_axes[i];
   const double factor = random.uniform(lower, upper) / gauge(primitive.superquadric, p);
   for (double& component : p) component *= factor;
+  p[2] -= taper_coefficient(primitive.superquadric) * primitive.superquadric.semi_axes[2];
   return moved(p, primitive.pose);
 }
 
@@ -176,9 +184,17 @@ class PoseObjectiveTest : public ::testing::Test {
   }
 };
 
-class SinglePrimitiveTest : public PoseObjectiveTest, public ::testing::WithParamInterface<std::array<double, 2>> {
+struct Shape {
+  std::array<double, 2> exponents;
+  double taper = 1.0;
+};
+
+class SinglePrimitiveTest : public PoseObjectiveTest, public ::testing::WithParamInterface<Shape> {
  protected:
-  [[nodiscard]] static Candidate candidate() { return {{primitive({{1.0, 1.3, 2.9}, GetParam()})}, {}}; }
+  [[nodiscard]] static Superquadric solid(const std::array<double, 3>& semi_axes) {
+    return {semi_axes, GetParam().exponents, GetParam().taper};
+  }
+  [[nodiscard]] static Candidate candidate() { return {{primitive(solid({1.0, 1.3, 2.9}))}, {}}; }
 };
 
 TEST_P(SinglePrimitiveTest, DistancesOutsideAreThoseProven) {
@@ -191,13 +207,14 @@ TEST_P(SinglePrimitiveTest, DistancesInsideCloseToTheSurfaceAreThoseProven) {
 
 // Any direction bounds the depth from above, and none found is worse than the way to the faces of the box.
 TEST_P(SinglePrimitiveTest, DepthsAreNeitherUnderestimatedNorAboveTheBoxes) {
-  const Candidate unmoved{{primitive({{1.3, 1.0, 2.9}, GetParam()}, {})}, {}};
+  const Candidate unmoved{{primitive(solid({1.3, 1.0, 2.9}), {})}, {}};
+  const double widening = 1.0 + std::abs(taper_coefficient(solid({1.3, 1.0, 2.9})));
   const std::vector<Point> points = points_about(unmoved, 200, 0.0, 1.0);
   const std::vector<PointDistance> found = distances(unmoved, points);
   const SignedDistance proven(Model{"", unmoved.primitives});
   for (std::size_t n = 0; n < points.size(); ++n) {
-    const double depth_in_box =
-        std::min({1.3 - std::abs(points[n][0]), 1.0 - std::abs(points[n][1]), 2.9 - std::abs(points[n][2])});
+    const double depth_in_box = std::min({widening * 1.3 - std::abs(points[n][0]),
+                                          widening * 1.0 - std::abs(points[n][1]), 2.9 - std::abs(points[n][2])});
     EXPECT_LE(found[n].distance, proven(points[n], 1e-6).hi + 1e-12) << n;
     EXPECT_GE(found[n].distance, -depth_in_box - 1e-12) << n;
   }
@@ -216,15 +233,32 @@ TEST_P(SinglePrimitiveTest, DistancesAreContinuousThroughTheSurface) {
   }
 }
 
+std::string name_of(const ::testing::TestParamInfo<Shape>& test) {
+  const auto& [exponents, taper] = test.param;
+  const auto tenths = [](double number) { return std::lround(10.0 * number); };
+  return fmt::format("Tenths{}And{}{}", tenths(exponents[0]), tenths(exponents[1]),
+                     taper == 1.0 ? "" : fmt::format("Taper{}", tenths(taper)));
+}
+
+using Shapes = std::vector<Shape>;
+
 INSTANTIATE_TEST_SUITE_P(Exponents, SinglePrimitiveTest,
-                         ::testing::Values(std::array{1.0, 1.0}, std::array{0.1, 0.1}, std::array{0.1, 1.0},
-                                           std::array{0.3, 0.8}, std::array{0.6, 0.9}, std::array{0.9, 0.5},
-                                           std::array{1.0, 0.2}, std::array{1.5, 0.4}, std::array{0.5, 1.6},
-                                           std::array{1.4, 1.6}, std::array{0.2, 1.9}, std::array{1.9, 1.9}),
-                         [](const auto& test) {
-                           return fmt::format("Tenths{}And{}", std::lround(10.0 * test.param[0]),
-                                              std::lround(10.0 * test.param[1]));
-                         });
+                         ::testing::ValuesIn(Shapes{{{1.0, 1.0}},
+                                                    {{0.1, 0.1}},
+                                                    {{0.1, 1.0}},
+                                                    {{0.3, 0.8}},
+                                                    {{0.6, 0.9}},
+                                                    {{0.9, 0.5}},
+                                                    {{1.0, 0.2}},
+                                                    {{1.5, 0.4}},
+                                                    {{0.5, 1.6}},
+                                                    {{1.4, 1.6}},
+                                                    {{0.2, 1.9}},
+                                                    {{1.9, 1.9}}}),
+                         name_of);
+
+INSTANTIATE_TEST_SUITE_P(Tapers, SinglePrimitiveTest, ::testing::ValuesIn(Shapes{{{0.3, 0.4}, 1.9}, {{0.9, 1.2}, 0.3}}),
+                         name_of);
 
 // Exponent 2 is taken for a smaller one: a solid at most 3.5 % larger.
 TEST_F(PoseObjectiveTest, AnOctahedronIsALittleTooLarge) {
@@ -382,8 +416,12 @@ TEST_F(PoseObjectiveTest, SumsAreThoseOfTheDistances) {
 }
 
 // Points at which primitives are equally near would be kinks; these are none.
-TEST_F(PoseObjectiveTest, GradientsAreCentralDifferences) {
-  const Candidate candidate = implant();
+class GradientTest : public PoseObjectiveTest, public ::testing::WithParamInterface<double> {};
+
+TEST_P(GradientTest, IsThatOfCentralDifferences) {
+  Candidate candidate = implant();
+  candidate.primitives[0].superquadric.taper = GetParam();
+  candidate.primitives[1].superquadric.taper = 1.0 / GetParam();
   const auto evaluated = evaluator(points_about(candidate, 200, 0.93, 1.6));
   const Evaluation at = evaluation(*evaluated, candidate);
   ASSERT_LT(at.smallest_distance, 0.0);
@@ -414,6 +452,8 @@ TEST_F(PoseObjectiveTest, GradientsAreCentralDifferences) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Tapers, GradientTest, ::testing::Values(1.0, 1.8));
 
 TEST_F(PoseObjectiveTest, NoCandidateOfTheCellIsAboveTheBound) {
   const Candidate centre = implant();

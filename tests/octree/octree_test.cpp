@@ -249,6 +249,16 @@ TEST(OctreeVolume, OfDisjointDifferenceIsThatOfTheFirst) {
   EXPECT_GE(difference.summary.volume.hi, 4.0 / 3.0 * std::numbers::pi);
 }
 
+// Boxes across the cut of a bend have no ends along z: 0 times that is 0 for a solid without a taper beside one with.
+TEST(OctreeVolume, OfABentSolidBesideATaperedOneIsAsTight) {
+  const Primitive tube{"tube", {{0.2, 0.2, 1.0}, {0.5, 1.0}}, {}, Bend{1.0, 0.0}};
+  const auto undecided = [&](double taper) {
+    const Primitive egg{"egg", {{0.3, 0.3, 0.3}, {1.0, 1.0}, taper}, {{3.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}};
+    return grow({"", {tube, egg}}, to_depth(6)).summary.volume.width();
+  };
+  EXPECT_LE(undecided(1.5), 1.2 * undecided(1.0));
+}
+
 // A bend keeps the volume where the solid is symmetric in r: the Jacobian 1 - k r has mean 1.
 TEST(OctreeVolume, OfBentSolidContainsTheUnbentOnes) {
   for (const double curvature : {0.012, -0.012, 1e-5, 1e-300}) {
