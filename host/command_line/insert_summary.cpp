@@ -4,11 +4,28 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "host/command_line/directed_digits.hpp"
 #include "host/command_line/json_value.hpp"
 
 namespace verisq::command_line {
+
+namespace {
+
+std::string readable_volume(const InsertReport& report) {
+  if (!report.removed) return {};
+  const RemovedVolume& removed = *report.removed;
+  const auto units = report.units.empty() ? std::string() : " " + report.units + "^3";
+  const auto rims = std::accumulate(removed.rims.begin(), removed.rims.end(), std::size_t{0});
+  return fmt::format("removed bone         {}{}{}\n", outward_digits(removed.volume), units,
+                     removed.within_tolerance ? "" : ", wider than asked for") +
+         fmt::format("  width asked for    {:.3g} of it\n", report.volume_tolerance) +
+         fmt::format("  closed over        {} rims\n", rims) +
+         fmt::format("  cubes              {}, {:.3g} s\n", removed.cubes, report.volume_seconds);
+}
+
+}  // namespace
 
 InsertReport report_of(const Insertion& insertion) {
   InsertReport report{.summary = insertion.summary};
@@ -34,6 +51,7 @@ std::string readable(const InsertReport& report) {
   text += fmt::format("  undecided          {}\n", report.undecided);
   text += fmt::format("deepest penetration  [{}, {}]{}\n", lo, hi, units);
   text += fmt::format("smallest distance    [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
+  text += readable_volume(report);
   text += fmt::format("poses of the path    {}, and all between them\n", report.poses);
   text += fmt::format("device               {}\n", summary.device);
   text += fmt::format("tolerance            {:.3g}{}\n", report.tolerance, units);
@@ -49,6 +67,16 @@ std::string readable(const InsertReport& report) {
 
 std::string json(const InsertReport& report) {
   const auto& summary = report.summary;
+  std::optional<Enclosure> volume;
+  std::optional<JsonObject> work;
+  if (report.removed) {
+    volume = report.removed->volume;
+    work = JsonObject{{"within_tolerance", report.removed->within_tolerance},
+                      {"relative_tolerance", report.volume_tolerance},
+                      {"rims", report.removed->rims},
+                      {"cubes", report.removed->cubes},
+                      {"seconds", report.volume_seconds}};
+  }
   const JsonObject object{
       {"points", summary.points},
       {"proven_cut", report.proven_cut},
@@ -56,6 +84,8 @@ std::string json(const InsertReport& report) {
       {"undecided", report.undecided},
       {"deepest_penetration", report.deepest_penetration},
       {"smallest_distance", Enclosure{summary.minimum_lo, summary.minimum_hi}},
+      {"removed_volume", volume},
+      {"removed_volume_proof", work},
       {"poses", report.poses},
       {"device_verified", summary.device_verified},
       {"host_verified", summary.host_verified},
@@ -68,7 +98,7 @@ std::string json(const InsertReport& report) {
       {"device_seconds", summary.device_seconds},
       {"host_seconds", summary.host_seconds},
       {"seconds", report.seconds},
-      {"interrupted", summary.interrupted},
+      {"interrupted", summary.interrupted || (report.removed && report.removed->interrupted)},
       {"output", report.output},
   };
   return object.text() + "\n";
