@@ -4,15 +4,19 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "host/clearance/path_check.hpp"
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
+#include "verisq/insertion.hpp"
 #include "verisq/map.hpp"
 
 namespace verisq {
@@ -109,35 +113,60 @@ struct TriangleState {
   bool unresolved = false;  ///< a piece may lie too deep, but cannot be told
 };
 
+/// Enclosures of a function of the place that changes by no more than the place moves; those of the first points alone
+/// when interrupted.
+using Distances = std::function<std::vector<Enclosure>(std::span<const Point>)>;
+
+/// Wide enclosures of samples cost less, but leave more of them to be looked at.
+double tolerance_of_samples(const MeshClearanceOptions& options) {
+  return share_of_samples * std::min(options.tolerance, options.limit_tolerance.value_or(options.tolerance));
+}
+
+Distances distances_to(const Model& model, const MeshClearanceOptions& options) {
+  const auto mapper = std::make_shared<PointMapper>(model, MapOptions{.tolerance = tolerance_of_samples(options),
+                                                                      .device = options.device,
+                                                                      .interrupted = options.interrupted});
+  return [mapper](std::span<const Point> queries) {
+    std::vector<Enclosure> distances;
+    std::size_t asked = 0;
+    const Source<Point> source = [&](std::span<Point> points) {
+      const std::size_t count = std::min(points.size(), queries.size() - asked);
+      std::ranges::copy(queries.subspan(asked, count), points.begin());
+      asked += count;
+      return count;
+    };
+    const Sink<Point> sink = [&](std::span<const Point>, std::span<const MapResult> rows,
+                                 std::span<const Certificate>) {
+      for (const MapResult& row : rows) distances.push_back(row.distance);
+    };
+    mapper->map(source, sink);
+    return distances;
+  };
+}
+
+Distances smallest_distances_along(std::span<const Pose> path, const Model& model,
+                                   const MeshClearanceOptions& options) {
+  return [=, &model](std::span<const Point> queries) {
+    const Insertion insertion = smallest_distance_along(
+        path, model, queries,
+        {.tolerance = tolerance_of_samples(options), .device = options.device, .interrupted = options.interrupted});
+    std::vector<Enclosure> distances;
+    for (const MapResult& row : insertion.rows) distances.push_back(row.distance);
+    return distances;
+  };
+}
+
 class MeshSearch {
  public:
-  MeshSearch(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options)
-      : options_(options),
-        mapper_(model, {.tolerance = share_of_samples *
-                                     std::min(options.tolerance, options.limit_tolerance.value_or(options.tolerance)),
-                        .device = options.device,
-                        .interrupted = options.interrupted}),
-        triangles_(mesh.triangles.size()) {
+  MeshSearch(Distances distances, const Mesh& mesh, const MeshClearanceOptions& options)
+      : options_(options), distances_(std::move(distances)), triangles_(mesh.triangles.size()) {
     for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
       const auto& [a, b, c] = mesh.triangles[n];
       const Triangle whole{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
       open_.push_back({.corners = whole, .triangle = n, .displacement = displacement(whole)});
     }
-    if (is_union_of_convex(model)) bound_whole_triangles(model);
   }
 
-  MeshClearance operator()() {
-    settle_unless([this](const Piece& piece) { return is_open(piece); });
-    while (!open_.empty() && !found_.interrupted && found_.samples + open_.size() <= options_.most_samples) {
-      sample();
-      divide();
-    }
-    for (const Piece& piece : open_) settle(piece);
-    summarise();
-    return std::move(found_);
-  }
-
- private:
   /// Of triangles that do not meet the solid the distance is the smallest signed one on them, which a certificate for
   /// the whole triangle proves at once; of those that do it is 0, above the smallest signed one.
   void bound_whole_triangles(const Model& model) {
@@ -162,25 +191,30 @@ class MeshSearch {
     found_.interrupted = mapper.map(source, sink).interrupted;
   }
 
+  MeshClearance operator()() {
+    settle_unless([this](const Piece& piece) { return is_open(piece); });
+    while (!open_.empty() && !found_.interrupted && found_.samples + open_.size() <= options_.most_samples) {
+      sample();
+      divide();
+    }
+    for (const Piece& piece : open_) settle(piece);
+    summarise();
+    return std::move(found_);
+  }
+
+ private:
   [[nodiscard]] bool too_deep(std::uint32_t triangle) const {
     return triangles_[triangle].deepest < -options_.penetration_limit;
   }
 
   /// Bounds every open piece by the distance of its centre; when interrupted, the first of them.
   void sample() {
-    std::size_t asked = 0;
-    std::size_t answered = 0;
-    const Source<Point> source = [&](std::span<Point> points) {
-      const std::size_t count = std::min(points.size(), open_.size() - asked);
-      for (std::size_t i = 0; i < count; ++i) points[i] = centre(open_[asked++].corners);
-      return count;
-    };
-    const Sink<Point> sink = [&](std::span<const Point> points, std::span<const MapResult> rows,
-                                 std::span<const Certificate>) {
-      for (std::size_t i = 0; i < rows.size(); ++i) bound(open_[answered++], points[i], rows[i].distance);
-    };
-    found_.interrupted = mapper_.map(source, sink).interrupted;
-    found_.samples += answered;
+    std::vector<Point> samples;
+    for (const Piece& piece : open_) samples.push_back(centre(piece.corners));
+    const std::vector<Enclosure> distances = distances_(samples);
+    for (std::size_t n = 0; n < distances.size(); ++n) bound(open_[n], samples[n], distances[n]);
+    found_.interrupted = options_.interrupted();
+    found_.samples += distances.size();
   }
 
   void bound(Piece& piece, const Point& sample, const Enclosure& distance) {
@@ -259,7 +293,7 @@ class MeshSearch {
   }
 
   MeshClearanceOptions options_;
-  PointMapper mapper_;
+  Distances distances_;
   std::vector<TriangleState> triangles_;
   std::vector<Piece> open_;
   double settled_lo_ = infinity;   ///< of all pieces that are not open any more
@@ -271,7 +305,16 @@ class MeshSearch {
 
 MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options) {
   if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
-  return MeshSearch(model, mesh, options)();
+  MeshSearch search(distances_to(model, options), mesh, options);
+  if (is_union_of_convex(model)) search.bound_whole_triangles(model);
+  return search();
+}
+
+MeshClearance mesh_clearance_along(std::span<const Pose> path, const Model& model, const Mesh& mesh,
+                                   const MeshClearanceOptions& options) {
+  if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
+  check_path(path);
+  return MeshSearch(smallest_distances_along(path, model, options), mesh, options)();
 }
 
 }  // namespace verisq

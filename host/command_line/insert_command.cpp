@@ -133,10 +133,22 @@ RemovedVolume removed_volume_of(const InsertArguments& arguments, std::span<cons
                          }});
 }
 
+MeshClearance surface_along(std::span<const Pose> path, const Model& implant, const Mesh& bone,
+                            const InsertionOptions& options) {
+  return mesh_clearance_along(path, implant, bone,
+                              {.tolerance = options.tolerance, .device = options.device, .interrupted = interrupted});
+}
+
+/// The whole surface's penetration, and the volume, are as narrow as asked for.
+bool is_wide(const InsertReport& report) {
+  return report.summary.wide > 0 ||
+         (report.surface && !verified(report.surface->smallest_distance, report.tolerance)) ||
+         (report.removed && !report.removed->within_tolerance);
+}
+
 ExitStatus status_of(const InsertReport& report) {
-  const bool wide = report.summary.wide > 0 || (report.removed && !report.removed->within_tolerance);
-  if (report.summary.interrupted || (report.removed && report.removed->interrupted)) return ExitStatus::interrupted;
-  return wide ? ExitStatus::unverified : ExitStatus::verified;
+  if (report.interrupted()) return ExitStatus::interrupted;
+  return is_wide(report) ? ExitStatus::unverified : ExitStatus::verified;
 }
 
 }  // namespace
@@ -154,6 +166,8 @@ void declare_insert(Options& options, InsertArguments& arguments) {
               fmt::format("Largest width of a verified enclosure, in model units, more than 0.\n"
                           "Default: {} times the radius of the implant's bounding sphere",
                           tolerance_along_ways.text));
+  options.add_flag("--triangles", arguments.triangles,
+                   "The deepest penetration of whole triangles, too, and which of them are cut");
   options.add_flag("--cavity", arguments.cavity,
                    "The mesh is the surface of a cavity: tells the volume of bone around it that is taken away");
   options.add_flag("--bone", arguments.bone, "The mesh bounds bone: tells the volume of it that is taken away");
@@ -178,6 +192,7 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   const Mesh whole_bone = read_mesh(arguments.mesh);
   const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);
   const Mesh bone = before_resection(arguments, whole_bone);
+  if (arguments.triangles && bone.triangles.empty()) refuse(fmt::format("--triangles: {}: has none", arguments.mesh));
   if (arguments.poses) path = read_poses(*arguments.poses);
   watch_for_interruption();
   MapWriter writer(arguments.output, &bone);
@@ -196,7 +211,12 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   bar.reset();  // the line is cleared before anything else is said
 
   InsertReport report = report_of(insertion);
-  if (region && !insertion.summary.interrupted) {
+  if (arguments.triangles && !insertion.summary.interrupted) {
+    const Stopwatch surface_time;
+    report.surface = surface_along(path, implant, bone, options);
+    report.surface_seconds = surface_time.seconds();
+  }
+  if (region && !report.interrupted()) {
     const Stopwatch volume_time;
     report.removed = removed_volume_of(arguments, path, implant, *region);
     report.volume_tolerance = volume_tolerance_of(arguments);

@@ -20,8 +20,9 @@ struct InsertArguments {
   std::optional<Point> along;        ///< a direction, with
   std::optional<double> length;
   std::optional<double> tolerance;
-  bool cavity = false;  ///< the mesh is that of a cavity
-  bool bone = false;    ///< the mesh is the bone's outer surface
+  bool triangles = false;  ///< the whole surface is meant, too
+  bool cavity = false;     ///< the mesh is that of a cavity
+  bool bone = false;       ///< the mesh is the bone's outer surface
   std::optional<std::string> within;
   std::optional<Resection> resection;
   std::optional<double> volume_tolerance;  ///< relative

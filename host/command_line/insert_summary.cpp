@@ -13,6 +13,22 @@ namespace verisq::command_line {
 
 namespace {
 
+Enclosure penetration(const Enclosure& distance) {
+  return {std::max(0.0, -distance.hi), std::max(0.0, -distance.lo)};
+}
+
+std::string readable_surface(const InsertReport& report) {
+  if (!report.surface) return {};
+  const MeshClearance& surface = *report.surface;
+  const auto units = report.units.empty() ? std::string() : " " + report.units;
+  return fmt::format("whole surface        deepest penetration {}{}\n",
+                     outward_digits(penetration(surface.smallest_distance)), units) +
+         fmt::format("  proven cut         {} triangles\n", surface.proven_too_deep) +
+         fmt::format("  proven untouched   {} triangles\n", surface.proven_within) +
+         fmt::format("  undecided          {} triangles\n", surface.undecided) +
+         fmt::format("  samples            {}, {:.3g} s\n", surface.samples, report.surface_seconds);
+}
+
 std::string readable_volume(const InsertReport& report) {
   if (!report.removed) return {};
   const RemovedVolume& removed = *report.removed;
@@ -37,8 +53,12 @@ InsertReport report_of(const Insertion& insertion) {
     else
       ++report.undecided;
   }
-  report.deepest_penetration = {std::max(0.0, -report.summary.minimum_hi), std::max(0.0, -report.summary.minimum_lo)};
+  report.deepest_penetration = penetration({report.summary.minimum_lo, report.summary.minimum_hi});
   return report;
+}
+
+bool InsertReport::interrupted() const {
+  return summary.interrupted || (surface && surface->interrupted) || (removed && removed->interrupted);
 }
 
 std::string readable(const InsertReport& report) {
@@ -51,6 +71,7 @@ std::string readable(const InsertReport& report) {
   text += fmt::format("  undecided          {}\n", report.undecided);
   text += fmt::format("deepest penetration  [{}, {}]{}\n", lo, hi, units);
   text += fmt::format("smallest distance    [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
+  text += readable_surface(report);
   text += readable_volume(report);
   text += fmt::format("poses of the path    {}, and all between them\n", report.poses);
   text += fmt::format("device               {}\n", summary.device);
@@ -67,6 +88,16 @@ std::string readable(const InsertReport& report) {
 
 std::string json(const InsertReport& report) {
   const auto& summary = report.summary;
+  std::optional<JsonObject> surface;
+  if (report.surface) {
+    surface = JsonObject{{"deepest_penetration", penetration(report.surface->smallest_distance)},
+                         {"smallest_distance", report.surface->smallest_distance},
+                         {"proven_cut", report.surface->proven_too_deep},
+                         {"proven_untouched", report.surface->proven_within},
+                         {"undecided", report.surface->undecided},
+                         {"samples", report.surface->samples},
+                         {"seconds", report.surface_seconds}};
+  }
   std::optional<Enclosure> volume;
   std::optional<JsonObject> work;
   if (report.removed) {
@@ -84,6 +115,7 @@ std::string json(const InsertReport& report) {
       {"undecided", report.undecided},
       {"deepest_penetration", report.deepest_penetration},
       {"smallest_distance", Enclosure{summary.minimum_lo, summary.minimum_hi}},
+      {"whole_surface", surface},
       {"removed_volume", volume},
       {"removed_volume_proof", work},
       {"poses", report.poses},
@@ -98,7 +130,7 @@ std::string json(const InsertReport& report) {
       {"device_seconds", summary.device_seconds},
       {"host_seconds", summary.host_seconds},
       {"seconds", report.seconds},
-      {"interrupted", summary.interrupted || (report.removed && report.removed->interrupted)},
+      {"interrupted", report.interrupted()},
       {"output", report.output},
   };
   return object.text() + "\n";
