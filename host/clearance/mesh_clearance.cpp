@@ -158,8 +158,9 @@ Distances smallest_distances_along(std::span<const Pose> path, const Model& mode
 
 class MeshSearch {
  public:
-  MeshSearch(Distances distances, const Mesh& mesh, const MeshClearanceOptions& options)
-      : options_(options), distances_(std::move(distances)), triangles_(mesh.triangles.size()) {
+  /// With `deepens`, of each triangle that lies too deep a point is sought that is about its deepest.
+  MeshSearch(Distances distances, const Mesh& mesh, const MeshClearanceOptions& options, bool deepens)
+      : options_(options), distances_(std::move(distances)), deepens_(deepens), triangles_(mesh.triangles.size()) {
     for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
       const auto& [a, b, c] = mesh.triangles[n];
       const Triangle whole{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
@@ -244,7 +245,8 @@ class MeshSearch {
   /// May hold a point that is much deeper than the deepest known of its triangle.
   [[nodiscard]] bool may_deepen(const Piece& piece) const {
     const double deepest = triangles_[piece.triangle].deepest;
-    return too_deep(piece.triangle) && piece.bound < deepest - share_of_depth * (-options_.penetration_limit - deepest);
+    return deepens_ && too_deep(piece.triangle) &&
+           piece.bound < deepest - share_of_depth * (-options_.penetration_limit - deepest);
   }
 
   [[nodiscard]] bool is_open(const Piece& piece) const {
@@ -294,6 +296,7 @@ class MeshSearch {
 
   MeshClearanceOptions options_;
   Distances distances_;
+  bool deepens_;
   std::vector<TriangleState> triangles_;
   std::vector<Piece> open_;
   double settled_lo_ = infinity;   ///< of all pieces that are not open any more
@@ -305,7 +308,7 @@ class MeshSearch {
 
 MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options) {
   if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
-  MeshSearch search(distances_to(model, options), mesh, options);
+  MeshSearch search(distances_to(model, options), mesh, options, true);
   if (is_union_of_convex(model)) search.bound_whole_triangles(model);
   return search();
 }
@@ -314,7 +317,7 @@ MeshClearance mesh_clearance_along(std::span<const Pose> path, const Model& mode
                                    const MeshClearanceOptions& options) {
   if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
   check_path(path);
-  return MeshSearch(smallest_distances_along(path, model, options), mesh, options)();
+  return MeshSearch(smallest_distances_along(path, model, options), mesh, options, false)();
 }
 
 }  // namespace verisq

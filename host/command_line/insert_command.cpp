@@ -13,6 +13,7 @@
 #include <verisq/pose_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/command_line/choice.hpp"
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/directed_digits.hpp"
 #include "host/command_line/insert_bone.hpp"
@@ -39,6 +40,7 @@ constexpr const char* closing_words =
     "from pose to pose, each applied after the poses of its primitives; between two of them the translation is "
     "linear,\n"
     "and the rotation turns at constant speed about a fixed axis by the smaller angle.\n"
+    "With --on triangles the deepest penetration of all that lies between the vertices is enclosed, too.\n"
     "With --cavity or --bone it is told how much bone is taken away, too: the volume of all that lies in the implant "
     "at\n"
     "some time of the path and is bone, which is outside of the cavity and inside the surface --within, or inside the\n"
@@ -166,8 +168,9 @@ void declare_insert(Options& options, InsertArguments& arguments) {
               fmt::format("Largest width of a verified enclosure, in model units, more than 0.\n"
                           "Default: {} times the radius of the implant's bounding sphere",
                           tolerance_along_ways.text));
-  options.add_flag("--triangles", arguments.triangles,
-                   "The deepest penetration of whole triangles, too, and which of them are cut");
+  options.add("--on", arguments.on,
+              choice<MapElements>({{"vertices", MapElements::vertices}, {"triangles", MapElements::triangles}}), "WHAT",
+              "What the deepest penetration is told of: vertices (default); or triangles, the whole surface, too");
   options.add_flag("--cavity", arguments.cavity,
                    "The mesh is the surface of a cavity: tells the volume of bone around it that is taken away");
   options.add_flag("--bone", arguments.bone, "The mesh bounds bone: tells the volume of it that is taken away");
@@ -192,7 +195,8 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   const Mesh whole_bone = read_mesh(arguments.mesh);
   const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);
   const Mesh bone = before_resection(arguments, whole_bone);
-  if (arguments.triangles && bone.triangles.empty()) refuse(fmt::format("--triangles: {}: has none", arguments.mesh));
+  const bool on_triangles = arguments.on == MapElements::triangles;
+  if (on_triangles && bone.triangles.empty()) refuse(fmt::format("--on triangles: {}: has none", arguments.mesh));
   if (arguments.poses) path = read_poses(*arguments.poses);
   watch_for_interruption();
   MapWriter writer(arguments.output, &bone);
@@ -211,7 +215,7 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   bar.reset();  // the line is cleared before anything else is said
 
   InsertReport report = report_of(insertion);
-  if (arguments.triangles && !insertion.summary.interrupted) {
+  if (on_triangles && !insertion.summary.interrupted) {
     const Stopwatch surface_time;
     report.surface = surface_along(path, implant, bone, options);
     report.surface_seconds = surface_time.seconds();

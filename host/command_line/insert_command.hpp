@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <verisq/map_file.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/removed_volume.hpp>
 
@@ -20,9 +21,9 @@ struct InsertArguments {
   std::optional<Point> along;        ///< a direction, with
   std::optional<double> length;
   std::optional<double> tolerance;
-  bool triangles = false;  ///< the whole surface is meant, too
-  bool cavity = false;     ///< the mesh is that of a cavity
-  bool bone = false;       ///< the mesh is the bone's outer surface
+  MapElements on = MapElements::vertices;  ///< triangles: of the whole surface, too
+  bool cavity = false;                     ///< the mesh is that of a cavity
+  bool bone = false;                       ///< the mesh is the bone's outer surface
   std::optional<std::string> within;
   std::optional<Resection> resection;
   std::optional<double> volume_tolerance;  ///< relative

@@ -43,7 +43,8 @@ struct MeshClearance {
 [[nodiscard]] MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options);
 
 /// The same of the smallest signed distances along a path, at the poses and between them (insertion.hpp): they, too,
-/// change by no more than the place moves. Throws likewise, and for a path as there.
+/// change by no more than the place moves. Of a triangle that is cut the point is any that proves it. Throws likewise,
+/// and for a path as there.
 [[nodiscard]] MeshClearance mesh_clearance_along(std::span<const Pose> path, const Model& model, const Mesh& mesh,
                                                  const MeshClearanceOptions& options);
 
