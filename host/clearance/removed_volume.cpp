@@ -235,14 +235,16 @@ class RemovalSearch {
 
   [[nodiscard]] bool is_enough() const { return found_.volume.width() <= allowed(); }
 
-  /// The cubes about which least is known, so many that the others' widths are a share of the tolerance. False where
-  /// none is left.
+  /// The cubes about which least is known, so many that the others' widths are a share of the tolerance, and no more
+  /// than may be looked at. False where none is left.
   bool divide() {
     if (open_.empty()) return false;
     std::ranges::sort(open_, {}, [](const RegionCube& cube) { return cube.removed.width(); });
     double rest = share_of_rest * allowed();
     std::size_t kept = 0;
     while (kept + 1 < open_.size() && (rest -= open_[kept].removed.width()) > 0.0) ++kept;
+    const std::uint64_t most = (options_.most_cubes - found_.cubes) / 8 + 1;
+    if (open_.size() - kept > most) kept = open_.size() - most;
     std::vector<RegionCube> parents(std::make_move_iterator(open_.begin() + static_cast<std::ptrdiff_t>(kept)),
                                     std::make_move_iterator(open_.end()));
     open_.resize(kept);
