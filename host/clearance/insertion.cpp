@@ -7,18 +7,16 @@
 /// lower ends lo_a and lo_b every distance is at least max(lo_a - l, lo_b - (L - l)) >= (lo_a + lo_b - L) / 2.
 #include "verisq/insertion.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "host/clearance/path_check.hpp"
 #include "host/maps/summary_count.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/rigid_path.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verisq/enclosure.hpp"
-#include "verisq/error.hpp"
 
 namespace verisq {
 namespace {
@@ -244,21 +242,6 @@ class PathSearch {
   Insertion insertion_{};
 };
 
-void check(std::span<const Pose> path) {
-  if (path.empty()) throw Error(ErrorKind::input, "the path has no pose");
-  for (std::size_t k = 0; k < path.size(); ++k) {
-    const Point& t = path[k].translation;
-    const auto& q = path[k].quaternion;
-    const auto refuse = [&](const char* why) {
-      throw Error(ErrorKind::input, fmt::format("pose {} of the path, ({}, {}, {}), quaternion ({}, {}, {}, {}), {}", k,
-                                                t[0], t[1], t[2], q[0], q[1], q[2], q[3], why));
-    };
-    const auto finite = [](double c) { return std::isfinite(c); };
-    if (!std::ranges::all_of(t, finite) || !std::ranges::all_of(q, finite)) refuse("is not finite");
-    if (std::ranges::all_of(q, [](double c) { return c == 0.0; })) refuse("has a zero quaternion");
-  }
-}
-
 }  // namespace
 
 std::vector<Pose> straight_path(const Pose& last, const Point& direction, double length, std::size_t steps) {
@@ -276,7 +259,7 @@ std::vector<Pose> straight_path(const Pose& last, const Point& direction, double
 
 Insertion smallest_distance_along(std::span<const Pose> path, const Model& implant, std::span<const Point> bone,
                                   const InsertionOptions& options) {
-  check(path);
+  check_path(path);
   const RigidPath rigid_path(path);
   return PathSearch(rigid_path, implant, options)(bone);
 }

@@ -4,16 +4,20 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "host/clearance/path_check.hpp"
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
+#include "verisq/insertion.hpp"
 #include "verisq/map.hpp"
 
 namespace verisq {
@@ -114,25 +118,73 @@ struct TriangleState {
   bool unresolved = false;  ///< a piece may lie too deep, but cannot be told
 };
 
+/// Enclosures of a function of the place that changes by no more than the place moves; those of the first points alone
+/// when interrupted.
+using Distances = std::function<std::vector<Enclosure>(std::span<const Point>)>;
+
+/// Wide enclosures of samples cost less, but leave more of them to be looked at.
+double tolerance_of_samples(const MeshClearanceOptions& options) {
+  return share_of_samples * std::min(options.tolerance, options.limit_tolerance.value_or(options.tolerance));
+}
+
+Distances distances_to(const Model& model, const MeshClearanceOptions& options) {
+  const auto mapper = std::make_shared<PointMapper>(model, MapOptions{.tolerance = tolerance_of_samples(options),
+                                                                      .device = options.device,
+                                                                      .interrupted = options.interrupted});
+  return [mapper](std::span<const Point> queries) {
+    std::vector<Enclosure> distances;
+    std::size_t asked = 0;
+    const Source<Point> source = [&](std::span<Point> points) {
+      const std::size_t count = std::min(points.size(), queries.size() - asked);
+      std::ranges::copy(queries.subspan(asked, count), points.begin());
+      asked += count;
+      return count;
+    };
+    const Sink<Point> sink = [&](std::span<const Point>, std::span<const MapResult> rows,
+                                 std::span<const Certificate>) {
+      for (const MapResult& row : rows) distances.push_back(row.distance);
+    };
+    mapper->map(source, sink);
+    return distances;
+  };
+}
+
+Distances smallest_distances_along(std::span<const Pose> path, const Model& model,
+                                   const MeshClearanceOptions& options) {
+  return [=, &model](std::span<const Point> queries) {
+    const Insertion insertion = smallest_distance_along(
+        path, model, queries,
+        {.tolerance = tolerance_of_samples(options), .device = options.device, .interrupted = options.interrupted});
+    std::vector<Enclosure> distances;
+    for (const MapResult& row : insertion.rows) distances.push_back(row.distance);
+    return distances;
+  };
+}
+
 class MeshSearch {
  public:
-  MeshSearch(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options)
+  /// With `deepens`, of each triangle that lies too deep a point is sought that is about its deepest.
+  MeshSearch(Distances distances, const Mesh& mesh, const MeshClearanceOptions& options, bool deepens)
       : options_(options),
-        model_(model),
         mesh_(mesh),
-        mapper_(model, {.tolerance = share_of_samples *
-                                     std::min(options.tolerance, options.limit_tolerance.value_or(options.tolerance)),
-                        .device = options.device,
-                        .interrupted = options.interrupted}),
+        distances_(std::move(distances)),
+        deepens_(deepens),
         triangles_(mesh.triangles.size()) {
     for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
       const Triangle whole = corners_of(n);
       open_.push_back({.corners = whole, .triangle = n, .displacement = displacement(whole)});
     }
-    if (is_union_of_convex(model)) rounds_before_whole_triangles_ = verify::has_taper(model) ? rounds_of_tapered : 0;
+  }
+
+  /// Whole triangles, too, bound what they hold: where `distances` are those to the model, a union of convex solids,
+  /// which must outlive the search.
+  void use_whole_triangles(const Model& model) {
+    whole_triangles_of_ = &model;
+    rounds_before_whole_triangles_ = verify::has_taper(model) ? rounds_of_tapered : 0;
   }
 
   MeshClearance operator()() {
+    settle_unless([this](const Piece& piece) { return is_open(piece); });
     for (int round = 0; !open_.empty() && !found_.interrupted; ++round) {
       const bool enough = found_.samples + open_.size() > options_.most_samples;
       if (rounds_before_whole_triangles_ && (enough || round >= *rounds_before_whole_triangles_)) {
@@ -154,9 +206,9 @@ class MeshSearch {
   /// the whole triangle proves at once; of those that do it is 0, above the smallest signed one. Returns the former, by
   /// triangle, and no bound for others.
   [[nodiscard]] std::vector<double> distances_of_whole(std::span<const std::uint32_t> triangles) {
-    TriangleMapper mapper(model_, {.tolerance = share_of_samples * options_.tolerance,
-                                   .device = options_.device,
-                                   .interrupted = options_.interrupted});
+    TriangleMapper mapper(*whole_triangles_of_, {.tolerance = share_of_samples * options_.tolerance,
+                                                 .device = options_.device,
+                                                 .interrupted = options_.interrupted});
     std::size_t asked = 0;
     std::size_t answered = 0;
     std::vector<double> bounds(triangles_.size(), -infinity);
@@ -194,19 +246,12 @@ class MeshSearch {
 
   /// Bounds every open piece by the distance of its centre; when interrupted, the first of them.
   void sample() {
-    std::size_t asked = 0;
-    std::size_t answered = 0;
-    const Source<Point> source = [&](std::span<Point> points) {
-      const std::size_t count = std::min(points.size(), open_.size() - asked);
-      for (std::size_t i = 0; i < count; ++i) points[i] = centre(open_[asked++].corners);
-      return count;
-    };
-    const Sink<Point> sink = [&](std::span<const Point> points, std::span<const MapResult> rows,
-                                 std::span<const Certificate>) {
-      for (std::size_t i = 0; i < rows.size(); ++i) bound(open_[answered++], points[i], rows[i].distance);
-    };
-    found_.interrupted = mapper_.map(source, sink).interrupted;
-    found_.samples += answered;
+    std::vector<Point> samples;
+    for (const Piece& piece : open_) samples.push_back(centre(piece.corners));
+    const std::vector<Enclosure> distances = distances_(samples);
+    for (std::size_t n = 0; n < distances.size(); ++n) bound(open_[n], samples[n], distances[n]);
+    found_.interrupted = distances.size() < samples.size() || options_.interrupted();
+    found_.samples += distances.size();
   }
 
   void bound(Piece& piece, const Point& sample, const Enclosure& distance) {
@@ -236,7 +281,8 @@ class MeshSearch {
   /// May hold a point that is much deeper than the deepest known of its triangle.
   [[nodiscard]] bool may_deepen(const Piece& piece) const {
     const double deepest = triangles_[piece.triangle].deepest;
-    return too_deep(piece.triangle) && piece.bound < deepest - share_of_depth * (-options_.penetration_limit - deepest);
+    return deepens_ && too_deep(piece.triangle) &&
+           piece.bound < deepest - share_of_depth * (-options_.penetration_limit - deepest);
   }
 
   [[nodiscard]] bool is_open(const Piece& piece) const {
@@ -290,9 +336,10 @@ class MeshSearch {
   }
 
   MeshClearanceOptions options_;
-  const Model& model_;
   const Mesh& mesh_;
-  PointMapper mapper_;
+  Distances distances_;
+  bool deepens_;
+  const Model* whole_triangles_of_ = nullptr;
   std::optional<int> rounds_before_whole_triangles_;  ///< none where they have been asked for, or cannot be
   std::vector<TriangleState> triangles_;
   std::vector<Piece> open_;
@@ -305,7 +352,16 @@ class MeshSearch {
 
 MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options) {
   if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
-  return MeshSearch(model, mesh, options)();
+  MeshSearch search(distances_to(model, options), mesh, options, true);
+  if (is_union_of_convex(model)) search.use_whole_triangles(model);
+  return search();
+}
+
+MeshClearance mesh_clearance_along(std::span<const Pose> path, const Model& model, const Mesh& mesh,
+                                   const MeshClearanceOptions& options) {
+  if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
+  check_path(path);
+  return MeshSearch(smallest_distances_along(path, model, options), mesh, options, false)();
 }
 
 }  // namespace verisq

@@ -11,8 +11,11 @@
 #include <verisq/pose_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/command_line/choice.hpp"
 #include "host/command_line/default_tolerance.hpp"
+#include "host/command_line/directed_digits.hpp"
 #include "host/command_line/direction_option.hpp"
+#include "host/command_line/insert_bone.hpp"
 #include "host/command_line/insert_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
@@ -35,22 +38,33 @@ constexpr const char* closing_words =
     "from pose to pose, each applied after the poses of its primitives; between two of them the translation is "
     "linear,\n"
     "and the rotation turns at constant speed about a fixed axis by the smaller angle.\n"
+    "With --on triangles the deepest penetration of all that lies between the vertices is enclosed, too.\n"
+    "With --cavity or --bone it is told how much bone is taken away, too: the volume of all that lies in the implant "
+    "at\n"
+    "some time of the path and is bone, which is outside of the cavity and inside the surface --within, or inside the\n"
+    "--bone; and never beyond the --resection. An open mesh is closed over its rims, by fans about their means. The\n"
+    "implant has to be a union of convex primitives. Without --cavity or --bone nothing says where bone is.\n"
     "Ctrl-C keeps the rows of a .csv under OUT.partial: all are valid, and those it ended are wide; a second Ctrl-C\n"
     "stops at once.\n"
     "\n"
-    "Exit status: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad usage or input, 130\n"
+    "Exit status: 0 every enclosure is at most its tolerance wide, 3 one is wider, 2 bad usage or input, 130\n"
     "interrupted by Ctrl-C.\n"
     "\n"
     "Examples:\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --along 0,0,-1 --length 120 -o removal.vtp\n"
-    "  verisq insert --implant fitted.json --mesh femur.stl --poses path.csv --tol 0.05 -o removal.csv --json";
+    "  verisq insert --implant fitted.json --mesh femur.stl --poses path.csv --tol 0.05 -o removal.csv --json\n"
+    "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl --along 0,0,-1 --length 100 "
+    "\\\n"
+    "    -o removal.vtp";
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
   if (arguments.poses.has_value() == arguments.along.has_value()) refuse("give either --poses or --along");
   if (arguments.along && !arguments.length) refuse("--along: give the --length of the way");
   if (arguments.poses && arguments.length) refuse("--length: only for --along, not for --poses");
-  refuse_to_overwrite("-o", arguments.output, {arguments.implant, arguments.mesh, arguments.poses.value_or("")});
+  check_bone_options(arguments);
+  refuse_to_overwrite("-o", arguments.output,
+                      {arguments.implant, arguments.mesh, arguments.poses.value_or(""), arguments.within.value_or("")});
 }
 
 std::vector<Pose> read_poses(const std::string& path) {
@@ -84,9 +98,48 @@ std::string write_map(const Mesh& bone, const Insertion& insertion, MapWriter wr
   return partial;
 }
 
-ExitStatus status_of(const MapSummary& summary) {
-  if (summary.interrupted) return ExitStatus::interrupted;
-  return summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
+/// Largest width of the volume's enclosure, relative to it.
+constexpr double default_volume_tolerance = 0.02;
+/// Where next to nothing is removed: a share of the cube about the implant's bounding sphere.
+constexpr double share_of_cube = 1e-7;
+
+double volume_tolerance_of(const InsertArguments& arguments) {
+  return arguments.volume_tolerance.value_or(default_volume_tolerance);
+}
+
+RemovedVolume removed_volume_of(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant,
+                                const BoneRegion& bone) {
+  const double diameter = 2.0 * bounding_radius(implant);
+  const double relative = volume_tolerance_of(arguments);
+  std::optional<ProgressBar> bar;
+  bar.emplace(!arguments.no_progress, "cubes");
+  return removed_volume(path, implant, bone,
+                        {.relative_tolerance = relative,
+                         .tolerance = arguments.volume_tolerance ? 0.0 : share_of_cube * diameter * diameter * diameter,
+                         .interrupted = interrupted,
+                         .progress = [&](const Enclosure& volume) {
+                           const double width = volume.width();
+                           const double done = width > 0.0 ? std::min(1.0, relative * volume.lo / width) : 1.0;
+                           bar->update_state("removed volume " + outward_digits(volume, 4), done);
+                         }});
+}
+
+MeshClearance surface_along(std::span<const Pose> path, const Model& implant, const Mesh& bone,
+                            const InsertionOptions& options) {
+  return mesh_clearance_along(path, implant, bone,
+                              {.tolerance = options.tolerance, .device = options.device, .interrupted = interrupted});
+}
+
+/// The whole surface's penetration, and the volume, are as narrow as asked for.
+bool is_wide(const InsertReport& report) {
+  return report.summary.wide > 0 ||
+         (report.surface && !verified(report.surface->smallest_distance, report.tolerance)) ||
+         (report.removed && !report.removed->within_tolerance);
+}
+
+ExitStatus status_of(const InsertReport& report) {
+  if (report.interrupted()) return ExitStatus::interrupted;
+  return is_wide(report) ? ExitStatus::unverified : ExitStatus::verified;
 }
 
 }  // namespace
@@ -94,7 +147,8 @@ ExitStatus status_of(const MapSummary& summary) {
 void declare_insert(Options& options, InsertArguments& arguments) {
   options.explain(closing_words);
   require_model(options, "--implant", arguments.implant);
-  options.require("--mesh", arguments.mesh, "FILE", "The bone, whose vertices are meant: .stl .obj .ply .off");
+  options.require("--mesh", arguments.mesh, "FILE",
+                  "The bone, or its cavity, whose vertices are meant: .stl .obj .ply .off");
   options.add("--poses", arguments.poses, "FILE", "The path: .csv with tx,ty,tz,qw,qx,qy,qz a line");
   options.add("--along", arguments.along, parse_direction, "x,y,z",
               "Instead of --poses: the direction of a straight way in");
@@ -103,6 +157,19 @@ void declare_insert(Options& options, InsertArguments& arguments) {
               fmt::format("Largest width of a verified enclosure, in model units, more than 0.\n"
                           "Default: {} times the radius of the implant's bounding sphere",
                           tolerance_along_ways.text));
+  options.add("--on", arguments.on,
+              choice<MapElements>({{"vertices", MapElements::vertices}, {"triangles", MapElements::triangles}}), "WHAT",
+              "What the deepest penetration is told of: vertices (default); or triangles, the whole surface, too");
+  options.add_flag("--cavity", arguments.cavity,
+                   "The mesh is the surface of a cavity: tells the volume of bone around it that is taken away");
+  options.add_flag("--bone", arguments.bone, "The mesh bounds bone: tells the volume of it that is taken away");
+  options.add("--within", arguments.within, "FILE", "With --cavity: the bone's outer surface, a mesh");
+  options.add("--resection", arguments.resection, parse_resection, "x,y,z,nx,ny,nz",
+              "Plane in which the bone is cut, by a point and a normal: what lies beyond it, where the normal points, "
+              "is left out");
+  options.add("--volume-tol", arguments.volume_tolerance, parse_length, "NUMBER",
+              "Largest width of the volume's enclosure, divided by its lower end.\n"
+              "Default: 0.02, or 1e-7 of the cube about the implant's bounding sphere");
   add_device(options, arguments.device);
   options.require("-o,--output", arguments.output, "FILE", map_explanation);
   add_json_of_enclosures(options, arguments.json);
@@ -114,7 +181,11 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   std::vector<Pose> path;
   if (arguments.along) path = straight_path({}, *arguments.along, *arguments.length, 1);
   const Model implant = read_model(arguments.implant);
-  const Mesh bone = read_mesh(arguments.mesh);
+  const Mesh whole_bone = read_mesh(arguments.mesh);
+  const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);
+  const Mesh bone = before_resection(arguments, whole_bone);
+  const bool on_triangles = arguments.on == MapElements::triangles;
+  if (on_triangles && bone.triangles.empty()) refuse(fmt::format("--on triangles: {}: has none", arguments.mesh));
   if (arguments.poses) path = read_poses(*arguments.poses);
   watch_for_interruption();
   MapWriter writer(arguments.output, &bone);
@@ -133,6 +204,17 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   bar.reset();  // the line is cleared before anything else is said
 
   InsertReport report = report_of(insertion);
+  if (on_triangles && !insertion.summary.interrupted) {
+    const Stopwatch surface_time;
+    report.surface = surface_along(path, implant, bone, options);
+    report.surface_seconds = surface_time.seconds();
+  }
+  if (region && !report.interrupted()) {
+    const Stopwatch volume_time;
+    report.removed = removed_volume_of(arguments, path, implant, *region);
+    report.volume_tolerance = volume_tolerance_of(arguments);
+    report.volume_seconds = volume_time.seconds();
+  }
   report.output = write_map(bone, insertion, std::move(writer), arguments.output);
   report.poses = path.size();
   report.units = implant.units;
@@ -140,7 +222,7 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   report.seconds = time.seconds();
   tell_notice(insertion.summary.notice);
   fmt::print("{}", arguments.json ? json(report) : readable(report));
-  return status_of(insertion.summary);
+  return status_of(report);
 }
 
 }  // namespace verisq::command_line

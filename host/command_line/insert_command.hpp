@@ -1,9 +1,12 @@
-/// `verisq insert`: how deep an implant cuts into the bone on its way in, for each vertex of a mesh.
+/// `verisq insert`: how deep an implant cuts into the bone on its way in, for each vertex of a mesh, and how much bone
+/// it takes away.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <verisq/map_file.hpp>
 #include <verisq/mesh.hpp>
+#include <verisq/removed_volume.hpp>
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
@@ -18,6 +21,12 @@ struct InsertArguments {
   std::optional<Point> along;        ///< a direction, with
   std::optional<double> length;
   std::optional<double> tolerance;
+  MapElements on = MapElements::vertices;  ///< triangles: of the whole surface, too
+  bool cavity = false;                     ///< the mesh is that of a cavity
+  bool bone = false;                       ///< the mesh is the bone's outer surface
+  std::optional<std::string> within;
+  std::optional<Resection> resection;
+  std::optional<double> volume_tolerance;  ///< relative
   std::string device = "auto";
   std::string output;
   bool json = false;

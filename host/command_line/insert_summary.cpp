@@ -4,11 +4,44 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "host/command_line/directed_digits.hpp"
 #include "host/command_line/json_value.hpp"
 
 namespace verisq::command_line {
+
+namespace {
+
+Enclosure penetration(const Enclosure& distance) {
+  return {std::max(0.0, -distance.hi), std::max(0.0, -distance.lo)};
+}
+
+std::string readable_surface(const InsertReport& report) {
+  if (!report.surface) return {};
+  const MeshClearance& surface = *report.surface;
+  const auto units = report.units.empty() ? std::string() : " " + report.units;
+  return fmt::format("whole surface        deepest penetration {}{}\n",
+                     outward_digits(penetration(surface.smallest_distance)), units) +
+         fmt::format("  proven cut         {} triangles\n", surface.proven_too_deep) +
+         fmt::format("  proven untouched   {} triangles\n", surface.proven_within) +
+         fmt::format("  undecided          {} triangles\n", surface.undecided) +
+         fmt::format("  samples            {}, {:.3g} s\n", surface.samples, report.surface_seconds);
+}
+
+std::string readable_volume(const InsertReport& report) {
+  if (!report.removed) return {};
+  const RemovedVolume& removed = *report.removed;
+  const auto units = report.units.empty() ? std::string() : " " + report.units + "^3";
+  const auto rims = std::accumulate(removed.rims.begin(), removed.rims.end(), std::size_t{0});
+  return fmt::format("removed bone         {}{}{}\n", outward_digits(removed.volume), units,
+                     removed.within_tolerance ? "" : ", wider than asked for") +
+         fmt::format("  width asked for    {:.3g} of it\n", report.volume_tolerance) +
+         fmt::format("  closed over        {} rims\n", rims) +
+         fmt::format("  cubes              {}, {:.3g} s\n", removed.cubes, report.volume_seconds);
+}
+
+}  // namespace
 
 InsertReport report_of(const Insertion& insertion) {
   InsertReport report{.summary = insertion.summary};
@@ -20,8 +53,12 @@ InsertReport report_of(const Insertion& insertion) {
     else
       ++report.undecided;
   }
-  report.deepest_penetration = {std::max(0.0, -report.summary.minimum_hi), std::max(0.0, -report.summary.minimum_lo)};
+  report.deepest_penetration = penetration({report.summary.minimum_lo, report.summary.minimum_hi});
   return report;
+}
+
+bool InsertReport::interrupted() const {
+  return summary.interrupted || (surface && surface->interrupted) || (removed && removed->interrupted);
 }
 
 std::string readable(const InsertReport& report) {
@@ -34,6 +71,8 @@ std::string readable(const InsertReport& report) {
   text += fmt::format("  undecided          {}\n", report.undecided);
   text += fmt::format("deepest penetration  [{}, {}]{}\n", lo, hi, units);
   text += fmt::format("smallest distance    [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
+  text += readable_surface(report);
+  text += readable_volume(report);
   text += fmt::format("poses of the path    {}, and all between them\n", report.poses);
   text += fmt::format("device               {}\n", summary.device);
   text += fmt::format("tolerance            {:.3g}{}\n", report.tolerance, units);
@@ -49,6 +88,26 @@ std::string readable(const InsertReport& report) {
 
 std::string json(const InsertReport& report) {
   const auto& summary = report.summary;
+  std::optional<JsonObject> surface;
+  if (report.surface) {
+    surface = JsonObject{{"deepest_penetration", penetration(report.surface->smallest_distance)},
+                         {"smallest_distance", report.surface->smallest_distance},
+                         {"proven_cut", report.surface->proven_too_deep},
+                         {"proven_untouched", report.surface->proven_within},
+                         {"undecided", report.surface->undecided},
+                         {"samples", report.surface->samples},
+                         {"seconds", report.surface_seconds}};
+  }
+  std::optional<Enclosure> volume;
+  std::optional<JsonObject> work;
+  if (report.removed) {
+    volume = report.removed->volume;
+    work = JsonObject{{"within_tolerance", report.removed->within_tolerance},
+                      {"relative_tolerance", report.volume_tolerance},
+                      {"rims", report.removed->rims},
+                      {"cubes", report.removed->cubes},
+                      {"seconds", report.volume_seconds}};
+  }
   const JsonObject object{
       {"points", summary.points},
       {"proven_cut", report.proven_cut},
@@ -56,6 +115,9 @@ std::string json(const InsertReport& report) {
       {"undecided", report.undecided},
       {"deepest_penetration", report.deepest_penetration},
       {"smallest_distance", Enclosure{summary.minimum_lo, summary.minimum_hi}},
+      {"whole_surface", surface},
+      {"removed_volume", volume},
+      {"removed_volume_proof", work},
       {"poses", report.poses},
       {"device_verified", summary.device_verified},
       {"host_verified", summary.host_verified},
@@ -68,7 +130,7 @@ std::string json(const InsertReport& report) {
       {"device_seconds", summary.device_seconds},
       {"host_seconds", summary.host_seconds},
       {"seconds", report.seconds},
-      {"interrupted", summary.interrupted},
+      {"interrupted", report.interrupted()},
       {"output", report.output},
   };
   return object.text() + "\n";

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <verisq/insertion.hpp>
+#include <verisq/mesh_clearance.hpp>
+#include <verisq/removed_volume.hpp>
 
 namespace verisq::command_line {
 
@@ -17,7 +20,15 @@ struct InsertReport {
   std::string output = {};  ///< the file that holds the map; empty when none was kept
   std::string units = {};   ///< of the implant; empty when not given
   double tolerance = 0.0;
-  double seconds = 0.0;  ///< wall time
+  double seconds = 0.0;                       ///< wall time of all
+  std::optional<MeshClearance> surface = {};  ///< of whole triangles along the path, where asked for
+  double surface_seconds = 0.0;
+  std::optional<RemovedVolume> removed = {};  ///< where asked for
+  double volume_tolerance = 0.0;              ///< relative
+  double volume_seconds = 0.0;                ///< wall time of the volume
+
+  /// Whatever of it.
+  [[nodiscard]] bool interrupted() const;
 };
 
 /// Counts the rows; the rest of the report is left to the caller.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 #include <verisq/enclosure.hpp>
@@ -40,5 +41,11 @@ struct MeshClearance {
 /// Branch and bound over the triangles, for any model. Throws Error(input) for a mesh without triangles, and as
 /// Mapper.
 [[nodiscard]] MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options);
+
+/// The same of the smallest signed distances along a path, at the poses and between them (insertion.hpp): they, too,
+/// change by no more than the place moves. Of a triangle that is cut the point is any that proves it. Throws likewise,
+/// and for a path as there.
+[[nodiscard]] MeshClearance mesh_clearance_along(std::span<const Pose> path, const Model& model, const Mesh& mesh,
+                                                 const MeshClearanceOptions& options);
 
 }  // namespace verisq

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -125,6 +126,84 @@ TEST_F(InsertCommand, RefusesUsageThatIsNone) {
   expect_refused(insert_along({"-o", path("bone.off")}), {"would overwrite an input"});
   expect_refused(insert_along({"-o", path("removal.txt")}), {"removal.txt"});
   EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+/// A closed box that faces outward, up to the height z.
+std::string box_up_to(double z) {
+  const std::string top = std::to_string(z);
+  return "OFF\n8 12 0\n-5 -5 -9\n5 -5 -9\n-5 5 -9\n5 5 -9\n-5 -5 " + top + "\n5 -5 " + top + "\n-5 5 " + top +
+         "\n5 5 " + top +
+         "\n3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n"
+         "3 3 7 5\n";
+}
+
+class RemovedBone : public InsertCommand {
+ protected:
+  [[nodiscard]] Outcome insert_into(const std::string& mesh, Arguments arguments) const {
+    arguments.insert(arguments.begin(), {"insert", "--implant", ball(), "--mesh", mesh, "--device", "host", "--along",
+                                         "0,0,-2", "--length", "10", "--tol", "0.1", "-o", path("removal.csv")});
+    return run(arguments);
+  }
+  /// Of the ball's way up to z = 3: a half ball below z = 1 and a cylinder of height 2.
+  static constexpr double below_3 = 2.0 / 3.0 * 3.14159265358979 * 8.0 + 3.14159265358979 * 4.0 * 2.0;
+};
+
+TEST_F(RemovedBone, IsToldOfABone) {
+  const std::string bone = write("box.off", box_up_to(3.0));
+  const Outcome outcome = insert_into(bone, {"--bone", "--on", "triangles", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto object = nlohmann::json::parse(outcome.out);
+  const double lo = object["removed_volume"]["lo"].get<double>();
+  const double hi = object["removed_volume"]["hi"].get<double>();
+  EXPECT_LE(lo, below_3);
+  EXPECT_GE(hi, below_3);
+  EXPECT_LE(hi - lo, 0.02 * lo);
+  EXPECT_EQ(object["removed_volume_proof"]["within_tolerance"], true);
+  // All corners lie far from the ball, which passes through the upper face.
+  EXPECT_EQ(object["proven_cut"], 0);
+  const auto surface = object["whole_surface"];
+  EXPECT_LE(surface["deepest_penetration"]["lo"].get<double>(), 2.0);
+  EXPECT_GE(surface["deepest_penetration"]["hi"].get<double>(), 2.0);
+  EXPECT_EQ(surface["proven_cut"], 2);
+  EXPECT_EQ(surface["proven_untouched"], 10);
+}
+
+TEST_F(RemovedBone, IsToldOfACavityUpToAResectionOrAnOuterSurface) {
+  const std::string cavity = write("cavity.off", box_up_to(0.0));
+  const double beyond = below_3 - 3.14159265358979 * (2.0 - 1.0 / 3.0);  // the cap below z = 0, of height 1
+  for (const Arguments& end :
+       {Arguments{"--resection", "0,0,3,0,0,7"}, Arguments{"--within", write("outer.off", box_up_to(3.0))}}) {
+    Arguments arguments{"--cavity", "--volume-tol", "0.01"};
+    arguments.insert(arguments.end(), end.begin(), end.end());
+    const Outcome outcome = insert_into(cavity, arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const auto at = outcome.out.find("removed bone         [");
+    ASSERT_NE(at, std::string::npos) << outcome.out;
+    double lo = 0.0;
+    double hi = 0.0;
+    ASSERT_EQ(std::sscanf(outcome.out.c_str() + at, "removed bone         [%lf, %lf] mm^3", &lo, &hi), 2);
+    EXPECT_LE(lo, beyond);
+    EXPECT_GE(hi, beyond);
+    EXPECT_LE(hi - lo, 0.01 * lo);
+    EXPECT_THAT(outcome.out, HasSubstr("closed over        0 rims\n"));
+  }
+}
+
+TEST_F(RemovedBone, RefusesWhatHasNoMeaning) {
+  const std::string box = write("box.off", box_up_to(3.0));
+  expect_refused(insert_into(box, {"--bone", "--cavity"}), {"give only one of --cavity and --bone"});
+  expect_refused(insert_into(box, {"--cavity"}), {"nothing says where the bone around it ends"});
+  expect_refused(insert_into(box, {"--bone", "--within", box}), {"--within: only with --cavity"});
+  expect_refused(insert_into(box, {"--volume-tol", "0.1"}), {"--volume-tol: nothing says where bone is"});
+  expect_refused(insert_into(box, {"--bone", "--resection", "0,0,1,0,0,0"}), {"--resection: 0,0,1,0,0,0 has a zero"});
+  expect_refused(insert_into(box, {"--bone", "--resection", "0,0,-20,0,0,1"}), {"all of", "lies beyond it"});
+  const std::string points = write("points.off", "OFF\n1 0 0\n0 0 0\n");
+  expect_refused(insert_into(points, {"--bone"}), {"--bone", "points.off", "has no triangles"});
+  expect_refused(insert_into(points, {"--on", "triangles"}), {"--on triangles", "points.off", "has none"});
+  const std::string inward = write("inward.off",
+                                   "OFF\n4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 1 2\n3 0 3 1\n3 0 2 3\n"
+                                   "3 1 3 2\n");
+  expect_refused(insert_into(inward, {"--bone"}), {"--bone", "inward.off", "its normals point inward"});
 }
 
 TEST_F(InsertCommand, NamesFileAndLineOfABadPose) {

@@ -95,6 +95,22 @@ std::optional<int> ClosedSurface::winding_number(const Point& point) const {
   return found->outward - found->inward;
 }
 
+std::optional<int> ClosedSurface::winding_change(const Point& begin, const Point& end,
+                                                 std::span<const std::uint32_t> triangles) const {
+  if (largest_coordinate(Triangle{lower_, upper_, begin}) > largest_size || largest_coordinate(end) > largest_size) {
+    return std::nullopt;
+  }
+  int change = 0;
+  for (const std::uint32_t n : triangles) {
+    if (!boxes_meet(begin, end, triangles_[n])) continue;
+    const std::optional<Crossing> found = crossing(begin, end, triangles_[n]);
+    if (!found) return std::nullopt;
+    if (*found == Crossing::outward) --change;
+    if (*found == Crossing::inward) ++change;
+  }
+  return change;
+}
+
 std::optional<ClosedSurface::Crossings> ClosedSurface::crossings(const Point& point) const {
   for (std::size_t i = 0; i < 3; ++i) {
     if (point[i] < lower_[i] || point[i] > upper_[i]) return Crossings{};

@@ -2,7 +2,9 @@
 /// certain, or nothing (docs/mathematics.md §21).
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "verisq/mesh.hpp"
@@ -22,6 +24,13 @@ class ClosedSurface {
   /// How often the surface winds around the point: outward triangles about it count 1, inward ones -1. Nothing in the
   /// same cases. Preconditions: finite; every edge is run through as often one way as the other.
   [[nodiscard]] std::optional<int> winding_number(const Point& point) const;
+
+  /// By how much it is larger at the end of a segment than at its begin. Preconditions: as above; the segment meets no
+  /// other triangles than those.
+  [[nodiscard]] std::optional<int> winding_change(const Point& begin, const Point& end,
+                                                  std::span<const std::uint32_t> triangles) const;
+
+  [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
 
  private:
   /// Of a segment to the outside.

@@ -142,6 +142,13 @@ RigidPath::Leg RigidPath::leg(const Pose& from, const Pose& to) {
   return leg;
 }
 
+Vector3<double> RigidPath::spin(std::size_t k) const {
+  const Leg& leg = legs_[k];
+  Vector3<double> spin;
+  for (std::size_t i = 0; i < 3; ++i) spin[i] = Interval(leg.spin[i]) + Interval(-leg.spin_error, leg.spin_error);
+  return spin;
+}
+
 RigidPath::NearestPose RigidPath::nearest_pose(double time) const {
   const auto k = static_cast<std::size_t>(time);
   const double fraction = time - static_cast<double>(k);  // exact

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "verify/numbers/vector.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
@@ -29,6 +30,9 @@ class RigidPath {
   explicit RigidPath(std::span<const Pose> poses);
 
   [[nodiscard]] double last_time() const { return static_cast<double>(poses_.size() - 1); }
+
+  /// The rotation vector of the leg from pose k to the next one, enclosed.
+  [[nodiscard]] Vector3<double> spin(std::size_t k) const;
 
   /// Precondition: 0 <= time <= last_time().
   [[nodiscard]] NearestPose nearest_pose(double time) const;

@@ -1,0 +1,12 @@
+/// What is asked of every path of poses.
+#pragma once
+
+#include <span>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// Throws Error(input) for a path without poses, and for poses that are not finite or have a zero quaternion.
+void check_path(std::span<const Pose> path);
+
+}  // namespace verisq

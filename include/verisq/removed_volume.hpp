@@ -1,0 +1,62 @@
+/// How much bone an implant takes away on its way in: the volume that it sweeps of the bone, proven.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+#include <verisq/enclosure.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+enum class BoneSide : std::uint8_t {
+  inside,   ///< of the surface: it is the bone's outer one
+  outside,  ///< it is that of a cavity in the bone
+};
+
+/// A surface, closed over its rims by fans about their means, and on which side of it bone may be. Inside is where the
+/// closed surface winds about a point as it does about its volume, outside where it does not wind.
+struct BoneSurface {
+  Mesh mesh;
+  BoneSide bone;
+};
+
+/// What lies beyond the plane, where the normal points, has been cut off before.
+struct Resection {
+  Point point;
+  Point normal;  ///< finite, of any length but 0
+};
+
+/// Bone is where all of these say so; without any, everywhere.
+struct BoneRegion {
+  std::vector<BoneSurface> surfaces = {};
+  std::optional<Resection> resection = {};
+};
+
+/// The work ends when the enclosure is at most as wide as one of both tolerances allows.
+struct RemovedVolumeOptions {
+  double relative_tolerance = 0.02;                    ///< of the volume's lower end, >= 0
+  double tolerance = 0.0;                              ///< in cubic model units, >= 0
+  std::uint64_t most_cubes = std::uint64_t{1} << 21U;  ///< looked at, about: then the enclosure stays as it is
+  std::function<bool()> interrupted = [] { return false; };
+  std::function<void(const Enclosure& volume)> progress = [](const Enclosure&) {};
+};
+
+struct RemovedVolume {
+  Enclosure volume;  ///< of all bone that lies in the implant at some time, in cubic model units
+  bool within_tolerance = false;
+  std::uint64_t cubes = 0;             ///< looked at
+  std::vector<std::size_t> rims = {};  ///< of each surface, over which it was closed
+  bool interrupted = false;            ///< what is told is proven all the same
+};
+
+/// The implant, a union of convex primitives, moves by the poses after its primitives' own, between them as in
+/// insertion.hpp. Throws Error(input) for another model, a path as there, options out of range, a surface as
+/// check_surface_has_sides, and where numbers overflow.
+[[nodiscard]] RemovedVolume removed_volume(std::span<const Pose> path, const Model& implant, const BoneRegion& bone,
+                                           const RemovedVolumeOptions& options);
+
+}  // namespace verisq

@@ -1,0 +1,57 @@
+/// A closed surface in the cubes of an octree: the part of a cube on one side of it, where that is simple
+/// (docs/mathematics.md §23).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "verify/containment/closed_surface.hpp"
+#include "verify/sets/cube.hpp"
+#include "verify/sweep/clipped_cube.hpp"
+
+namespace verisq::verify {
+
+/// What of a cube belongs to a set: the part in all of the half-spaces, or, the other way about, what they leave.
+struct CubePart {
+  enum class Kind : std::uint8_t { nothing, all, within, beyond, unknown };
+  Kind kind;
+  std::vector<CuttingPlane> planes = {};  ///< of the kinds `within` and `beyond`: one or two
+};
+
+/// Immutable: safe to ask from many threads.
+class DividedSurface {
+ public:
+  /// `orientation` is 1 where the triangles face outward, -1 where they face inward. Inside is where the surface winds
+  /// as its orientation says, outside where it does not wind; the set is one of both. Precondition: as ClosedSurface,
+  /// and every edge is run through as often one way as the other.
+  DividedSurface(std::vector<Triangle> triangles, int orientation, Side side);
+
+  /// What is known of a cube.
+  struct Piece {
+    std::vector<std::uint32_t> triangles;  ///< no others meet the cube
+    Point place{};                         ///< in the cube
+    std::optional<int> winding = {};       ///< there
+  };
+
+  [[nodiscard]] Piece piece(const Cube& cube) const;
+  /// Of a cube in the one that `whole` is of: the same, at less cost.
+  [[nodiscard]] Piece piece(const Cube& cube, const Piece& whole) const;
+
+  [[nodiscard]] CubePart part(const Cube& cube, const Piece& piece) const;
+
+ private:
+  [[nodiscard]] CubePart::Kind kind_at(int winding) const;
+  [[nodiscard]] CubePart divided_by_one(const Cube& cube, const Piece& piece) const;
+  [[nodiscard]] CubePart divided_by_two(const Cube& cube, const Piece& piece) const;
+  [[nodiscard]] CubePart parts(int winding_behind, std::vector<CuttingPlane> planes, bool behind_all) const;
+
+  ClosedSurface surface_;
+  int orientation_;
+  Side side_;
+};
+
+/// The half-space {x : (x - point)·normal <= 0} in a cube.
+[[nodiscard]] CuttingPlane plane_in(const Cube& cube, const Point& point, const Point& normal);
+
+}  // namespace verisq::verify

@@ -1,0 +1,331 @@
+/// The gauge G of the moving primitive, as a function of the place and the time, is least at some time: there a plane
+/// that touches the primitive proposes that of the swept set, and one evaluation for it and eight for the cube's
+/// corners prove both half-spaces.
+#include "verify/sweep/moving_primitive.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "verify/proof/posed_superquadric.hpp"
+#include "verify/sets/in_binary64.hpp"
+
+namespace verisq::verify {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Vector3<double> exact_vector(const Point& x) {
+  return {Interval(x[0]), Interval(x[1]), Interval(x[2])};
+}
+
+Point point_of(const Vector3d& x) {
+  return {x[0], x[1], x[2]};
+}
+
+double nearest(const Interval& x) {
+  return 0.5 * x.lower() + 0.5 * x.upper();
+}
+
+Vector3d nearest(const Vector3<double>& x) {
+  return {nearest(x[0]), nearest(x[1]), nearest(x[2])};
+}
+
+Matrix3d nearest(const Matrix3<double>& m) {
+  Matrix3d result;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) result(i, j) = nearest(m(static_cast<std::size_t>(i), static_cast<std::size_t>(j)));
+  return result;
+}
+
+Vector3<double> cross(const Vector3<double>& a, const Vector3<double>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// {x : |x_i - centre_i| <= half_width}
+Vector3<double> box_of(const Cube& cube) {
+  const Interval about(-cube.half_width, cube.half_width);
+  return exact_vector(cube.centre) + Vector3<double>(about, about, about);
+}
+
+bool is_usable(const Vector3d& v) {
+  return v.allFinite() && v.norm() > 0.0;
+}
+
+/// The rotation by a vector's length about it.
+Matrix3d turn(const Vector3d& by) {
+  const double angle = by.norm();
+  if (!(angle > 0.0)) return Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, by / angle).toRotationMatrix();
+}
+
+constexpr std::array<Point, 8> corners_of_cube{
+    {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {-1, 1, 1}, {1, 1, 1}}};
+
+/// {e : normal·e <= offset} of a cube of which it holds all, and nothing.
+bool holds_all(const CuttingPlane& plane, double half_width) {
+  return plane.offset >= reach_up(plane.normal, half_width);
+}
+bool holds_nothing(const CuttingPlane& plane, double half_width) {
+  return plane.offset < -reach_up(plane.normal, half_width);
+}
+
+}  // namespace
+
+/// The primitive at one time: from its own frame to that of the bone.
+struct MovingPrimitive::Placement {
+  EnclosedPose path;
+  Matrix3<double> rotation;
+  Vector3<double> origin;
+};
+
+/// The motion of one leg, in floating point.
+struct MovingPrimitive::Floating {
+  Matrix3d path_rotation;  ///< at its begin, like the next
+  Vector3d path_translation;
+  Vector3d velocity;
+  Vector3d spin;
+  Matrix3d own_rotation;
+  Vector3d own_translation;
+
+  /// How fast a point that is fixed in the implant's frame moves where x is.
+  [[nodiscard]] Vector3d speed(double time, const Vector3d& x) const {
+    return spin.cross(x - path_translation - time * velocity) + velocity;
+  }
+  /// Of the primitive's own frame: x there, and the rotation from there.
+  [[nodiscard]] std::pair<Vector3d, Matrix3d> local(double time, const Vector3d& x) const {
+    const Matrix3d path = turn(time * spin) * path_rotation;
+    const Vector3d in_model = path.transpose() * (x - path_translation - time * velocity);
+    return {own_rotation.transpose() * (in_model - own_translation), path * own_rotation};
+  }
+};
+
+/// A half-space that holds what is swept of a cube during a stretch, and what it comes from.
+struct MovingPrimitive::Plane {
+  CuttingPlane outer;
+  TimeStretch stretch;
+  double slack;    ///< of its offset: for what moves during the stretch
+  double gauge;    ///< at the cube's centre, about
+  Vector3d slope;  ///< its gradient there, about
+  Placement at;
+};
+
+MovingPrimitive::MovingPrimitive(const Primitive& primitive, const EnclosedPath& path)
+    : path_(path),
+      bounds_(primitive.superquadric),
+      gauge_(NormFunction<double>::gauge(primitive.superquadric)),
+      smallest_semi_axis_(std::ranges::min(primitive.superquadric.semi_axes)) {
+  const PosedSuperquadric posed(primitive);
+  rotation_ = in_binary64(posed.motion().rotation);
+  translation_ = in_binary64(posed.motion().translation);
+}
+
+std::vector<TimeStretch> MovingPrimitive::whole_path() const {
+  std::vector<TimeStretch> whole;
+  for (std::uint32_t leg = 0; leg < path_.legs(); ++leg) whole.push_back({leg, 0.0, 1.0});
+  return whole;
+}
+
+// The origin moves on a curve with |x''| <= |w|² |R p|: no farther from its chord than an eighth of that.
+std::array<Interval, 3> MovingPrimitive::box() const {
+  Vector3<double> own;
+  for (std::size_t i = 0; i < 3; ++i) {
+    Vector3<double> axis;
+    axis[i] = Interval(1);
+    own[i] = Interval(-bounds_.support_up(-axis), bounds_.support_up(axis));
+  }
+  const double radius = length<double>(own).upper();
+  std::array<Interval, 3> box;
+  for (std::size_t leg = 0; leg < path_.legs(); ++leg) {
+    const Interval bow = square(length<double>(path_.motion(leg).spin)) * length<double>(translation_) / Interval(8);
+    const Interval about = Interval(radius) + bow;
+    const Placement begin = placement(leg, 0.0);
+    const Placement end = placement(leg, 1.0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Interval reached = hull(begin.origin[i], end.origin[i]) + Interval(-about.upper(), about.upper());
+      box[i] = leg == 0 ? reached : hull(box[i], reached);
+    }
+  }
+  return box;
+}
+
+MovingPrimitive::Placement MovingPrimitive::placement(std::size_t leg, double time) const {
+  Placement at{path_.pose(leg, time), {}, {}};
+  at.rotation = at.path.rotation * rotation_;
+  at.origin = at.path.rotation * translation_ + at.path.translation;
+  return at;
+}
+
+MovingPrimitive::Floating MovingPrimitive::floating(std::size_t leg) const {
+  const EnclosedPose start = path_.pose(leg, 0.0);
+  const EnclosedMotion& motion = path_.motion(leg);
+  return {nearest(start.rotation), nearest(start.translation), nearest(motion.velocity),
+          nearest(motion.spin),    nearest(rotation_),         nearest(translation_)};
+}
+
+/// Where the gauge at x is least, by a falling and a rising end: exactly so of a convex function of time, as along a
+/// straight leg. Nothing depends on it but how tight the bounds are.
+double MovingPrimitive::nearest_time(const Floating& motion, const TimeStretch& stretch, const Vector3d& x) const {
+  const auto derivative = [&](double time) {
+    const auto local = motion.local(time, x);
+    return -(local.second * gauge_(local.first).gradient).dot(motion.speed(time, x));
+  };
+  double begin = stretch.begin;
+  double end = stretch.end;
+  double at_begin = derivative(begin);
+  if (!(at_begin < 0.0)) return begin;
+  double at_end = derivative(end);
+  if (!(at_end > 0.0)) return end;
+  constexpr int most_steps = 40;
+  constexpr double close = 1e-5;
+  double time = begin;
+  for (int step = 0, side = 0; step < most_steps; ++step) {
+    const double before = time;
+    time = std::clamp((begin * at_end - end * at_begin) / (at_end - at_begin), begin, end);
+    if (std::abs(time - before) <= close * (stretch.end - stretch.begin)) break;
+    const double here = derivative(time);
+    if (!std::isfinite(here)) return stretch.begin;
+    // The Illinois method: an end that stays counts half.
+    if (here < 0.0) {
+      begin = time;
+      at_begin = here;
+      if (side == -1) at_end /= 2.0;
+      side = -1;
+    } else {
+      end = time;
+      at_end = here;
+      if (side == 1) at_begin /= 2.0;
+      side = 1;
+    }
+  }
+  return time;
+}
+
+/// Let v be a vector fixed in the implant's frame that is n at the time s, and phi(t) = v·y(t) for y(t) = R^T(x - t)
+/// (docs/mathematics.md §23): phi(t) >= phi(s) - max((t - s) -phi'(s)) - (t - s)² |n| |y''| / 2.
+MovingPrimitive::Plane MovingPrimitive::plane(const Cube& cube, const TimeStretch& stretch) const {
+  const EnclosedMotion& motion = path_.motion(stretch.leg);
+  const Floating floating_motion = floating(stretch.leg);
+  const Vector3d centre(cube.centre[0], cube.centre[1], cube.centre[2]);
+  double time = nearest_time(floating_motion, stretch, centre);
+  const bool is_between = stretch.begin < time && time < stretch.end;
+  if (motion.turns) time = std::clamp(std::round(time / path_.step()) * path_.step(), stretch.begin, stretch.end);
+
+  const auto local = floating_motion.local(time, centre);
+  const auto expansion = gauge_(local.first);
+  const Vector3d slope = local.second * expansion.gradient;
+  Vector3d normal = slope;
+  if (is_between) {  // the plane touches what is swept: it moves along itself
+    const Vector3d speed = floating_motion.speed(time, centre);
+    normal -= speed * (normal.dot(speed) / speed.squaredNorm());
+  }
+  normal = is_usable(normal) ? Vector3d(normal / normal.norm()) : Vector3d::UnitX();
+
+  Plane result{{point_of(normal), 0.0}, stretch, 0.0, expansion.value, slope, placement(stretch.leg, time)};
+  const Placement& at = result.at;
+  const Vector3<double> n = exact_vector(result.outer.normal);
+  const Vector3<double> way = box_of(cube) - at.path.translation;  // of all points of the cube
+  const Interval derivative = -(cross(n, motion.spin).dot(way) + n.dot(motion.velocity));
+  const Interval until_end = Interval(stretch.end) - Interval(time);
+  const Interval since_begin = Interval(time) - Interval(stretch.begin);
+  const double linear = std::max({0.0, (until_end * -derivative).upper(), (since_begin * derivative).upper()});
+  Interval quadratic(0);
+  if (motion.turns) {
+    const Interval spin = length<double>(motion.spin);
+    const Interval speed = length<double>(motion.velocity);
+    const Interval longest(std::max(until_end.upper(), since_begin.upper()));
+    const Interval distance = length<double>(way) + speed * longest;
+    const Interval bend = square(spin) * distance + Interval(2) * spin * speed;
+    quadratic = square(longest) * length<double>(n) * bend / Interval(2);
+  }
+  const Interval slack = Interval(linear) + Interval(quadratic.upper());
+  const Interval support(bounds_.support_up(at.rotation.transpose() * n));
+  result.slack = slack.upper();
+  result.outer.offset = (support + n.dot(at.origin - exact_vector(cube.centre)) + slack).upper();
+  return result;
+}
+
+/// G is convex in x: G - slope·e is largest at a corner, say m. Where slope·e <= 1 - m, G <= 1.
+CuttingPlane MovingPrimitive::inner_plane(const Cube& cube, const Plane& plane) const {
+  const Point slope = is_usable(plane.slope) ? point_of(plane.slope) : Point{1.0, 0.0, 0.0};
+  const Matrix3<double> to_own = plane.at.rotation.transpose();
+  double largest = -infinity;
+  for (const Point& corner : corners_of_cube) {
+    Vector3<double> e;
+    for (std::size_t i = 0; i < 3; ++i) e[i] = Interval(corner[i] * cube.half_width);  // exact
+    const Vector3<double> own = to_own * (exact_vector(cube.centre) + e - plane.at.origin);
+    largest = std::max(largest, (Interval(bounds_.gauge_up(own)) - exact_vector(slope).dot(e)).upper());
+  }
+  return {slope, subtract(1.0, largest, Direction::down)};
+}
+
+/// Half-spaces {n_j·e <= b_j} of stretches, brought to the normal of one of them: what they hold of the cube lies in
+/// {n·e <= b_j + h |n - n_j|_1}.
+double MovingPrimitive::offset_along(const Plane& plane, const Plane& other, double half_width) {
+  const Vector3<double> turned = exact_vector(plane.outer.normal) - exact_vector(other.outer.normal);
+  Interval apart(0);
+  for (std::size_t i = 0; i < 3; ++i) apart += abs(turned[i]) * Interval(half_width);
+  return (Interval(other.outer.offset) + apart).upper();
+}
+
+/// Stretches are halved where the slack of their half-spaces decides.
+SweptPart MovingPrimitive::part(const Cube& cube, std::span<const TimeStretch> stretches) const {
+  const double half_width = cube.half_width;
+  const double allowed = half_width * std::min(1.0, half_width / smallest_semi_axis_) / 8.0;
+  SweptPart result;
+  std::vector<Plane> planes;
+  const auto add = [&](const TimeStretch& stretch) {
+    Plane found = plane(cube, stretch);
+    if (!holds_nothing(found.outer, half_width)) planes.push_back(std::move(found));
+  };
+  for (const TimeStretch& stretch : stretches) add(stretch);
+  while (!planes.empty()) {
+    const Plane deepest = *std::ranges::min_element(planes, {}, &Plane::gauge);
+    const CuttingPlane inner = inner_plane(cube, deepest);
+    result.covered = std::isfinite(inner.offset) && holds_all(inner, half_width);
+    result.inner.reset();
+    if (std::isfinite(inner.offset) && !holds_nothing(inner, half_width)) result.inner = inner;
+
+    const double least = deepest.outer.offset - deepest.slack;  // about: no better half-space is to be had
+    const double reach = reach_up(deepest.outer.normal, half_width);
+    std::vector<TimeStretch> halves;
+    if (!result.covered && least < reach) {
+      std::erase_if(planes, [&](const Plane& other) {
+        const double offset = offset_along(deepest, other, half_width);
+        if (offset < -reach) return true;  // it holds nothing of the cube
+        if (offset <= least + allowed || other.slack <= allowed || !is_divisible(other.stretch)) return false;
+        const double middle = middle_of(other.stretch);
+        halves.push_back({other.stretch.leg, other.stretch.begin, middle});
+        halves.push_back({other.stretch.leg, middle, other.stretch.end});
+        return true;
+      });
+    }
+    if (halves.empty()) break;
+    for (const TimeStretch& half : halves) add(half);
+  }
+  if (planes.empty()) return {};
+
+  const Plane& deepest = *std::ranges::min_element(planes, {}, &Plane::gauge);
+  CuttingPlane outer = deepest.outer;
+  for (const Plane& other : planes) {
+    result.open.push_back(other.stretch);
+    outer.offset = std::max(outer.offset, offset_along(deepest, other, half_width));
+  }
+  if (std::isfinite(outer.offset) && !holds_all(outer, half_width)) result.outer = outer;
+  return result;
+}
+
+double MovingPrimitive::middle_of(const TimeStretch& stretch) const {
+  return std::round((stretch.begin + stretch.end) / (2.0 * path_.step())) * path_.step();
+}
+
+bool MovingPrimitive::is_divisible(const TimeStretch& stretch) const {
+  const double middle = middle_of(stretch);
+  return path_.motion(stretch.leg).turns && stretch.begin < middle && middle < stretch.end;
+}
+
+}  // namespace verisq::verify
