@@ -12,6 +12,7 @@
 #include <tuple>
 #include <utility>
 #include <verisq/clearance.hpp>
+#include <verisq/fit_bound.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/model_file.hpp>
@@ -33,8 +34,10 @@
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
+#include "host/command_line/time_limit.hpp"
 #include "host/command_line/whole_number.hpp"
 #include "host/files/output_file.hpp"
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -71,13 +74,20 @@ constexpr const char* closing_words =
     "it is proven, too, whether all of it (what lies deeper in it than the penetration limit) is there; a mesh with\n"
     "rims is closed over them. A neck and a head pass through the opening: name them by --crossing.\n"
     "\n"
-    "Ctrl-C ends the search: the best pose so far is proven and written. A second Ctrl-C stops at once; once the "
+    "--bound looks at every box of poses of the range, and leaves out those of which it is proven that a vertex is "
+    "too\n"
+    "deep, or that F is no better. Its bound holds for all poses that keep the limit at the vertices, whatever else "
+    "is\n"
+    "asked of them.\n"
+    "\n"
+    "Ctrl-C ends the search, or the bound: the best pose so far is proven and written. A second Ctrl-C stops at once; "
+    "once the "
     "proof\n"
     "runs, -o is written already.\n"
     "\n"
     "Exit status: 0 every enclosure is at most the tolerance wide, nothing is proven deeper than the limit, and every\n"
-    "primitive is proven to lie on its side, every change to be within --keep; 3 finished, but not so; 2 bad usage or\n"
-    "input; 130 interrupted by Ctrl-C.\n"
+    "primitive is proven to lie on its side, every change to be within --keep, F to be as near to the best as --bound\n"
+    "asks; 3 finished, but not so; 2 bad usage or input; 130 interrupted by Ctrl-C.\n"
     "\n"
     "Examples:\n"
     "  verisq fit --implant stem_mm.json --mesh canal.stl --cavity --resection 105,0,-120,-0.7,0,0.7 --crossing neck "
@@ -111,12 +121,25 @@ void refuse_what_cannot_be_drawn(const FitArguments& arguments, const Mesh& mesh
                      arguments.mesh));
 }
 
+/// Before the search, not after it.
+void refuse_what_has_no_bound(const FitArguments& arguments, const FitProblem& problem) {
+  if (!arguments.bound) return;
+  for (std::size_t i = 0; i < problem.series.size(); ++i) {
+    if (is_exact(problem.series[i])) continue;
+    refuse(fmt::format("--bound: {} has sizes to choose from, and the bound is of poses alone", arguments.implants[i]));
+  }
+}
+
 void tell_of_empty_areas(const Cavity& cavity) {
   std::vector<bool> used(cavity.areas.size());
   for (const std::uint32_t area : cavity.area_of) used[area] = true;
   for (std::size_t k = 0; k < used.size(); ++k) {
     if (!used[k]) tell(fmt::format("area {}: has no vertex of the mesh", cavity.areas[k].name));
   }
+}
+
+void write_fitted(const FitProblem& problem, const FitArguments& arguments, const Fit& fit) {
+  write_model(arguments.output, fit.model, posed(problem.landmarks[fit.implant], fit.pose));
 }
 
 Fit search(FitProblem& problem, const FitArguments& arguments) {
@@ -131,6 +154,56 @@ Fit search(FitProblem& problem, const FitArguments& arguments) {
                      progress.done);
   };
   return fit(problem.series, problem.cavity, options);
+}
+
+/// What the search has found, and what no pose exceeds.
+struct SearchResult {
+  Fit fit;
+  std::optional<FitBound> bound;
+  double bound_seconds = 0.0;
+};
+
+FitBound best_possible(const FitProblem& problem, const FitArguments& arguments, double known) {
+  ProgressBar bar(!arguments.no_progress, "boxes");
+  TimeLimit limit(arguments.bound_time);
+  limit.start();
+  const Stopwatch watch;
+  return bound_fit(problem.series, problem.cavity,
+                   {.fitness = problem.options.fitness,
+                    .penetration_limit = problem.options.penetration_limit,
+                    .range = problem.options.range,
+                    .known = known,
+                    .gap = *arguments.bound / 100.0,
+                    .device = problem.options.device,
+                    .interrupted = interrupted,
+                    .out_of_time = [&limit] { return limit.passed(); },
+                    .progress =
+                        [&](const FitBoundProgress& progress) {
+                          bar.update_state(
+                              fmt::format("F of any pose at most {:.6g}, found {:.6g}", progress.upper, known),
+                              std::min(watch.seconds() / arguments.bound_time, 1.0));
+                        }});
+}
+
+/// Poses that the bound comes across are tried in a second search: the better fit counts.
+SearchResult search_and_bound(FitProblem& problem, const FitArguments& arguments) {
+  SearchResult result{.fit = search(problem, arguments), .bound = std::nullopt};
+  write_fitted(problem, arguments, result.fit);
+  if (!arguments.bound || result.fit.interrupted) return result;
+  const Stopwatch watch;
+  result.bound = best_possible(problem, arguments, result.fit.objective);
+  if (result.bound->promising && !interrupted()) {
+    problem.options.tried = {result.bound->promising->pose};
+    Fit again = search(problem, arguments);
+    if (again.within_limit >= result.fit.within_limit && again.objective > result.fit.objective) {
+      tell(fmt::format("the bound came across a better pose: F = {:.6g}, not {:.6g}", again.objective,
+                       result.fit.objective));
+      result.fit = std::move(again);
+      write_fitted(problem, arguments, result.fit);
+    }
+  }
+  result.bound_seconds = watch.seconds();
+  return result;
 }
 
 double tolerance_of(const FitArguments& arguments, const Model& fitted) {
@@ -179,6 +252,21 @@ Proof prove(const FitProblem& problem, const Fit& fit, const MapOptions& options
   return proof;
 }
 
+/// (upper - objective) / upper, rounded up.
+std::optional<BestPossible> compared(const SearchResult& searched, const Clearance& clearance,
+                                     const FitArguments& arguments) {
+  if (!searched.bound) return std::nullopt;
+  using verify::Direction;
+  const double upper = searched.bound->upper;
+  const double objective = clearance.objective.lo;
+  std::optional<double> gap;
+  if (clearance.proven_shallow == clearance.map.points && objective > 0.0 && upper >= objective) {
+    gap = verify::divide(verify::subtract(upper, objective, Direction::up), upper, Direction::up);
+  }
+  return BestPossible{
+      .bound = *searched.bound, .asked = *arguments.bound / 100.0, .gap = gap, .seconds = searched.bound_seconds};
+}
+
 std::vector<SurfaceSide> sides_required(const FitProblem& problem, std::size_t implant) {
   return problem.options.sides.empty() ? std::vector<SurfaceSide>() : problem.options.sides[implant];
 }
@@ -216,10 +304,10 @@ void explain(const FitSummary& summary) {
 }
 
 ExitStatus status_of(const FitSummary& summary) {
-  if (summary.fit.interrupted) return ExitStatus::interrupted;
+  if (summary.fit.interrupted || (summary.best && summary.best->bound.interrupted)) return ExitStatus::interrupted;
   const bool as_asked = summary.clearance.map.wide == 0 && summary.clearance.proven_too_deep == 0 &&
                         (!summary.surface || summary.surface->proven_too_deep == 0) &&
-                        (!summary.sides || summary.sides->kept()) && is_preserved(summary);
+                        (!summary.sides || summary.sides->kept()) && is_preserved(summary) && is_good_enough(summary);
   return as_asked ? ExitStatus::verified : ExitStatus::unverified;
 }
 
@@ -241,6 +329,12 @@ Area parse_weight(std::string_view option, const std::string& text) {
   const std::size_t equals = text.rfind('=');
   if (equals == std::string::npos || equals == 0) refuse(fmt::format("{}: {} is not NAME=W", option, text));
   return {text.substr(0, equals), parse_length(fmt::format("{} {}", option, text), text.substr(equals + 1))};
+}
+
+double parse_percentage(std::string_view option, const std::string& text) {
+  const double percentage = parse_positive_length(option, text);
+  if (percentage >= 100.0) refuse(fmt::format("{}: {} is not below 100", option, text));
+  return percentage;
 }
 
 double parse_rotation(std::string_view option, const std::string& text) {
@@ -310,6 +404,11 @@ void declare_search(Options& options, FitArguments& arguments) {
               "From the start, in model units (default: half the diagonal of the mesh's bounding box)");
   options.add("--rotation-range", arguments.rotation_range, parse_rotation, "DEGREES",
               "From the start, in degrees (default 30, at most 180)");
+  options.add("--bound", arguments.bound, parse_percentage, "PERCENT",
+              "Proves that no pose of the range has an F larger than this one's by more than so much of it; sizes must "
+              "be exact");
+  options.add("--bound-time", arguments.bound_time, parse_time_limit, "SECONDS",
+              "Ends that with what is proven by then (default 300)");
   options.add("--seed", arguments.seed, whole_number<std::uint64_t>(0), "NUMBER", "Of the sampled poses (default 1)");
   options.add("--samples", arguments.samples, whole_number<std::size_t>(1, most_samples), "NUMBER",
               fmt::format("How many poses the search samples first: 1 to {} (default 4096)", most_samples));
@@ -347,6 +446,7 @@ ExitStatus run_fit(const FitArguments& arguments) {
   check_outputs(arguments);
   FitProblem problem = read_fit_problem(arguments);
   refuse_what_cannot_be_drawn(arguments, problem.mesh);
+  refuse_what_has_no_bound(arguments, problem);
   tell_of_empty_areas(problem.cavity);
 
   std::optional<MapWriter> map;  // before the search: an unknown format is refused, not met after all the work
@@ -354,9 +454,9 @@ ExitStatus run_fit(const FitArguments& arguments) {
 
   watch_for_interruption();
   const Stopwatch search_time;
-  Fit found = search(problem, arguments);
-  const double search_seconds = search_time.seconds();
-  write_model(arguments.output, found.model, posed(problem.landmarks[found.implant], found.pose));
+  SearchResult searched = search_and_bound(problem, arguments);
+  Fit& found = searched.fit;
+  const double search_seconds = search_time.seconds() - searched.bound_seconds;
 
   const double tolerance = tolerance_of(arguments, found.model);
   const Stopwatch proof_time;
@@ -365,6 +465,7 @@ ExitStatus run_fit(const FitArguments& arguments) {
   const std::size_t implant = found.implant;
   FemurFeatures changes;
   if (problem.bone) changes = changes_of(problem, arguments.landmark_radius, implant, found.pose);
+  const std::optional<BestPossible> best = compared(searched, proof.clearance, arguments);
   const FitSummary summary{.fit = std::move(found),
                            .clearance = std::move(proof.clearance),
                            .surface = std::move(proof.surface),
@@ -377,6 +478,7 @@ ExitStatus run_fit(const FitArguments& arguments) {
                            .implant = arguments.implants[implant],
                            .implants = arguments.implants.size(),
                            .sized = !is_exact(problem.series[implant]),
+                           .best = best,
                            .penetration_limit = problem.options.penetration_limit,
                            .tolerance = tolerance,
                            .units = problem.units,

@@ -54,6 +54,9 @@ struct FitArguments {
   double rotation_range = 30.0;  ///< degrees
   std::uint64_t seed = 1;
   std::size_t samples = 4096;
+  std::optional<double>
+      bound;                  ///< percent: a proof that no pose of the range is better by more; nothing: not asked for
+  double bound_time = 300.0;  ///< seconds for it
   std::optional<std::string> labels;  ///< a property of the mesh's vertices
   std::vector<Area> weights;
   std::optional<double> tolerance;

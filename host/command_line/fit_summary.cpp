@@ -226,6 +226,29 @@ Lines change_lines(const FitSummary& summary) {
   return lines;
 }
 
+std::string end_of_bound(const FitBound& bound) {
+  if (bound.interrupted) return ", interrupted";
+  return bound.out_of_time ? ", out of time" : "";
+}
+
+/// One digit after the point, rounded up.
+std::string percent_up(double share) {
+  return fmt::format("{:.1f} %", std::ceil(1000.0 * share * (1.0 + 0x1p-50)) / 10.0);
+}
+
+Lines bound_lines(const FitSummary& summary) {
+  if (!summary.best) return {};
+  const auto& [bound, asked, gap, seconds] = *summary.best;
+  if (bound.upper == -infinity)
+    return {{"best possible", "no pose of the range keeps the limit at the vertices, proven"}};
+  Lines lines{{"best possible",
+               fmt::format("at most {} in any pose of the range that keeps the limit at the vertices, proven{}",
+                           upper_digits(bound.upper), end_of_bound(bound))}};
+  lines.push_back({"  fit is within", gap ? fmt::format("{} of the best possible, proven", percent_up(*gap))
+                                          : "not said: the limit is not proven to be kept, or F not to be positive"});
+  return lines;
+}
+
 Lines proven_lines(const FitSummary& summary) {
   const Clearance& clearance = summary.clearance;
   const std::string units = units_of(summary);
@@ -241,7 +264,7 @@ Lines proven_lines(const FitSummary& summary) {
     const Lines of_surface = surface_lines(*summary.surface, units);
     lines.insert(lines.end(), of_surface.begin(), of_surface.end());
   }
-  return joined({side_lines(summary), lines, change_lines(summary)});
+  return joined({side_lines(summary), bound_lines(summary), lines, change_lines(summary)});
 }
 
 Lines point_lines(const FitSummary& summary) {
@@ -278,6 +301,10 @@ Lines run_lines(const FitSummary& summary) {
               {"proof", fmt::format("{:.3g} s on {} (device {:.3g} s, host proofs {:.3g} s)", summary.proof_seconds,
                                     clearance.map.device, clearance.map.device_seconds, clearance.map.host_seconds)},
               {"fitted model", summary.output}};
+  if (summary.best) {
+    lines.push_back({"bound", fmt::format("{:.3g} s, {} boxes of poses", summary.best->seconds,
+                                          with_prefix(static_cast<double>(summary.best->bound.boxes)))});
+  }
   if (!summary.map.empty()) lines.push_back({"map", summary.map});
   return lines;
 }
@@ -335,6 +362,19 @@ JsonObject surface_json(const MeshClearance& surface) {
           {"proven_within_limit", surface.proven_within},
           {"proven_too_deep", surface.proven_too_deep},
           {"undecided", surface.undecided}};
+}
+
+JsonValue bound_json(const FitSummary& summary) {
+  if (!summary.best) return {};
+  const auto& [bound, asked, gap, seconds] = *summary.best;
+  return JsonObject{{"upper", std::isfinite(bound.upper) ? JsonValue(bound.upper) : JsonValue()},
+                    {"asked", asked},
+                    {"gap", gap ? JsonValue(*gap) : JsonValue()},
+                    {"reached", is_good_enough(summary)},
+                    {"boxes", bound.boxes},
+                    {"seconds", seconds},
+                    {"interrupted", bound.interrupted},
+                    {"out_of_time", bound.out_of_time}};
 }
 
 JsonValue sides_json(const FitSummary& summary) {
@@ -401,6 +441,10 @@ double largest_objective(const Clearance& clearance) {
   return sum;
 }
 
+bool is_good_enough(const FitSummary& summary) {
+  return !summary.best || (summary.best->gap && *summary.best->gap <= summary.best->asked);
+}
+
 bool is_preserved(const FitSummary& summary) {
   return std::ranges::all_of(summary.kept, [&](const KeptFeature& kept) {
     const auto change = std::ranges::find(summary.changes.features, kept.name, &Feature::name);
@@ -461,6 +505,7 @@ std::string json(const FitSummary& summary) {
       {"proven_too_deep", clearance.proven_too_deep},
       {"undecided", undecided_depths(clearance)},
       {"surface", summary.surface ? surface_json(*summary.surface) : JsonValue()},
+      {"bound", bound_json(summary)},
       {"sides", sides_json(summary)},
       {"changes", changes_json(summary)},
       {"landmark_radius", summary.landmark_radius},

@@ -7,6 +7,7 @@
 #include <verisq/clearance.hpp>
 #include <verisq/features.hpp>
 #include <verisq/fit.hpp>
+#include <verisq/fit_bound.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/report.hpp>
 #include <verisq/sides.hpp>
@@ -14,6 +15,16 @@
 #include "host/command_line/fit_command.hpp"
 
 namespace verisq::command_line {
+
+/// What no pose of the range exceeds, and how far from it the fit is.
+struct BestPossible {
+  FitBound bound;
+  double asked;  ///< share of the bound that the fit may be below it
+  /// What the proven objective is below the bound at most, as a share of the bound, rounded up; nothing unless every
+  /// vertex is proven to keep the limit that the bound is for, and the objective to be positive.
+  std::optional<double> gap;
+  double seconds;  ///< wall time
+};
 
 struct FitSummary {
   Fit fit;
@@ -25,9 +36,10 @@ struct FitSummary {
   FemurFeatures changes;                    ///< of the bone's features; none where its landmarks are not given
   std::vector<KeptFeature> kept;            ///< ranges asked of them
   double landmark_radius;
-  std::string implant;   ///< file of the chosen one
-  std::size_t implants;  ///< in the series
-  bool sized;            ///< the chosen one has sizes to choose from
+  std::string implant;               ///< file of the chosen one
+  std::size_t implants;              ///< in the series
+  bool sized;                        ///< the chosen one has sizes to choose from
+  std::optional<BestPossible> best;  ///< nothing where it is not asked for, or the search was interrupted
   double penetration_limit;
   double tolerance;
   std::string units;      ///< empty when not given
@@ -48,6 +60,9 @@ struct FitSummary {
 
 /// A sentence for each primitive that is not proven to lie where it has to.
 [[nodiscard]] std::vector<std::string> broken_sides(const FitSummary& summary);
+
+/// The gap that was asked for is proven, or none was.
+[[nodiscard]] bool is_good_enough(const FitSummary& summary);
 
 /// What is proven, the most important first, areas included. Digits are rounded outward.
 [[nodiscard]] std::vector<ReportLine> report_lines(const FitSummary& summary);

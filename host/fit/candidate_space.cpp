@@ -142,6 +142,24 @@ Model CandidateSpace::sized(std::span<const double> parameters) const {
   return model;
 }
 
+Parameters CandidateSpace::nearest(const Pose& pose) const {
+  const Quaterniond turned = quaternion(pose.quaternion);
+  const Vector3d moved = turned * centre_ + vector_of(pose.translation) - start_centre_;
+  const Eigen::AngleAxisd turn(turned * start_rotation_.conjugate());  // by at most half a turn
+  const Vector3d rotation = turn.angle() * turn.axis();
+  Parameters result = start();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    result[i] = std::clamp(moved[k], lower_[i], upper_[i]);
+    result[3 + i] = std::clamp(rotation[k], lower_[3 + i], upper_[3 + i]);
+  }
+  return result;
+}
+
+verify::PoseSpace CandidateSpace::pose_space() const {
+  return {start_rotation_.toRotationMatrix(), centre_, start_centre_};
+}
+
 Pose CandidateSpace::pose(std::span<const double> parameters) const {
   const Quaterniond turned = rotation(parameters);
   const Vector3d moved(parameters[0], parameters[1], parameters[2]);

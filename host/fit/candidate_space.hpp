@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/fit/candidate_evaluation.hpp"
+#include "verify/placement/pose_box.hpp"
 #include "verisq/fit.hpp"
 
 namespace verisq::fit_search {
@@ -37,6 +38,10 @@ class CandidateSpace {
   [[nodiscard]] FitMovement movement(std::span<const double> parameters) const;
   /// The implant of these sizes in its own frame.
   [[nodiscard]] Model sized(std::span<const double> parameters) const;
+  /// The parameters of the pose, or of the range the nearest to them; sizes at the middle of their intervals.
+  [[nodiscard]] Parameters nearest(const Pose& pose) const;
+  /// How the six parameters of the pose move the implant.
+  [[nodiscard]] verify::PoseSpace pose_space() const;
 
   /// Derivatives by the parameters from those by the candidate, as in Evaluation.
   [[nodiscard]] Parameters gradient(std::span<const double> parameters, const std::array<double, 6>& by_pose,

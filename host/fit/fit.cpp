@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "host/device/device.hpp"
+#include "host/fit/fit_problem_check.hpp"
 #include "host/fit/full_evaluation.hpp"
 #include "host/fit/global_start.hpp"
 #include "host/fit/host_evaluator.hpp"
@@ -58,33 +59,14 @@ void require(bool holds, std::string_view message) {
   if (!holds) throw Error(ErrorKind::input, std::string(message));
 }
 
-bool all_finite(std::span<const double> numbers) {
-  return std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); });
-}
-
 void check(const Cavity& cavity, const FitOptions& options) {
-  require(!cavity.points.empty(), "fit: the cavity has no points");
-  for (std::size_t i = 0; i < cavity.points.size(); ++i)
-    require(all_finite(cavity.points[i]), fmt::format("fit: point {} of the cavity is not finite", i));
-  const auto& [target, scale, serves] = options.fitness;
-  require(std::isfinite(target) && target >= 0.0 && std::isfinite(scale) && scale > 0.0,
-          fmt::format("fitness: target must be at least 0 and scale positive, not {} and {}", target, scale));
-  require(std::isfinite(options.penetration_limit) && options.penetration_limit >= 0.0,
-          fmt::format("penetration limit: must be finite and at least 0, not {}", options.penetration_limit));
+  check_fit_problem(cavity, options.fitness, options.penetration_limit, options.range);
   for (const FitConstraint& constraint : options.constraints) {
     require(constraint.range.lo <= constraint.range.hi && constraint.unit > 0.0 && constraint.value != nullptr,
             fmt::format("constraint {}: needs a range, a positive unit and a value", constraint.name));
   }
   require(cavity.triangles.empty() || (options.surface_tolerance > 0.0 && std::isfinite(options.surface_tolerance)),
           fmt::format("surface tolerance: must be finite and positive, not {}", options.surface_tolerance));
-  const auto& [start, translation, rotation] = options.range;
-  require(all_finite(start.translation) && all_finite(start.quaternion) &&
-              std::ranges::any_of(start.quaternion, [](double x) { return x != 0.0; }),
-          "start: its numbers must be finite and its quaternion not zero");
-  require(std::isfinite(translation) && translation >= 0.0,
-          fmt::format("translation: must be finite and at least 0, not {}", translation));
-  require(rotation >= 0.0 && rotation <= 180.0,
-          fmt::format("rotation: must be between 0 and 180 degrees, not {}", rotation));
 }
 
 std::vector<CandidateSpace> spaces_of(std::span<const UncertainModel> series, const PoseRange& range) {
@@ -191,6 +173,7 @@ class ImplantSearch {
       watch_.at(implant_, kSampled + (kClimbed - kSampled) * static_cast<double>(round + 1) / std::size(kRounds));
     }
     keep_best(starts, kFinalists);
+    for (const Pose& pose : options_.tried) refine_within_limit(full_, space_.nearest(pose));
     for (std::size_t i = 0; i < starts.size() && !watch_.interrupted(); ++i) {
       refine_within_limit(full_, starts[i].parameters);
       watch_.at(implant_,

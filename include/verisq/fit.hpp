@@ -50,6 +50,7 @@ struct FitOptions {
   std::vector<std::vector<SurfaceSide>> sides = {};
   /// Which the search keeps to where it can: whether the values do at its pose is the caller's to see.
   std::vector<FitConstraint> constraints = {};
+  std::vector<Pose> tried = {};                              ///< refined besides what the search samples
   std::uint64_t seed = 1;                                    ///< the same seed on the same device gives the same pose
   std::size_t samples = 4096;                                ///< poses of the global start
   std::string device = "auto";                               ///< as MapOptions::device; "host": no OpenCL at all

@@ -1,0 +1,201 @@
+/// Best-first branch and bound over boxes of poses, on all processors.
+#include "verisq/fit_bound.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "host/fit/bounded_implant.hpp"
+#include "host/fit/candidate_space.hpp"
+#include "host/fit/fit_problem_check.hpp"
+#include "host/fit/host_evaluator.hpp"
+#include "host/fit/range_cell.hpp"
+#include "host/mesh/eigen_points.hpp"
+#include "host/threads/parallel.hpp"
+#include "verify/placement/fit_box_bound.hpp"
+#include "verisq/enclosure.hpp"
+#include "verisq/error.hpp"
+
+namespace verisq {
+
+namespace {
+
+using fit_search::BoundedImplant;
+using fit_search::RangeCell;
+using verify::FitBoxResult;
+using verify::WeightedPoint;
+
+/// Boxes that are divided between two polls.
+constexpr std::size_t kBatch = 512;
+/// Divisions of one direction: beyond, boxes are as small as roundings.
+constexpr std::uint8_t kMostDivisions = 30;
+/// Of what is known: a pose that seems better by less is none.
+constexpr double kNotBetter = 1e-4;
+
+/// An implant's index takes a byte of each box.
+constexpr std::size_t kMostImplants = 256;
+
+void require_of_bound(bool holds, const std::string& message) {
+  if (!holds) throw Error(ErrorKind::input, message);
+}
+
+void check_bound(std::span<const UncertainModel> series, const Cavity& cavity, const FitBoundOptions& options) {
+  require_of_bound(!series.empty() && series.size() <= kMostImplants,
+                   fmt::format("bound: of 1 to {} implants, not {}", kMostImplants, series.size()));
+  fit_search::check_fit_problem(cavity, options.fitness, options.penetration_limit, options.range);
+  require_of_bound(options.gap > 0.0 && options.gap < 1.0,
+                   fmt::format("gap to be proven: must lie between 0 and 1, not {}", options.gap));
+  require_of_bound(std::isfinite(options.known), fmt::format("known objective: must be finite, not {}", options.known));
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    require_of_bound(is_exact(series[i]),
+                     fmt::format("implants[{}]: has sizes to choose from, and the bound is of poses alone", i));
+  }
+}
+
+/// What is known of F in one pose, in floating point.
+class PoseTrial {
+ public:
+  PoseTrial(std::span<const WeightedPoint> points, const FitBoundOptions& options)
+      : points_(points), options_(options) {
+    std::vector<Point> places;
+    std::vector<double> weights;
+    for (const WeightedPoint& point : points) {
+      places.push_back(point_of(point.place));
+      weights.push_back(point.weight);
+    }
+    evaluator_ = fit_search::host_candidate_evaluator(places, weights);
+  }
+
+  /// Minus infinity beyond the limit.
+  [[nodiscard]] double objective(const fit_search::Candidate& candidate) const {
+    std::vector<fit_search::PointDistance> distances;
+    evaluator_->distances(candidate, distances);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+      if (distances[i].distance < -options_.penetration_limit) return -infinity;
+      sum += points_[i].weight * value(options_.fitness, distances[i].distance);
+    }
+    return sum;
+  }
+
+ private:
+  std::span<const WeightedPoint> points_;
+  const FitBoundOptions& options_;
+  std::unique_ptr<fit_search::CandidateEvaluator> evaluator_;
+};
+
+class BranchAndBound {
+ public:
+  BranchAndBound(std::span<const UncertainModel> series, std::span<const WeightedPoint> points,
+                 const FitBoundOptions& options)
+      : options_(options), trial_(points, options), best_(options.known), enough_(enough(options)) {
+    for (std::size_t i = 0; i < series.size(); ++i) {
+      implants_.push_back(std::make_unique<BoundedImplant>(series[i], points, options));
+      RangeCell whole{.implant = static_cast<std::uint8_t>(i)};
+      take(whole, bounded(whole));
+    }
+  }
+
+  FitBound run() {
+    FitBound result{};
+    while (!open_.empty() && !result.interrupted && !result.out_of_time) {
+      divide_best();
+      options_.progress({upper(), boxes_, open_.size()});
+      result.interrupted = options_.interrupted();
+      result.out_of_time = options_.out_of_time();
+    }
+    result.upper = upper();
+    result.reached = result.upper <= enough_;
+    result.boxes = boxes_;
+    result.promising = promising_;
+    result.device = implants_.front()->device();
+    return result;
+  }
+
+ private:
+  /// Boxes whose bound is no larger need no division: known >= (1 - gap) bound, rounded down. Of a known objective that
+  /// is not positive no share is asked.
+  static double enough(const FitBoundOptions& options) {
+    return options.known > 0.0 ? options.known / (1.0 - options.gap) * (1.0 - 0x1p-50) : options.known;
+  }
+
+  static bool worse(const RangeCell& a, const RangeCell& b) { return a.bound < b.bound; }
+
+  [[nodiscard]] double upper() const { return open_.empty() ? closed_ : std::max(closed_, open_.front().bound); }
+
+  [[nodiscard]] FitBoxResult bounded(const RangeCell& cell) const {
+    const BoundedImplant& implant = *implants_[cell.implant];
+    return implant(implant.box(cell));
+  }
+
+  void divide_best() {
+    std::vector<RangeCell> children;
+    while (!open_.empty() && children.size() < 2 * kBatch) {
+      std::ranges::pop_heap(open_, worse);
+      for (const RangeCell& half : open_.back().halves()) children.push_back(half);
+      open_.pop_back();
+    }
+    std::vector<FitBoxResult> results(children.size());
+    in_parallel(children.size(), [&](std::size_t i) { results[i] = bounded(children[i]); });
+    for (std::size_t i = 0; i < children.size(); ++i) take(children[i], results[i]);
+    try_best(children, results);
+  }
+
+  void take(RangeCell& cell, const FitBoxResult& result) {
+    ++boxes_;
+    cell.bound = std::min(cell.bound, result.upper);  // what holds of the whole holds of its parts
+    if (cell.bound == -infinity) return;
+    Eigen::Index widest = 0;
+    result.spread.maxCoeff(&widest);
+    cell.widest = static_cast<std::uint8_t>(widest);
+    if (cell.bound <= enough_ || cell.level[cell.widest] >= kMostDivisions) {
+      closed_ = std::max(closed_, cell.bound);
+      return;
+    }
+    open_.push_back(cell);
+    std::ranges::push_heap(open_, worse);
+  }
+
+  /// Whether the centre of the box that looks best is better than what is known.
+  void try_best(std::span<const RangeCell> cells, std::span<const FitBoxResult> results) {
+    std::size_t best = cells.size();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (results[i].deepest > options_.penetration_limit || results[i].upper == -infinity) continue;
+      if (best == cells.size() || results[i].estimate > results[best].estimate) best = i;
+    }
+    const double wanted = best_ + kNotBetter * std::abs(best_);
+    if (best == cells.size() || results[best].estimate <= wanted) return;
+    const BoundedImplant& implant = *implants_[cells[best].implant];
+    const verify::PoseParameters centre = implant.box(cells[best]).centre;
+    const std::span<const double> parameters(centre.data(), 6);
+    const double objective = trial_.objective(implant.space().candidate(parameters));
+    if (objective <= wanted) return;
+    best_ = objective;
+    promising_ = PromisingPose{cells[best].implant, implant.space().pose(parameters), objective};
+  }
+
+  const FitBoundOptions& options_;
+  PoseTrial trial_;
+  double best_;  ///< objective of a pose known or found
+  double enough_;
+  double closed_ = -infinity;  ///< the largest bound of a box that is not divided any more
+  std::uint64_t boxes_ = 0;
+  std::vector<std::unique_ptr<BoundedImplant>> implants_;
+  std::vector<RangeCell> open_;  ///< a heap
+  std::optional<PromisingPose> promising_;
+};
+
+}  // namespace
+
+FitBound bound_fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitBoundOptions& options) {
+  check_bound(series, cavity, options);
+  std::vector<WeightedPoint> points;
+  for (std::size_t i = 0; i < cavity.points.size(); ++i)
+    points.push_back({vector_of(cavity.points[i]), cavity.areas[cavity.area_of[i]].weight});
+  return BranchAndBound(series, points, options).run();
+}
+
+}  // namespace verisq

@@ -1,0 +1,237 @@
+/// The bound of a fit: that no sampled pose exceeds it, within boxes and over the whole range, and that it gets tight.
+#include "verisq/fit_bound.hpp"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "host/fit/bounded_implant.hpp"
+#include "host/fit/host_evaluator.hpp"
+#include "host/mesh/eigen_points.hpp"
+#include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/offset_cavity.hpp"
+#include "verisq/signed_distance.hpp"
+
+namespace verisq {
+namespace {
+
+using fit_search::BoundedImplant;
+using fit_search::CandidateSpace;
+using fit_search::PointDistance;
+using verify::FitBoxResult;
+using verify::PoseBox;
+using verify::PoseParameters;
+using verify::WeightedPoint;
+
+constexpr double kPlay = 0.5;
+
+/// Two primitives across each other.
+Model small_hook() {
+  return {"mm",
+          {{"arm", {{4.0, 5.0, 12.0}, {0.7, 0.9}}, {}},
+           {"barb", {{8.0, 4.0, 4.0}, {0.9, 0.6}}, {{6.0, 1.0, 8.0}, {0.98, 0.1, 0.1, 0.1}}}},
+          {}};
+}
+
+FitBoundOptions options(const Fitness& fitness, double translation, double degrees) {
+  return {.fitness = fitness,
+          .penetration_limit = 0.1,
+          .range = {{{0.2, -0.3, 0.1}, {0.999, 0.01, -0.02, 0.015}}, translation, degrees},
+          .known = 1.0,
+          .gap = 0.05,
+          .device = "auto"};
+}
+
+std::vector<WeightedPoint> weighted(const Cavity& cavity) {
+  std::vector<WeightedPoint> points;
+  for (std::size_t i = 0; i < cavity.points.size(); ++i)
+    points.push_back({vector_of(cavity.points[i]), cavity.areas[cavity.area_of[i]].weight});
+  return points;
+}
+
+/// F of single poses, by the search's own evaluation.
+class Objective {
+ public:
+  Objective(const Cavity& cavity, const FitBoundOptions& how)
+      : how_(how),
+        evaluator_(fit_search::host_candidate_evaluator(cavity.points, std::vector(cavity.points.size(), 1.0))) {}
+
+  /// Nothing beyond the limit.
+  std::optional<double> operator()(const CandidateSpace& space, const PoseParameters& at) {
+    evaluator_->distances(space.candidate(std::span<const double>(at.data(), 6)), distances_);
+    double sum = 0.0;
+    for (const PointDistance& point : distances_) {
+      if (point.distance < -how_.penetration_limit) return std::nullopt;
+      sum += value(how_.fitness, point.distance);
+    }
+    return sum;
+  }
+
+ private:
+  FitBoundOptions how_;
+  std::unique_ptr<fit_search::CandidateEvaluator> evaluator_;
+  std::vector<PointDistance> distances_;
+};
+
+class Poses {
+ public:
+  PoseParameters within(const PoseBox& box) {
+    PoseParameters result = box.centre;
+    for (Eigen::Index i = 0; i < 6; ++i) result[i] += uniform_(random_) * box.half[i];
+    return result;
+  }
+  double share() { return uniform_(random_); }
+
+ private:
+  std::mt19937_64 random_{4};
+  std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
+};
+
+class BoundedHook : public ::testing::TestWithParam<Fitness> {};
+
+TEST_P(BoundedHook, NoPoseOfABoxExceedsItsBound) {
+  const Cavity cavity = testing::offset_cavity(small_hook(), kPlay, 40);
+  const FitBoundOptions how = options(GetParam(), 4.0, 20.0);
+  const BoundedImplant bounded(UncertainModel(small_hook()), weighted(cavity), how);
+  Objective objective(cavity, how);
+  Poses poses;
+  const PoseParameters range = Eigen::Map<const PoseParameters>(bounded.space().upper().data());
+  int feasible = 0;
+  int excluded = 0;
+  double tightest = infinity;
+  for (int i = 0; i < 200; ++i) {
+    const double size = std::pow(2.0, 4.0 * poses.share() - 5.0);
+    // Every other box about the pose that the cavity was made of, where poses keep the limit.
+    PoseBox box{PoseParameters::Zero(), range * size};
+    const PoseParameters anywhere = poses.within({PoseParameters::Zero(), range * (1.0 - size)});
+    box.centre = i % 2 == 0 ? anywhere : 0.05 * anywhere;
+    const FitBoxResult bound = bounded(box);
+    if (bound.upper == -infinity) ++excluded;
+    for (int k = 0; k < 10; ++k) {
+      const std::optional<double> reached = objective(bounded.space(), poses.within(box));
+      if (!reached) continue;
+      ++feasible;
+      ASSERT_LE(*reached, bound.upper + 1e-6) << i;
+      tightest = std::min(tightest, bound.upper / *reached);
+    }
+  }
+  EXPECT_GT(feasible, 50);
+  EXPECT_GT(excluded, 20);
+  EXPECT_LT(tightest, GetParam().target > 0.0 ? 1.2 : 1.05);  // nearer than the target counts as at it
+}
+
+INSTANTIATE_TEST_SUITE_P(Completions, BoundedHook,
+                         ::testing::Values(cementless(0.5, 0.1), cementless(3.0, 0.1), cemented(0.5, 0.25)));
+
+TEST(FitBound, FieldOfDistancesEnclosesThem) {
+  const Model model = small_hook();
+  const Cavity cavity = testing::offset_cavity(model, 3.0, 10);
+  const BoundedImplant bounded(UncertainModel(model), weighted(cavity), options(cementless(1.0, 0.0), 4.0, 20.0));
+  const SignedDistance distance(model);
+  Poses poses;
+  double loss_outside = 0.0;
+  double loss_inside = 0.0;
+  int outside = 0;
+  int inside = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double reach = i % 4 == 0 ? 100.0 : 12.0;
+    const Eigen::Vector3d x(reach * poses.share(), reach * poses.share(), reach * poses.share());
+    const Enclosure exact = distance(point_of(x), 1e-6);
+    const auto [node, place] = bounded.field().near(x);
+    const double lower =
+        std::min({node.nearest[0].distance(x), node.nearest[1].distance(x), node.others - (x - place).norm()});
+    if (exact.lo > 0.0) {
+      ASSERT_LE(lower, exact.hi);
+      loss_outside += exact.lo - lower;
+      ++outside;
+    }
+    if (node.ball < 0) continue;
+    const verify::InnerBall& ball = bounded.field().ball(node);
+    const double upper = (x - ball.centre).norm() - ball.radius;
+    ASSERT_GE(upper, exact.lo);
+    if (exact.hi < 0.0) {
+      loss_inside += upper - exact.hi;
+      ++inside;
+    }
+  }
+  EXPECT_GT(outside, 100);
+  EXPECT_GT(inside, 15);
+  EXPECT_LT(loss_outside / outside, 0.3);
+  EXPECT_LT(loss_inside / inside, 1.0);
+}
+
+TEST(FitBound, ProvesAPlantedFitAndHoldsForSampledPoses) {
+  const Model implant = small_hook();
+  const Cavity cavity = testing::offset_cavity(implant, kPlay, 30);
+  FitBoundOptions how = options(cementless(2.0, 0.0), 0.5, 2.0);
+  how.range.start = {};
+  how.penetration_limit = 0.0;
+  const BoundedImplant bounded(UncertainModel(implant), weighted(cavity), how);
+  Objective objective(cavity, how);
+  how.known = *objective(bounded.space(), PoseParameters::Zero());
+  int rounds = 0;
+  how.out_of_time = [&rounds] { return ++rounds == 40; };
+  const UncertainModel exact = implant;
+  const FitBound bound = bound_fit({&exact, 1}, cavity, how);
+  EXPECT_TRUE(bound.reached);
+  EXPECT_GE(how.known, (1.0 - how.gap) * bound.upper);
+  EXPECT_LT(bound.upper, 0.999 * static_cast<double>(cavity.points.size()));  // less than all points served
+  Poses poses;
+  const PoseBox whole{PoseParameters::Zero(), Eigen::Map<const PoseParameters>(bounded.space().upper().data())};
+  int feasible = 0;
+  for (int i = 0; i < 500; ++i) {
+    const std::optional<double> reached = objective(bounded.space(), poses.within(whole));
+    if (!reached) continue;
+    ++feasible;
+    ASSERT_LE(*reached, bound.upper);
+  }
+  EXPECT_GT(feasible, 5);
+}
+
+TEST(FitBound, SaysThatNoPoseKeepsTheLimit) {
+  Cavity cavity = testing::offset_cavity(small_hook(), kPlay, 10);
+  cavity.points.push_back({0.0, 0.0, 0.0});  // in the arm, wherever it is moved
+  cavity.area_of.push_back(0);
+  const UncertainModel exact = small_hook();
+  const FitBound bound = bound_fit({&exact, 1}, cavity, options(cementless(2.0, 0.1), 0.5, 2.0));
+  EXPECT_EQ(bound.upper, -infinity);
+  EXPECT_FALSE(bound.promising);
+}
+
+TEST(FitBound, MeetsABetterPoseAndEndsInTime) {
+  const Cavity cavity = testing::offset_cavity(small_hook(), kPlay, 20);
+  FitBoundOptions how = options(cementless(2.0, 0.0), 1.0, 3.0);
+  how.known = 0.5;  // as of a bad pose
+  how.gap = 0.01;
+  int polls = 0;
+  how.out_of_time = [&polls] { return ++polls == 2; };
+  const UncertainModel exact = small_hook();
+  const FitBound bound = bound_fit({&exact, 1}, cavity, how);
+  EXPECT_TRUE(bound.out_of_time);
+  EXPECT_FALSE(bound.reached);
+  ASSERT_TRUE(bound.promising);
+  EXPECT_GT(bound.promising->objective, how.known);
+  EXPECT_LE(bound.promising->objective, bound.upper);
+}
+
+TEST(FitBound, RefusesSizesAndGapsOutOfRange) {
+  const Cavity cavity = testing::offset_cavity(small_hook(), kPlay, 4);
+  UncertainModel sized = small_hook();
+  FitBoundOptions how = options(cementless(2.0, 0.0), 1.0, 3.0);
+  how.gap = 1.0;
+  testing::expect_error(
+      [&] {
+        (void)bound_fit({&sized, 1}, cavity, how);
+      },
+      ErrorKind::input, "gap to be proven: must lie between 0 and 1, not 1", "");
+  how.gap = 0.1;
+  sized.primitives[0].semi_axes[0] = {4.0, 5.0};
+  testing::expect_error(
+      [&] {
+        (void)bound_fit({&sized, 1}, cavity, how);
+      },
+      ErrorKind::input, "implants[0]: has sizes to choose from, and the bound is of poses alone", "");
+}
+
+}  // namespace
+}  // namespace verisq

@@ -1,0 +1,207 @@
+/// Half-spaces by support functions in binary64, balls by what is known of single points.
+#include "verify/placement/distance_field.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "verify/placement/pose_box.hpp"
+#include "verify/sets/bounding_box.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Nodes of the finest grid, about; each coarser one has fewer.
+constexpr double kFineNodes = 100000.0;
+/// Of the smallest semi-axis: a finer grid would not say much more of so small a solid.
+constexpr double kFinestSpacing = 0.3;
+/// From a grid to the next.
+constexpr double kCoarsening = 3.5;
+/// How far the finest grid reaches beyond the model, in nodes.
+constexpr double kFineMargin = 6.0;
+/// How far from the surface points are still told to be too deep, in nodes.
+constexpr double kBallMargin = 1.5;
+/// Larger than every distance, and far from overflow.
+constexpr float kFar = 0x1p100F;
+
+Vector3d vector(const Point& p) {
+  return {p[0], p[1], p[2]};
+}
+
+}  // namespace
+
+DistanceField::DistanceField(const Model& model, double extent, double size)
+    : rounding_(PoseBoxMotion::rounding(size)), slack_(0x1p-21 * size) {
+  const Box box = bounding_box(model);
+  lower_ = vector(box.lower);
+  upper_ = vector(box.upper);
+  smallest_ = infinity;
+  for (const Primitive& primitive : model.primitives) {
+    const auto& [w, x, y, z] = primitive.pose.quaternion;
+    primitives_.push_back({SuperquadricBounds<double>(primitive.superquadric),
+                           Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix(),
+                           vector(primitive.pose.translation), vector(primitive.superquadric.semi_axes)});
+    smallest_ = std::min(smallest_, std::ranges::min(primitive.superquadric.semi_axes));
+  }
+  const double spacing = std::max(std::cbrt((upper_ - lower_).prod() / kFineNodes), kFinestSpacing * smallest_);
+  double margin = kFineMargin * spacing;
+  grids_.push_back(grid(margin, spacing));
+  for (double coarse = kCoarsening * spacing; margin < extent; coarse *= kCoarsening) {
+    margin *= kCoarsening;
+    grids_.push_back(grid(std::min(margin, extent), coarse));
+  }
+}
+
+DistanceField::Grid DistanceField::grid(double margin, double spacing) const {
+  Grid result{lower_.array() - margin, spacing, 1.0 / spacing, {}, {}};
+  std::size_t nodes = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double length = upper_[i] - lower_[i] + 2.0 * margin;
+    result.count[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(std::ceil(length / spacing)) + 1;
+    nodes *= static_cast<std::size_t>(result.count[static_cast<std::size_t>(i)]);
+  }
+  result.nodes.resize(nodes);
+  return result;
+}
+
+bool DistanceField::Grid::contains(const Vector3d& x) const {
+  const Vector3d at = (x - lower) * per_length;
+  return at[0] >= 0.0 && at[1] >= 0.0 && at[2] >= 0.0 && at[0] <= count[0] - 1 && at[1] <= count[1] - 1 &&
+         at[2] <= count[2] - 1;
+}
+
+std::size_t DistanceField::Grid::index(const Vector3d& x) const {
+  const Vector3d at = (x - lower) * per_length;
+  const auto along = [&](int i) {
+    const double last = count[static_cast<std::size_t>(i)] - 1;
+    return static_cast<std::size_t>(std::min(std::max(at[i] + 0.5, 0.0), last));
+  };
+  return (along(2) * static_cast<std::size_t>(count[1]) + along(1)) * static_cast<std::size_t>(count[0]) + along(0);
+}
+
+Vector3d DistanceField::Grid::place(std::size_t index) const {
+  Vector3d at;
+  for (int i = 0; i < 3; ++i) {
+    const auto along = static_cast<std::size_t>(count[static_cast<std::size_t>(i)]);
+    at[i] = lower[i] + spacing * static_cast<double>(index % along);
+    index /= along;
+  }
+  return at;
+}
+
+DistanceField::Found DistanceField::near(const Vector3d& x) const {
+  const auto grid = std::find_if(grids_.begin(), grids_.end() - 1, [&](const Grid& g) { return g.contains(x); });
+  const std::size_t index = grid->index(x);
+  return {grid->nodes[index], grid->place(index)};
+}
+
+std::size_t DistanceField::slabs() const {
+  std::size_t slabs = 0;
+  for (const Grid& grid : grids_) slabs += static_cast<std::size_t>(grid.count[2]);
+  return slabs;
+}
+
+void DistanceField::find_slab(std::size_t slab, const ProposedNormal& normal) {
+  for (Grid& grid : grids_) {
+    const auto count = static_cast<std::size_t>(grid.count[2]);
+    if (slab >= count) {
+      slab -= count;
+      continue;
+    }
+    const std::size_t nodes = grid.nodes.size() / count;
+    for (std::size_t i = slab * nodes; i < (slab + 1) * nodes; ++i) grid.nodes[i] = node(grid.place(i), normal);
+    return;
+  }
+}
+
+// The primitive lies in {v·q <= h(v)} of its own frame, q = R^T (x - t): its signed distance is at least
+// (v·q - h(v)) / |v|, h rounded up. The normal of binary32 is taken as it is, v = R^T n; |n| differs from 1 by less
+// than 2^-22, and the offset from its binary32 number by less than 2^-23 of itself: the slack is more than both make.
+HalfSpace DistanceField::half_space(const PosedPrimitive& primitive, const Vector3d& local_normal) const {
+  const Eigen::Vector3f normal = (primitive.rotation * local_normal.normalized()).cast<float>();
+  const Vector3d direction = normal.cast<double>();
+  const Vector3d v = primitive.rotation.transpose() * direction;
+  const double support = primitive.bounds.support_up({Interval(v[0]), Interval(v[1]), Interval(v[2])});
+  return {normal, static_cast<float>(support + direction.dot(primitive.translation) + slack_)};
+}
+
+DistanceField::Node DistanceField::node(const Vector3d& x, const ProposedNormal& normal) const {
+  const HalfSpace nothing{Eigen::Vector3f::Zero(), -kFar};
+  Node result{{nothing, nothing}, kFar, -1};
+  std::array<double, 2> distances{kFar, kFar};
+  std::vector<Vector3d> local;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t k = 0; k < primitives_.size(); ++k) {
+    const PosedPrimitive& primitive = primitives_[k];
+    local.push_back(primitive.rotation.transpose() * (x - primitive.translation));
+    order.emplace_back(distance_to_box(primitive, local[k]), k);
+  }
+  std::ranges::sort(order);
+  for (const auto& [to_box, k] : order) {
+    if (to_box > distances[1]) {  // no need to look closer
+      result.others = std::min(result.others, static_cast<float>(to_box - slack_));
+      continue;
+    }
+    HalfSpace candidate = half_space(primitives_[k], normal(k, local[k]));
+    double distance = candidate.distance(x);
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (!(distance < distances[i])) continue;
+      std::swap(distance, distances[i]);
+      std::swap(candidate, result.nearest[i]);
+    }
+    result.others = std::min(result.others, static_cast<float>(distance - slack_));
+  }
+  return result;
+}
+
+/// Rounded down; minus infinity in the box.
+double DistanceField::distance_to_box(const PosedPrimitive& primitive, const Vector3d& local) const {
+  const double distance = (local.cwiseAbs() - primitive.semi_axes).cwiseMax(0.0).norm();
+  return distance > 0.0 ? distance - rounding_ : -infinity;
+}
+
+// A point at depth r is the centre of a ball of that radius in the model. About a node near the surface the best balls
+// touch it where the node is nearest, and are as large as fit; which these are is tried.
+void DistanceField::find_balls(const DistancesUp& distances_up) {
+  Grid& fine = grids_.front();
+  std::vector<Point> centres;
+  std::vector<std::uint32_t> node_of;
+  for (std::size_t i = 0; i < fine.nodes.size(); ++i) {
+    const HalfSpace& nearest = fine.nodes[i].nearest[0];
+    const Vector3d at = fine.place(i);
+    const double distance = nearest.distance(at);
+    const auto propose = [&](double depth) {
+      const Vector3d centre = at - (distance + depth) * nearest.direction();
+      centres.push_back({centre[0], centre[1], centre[2]});
+      node_of.push_back(static_cast<std::uint32_t>(i));
+    };
+    if (distance > kBallMargin * fine.spacing) continue;
+    for (const double depth : {0.5 * smallest_, 0.9 * smallest_, 1.5 * smallest_})
+      if (depth > -distance) propose(depth);
+    if (distance < 0.0) propose(-distance);
+  }
+  const std::vector<double> distances = distances_up(centres);
+  balls_.clear();
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    const InnerBall ball{vector(centres[i]), -distances[i] - rounding_};
+    if (!(ball.radius > 0.0)) continue;
+    Node& node = fine.nodes[node_of[i]];
+    const Vector3d at = fine.place(node_of[i]);
+    const auto reached = [&](const InnerBall& of) { return (at - of.centre).norm() - of.radius; };
+    const bool first = node.ball < 0;
+    if (!first && !(reached(ball) < reached(balls_.back()))) continue;
+    if (first) {
+      node.ball = static_cast<std::int32_t>(balls_.size());
+      balls_.push_back(ball);
+    } else {
+      balls_.back() = ball;  // the proposals of a node follow one another
+    }
+  }
+}
+
+}  // namespace verisq::verify

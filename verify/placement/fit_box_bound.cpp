@@ -1,0 +1,221 @@
+/// Sums of straight lines above the fitness of each point, under the points that are not to enter too deep.
+#include "verify/placement/fit_box_bound.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "verify/placement/box_program.hpp"
+#include "verify/placement/fitness_line.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// Room for the roundings of one point's terms.
+constexpr double kTermRounding = 0x1p-46;
+/// Of the limit at the points, the tightest.
+constexpr std::ptrdiff_t kMostConstraints = 32;
+/// Clusters are taken whole where the box moves them by more than so many of their radii, or where they are as far off:
+/// what they cost is of the square of that.
+constexpr double kClusterByReach = 0.5;
+constexpr double kClusterByDistance = 0.2;
+
+/// Σ λ c + Σ half |objective + Σ λ a|, rounded up: what no δ of the box that keeps the constraints exceeds.
+double dual_value(const PoseParameters& objective, const PoseParameters& half,
+                  std::span<const LinearConstraint> constraints, std::span<const double> multipliers) {
+  double constant = 0.0;
+  double magnitude = objective.cwiseAbs().dot(half);
+  PoseParameters slope = objective;
+  for (std::size_t j = 0; j < constraints.size(); ++j) {
+    if (multipliers[j] == 0.0) continue;
+    constant += multipliers[j] * constraints[j].constant;
+    slope += multipliers[j] * constraints[j].slope;
+    magnitude += multipliers[j] * (std::abs(constraints[j].constant) + constraints[j].slope.cwiseAbs().dot(half));
+  }
+  return constant + slope.cwiseAbs().dot(half) + magnitude * 0x1p-40;
+}
+
+}  // namespace
+
+/// What the points of one box add up to.
+class FitBoxBound::Sum {
+ public:
+  Sum(const FitBoxBound& bound, const PoseBoxMotion& motion)
+      : bound_(bound), motion_(motion), steepest_(steepest_fitness(bound.fitness_)) {}
+
+  /// False where no pose of the box keeps the limit.
+  bool keeps_limit() {
+    for_clusters([this](const PointCluster& cluster) { return look_for_depth(cluster); });
+    if (too_deep_) return false;
+    if (constraints_.size() < 2) return true;
+    if (std::ssize(constraints_) > kMostConstraints) {
+      std::ranges::nth_element(constraints_, constraints_.begin() + kMostConstraints, {}, &LinearConstraint::tightness);
+      constraints_.resize(kMostConstraints);
+    }
+    // Whether the constraints leave anything does not depend on the objective.
+    return !excluded(shares_of_nearest_.cwiseQuotient(motion_.half()));
+  }
+
+  void add_all() {
+    for_clusters([this](const PointCluster& cluster) { return add(cluster); });
+  }
+
+  FitBoxResult result() {
+    const PoseParameters& half = motion_.half();
+    const double by_lines = constant_ + slope_.cwiseAbs().dot(half);
+    const Multipliers found = multipliers(slope_, half, constraints_);
+    if (found.ray && excludes(found)) return FitBoxResult::nothing();
+    const double by_constraints =
+        found.ray ? infinity : constant_ + dual_value(slope_, half, constraints_, found.values);
+    const double least = std::min({by_ranges_, by_lines, by_constraints});
+    // Sums of no more terms than points, each of a few roundings of numbers that add up to the magnitude.
+    const auto points = static_cast<double>(bound_.points_);
+    const double lost = (points * 0x1p-51 + kTermRounding) * magnitude_;
+    return {
+        .upper = std::min(least + lost, bound_.weight_), .estimate = estimate_, .deepest = deepest_, .spread = spread_};
+  }
+
+ private:
+  /// From the root, the children of those that `visit` returns true for.
+  template <typename Visit>
+  void for_clusters(const Visit& visit) {
+    std::array<std::uint32_t, 64> waiting{};  // more than the tree is high
+    std::size_t count = 1;
+    while (count > 0) {
+      const std::uint32_t index = waiting[--count];
+      const PointCluster& cluster = bound_.clusters_[index];
+      if (!visit(cluster)) continue;
+      waiting[count++] = cluster.second;
+      waiting[count++] = index + 1;
+    }
+  }
+
+  /// Points that are in the implant at the centre, or could get there.
+  bool look_for_depth(const PointCluster& cluster) {
+    if (too_deep_) return false;
+    const PoseBoxMotion::Place place = motion_.place(cluster.centre);
+    const DistanceField::Found found = bound_.field_.near(place.point);
+    const double least =
+        std::min({found.node.nearest[0].distance(place.point), found.node.nearest[1].distance(place.point),
+                  found.node.others - (place.point - found.place).norm()});
+    if (least > cluster.radius + 0.5 * place.reach) return false;
+    if (cluster.second != 0) return true;
+    if (found.node.ball >= 0) too_deep_ = !constrain(place, bound_.field_.ball(found.node));
+    return false;
+  }
+
+  /// Whether the cluster is too coarse.
+  bool add(const PointCluster& cluster) {
+    const PoseBoxMotion::Place place = motion_.place(cluster.centre);
+    const DistanceField::Found found = bound_.field_.near(place.point);
+    const HalfSpace& first = found.node.nearest[0];
+    const HalfSpace& second = found.node.nearest[1];
+    const double distance = first.distance(place.point) - bound_.rounding_;
+    const double of_second = second.distance(place.point) - bound_.rounding_;
+    const double of_others = found.node.others - (place.point - found.place).norm() - bound_.rounding_;
+    const double least = std::min({distance, of_second, of_others});
+    if (cluster.second != 0 && cluster.radius > kClusterByReach * place.reach &&
+        cluster.radius > kClusterByDistance * (least - place.reach))
+      return true;
+    deepest_ = std::max(deepest_, -least);
+    const double at_centre = falling_fitness(bound_.fitness_, least);
+    estimate_ += cluster.weight * at_centre;
+
+    const PoseParameters by_pose = motion_.slope(place, first.direction());
+    const PoseParameters shares = by_pose.cwiseAbs().cwiseProduct(motion_.half());
+    const double half = shares.sum();
+    const double middle = distance - place.remainder;
+    const double others = std::min(of_second, of_others) - place.reach;
+    const double lowest = std::min(std::max(middle - half, distance - place.reach), others) - cluster.radius;
+    const double by_range = falling_fitness(bound_.fitness_, lowest);
+    by_ranges_ += cluster.weight * by_range;
+
+    FitnessLine line = line_above(bound_.fitness_, middle, half + cluster.radius);
+    if (middle + half > others - 2.0 * cluster.radius) {
+      // Another primitive may be nearer: no more than the steepest fitness times what it is nearer by.
+      const PoseParameters by_second = motion_.slope(place, second.direction()) - by_pose;
+      const double nearer_second = distance - of_second + by_second.cwiseAbs().dot(motion_.half()) +
+                                   (first.direction() - second.direction()).norm() * cluster.radius;
+      const double nearer_other = middle + half - (of_others - place.reach) + 2.0 * cluster.radius;
+      line.value += steepest_ * std::max({nearer_second, nearer_other, 0.0});
+      if (line.value >= by_range) line = {by_range, 0.0};
+    }
+    constant_ += cluster.weight * line.value;
+    slope_ += cluster.weight * line.slope * by_pose;
+    magnitude_ += cluster.weight * (1.0 + std::abs(line.slope) * (half + cluster.radius));
+    // What the range of distances costs, shared by the directions that make it.
+    spread_ += cluster.weight * (by_range - at_centre) / half * shares;
+    return false;
+  }
+
+  /// A pose that keeps the limit has no point in a ball that much smaller. False: every pose of the box has this one.
+  bool constrain(const PoseBoxMotion::Place& place, const InnerBall& ball) {
+    const Eigen::Vector3d from_ball = place.point - ball.centre;
+    const double length = from_ball.norm();
+    const double depth_left = length - ball.radius + bound_.penetration_limit_ + bound_.rounding_;
+    if (depth_left > place.reach) return true;
+    if (depth_left < -place.reach) return false;
+    if (!(length > 0.0)) return true;
+    const PoseParameters outward = motion_.slope(place, from_ball / length);
+    const PoseParameters shares = outward.cwiseAbs().cwiseProduct(motion_.half());
+    const double range = shares.sum();
+    const double constant = depth_left + place.remainder + place.reach * place.reach / (2.0 * length) * (1.0 + 0x1p-48);
+    if (constant + range < 0.0) return false;
+    if (constant < range) constraints_.push_back({constant, outward, constant / range});
+    if (depth_left + place.reach < nearest_to_exclude_) {
+      nearest_to_exclude_ = depth_left + place.reach;
+      shares_of_nearest_ = shares;
+    }
+    return true;
+  }
+
+  /// Whether the constraints leave no pose of the box.
+  [[nodiscard]] bool excluded(const PoseParameters& objective) const {
+    const Multipliers found = multipliers(objective, motion_.half(), constraints_);
+    return found.ray && excludes(found);
+  }
+
+  [[nodiscard]] bool excludes(const Multipliers& ray) const {
+    return dual_value(PoseParameters::Zero(), motion_.half(), constraints_, ray.values) < 0.0;
+  }
+
+  const FitBoxBound& bound_;
+  const PoseBoxMotion& motion_;
+  double steepest_;
+  double by_ranges_ = 0.0;
+  double constant_ = 0.0;
+  PoseParameters slope_ = PoseParameters::Zero();
+  double magnitude_ = 0.0;
+  double estimate_ = 0.0;
+  double deepest_ = 0.0;
+  PoseParameters spread_ = PoseParameters::Zero();
+  std::vector<LinearConstraint> constraints_;
+  bool too_deep_ = false;
+  double nearest_to_exclude_ = infinity;
+  PoseParameters shares_of_nearest_ = PoseParameters::Ones();
+};
+
+FitBoxBound::FitBoxBound(const PoseSpace& space, const DistanceField& field, std::span<const WeightedPoint> points,
+                         const Fitness& fitness, double penetration_limit, double size)
+    : space_(space),
+      field_(field),
+      clusters_(point_clusters(points)),
+      points_(points.size()),
+      fitness_(fitness),
+      penetration_limit_(penetration_limit),
+      rounding_(PoseBoxMotion::rounding(size)),
+      weight_(clusters_.front().weight * (1.0 + static_cast<double>(points.size()) * 0x1p-51)) {}
+
+FitBoxResult FitBoxBound::operator()(const PoseBox& box) const {
+  const PoseBoxMotion motion(space_, box, rounding_);
+  Sum sum(*this, motion);
+  if (!sum.keeps_limit()) return FitBoxResult::nothing();
+  sum.add_all();
+  return sum.result();
+}
+
+}  // namespace verisq::verify
