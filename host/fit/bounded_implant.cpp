@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "host/fit/superquadric_projection.hpp"
+#include "host/fit/tapered_projection.hpp"
 #include "host/mesh/eigen_points.hpp"
 #include "host/threads/parallel.hpp"
 #include "verisq/enclosure.hpp"
@@ -17,6 +19,14 @@ namespace {
 /// How close depths in the implant are asked for, of a primitive's smallest semi-axis.
 constexpr double kDepthTolerance = 1e-2;
 
+/// In the frame of a primitive.
+using ProposedNormal = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
+
+ProposedNormal normal_of(const Superquadric& solid) {
+  if (is_tapered(solid)) return [projection = TaperedProjection(solid)](const auto& q) { return projection(q).normal; };
+  return [projection = SuperquadricProjection(solid)](const auto& q) { return projection(q).normal; };
+}
+
 }  // namespace
 
 BoundedImplant::BoundedImplant(const UncertainModel& implant, std::span<const verify::WeightedPoint> points,
@@ -27,10 +37,10 @@ BoundedImplant::BoundedImplant(const UncertainModel& implant, std::span<const ve
       size_(size_of(points)),
       field_(model_, size_ / 4.0, size_),
       bound_(space_, field_, points, options.fitness, options.penetration_limit, size_) {
-  std::vector<SuperquadricProjection> projections;
-  for (const Primitive& primitive : model_.primitives) projections.emplace_back(primitive.superquadric);
+  std::vector<ProposedNormal> normals;
+  for (const Primitive& primitive : model_.primitives) normals.push_back(normal_of(primitive.superquadric));
   in_parallel(field_.slabs(), [&](std::size_t slab) {
-    field_.find_slab(slab, [&](std::size_t k, const Eigen::Vector3d& q) { return projections[k](q).normal; });
+    field_.find_slab(slab, [&](std::size_t k, const Eigen::Vector3d& q) { return normals[k](q); });
   });
   field_.find_balls([&](std::span<const Point> queries) { return depths(queries, options); });
 }
@@ -51,7 +61,7 @@ double BoundedImplant::model_radius() const {
   double radius = space_.centre.norm();
   for (const Primitive& primitive : model_.primitives) {
     const auto& [a, b, c] = primitive.superquadric.semi_axes;
-    radius = std::max(radius, vector_of(primitive.pose.translation).norm() + a + b + c);
+    radius = std::max(radius, vector_of(primitive.pose.translation).norm() + 2.0 * (a + b) + c);
   }
   return radius;
 }

@@ -26,9 +26,9 @@ using verify::WeightedPoint;
 constexpr double kPlay = 0.5;
 
 /// Two primitives across each other.
-Model small_hook() {
+Model small_hook(double taper = 1.0) {
   return {"mm",
-          {{"arm", {{4.0, 5.0, 12.0}, {0.7, 0.9}}, {}},
+          {{"arm", {{4.0, 5.0, 12.0}, {0.7, 0.9}, taper}, {}},
            {"barb", {{8.0, 4.0, 4.0}, {0.9, 0.6}}, {{6.0, 1.0, 8.0}, {0.98, 0.1, 0.1, 0.1}}}},
           {}};
 }
@@ -87,12 +87,18 @@ class Poses {
   std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
 };
 
-class BoundedHook : public ::testing::TestWithParam<Fitness> {};
+struct HookCase {
+  Fitness fitness;
+  double taper;
+};
+
+class BoundedHook : public ::testing::TestWithParam<HookCase> {};
 
 TEST_P(BoundedHook, NoPoseOfABoxExceedsItsBound) {
-  const Cavity cavity = testing::offset_cavity(small_hook(), kPlay, 40);
-  const FitBoundOptions how = options(GetParam(), 4.0, 20.0);
-  const BoundedImplant bounded(UncertainModel(small_hook()), weighted(cavity), how);
+  const Model hook = small_hook(GetParam().taper);
+  const Cavity cavity = testing::offset_cavity(hook, kPlay, 40);
+  const FitBoundOptions how = options(GetParam().fitness, 4.0, 20.0);
+  const BoundedImplant bounded(UncertainModel(hook), weighted(cavity), how);
   Objective objective(cavity, how);
   Poses poses;
   const PoseParameters range = Eigen::Map<const PoseParameters>(bounded.space().upper().data());
@@ -117,14 +123,17 @@ TEST_P(BoundedHook, NoPoseOfABoxExceedsItsBound) {
   }
   EXPECT_GT(feasible, 50);
   EXPECT_GT(excluded, 20);
-  EXPECT_LT(tightest, GetParam().target > 0.0 ? 1.2 : 1.05);  // nearer than the target counts as at it
+  EXPECT_LT(tightest, GetParam().fitness.target > 0.0 ? 1.2 : 1.05);  // nearer than the target counts as at it
 }
 
 INSTANTIATE_TEST_SUITE_P(Completions, BoundedHook,
-                         ::testing::Values(cementless(0.5, 0.1), cementless(3.0, 0.1), cemented(0.5, 0.25)));
+                         ::testing::Values(HookCase{cementless(0.5, 0.1), 1.0}, HookCase{cementless(3.0, 0.1), 4.0},
+                                           HookCase{cemented(0.5, 0.25), 1.0}));
 
-TEST(FitBound, FieldOfDistancesEnclosesThem) {
-  const Model model = small_hook();
+class FieldOfDistances : public ::testing::TestWithParam<double> {};
+
+TEST_P(FieldOfDistances, EnclosesThem) {
+  const Model model = small_hook(GetParam());
   const Cavity cavity = testing::offset_cavity(model, 3.0, 10);
   const BoundedImplant bounded(UncertainModel(model), weighted(cavity), options(cementless(1.0, 0.0), 4.0, 20.0));
   const SignedDistance distance(model);
@@ -159,6 +168,8 @@ TEST(FitBound, FieldOfDistancesEnclosesThem) {
   EXPECT_LT(loss_outside / outside, 0.3);
   EXPECT_LT(loss_inside / inside, 1.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Tapers, FieldOfDistances, ::testing::Values(1.0, 0.3, 5.0));
 
 TEST(FitBound, ProvesAPlantedFitAndHoldsForSampledPoses) {
   const Model implant = small_hook();

@@ -26,6 +26,13 @@ constexpr double kCoarsening = 3.5;
 constexpr double kFineMargin = 6.0;
 /// How far from the surface points are still told to be too deep, in nodes.
 constexpr double kBallMargin = 1.5;
+/// Of the box about the solid: its sections along z are at most 1 + |k| times that of the middle, k = (t - 1)/(t + 1).
+Vector3d half_sides_of(const Superquadric& solid) {
+  const double widening = (1.0 + std::abs(taper_coefficient<double>(solid.taper))) * (1.0 + 0x1p-50);
+  const auto& [a, b, c] = solid.semi_axes;
+  return {a * widening, b * widening, c};
+}
+
 /// Larger than every distance, and far from overflow.
 constexpr float kFar = 0x1p100F;
 
@@ -43,9 +50,12 @@ DistanceField::DistanceField(const Model& model, double extent, double size)
   smallest_ = infinity;
   for (const Primitive& primitive : model.primitives) {
     const auto& [w, x, y, z] = primitive.pose.quaternion;
-    primitives_.push_back({SuperquadricBounds<double>(primitive.superquadric),
-                           Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix(),
-                           vector(primitive.pose.translation), vector(primitive.superquadric.semi_axes)});
+    const Superquadric& solid = primitive.superquadric;
+    const Matrix3d rotation = Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix();
+    const Vector3d translation = vector(primitive.pose.translation);
+    const double to_focus = -taper_coefficient<double>(solid.taper) * solid.semi_axes[2];
+    primitives_.push_back({SuperquadricBounds<double>(solid), rotation, translation,
+                           translation + to_focus * rotation.col(2), half_sides_of(solid)});
     smallest_ = std::min(smallest_, std::ranges::min(primitive.superquadric.semi_axes));
   }
   const double spacing = std::max(std::cbrt((upper_ - lower_).prod() / kFineNodes), kFinestSpacing * smallest_);
@@ -119,15 +129,16 @@ void DistanceField::find_slab(std::size_t slab, const ProposedNormal& normal) {
   }
 }
 
-// The primitive lies in {v·q <= h(v)} of its own frame, q = R^T (x - t): its signed distance is at least
-// (v·q - h(v)) / |v|, h rounded up. The normal of binary32 is taken as it is, v = R^T n; |n| differs from 1 by less
-// than 2^-22, and the offset from its binary32 number by less than 2^-23 of itself: the slack is more than both make.
+// The primitive lies in {v·q <= h(v)} of its own frame, q = R^T (x - t) about its focus t: its signed distance is at
+// least (v·q - h(v)) / |v|, h rounded up. The normal of binary32 is taken as it is, v = R^T n; |n| differs from 1 by
+// less than 2^-22, and the offset from its binary32 number by less than 2^-23 of itself: the slack is more than both
+// make.
 HalfSpace DistanceField::half_space(const PosedPrimitive& primitive, const Vector3d& local_normal) const {
   const Eigen::Vector3f normal = (primitive.rotation * local_normal.normalized()).cast<float>();
   const Vector3d direction = normal.cast<double>();
   const Vector3d v = primitive.rotation.transpose() * direction;
   const double support = primitive.bounds.support_up({Interval(v[0]), Interval(v[1]), Interval(v[2])});
-  return {normal, static_cast<float>(support + direction.dot(primitive.translation) + slack_)};
+  return {normal, static_cast<float>(support + direction.dot(primitive.focus) + slack_)};
 }
 
 DistanceField::Node DistanceField::node(const Vector3d& x, const ProposedNormal& normal) const {
@@ -161,7 +172,7 @@ DistanceField::Node DistanceField::node(const Vector3d& x, const ProposedNormal&
 
 /// Rounded down; minus infinity in the box.
 double DistanceField::distance_to_box(const PosedPrimitive& primitive, const Vector3d& local) const {
-  const double distance = (local.cwiseAbs() - primitive.semi_axes).cwiseMax(0.0).norm();
+  const double distance = (local.cwiseAbs() - primitive.half_sides).cwiseMax(0.0).norm();
   return distance > 0.0 ? distance - rounding_ : -infinity;
 }
 

@@ -50,7 +50,7 @@ class DistanceField {
   };
 
   /// `extent` is how far from the model points matter. Bounds have room for roundings of coordinates whose magnitudes
-  /// add up to at most `size`. Precondition: at least one primitive, none bent or tapered.
+  /// add up to at most `size`. Precondition: at least one primitive, none bent.
   DistanceField(const Model& model, double extent, double size);
 
   /// Nodes are found slab by slab, by any threads; then balls.
@@ -77,7 +77,8 @@ class DistanceField {
     SuperquadricBounds<double> bounds;
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
-    Eigen::Vector3d semi_axes;
+    Eigen::Vector3d focus;       ///< about which the support function is, in the frame of the model
+    Eigen::Vector3d half_sides;  ///< of its box, rounded up
   };
 
   [[nodiscard]] Grid grid(double margin, double spacing) const;
