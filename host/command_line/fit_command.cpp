@@ -29,6 +29,7 @@
 #include "host/command_line/messages.hpp"
 #include "host/command_line/number_list.hpp"
 #include "host/command_line/overwriting.hpp"
+#include "host/command_line/plane_option.hpp"
 #include "host/command_line/pose_option.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
@@ -309,15 +310,6 @@ ExitStatus status_of(const FitSummary& summary) {
                         (!summary.surface || summary.surface->proven_too_deep == 0) &&
                         (!summary.sides || summary.sides->kept()) && is_preserved(summary) && is_good_enough(summary);
   return as_asked ? ExitStatus::verified : ExitStatus::unverified;
-}
-
-Plane parse_plane(std::string_view option, const std::string& text) {
-  const std::vector<double> numbers = parse_numbers(option, text, "x,y,z,nx,ny,nz");
-  Plane plane{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
-  if (plane.normal == Point{}) refuse(fmt::format("{}: {} has a zero normal", option, text));
-  const double largest = std::max({std::abs(numbers[3]), std::abs(numbers[4]), std::abs(numbers[5])});
-  for (double& x : plane.normal) x /= largest;  // of any length
-  return plane;
 }
 
 std::string parse_name(std::string_view option, const std::string& text) {

@@ -3,15 +3,12 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <vector>
 #include <verisq/error.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/mesh_topology.hpp>
 #include <verisq/sides.hpp>
 
-#include "host/command_line/number_list.hpp"
+#include "host/command_line/plane_option.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/mesh/plane_cut.hpp"
 
@@ -37,12 +34,8 @@ void check_outer_surface(const std::string& option, const std::string& file, con
 }  // namespace
 
 Resection parse_resection(std::string_view option, const std::string& text) {
-  const std::vector<double> numbers = parse_numbers(option, text, "x,y,z,nx,ny,nz");
-  Resection resection{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
-  if (resection.normal == Point{}) refuse(fmt::format("{}: {} has a zero normal", option, text));
-  const double largest = std::max({std::abs(numbers[3]), std::abs(numbers[4]), std::abs(numbers[5])});
-  for (double& x : resection.normal) x /= largest;  // of any length
-  return resection;
+  const Plane plane = parse_plane(option, text);
+  return {plane.point, plane.normal};
 }
 
 void check_bone_options(const InsertArguments& arguments) {

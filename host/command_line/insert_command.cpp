@@ -7,7 +7,6 @@
 #include <verisq/insertion.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_file.hpp>
-#include <verisq/model_file.hpp>
 #include <verisq/pose_file.hpp>
 #include <verisq/signed_distance.hpp>
 
@@ -21,6 +20,7 @@
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/messages.hpp"
 #include "host/command_line/overwriting.hpp"
+#include "host/command_line/posed_input.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
@@ -33,7 +33,8 @@ constexpr const char* closing_words =
     "Each row of the map is [lo, hi], which contains the smallest signed distance from the point to the implant along\n"
     "the whole path, at the poses and between them: where hi is negative, the implant passes through the point, and\n"
     "bone must be removed at least -hi and at most -lo deep. \"Verified\" rows are at most the tolerance wide.\n"
-    "With --along the implant moves in a straight line and ends where the implant's file has it. With --poses it "
+    "With --along the implant moves in a straight line and ends where the implant's file, or --pose, has it. With "
+    "--poses it "
     "moves\n"
     "from pose to pose, each applied after the poses of its primitives; between two of them the translation is "
     "linear,\n"
@@ -147,6 +148,7 @@ ExitStatus status_of(const InsertReport& report) {
 void declare_insert(Options& options, InsertArguments& arguments) {
   options.explain(closing_words);
   require_model(options, "--implant", arguments.implant);
+  add_pose(options, arguments.pose);
   options.require("--mesh", arguments.mesh, "FILE",
                   "The bone, or its cavity, whose vertices are meant: .stl .obj .ply .off");
   options.add("--poses", arguments.poses, "FILE", "The path: .csv with tx,ty,tz,qw,qx,qy,qz a line");
@@ -180,7 +182,7 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   check_usage(arguments);
   std::vector<Pose> path;
   if (arguments.along) path = straight_path({}, *arguments.along, *arguments.length, 1);
-  const Model implant = read_model(arguments.implant);
+  const Model implant = read_model_at(arguments.pose, arguments.implant);
   const Mesh whole_bone = read_mesh(arguments.mesh);
   const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);
   const Mesh bone = before_resection(arguments, whole_bone);

@@ -16,6 +16,7 @@ namespace verisq::command_line {
 /// As typed; `run_insert` checks what depends on several options.
 struct InsertArguments {
   std::string implant;
+  std::optional<Pose> pose;
   std::string mesh;
   std::optional<std::string> poses;  ///< a file, or instead of it:
   std::optional<Point> along;        ///< a direction, with
