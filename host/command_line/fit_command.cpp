@@ -196,7 +196,8 @@ SearchResult search_and_bound(FitProblem& problem, const FitArguments& arguments
   if (result.bound->promising && !interrupted()) {
     problem.options.tried = {result.bound->promising->pose};
     Fit again = search(problem, arguments);
-    if (again.within_limit >= result.fit.within_limit && again.objective > result.fit.objective) {
+    const bool as_allowed = again.within_limit || !result.fit.within_limit;
+    if (as_allowed && again.objective > result.fit.objective) {
       tell(fmt::format("the bound came across a better pose: F = {:.6g}, not {:.6g}", again.objective,
                        result.fit.objective));
       result.fit = std::move(again);

@@ -18,7 +18,7 @@ constexpr double kNegligible = 1e-11;
 class Tableau {
  public:
   Tableau(const PoseParameters& objective, const PoseParameters& half, std::span<const LinearConstraint> constraints)
-      : count_(constraints.size()), columns_(2 * kRows + count_), cells_((kRows + 1) * columns_), right_{} {
+      : count_(constraints.size()), columns_(2 * kRows + count_), cells_((kRows + 1) * columns_) {
     for (std::size_t k = 0; k < kRows; ++k) {
       const auto row = static_cast<Eigen::Index>(k);
       const double scaled = objective[row] * half[row];
@@ -84,7 +84,7 @@ class Tableau {
   std::size_t count_;
   std::size_t columns_;
   std::vector<double> cells_;  ///< of the rows, then reduced costs
-  std::array<double, kRows> right_;
+  std::array<double, kRows> right_{};
   std::array<std::size_t, kRows> basis_{};
 };
 
