@@ -184,7 +184,6 @@ class MeshSearch {
   }
 
   MeshClearance operator()() {
-    settle_unless([this](const Piece& piece) { return is_open(piece); });
     for (int round = 0; !open_.empty() && !found_.interrupted; ++round) {
       const bool enough = found_.samples + open_.size() > options_.most_samples;
       if (rounds_before_whole_triangles_ && (enough || round >= *rounds_before_whole_triangles_)) {

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <utility>
 
 #include "host/clearance/path_check.hpp"
+#include "host/mesh/extent.hpp"
 #include "host/mesh/rims.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/rounding.hpp"
@@ -74,6 +76,11 @@ struct BonePart {
   std::vector<std::vector<CuttingPlane>> left_out = {};
 };
 
+/// Of the cube about a surface: what encloses less encloses nothing, but for roundings.
+constexpr double least_share_enclosed = 1e-12;
+/// Cubes that are divided between two polls.
+constexpr std::size_t cubes_between_polls = 256;
+
 /// The volume in the cube of what is bone and before all of the planes.
 Enclosure bone_within(const Cube& cube, const BonePart& bone, std::span<const CuttingPlane> planes) {
   ClippedCube part(cube.half_width);
@@ -126,6 +133,9 @@ class RemovalSearch {
     check_surface_has_sides(surface.mesh);
     const Closing closing = closing_over_rims(surface.mesh);
     const double volume = signed_volume(surface.mesh) + signed_volume(closing.mesh);
+    const double size = 2.0 * extent_of(surface.mesh.vertices).half_size();
+    if (!(std::abs(volume) > least_share_enclosed * size * size * size))
+      throw Error(ErrorKind::input, "removed volume: a surface encloses nothing, closed over its rims");
     const verify::Side side = surface.bone == BoneSide::inside ? verify::Side::inside : verify::Side::outside;
     surfaces_.emplace_back(closed_triangles(surface.mesh, closing), volume > 0.0 ? 1 : -1, side);
     found_.rims.push_back(closing.rims);
@@ -248,12 +258,23 @@ class RemovalSearch {
     std::vector<RegionCube> parents(std::make_move_iterator(open_.begin() + static_cast<std::ptrdiff_t>(kept)),
                                     std::make_move_iterator(open_.end()));
     open_.resize(kept);
+    for (std::size_t first = 0; first < parents.size(); first += cubes_between_polls) {
+      const std::span<RegionCube> rest_of_parents = std::span(parents).subspan(first);
+      if (first > 0 && options_.interrupted()) {
+        std::ranges::move(rest_of_parents, std::back_inserter(open_));
+        break;
+      }
+      divide(rest_of_parents.first(std::min(cubes_between_polls, rest_of_parents.size())));
+    }
+    return true;
+  }
+
+  void divide(std::span<const RegionCube> parents) {
     std::vector<std::vector<RegionCube>> children(parents.size());
     in_parallel(parents.size(), [&](std::size_t n) { children[n] = parts_of(parents[n]); });
     found_.cubes += 8 * parents.size();
     for (auto& siblings : children)
       for (RegionCube& child : siblings) settle_or_open(std::move(child));
-    return true;
   }
 
   [[nodiscard]] std::vector<RegionCube> parts_of(const RegionCube& parent) const {

@@ -196,8 +196,9 @@ SearchResult search_and_bound(FitProblem& problem, const FitArguments& arguments
   if (result.bound->promising && !interrupted()) {
     problem.options.tried = {result.bound->promising->pose};
     Fit again = search(problem, arguments);
-    const bool as_allowed = again.within_limit || !result.fit.within_limit;
-    if (as_allowed && again.objective > result.fit.objective) {
+    if (again.interrupted) {
+      result.fit.interrupted = true;
+    } else if (again.objective != result.fit.objective) {  // of all that the first search found, too
       tell(fmt::format("the bound came across a better pose: F = {:.6g}, not {:.6g}", again.objective,
                        result.fit.objective));
       result.fit = std::move(again);

@@ -108,15 +108,20 @@ double volume_tolerance_of(const InsertArguments& arguments) {
   return arguments.volume_tolerance.value_or(default_volume_tolerance);
 }
 
+/// In cubic model units.
+double least_volume_tolerance_of(const InsertArguments& arguments, const Model& implant) {
+  const double diameter = 2.0 * bounding_radius(implant);
+  return arguments.volume_tolerance ? 0.0 : share_of_cube * diameter * diameter * diameter;
+}
+
 RemovedVolume removed_volume_of(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant,
                                 const BoneRegion& bone) {
-  const double diameter = 2.0 * bounding_radius(implant);
   const double relative = volume_tolerance_of(arguments);
   std::optional<ProgressBar> bar;
   bar.emplace(!arguments.no_progress, "cubes");
   return removed_volume(path, implant, bone,
                         {.relative_tolerance = relative,
-                         .tolerance = arguments.volume_tolerance ? 0.0 : share_of_cube * diameter * diameter * diameter,
+                         .tolerance = least_volume_tolerance_of(arguments, implant),
                          .interrupted = interrupted,
                          .progress = [&](const Enclosure& volume) {
                            const double width = volume.width();
@@ -215,6 +220,7 @@ ExitStatus run_insert(const InsertArguments& arguments) {
     const Stopwatch volume_time;
     report.removed = removed_volume_of(arguments, path, implant, *region);
     report.volume_tolerance = volume_tolerance_of(arguments);
+    report.least_volume_tolerance = least_volume_tolerance_of(arguments, implant);
     report.volume_seconds = volume_time.seconds();
   }
   report.output = write_map(bone, insertion, std::move(writer), arguments.output);

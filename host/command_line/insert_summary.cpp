@@ -36,8 +36,11 @@ std::string readable_volume(const InsertReport& report) {
   const auto rims = std::accumulate(removed.rims.begin(), removed.rims.end(), std::size_t{0});
   return fmt::format("removed bone         {}{}{}\n", outward_digits(removed.volume), units,
                      removed.within_tolerance ? "" : ", wider than asked for") +
-         fmt::format("  width asked for    {:.3g} of it\n", report.volume_tolerance) +
-         fmt::format("  closed over        {} rims\n", rims) +
+         fmt::format("  width asked for    {:.3g} of its lower end{}\n", report.volume_tolerance,
+                     report.least_volume_tolerance > 0.0
+                         ? fmt::format(", or {:.3g}{}", report.least_volume_tolerance, units)
+                         : std::string()) +
+         fmt::format("  closed over        {} {}\n", rims, rims == 1 ? "rim" : "rims") +
          fmt::format("  cubes              {}, {:.3g} s\n", removed.cubes, report.volume_seconds);
 }
 
@@ -104,6 +107,7 @@ std::string json(const InsertReport& report) {
     volume = report.removed->volume;
     work = JsonObject{{"within_tolerance", report.removed->within_tolerance},
                       {"relative_tolerance", report.volume_tolerance},
+                      {"tolerance", report.least_volume_tolerance},
                       {"rims", report.removed->rims},
                       {"cubes", report.removed->cubes},
                       {"seconds", report.volume_seconds}};

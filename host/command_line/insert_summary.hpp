@@ -24,7 +24,8 @@ struct InsertReport {
   std::optional<MeshClearance> surface = {};  ///< of whole triangles along the path, where asked for
   double surface_seconds = 0.0;
   std::optional<RemovedVolume> removed = {};  ///< where asked for
-  double volume_tolerance = 0.0;              ///< relative
+  double volume_tolerance = 0.0;              ///< of the volume's lower end
+  double least_volume_tolerance = 0.0;        ///< in cubic units: so wide it may be, however small the volume is
   double volume_seconds = 0.0;                ///< wall time of the volume
 
   /// Whatever of it.

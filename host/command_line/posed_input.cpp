@@ -11,6 +11,18 @@
 #include "host/command_line/refusal.hpp"
 
 namespace verisq::command_line {
+namespace {
+
+template <class AnyModel>
+AnyModel moved(const AnyModel& model, const Pose& pose, const std::string& file) {
+  try {
+    return posed(model, pose);
+  } catch (const Error& error) {
+    refuse(fmt::format("--pose: {}: {}", file, error.what()));
+  }
+}
+
+}  // namespace
 
 void add_pose(Options& options, std::optional<Pose>& pose) {
   options.add(
@@ -21,17 +33,12 @@ void add_pose(Options& options, std::optional<Pose>& pose) {
 
 Model read_model_at(const std::optional<Pose>& pose, const std::string& file) {
   const Model model = read_model(file);
-  return pose ? posed(model, *pose) : model;
+  return pose ? moved(model, *pose, file) : model;
 }
 
 UncertainModel read_uncertain_model_at(const std::optional<Pose>& pose, const std::string& file) {
   const UncertainModel model = read_uncertain_model(file);
-  if (!pose) return model;
-  try {
-    return posed(model, *pose);
-  } catch (const Error& error) {
-    refuse(fmt::format("--pose: {}: {}", file, error.what()));
-  }
+  return pose ? moved(model, *pose, file) : model;
 }
 
 }  // namespace verisq::command_line

@@ -18,6 +18,7 @@ namespace {
 
 /// How close depths in the implant are asked for, of a primitive's smallest semi-axis.
 constexpr double kDepthTolerance = 1e-2;
+constexpr std::size_t kSlabsBetweenPolls = 8;
 
 /// In the frame of a primitive.
 using ProposedNormal = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
@@ -39,10 +40,14 @@ BoundedImplant::BoundedImplant(const UncertainModel& implant, std::span<const ve
       bound_(space_, field_, points, options.fitness, options.penetration_limit, size_) {
   std::vector<ProposedNormal> normals;
   for (const Primitive& primitive : model_.primitives) normals.push_back(normal_of(primitive.superquadric));
-  in_parallel(field_.slabs(), [&](std::size_t slab) {
-    field_.find_slab(slab, [&](std::size_t k, const Eigen::Vector3d& q) { return normals[k](q); });
-  });
+  for (std::size_t first = 0; first < field_.slabs(); first += kSlabsBetweenPolls) {
+    if (options.interrupted() || options.out_of_time()) return;
+    in_parallel(std::min(kSlabsBetweenPolls, field_.slabs() - first), [&](std::size_t slab) {
+      field_.find_slab(first + slab, [&](std::size_t k, const Eigen::Vector3d& q) { return normals[k](q); });
+    });
+  }
   field_.find_balls([&](std::span<const Point> queries) { return depths(queries, options); });
+  ready_ = true;
 }
 
 verify::PoseBox BoundedImplant::box(const RangeCell& cell) const {
@@ -95,7 +100,10 @@ std::vector<double> BoundedImplant::depths(std::span<const Point> queries, const
       }
     };
     const Model alone{model_.units, {primitive}, {}};
-    device_ = PointMapper(alone, {.tolerance = kDepthTolerance * smallest, .device = options.device})
+    device_ = PointMapper(alone, {.tolerance = kDepthTolerance * smallest,
+                                  .device = options.device,
+                                  .interrupted = options.interrupted,
+                                  .out_of_time = options.out_of_time})
                   .map(source, sink)
                   .device;
   }

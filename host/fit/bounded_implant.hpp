@@ -17,7 +17,8 @@ namespace verisq::fit_search {
 /// Any number of threads may ask.
 class BoundedImplant {
  public:
-  /// Keeps nothing of its arguments. Throws Error(input) as CandidateSpace and Mapper.
+  /// Keeps nothing of its arguments; asks the options now and then whether to end. Throws Error(input) as
+  /// CandidateSpace and Mapper.
   BoundedImplant(const UncertainModel& implant, std::span<const verify::WeightedPoint> points,
                  const FitBoundOptions& options);
   BoundedImplant(const BoundedImplant&) = delete;
@@ -28,6 +29,8 @@ class BoundedImplant {
 
   [[nodiscard]] const CandidateSpace& space() const { return candidates_; }
   [[nodiscard]] const verify::DistanceField& field() const { return field_; }
+  /// False where the options asked to end before all was ready: then it bounds nothing.
+  [[nodiscard]] bool is_ready() const { return ready_; }
   /// That proved depths, or "host".
   [[nodiscard]] const std::string& device() const { return device_; }
 
@@ -43,6 +46,7 @@ class BoundedImplant {
   verify::DistanceField field_;
   verify::FitBoxBound bound_;
   std::string device_;
+  bool ready_ = false;
 };
 
 }  // namespace verisq::fit_search

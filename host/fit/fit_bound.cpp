@@ -15,6 +15,7 @@
 #include "host/fit/range_cell.hpp"
 #include "host/mesh/eigen_points.hpp"
 #include "host/threads/parallel.hpp"
+#include "verify/numbers/rounding.hpp"
 #include "verify/placement/fit_box_bound.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
@@ -87,20 +88,33 @@ class PoseTrial {
   std::unique_ptr<fit_search::CandidateEvaluator> evaluator_;
 };
 
+/// Rounded up: sum of nonnegative terms.
+double sum_of_weights(std::span<const WeightedPoint> points) {
+  double sum = 0.0;
+  for (const WeightedPoint& point : points) sum = verify::add(sum, point.weight, verify::Direction::up);
+  return sum;
+}
+
 class BranchAndBound {
  public:
   BranchAndBound(std::span<const UncertainModel> series, std::span<const WeightedPoint> points,
                  const FitBoundOptions& options)
-      : options_(options), trial_(points, options), best_(options.known), enough_(enough(options)) {
-    for (std::size_t i = 0; i < series.size(); ++i) {
-      implants_.push_back(std::make_unique<BoundedImplant>(series[i], points, options));
-      RangeCell whole{.implant = static_cast<std::uint8_t>(i)};
-      take(whole, bounded(whole));
-    }
-  }
+      : series_(series),
+        points_(points),
+        options_(options),
+        trial_(points, options),
+        weight_(sum_of_weights(points)),
+        best_(options.known),
+        enough_(enough(options)) {}
 
   FitBound run() {
     FitBound result{};
+    for (std::size_t i = 0; i < series_.size() && !result.interrupted && !result.out_of_time; ++i) {
+      const bool begun = begin(i);
+      options_.progress({upper(), boxes_, open_.size()});
+      result.interrupted = options_.interrupted();
+      result.out_of_time = options_.out_of_time() || (!begun && !result.interrupted);
+    }
     while (!open_.empty() && !result.interrupted && !result.out_of_time) {
       divide_best();
       options_.progress({upper(), boxes_, open_.size()});
@@ -111,7 +125,7 @@ class BranchAndBound {
     result.reached = result.upper <= enough_;
     result.boxes = boxes_;
     result.promising = promising_;
-    result.device = implants_.front()->device();
+    if (!implants_.empty()) result.device = implants_.front()->device();
     return result;
   }
 
@@ -122,9 +136,23 @@ class BranchAndBound {
     return options.known > 0.0 ? options.known / (1.0 - options.gap) * (1.0 - 0x1p-50) : options.known;
   }
 
+  /// The whole range of one implant; false where that was to end before it was done.
+  bool begin(std::size_t i) {
+    auto implant = std::make_unique<BoundedImplant>(series_[i], points_, options_);
+    if (!implant->is_ready()) return false;
+    implants_.push_back(std::move(implant));
+    RangeCell whole{.implant = static_cast<std::uint8_t>(i)};
+    take(whole, bounded(whole));
+    return true;
+  }
+
   static bool worse(const RangeCell& a, const RangeCell& b) { return a.bound < b.bound; }
 
-  [[nodiscard]] double upper() const { return open_.empty() ? closed_ : std::max(closed_, open_.front().bound); }
+  /// Of an implant that was not begun only the weights say anything.
+  [[nodiscard]] double upper() const {
+    if (implants_.size() < series_.size()) return weight_;
+    return open_.empty() ? closed_ : std::max(closed_, open_.front().bound);
+  }
 
   [[nodiscard]] FitBoxResult bounded(const RangeCell& cell) const {
     const BoundedImplant& implant = *implants_[cell.implant];
@@ -146,7 +174,8 @@ class BranchAndBound {
 
   void take(RangeCell& cell, const FitBoxResult& result) {
     ++boxes_;
-    cell.bound = std::min(cell.bound, result.upper);  // what holds of the whole holds of its parts
+    // What holds of the whole holds of its parts, the weights' sum of all. A NaN says nothing.
+    cell.bound = std::min({cell.bound, weight_, std::isnan(result.upper) ? infinity : result.upper});
     if (cell.bound == -infinity) return;
     Eigen::Index widest = 0;
     result.spread.maxCoeff(&widest);
@@ -177,9 +206,12 @@ class BranchAndBound {
     promising_ = PromisingPose{cells[best].implant, implant.space().pose(parameters), objective};
   }
 
+  std::span<const UncertainModel> series_;
+  std::span<const WeightedPoint> points_;
   const FitBoundOptions& options_;
   PoseTrial trial_;
-  double best_;  ///< objective of a pose known or found
+  double weight_;  ///< of all points: no objective is larger
+  double best_;    ///< objective of a pose known or found
   double enough_;
   double closed_ = -infinity;  ///< the largest bound of a box that is not divided any more
   std::uint64_t boxes_ = 0;
@@ -195,6 +227,7 @@ FitBound bound_fit(std::span<const UncertainModel> series, const Cavity& cavity,
   std::vector<WeightedPoint> points;
   for (std::size_t i = 0; i < cavity.points.size(); ++i)
     points.push_back({vector_of(cavity.points[i]), cavity.areas[cavity.area_of[i]].weight});
+  require_of_bound(std::isfinite(sum_of_weights(points)), "weights: their sum over all points overflows");
   return BranchAndBound(series, points, options).run();
 }
 

@@ -9,7 +9,8 @@ namespace verisq {
 
 /// The model moved by x -> R x + t after its primitives' own poses: these are composed and rounded to nearest, so that
 /// the moved model is a model of its own, exactly as its numbers state, within a few units in the last place of the
-/// rigid motion. Quaternions come out with length 1 to rounding. Precondition: as for Pose.
+/// rigid motion. Quaternions come out with length 1 to rounding. Precondition: as for Pose. Throws Error(input) where
+/// places overflow.
 [[nodiscard]] Model posed(const Model& model, const Pose& pose);
 
 /// Likewise with semi-axes and exponents known within bounds, which no motion changes. Throws Error(input) where a

@@ -12,7 +12,9 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 #include <verisq/error.hpp>
@@ -123,6 +125,7 @@ class PythonMapper {
     PythonMap map = empty_map(queries.size(), settings_.tolerance);
     const ResultColumns rows = columns(map);
     const std::unique_lock<std::timed_mutex> one_at_a_time = turn();
+    const Caller caller(caller_);
     interruption_.reset();
     start_limit();
     if (settings_.certificates) {
@@ -138,9 +141,26 @@ class PythonMapper {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Waits for the calls of other threads, until Ctrl-C.
+  /// The thread whose turn it is, as long as this lives.
+  class Caller {
+   public:
+    explicit Caller(std::atomic<std::thread::id>& caller) : caller_(caller) { caller_ = std::this_thread::get_id(); }
+    ~Caller() { caller_ = std::thread::id(); }
+    Caller(const Caller&) = delete;
+    Caller& operator=(const Caller&) = delete;
+    Caller(Caller&&) = delete;
+    Caller& operator=(Caller&&) = delete;
+
+   private:
+    std::atomic<std::thread::id>& caller_;
+  };
+
+  /// Waits for the calls of other threads, until Ctrl-C. Throws where this thread would wait for itself, as in a
+  /// signal's handler.
   [[nodiscard]] std::unique_lock<std::timed_mutex> turn() {
     constexpr std::chrono::milliseconds between{50};
+    if (caller_ == std::this_thread::get_id())
+      throw std::runtime_error("this mapper is being called by this thread already");
     std::unique_lock<std::timed_mutex> lock(calls_, std::defer_lock);
     while (true) {
       {
@@ -187,6 +207,7 @@ class PythonMapper {
   Interruption interruption_;
   std::atomic<Clock::duration> end_{Clock::duration::max()};
   std::timed_mutex calls_;
+  std::atomic<std::thread::id> caller_;
   Mapper<Query> mapper_;  // last: its options point to the others
 };
 

@@ -181,7 +181,8 @@ TEST(FitBound, ProvesAPlantedFitAndHoldsForSampledPoses) {
   Objective objective(cavity, how);
   how.known = *objective(bounded.space(), PoseParameters::Zero());
   int rounds = 0;
-  how.out_of_time = [&rounds] { return ++rounds == 40; };
+  how.progress = [&rounds](const FitBoundProgress&) { ++rounds; };
+  how.out_of_time = [&rounds] { return rounds >= 40; };
   const UncertainModel exact = implant;
   const FitBound bound = bound_fit({&exact, 1}, cavity, how);
   EXPECT_TRUE(bound.reached);
@@ -214,8 +215,9 @@ TEST(FitBound, MeetsABetterPoseAndEndsInTime) {
   FitBoundOptions how = options(cementless(2.0, 0.0), 1.0, 3.0);
   how.known = 0.5;  // as of a bad pose
   how.gap = 0.01;
-  int polls = 0;
-  how.out_of_time = [&polls] { return ++polls == 2; };
+  bool divided = false;
+  how.progress = [&divided](const FitBoundProgress& progress) { divided = progress.boxes > 1; };
+  how.out_of_time = [&divided] { return divided; };
   const UncertainModel exact = small_hook();
   const FitBound bound = bound_fit({&exact, 1}, cavity, how);
   EXPECT_TRUE(bound.out_of_time);
@@ -223,6 +225,43 @@ TEST(FitBound, MeetsABetterPoseAndEndsInTime) {
   ASSERT_TRUE(bound.promising);
   EXPECT_GT(bound.promising->objective, how.known);
   EXPECT_LE(bound.promising->objective, bound.upper);
+}
+
+TEST(FitBound, SaysNoMoreThanTheWeightsWhereItEndsBeforeItBegins) {
+  const Cavity cavity = testing::offset_cavity(small_hook(), kPlay, 4);
+  FitBoundOptions how = options(cementless(2.0, 0.0), 1.0, 3.0);
+  how.out_of_time = [] { return true; };
+  const UncertainModel exact = small_hook();
+  const FitBound bound = bound_fit({&exact, 1}, cavity, how);
+  EXPECT_TRUE(bound.out_of_time);
+  EXPECT_FALSE(bound.reached);
+  EXPECT_EQ(bound.upper, static_cast<double>(cavity.points.size()));
+}
+
+TEST(FitBound, HasNotTooManyNodesAboutANeedle) {
+  const Model needle{"mm", {{"needle", {{1e-3, 1e-3, 1e3}, {1.0, 1.0}}, {}, {}}}, {}};
+  const verify::DistanceField field(needle, 10.0, 1e4);
+  EXPECT_LT(field.slabs(), 100'000U);
+  const verify::DistanceField::Found found = field.near({0.0, 0.0, 0.0});
+  EXPECT_LT((found.place - Eigen::Vector3d::Zero()).norm(), 10.0);
+}
+
+/// Where nothing is proposed, a primitive is still known to lie in its box.
+TEST(FitBound, NeedsNoProposalToBeRight) {
+  const Model ball{"mm", {{"ball", {{1.0, 1.0, 1.0}, {1.0, 1.0}}, {}, {}}}, {}};
+  verify::DistanceField field(ball, 10.0, 100.0);
+  for (std::size_t slab = 0; slab < field.slabs(); ++slab) {
+    field.find_slab(slab, [](std::size_t, const Eigen::Vector3d&) {
+      return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    });
+  }
+  for (const double r : {0.5, 1.2, 4.0}) {
+    const Eigen::Vector3d x(r, 0.1, -0.2);
+    const auto [node, place] = field.near(x);
+    const double lower =
+        std::min({node.nearest[0].distance(x), node.nearest[1].distance(x), node.others - (x - place).norm()});
+    EXPECT_LE(lower, x.norm() - 1.0);
+  }
 }
 
 TEST(FitBound, RefusesSizesAndGapsOutOfRange) {

@@ -26,6 +26,20 @@ constexpr double kCoarsening = 3.5;
 constexpr double kFineMargin = 6.0;
 /// How far from the surface points are still told to be too deep, in nodes.
 constexpr double kBallMargin = 1.5;
+/// Of the finest grid, at most: long thin models have a coarser one.
+constexpr double kMostNodes = 400000.0;
+
+/// Nodes along each axis: the model, and the margin on both sides.
+double nodes_of(const Vector3d& lengths, double spacing) {
+  return ((lengths / spacing).array() + 2.0 * kFineMargin + 2.0).prod();
+}
+
+double fine_spacing(const Vector3d& lengths, double smallest) {
+  double spacing = std::max(std::cbrt(lengths.prod() / kFineNodes), kFinestSpacing * smallest);
+  while (nodes_of(lengths, spacing) > kMostNodes) spacing *= 1.2;
+  return spacing;
+}
+
 /// Of the box about the solid: its sections along z are at most 1 + |k| times that of the middle, k = (t - 1)/(t + 1).
 Vector3d half_sides_of(const Superquadric& solid) {
   const double widening = (1.0 + std::abs(taper_coefficient<double>(solid.taper))) * (1.0 + 0x1p-50);
@@ -58,7 +72,7 @@ DistanceField::DistanceField(const Model& model, double extent, double size)
                            translation + to_focus * rotation.col(2), half_sides_of(solid)});
     smallest_ = std::min(smallest_, std::ranges::min(primitive.superquadric.semi_axes));
   }
-  const double spacing = std::max(std::cbrt((upper_ - lower_).prod() / kFineNodes), kFinestSpacing * smallest_);
+  const double spacing = fine_spacing(upper_ - lower_, smallest_);
   double margin = kFineMargin * spacing;
   grids_.push_back(grid(margin, spacing));
   for (double coarse = kCoarsening * spacing; margin < extent; coarse *= kCoarsening) {
@@ -154,11 +168,14 @@ DistanceField::Node DistanceField::node(const Vector3d& x, const ProposedNormal&
   }
   std::ranges::sort(order);
   for (const auto& [to_box, k] : order) {
-    if (to_box > distances[1]) {  // no need to look closer
+    const bool is_far = to_box > distances[1];
+    const Vector3d proposed = is_far ? Vector3d::Zero() : normal(k, local[k]);
+    // Farther than two others, or nothing is proposed: what the box says holds.
+    if (!(proposed.norm() > 0.0) || !proposed.allFinite()) {
       result.others = std::min(result.others, static_cast<float>(to_box - slack_));
       continue;
     }
-    HalfSpace candidate = half_space(primitives_[k], normal(k, local[k]));
+    HalfSpace candidate = half_space(primitives_[k], proposed);
     double distance = candidate.distance(x);
     for (std::size_t i = 0; i < 2; ++i) {
       if (!(distance < distances[i])) continue;

@@ -1,7 +1,9 @@
 /// Poses composed in precise interval arithmetic, then rounded.
 #include "verisq/posed_model.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "verify/proof/rigid_motion.hpp"
@@ -42,8 +44,11 @@ Point moved_by(const verify::RigidMotion& motion, const Point& point) {
 
 /// x -> outer(inner(x))
 Pose composed(const Pose& outer, const Pose& inner) {
-  return {.translation = moved_by(verify::RigidMotion(outer), inner.translation),
-          .quaternion = normalised(product(exact(outer.quaternion), exact(inner.quaternion)))};
+  const Pose result{.translation = moved_by(verify::RigidMotion(outer), inner.translation),
+                    .quaternion = normalised(product(exact(outer.quaternion), exact(inner.quaternion)))};
+  if (!std::ranges::all_of(result.translation, [](double x) { return std::isfinite(x); }))
+    throw Error(ErrorKind::input, "the pose moves the model beyond what binary64 holds");
+  return result;
 }
 
 }  // namespace

@@ -84,13 +84,15 @@ void ClippedCube::clip(const CuttingPlane& plane) {
   const double largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});  // no more than |n|
   const double reach = reach_up(n, 1.0);
   const double offset = plane.offset / half_width_;  // exact, but for underflow, which is far below what is added
-  const double thickness = divide(divide(plane.error, half_width_, Direction::up), largest, Direction::up);
-  error_ = add(error_, multiply(two_sections, thickness, Direction::up), Direction::up);
-  if (offset >= reach) return;
-  if (offset <= -reach) {
+  const double error = divide(plane.error, half_width_, Direction::up);
+  // Whatever the error, all of the cube is kept, or none.
+  if (subtract(offset, error, Direction::down) >= reach) return;
+  if (add(offset, error, Direction::up) <= -reach) {
     tetrahedra_.clear();
     return;
   }
+  const double thickness = divide(error, largest, Direction::up);
+  error_ = add(error_, multiply(two_sections, thickness, Direction::up), Direction::up);
   std::vector<Tetrahedron> kept;
   kept.reserve(tetrahedra_.size());
   for (const Tetrahedron& whole : tetrahedra_) {
