@@ -144,8 +144,10 @@ class PythonMapper {
   /// The thread whose turn it is, as long as this lives.
   class Caller {
    public:
-    explicit Caller(std::atomic<std::thread::id>& caller) : caller_(caller) { caller_ = std::this_thread::get_id(); }
-    ~Caller() { caller_ = std::thread::id(); }
+    explicit Caller(std::atomic<std::thread::id>& caller) : caller_(caller) {
+      caller_.store(std::this_thread::get_id());
+    }
+    ~Caller() { caller_.store(std::thread::id()); }
     Caller(const Caller&) = delete;
     Caller& operator=(const Caller&) = delete;
     Caller(Caller&&) = delete;

@@ -99,7 +99,7 @@ void ClippedCube::clip(const CuttingPlane& plane) {
     std::array<std::size_t, 4> order{0, 1, 2, 3};
     std::array<double, 4> heights;
     for (std::size_t k = 0; k < 4; ++k) heights[k] = height(whole[k], n, offset);
-    const auto beyond = std::partition(order.begin(), order.end(), [&](std::size_t k) { return heights[k] <= 0.0; });
+    auto* const beyond = std::partition(order.begin(), order.end(), [&](std::size_t k) { return heights[k] <= 0.0; });
     const auto before = beyond - order.begin();
     const auto corner = [&](std::size_t k) { return whole[order[k]]; };
     const auto cut = [&](std::size_t from, std::size_t to) {
