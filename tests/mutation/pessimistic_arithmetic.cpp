@@ -214,8 +214,8 @@ constexpr std::array tapered_evaluation{
 constexpr std::array tapered_cube_evaluation{
     Mutant{"error of ends", "#define END_ERROR ",
            "#define END_MAGNIFICATION 0x1p26\n#define END_ERROR END_MAGNIFICATION * "},
-    Mutant{"share", "  return b * (z / s->semi_axes[2]);", R"(
-  const real share = b * (z / s->semi_axes[2]);
+    Mutant{"share", "  return select(b * (z / s->semi_axes[2]), REAL(0.0), MASK(b == 0.0));", R"(
+  const real share = select(b * (z / s->semi_axes[2]), REAL(0.0), MASK(b == 0.0));
   const real wrong = fabs(share) * (0.98 * 0x1.8p-52 * END_MAGNIFICATION);
   return share + select(wrong, -wrong, MASK((BITS(z) & INTEGER(1L << 30)) == INTEGER(0L)));
 )"},
