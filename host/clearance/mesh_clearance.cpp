@@ -127,25 +127,20 @@ double tolerance_of_samples(const MeshClearanceOptions& options) {
   return share_of_samples * std::min(options.tolerance, options.limit_tolerance.value_or(options.tolerance));
 }
 
+std::vector<Enclosure> distances_of(std::span<const MapResult> rows) {
+  std::vector<Enclosure> distances;
+  for (const MapResult& row : rows) distances.push_back(row.distance);
+  return distances;
+}
+
 Distances distances_to(const Model& model, const MeshClearanceOptions& options) {
   const auto mapper = std::make_shared<PointMapper>(model, MapOptions{.tolerance = tolerance_of_samples(options),
                                                                       .device = options.device,
                                                                       .interrupted = options.interrupted});
   return [mapper](std::span<const Point> queries) {
-    std::vector<Enclosure> distances;
-    std::size_t asked = 0;
-    const Source<Point> source = [&](std::span<Point> points) {
-      const std::size_t count = std::min(points.size(), queries.size() - asked);
-      std::ranges::copy(queries.subspan(asked, count), points.begin());
-      asked += count;
-      return count;
-    };
-    const Sink<Point> sink = [&](std::span<const Point>, std::span<const MapResult> rows,
-                                 std::span<const Certificate>) {
-      for (const MapResult& row : rows) distances.push_back(row.distance);
-    };
-    mapper->map(source, sink);
-    return distances;
+    std::vector<MapResult> rows(queries.size());
+    rows.resize(mapper->map(queries, rows).points);
+    return distances_of(rows);
   };
 }
 
@@ -155,9 +150,7 @@ Distances smallest_distances_along(std::span<const Pose> path, const Model& mode
     const Insertion insertion = smallest_distance_along(
         path, model, queries,
         {.tolerance = tolerance_of_samples(options), .device = options.device, .interrupted = options.interrupted});
-    std::vector<Enclosure> distances;
-    for (const MapResult& row : insertion.rows) distances.push_back(row.distance);
-    return distances;
+    return distances_of(insertion.rows);
   };
 }
 
@@ -208,23 +201,17 @@ class MeshSearch {
     TriangleMapper mapper(*whole_triangles_of_, {.tolerance = share_of_samples * options_.tolerance,
                                                  .device = options_.device,
                                                  .interrupted = options_.interrupted});
-    std::size_t asked = 0;
-    std::size_t answered = 0;
+    std::vector<Triangle> corners;
+    for (const std::uint32_t triangle : triangles) corners.push_back(corners_of(triangle));
+    std::vector<MapResult> rows(triangles.size());
+    const MapSummary map = mapper.map(corners, rows);
     std::vector<double> bounds(triangles_.size(), -infinity);
-    const Source<Triangle> source = [&](std::span<Triangle> corners) {
-      const std::size_t count = std::min(corners.size(), triangles.size() - asked);
-      for (std::size_t i = 0; i < count; ++i) corners[i] = corners_of(triangles[asked++]);
-      return count;
-    };
-    const Sink<Triangle> sink = [&](std::span<const Triangle>, std::span<const MapResult> rows,
-                                    std::span<const Certificate>) {
-      for (const auto& [distance, status] : rows) {
-        if (distance.lo > 0.0) bounds[triangles[answered]] = distance.lo;
-        smallest_hi_ = std::min(smallest_hi_, distance.hi);
-        ++answered;
-      }
-    };
-    found_.interrupted = mapper.map(source, sink).interrupted;
+    for (std::size_t i = 0; i < map.points; ++i) {
+      const Enclosure& distance = rows[i].distance;
+      if (distance.lo > 0.0) bounds[triangles[i]] = distance.lo;
+      smallest_hi_ = std::min(smallest_hi_, distance.hi);
+    }
+    found_.interrupted = map.interrupted;
     return bounds;
   }
 

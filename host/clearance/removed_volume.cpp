@@ -43,6 +43,10 @@ constexpr double centre_bits = 0x1p10;
 constexpr int deepest_level = 30;
 /// Of the tolerance is left to the cubes that are not divided in a round.
 constexpr double share_of_rest = 0.5;
+/// Of the cube about a surface: what encloses less encloses nothing, but for roundings.
+constexpr double least_share_enclosed = 1e-12;
+/// Cubes that are divided between two polls.
+constexpr std::size_t cubes_between_polls = 256;
 
 Enclosure sum(const Enclosure& a, const Enclosure& b) {
   return {verify::add(a.lo, b.lo, Direction::down), verify::add(a.hi, b.hi, Direction::up)};
@@ -75,11 +79,6 @@ struct BonePart {
   std::vector<CuttingPlane> planes = {};
   std::vector<std::vector<CuttingPlane>> left_out = {};
 };
-
-/// Of the cube about a surface: what encloses less encloses nothing, but for roundings.
-constexpr double least_share_enclosed = 1e-12;
-/// Cubes that are divided between two polls.
-constexpr std::size_t cubes_between_polls = 256;
 
 /// The volume in the cube of what is bone and before all of the planes.
 Enclosure bone_within(const Cube& cube, const BonePart& bone, std::span<const CuttingPlane> planes) {
@@ -298,7 +297,7 @@ class RemovalSearch {
   verify::EnclosedPath path_;
   std::vector<MovingPrimitive> primitives_;
   std::vector<DividedSurface> surfaces_;
-  std::optional<Resection> resection_;
+  std::optional<Plane> resection_;
   std::vector<RegionCube> open_;
   Enclosure settled_{0.0, 0.0};
   RemovedVolume found_{};

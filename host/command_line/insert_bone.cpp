@@ -8,7 +8,6 @@
 #include <verisq/mesh_topology.hpp>
 #include <verisq/sides.hpp>
 
-#include "host/command_line/plane_option.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/mesh/plane_cut.hpp"
 
@@ -33,11 +32,6 @@ void check_outer_surface(const std::string& option, const std::string& file, con
 
 }  // namespace
 
-Resection parse_resection(std::string_view option, const std::string& text) {
-  const Plane plane = parse_plane(option, text);
-  return {plane.point, plane.normal};
-}
-
 void check_bone_options(const InsertArguments& arguments) {
   if (arguments.cavity && arguments.bone) refuse("give only one of --cavity and --bone");
   if (arguments.within && !arguments.cavity) refuse("--within: only with --cavity");
@@ -52,7 +46,7 @@ void check_bone_options(const InsertArguments& arguments) {
 
 Mesh before_resection(const InsertArguments& arguments, const Mesh& mesh) {
   if (!arguments.resection) return mesh;
-  Mesh left = cut_off(mesh, {arguments.resection->point, arguments.resection->normal}).mesh;
+  Mesh left = cut_off(mesh, *arguments.resection).mesh;
   if (left.vertices.empty()) refuse(fmt::format("--resection: all of {} lies beyond it", arguments.mesh));
   return left;
 }

@@ -2,16 +2,11 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <string_view>
 #include <verisq/removed_volume.hpp>
 
 #include "host/command_line/insert_command.hpp"
 
 namespace verisq::command_line {
-
-/// By a point and a normal.
-[[nodiscard]] Resection parse_resection(std::string_view option, const std::string& text);
 
 /// Throws Error(input) where the options alone contradict each other, or leave open where bone ends.
 void check_bone_options(const InsertArguments& arguments);

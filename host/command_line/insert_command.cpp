@@ -20,6 +20,7 @@
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/messages.hpp"
 #include "host/command_line/overwriting.hpp"
+#include "host/command_line/plane_option.hpp"
 #include "host/command_line/posed_input.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
@@ -33,18 +34,14 @@ constexpr const char* closing_words =
     "Each row of the map is [lo, hi], which contains the smallest signed distance from the point to the implant along\n"
     "the whole path, at the poses and between them: where hi is negative, the implant passes through the point, and\n"
     "bone must be removed at least -hi and at most -lo deep. \"Verified\" rows are at most the tolerance wide.\n"
-    "With --along the implant moves in a straight line and ends where the implant's file, or --pose, has it. With "
-    "--poses it "
-    "moves\n"
-    "from pose to pose, each applied after the poses of its primitives; between two of them the translation is "
-    "linear,\n"
-    "and the rotation turns at constant speed about a fixed axis by the smaller angle.\n"
+    "With --along the implant moves in a straight line and ends where the implant's file, or --pose, has it. With\n"
+    "--poses it moves from pose to pose, each applied after the poses of its primitives; between two of them the\n"
+    "translation is linear, and the rotation turns at constant speed about a fixed axis by the smaller angle.\n"
     "With --on triangles the deepest penetration of all that lies between the vertices is enclosed, too.\n"
-    "With --cavity or --bone it is told how much bone is taken away, too: the volume of all that lies in the implant "
-    "at\n"
-    "some time of the path and is bone, which is outside of the cavity and inside the surface --within, or inside the\n"
-    "--bone; and never beyond the --resection. An open mesh is closed over its rims, by fans about their means. The\n"
-    "implant has to be a union of convex primitives. Without --cavity or --bone nothing says where bone is.\n"
+    "With --cavity or --bone it is told how much bone is taken away, too: the volume of all that lies in the implant\n"
+    "at some time of the path and is bone, which is outside of the cavity and inside the surface --within, or inside\n"
+    "the --bone; and never beyond the --resection. An open mesh is closed over its rims, by fans about their means.\n"
+    "The implant has to be a union of convex primitives. Without --cavity or --bone nothing says where bone is.\n"
     "Ctrl-C keeps the rows of a .csv under OUT.partial: all are valid, and those it ended are wide; a second Ctrl-C\n"
     "stops at once.\n"
     "\n"
@@ -54,9 +51,8 @@ constexpr const char* closing_words =
     "Examples:\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --along 0,0,-1 --length 120 -o removal.vtp\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --poses path.csv --tol 0.05 -o removal.csv --json\n"
-    "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl --along 0,0,-1 --length 100 "
-    "\\\n"
-    "    -o removal.vtp";
+    "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
+    "    --along 0,0,-1 --length 100 -o removal.vtp";
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
@@ -171,7 +167,7 @@ void declare_insert(Options& options, InsertArguments& arguments) {
                    "The mesh is the surface of a cavity: tells the volume of bone around it that is taken away");
   options.add_flag("--bone", arguments.bone, "The mesh bounds bone: tells the volume of it that is taken away");
   options.add("--within", arguments.within, "FILE", "With --cavity: the bone's outer surface, a mesh");
-  options.add("--resection", arguments.resection, parse_resection, "x,y,z,nx,ny,nz",
+  options.add("--resection", arguments.resection, parse_plane, "x,y,z,nx,ny,nz",
               "Plane in which the bone is cut, by a point and a normal: what lies beyond it, where the normal points, "
               "is left out");
   options.add("--volume-tol", arguments.volume_tolerance, parse_length, "NUMBER",

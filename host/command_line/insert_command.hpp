@@ -26,7 +26,7 @@ struct InsertArguments {
   bool cavity = false;                     ///< the mesh is that of a cavity
   bool bone = false;                       ///< the mesh is the bone's outer surface
   std::optional<std::string> within;
-  std::optional<Resection> resection;
+  std::optional<Plane> resection;
   std::optional<double> volume_tolerance;  ///< relative
   std::string device = "auto";
   std::string output;

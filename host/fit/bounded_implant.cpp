@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
-#include "host/fit/superquadric_projection.hpp"
-#include "host/fit/tapered_projection.hpp"
+#include "host/fit/primitive_projection.hpp"
 #include "host/mesh/eigen_points.hpp"
 #include "host/threads/parallel.hpp"
 #include "verisq/enclosure.hpp"
@@ -20,14 +18,6 @@ namespace {
 constexpr double kDepthTolerance = 1e-2;
 constexpr std::size_t kSlabsBetweenPolls = 8;
 
-/// In the frame of a primitive.
-using ProposedNormal = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
-
-ProposedNormal normal_of(const Superquadric& solid) {
-  if (is_tapered(solid)) return [projection = TaperedProjection(solid)](const auto& q) { return projection(q).normal; };
-  return [projection = SuperquadricProjection(solid)](const auto& q) { return projection(q).normal; };
-}
-
 }  // namespace
 
 BoundedImplant::BoundedImplant(const UncertainModel& implant, std::span<const verify::WeightedPoint> points,
@@ -38,12 +28,12 @@ BoundedImplant::BoundedImplant(const UncertainModel& implant, std::span<const ve
       size_(size_of(points)),
       field_(model_, size_ / 4.0, size_),
       bound_(space_, field_, points, options.fitness, options.penetration_limit, size_) {
-  std::vector<ProposedNormal> normals;
-  for (const Primitive& primitive : model_.primitives) normals.push_back(normal_of(primitive.superquadric));
+  std::vector<PrimitiveProjection> projections;
+  for (const Primitive& primitive : model_.primitives) projections.emplace_back(primitive.superquadric);
   for (std::size_t first = 0; first < field_.slabs(); first += kSlabsBetweenPolls) {
     if (options.interrupted() || options.out_of_time()) return;
     in_parallel(std::min(kSlabsBetweenPolls, field_.slabs() - first), [&](std::size_t slab) {
-      field_.find_slab(first + slab, [&](std::size_t k, const Eigen::Vector3d& q) { return normals[k](q); });
+      field_.find_slab(first + slab, [&](std::size_t k, const Eigen::Vector3d& q) { return projections[k](q).normal; });
     });
   }
   field_.find_balls([&](std::span<const Point> queries) { return depths(queries, options); });
@@ -82,30 +72,17 @@ double BoundedImplant::size_of(std::span<const verify::WeightedPoint> points) co
 /// To one primitive at a time: the union's overlaps are deeper, but cost a search.
 std::vector<double> BoundedImplant::depths(std::span<const Point> queries, const FitBoundOptions& options) {
   std::vector<double> upper(queries.size(), infinity);
+  std::vector<MapResult> rows(queries.size());
   for (const Primitive& primitive : model_.primitives) {
     const double smallest = std::ranges::min(primitive.superquadric.semi_axes);
-    std::span<const Point> rest = queries;
-    std::size_t delivered = 0;
-    const Source<Point> source = [&rest](std::span<Point> chunk) {
-      const std::size_t count = std::min(chunk.size(), rest.size());
-      std::ranges::copy(rest.first(count), chunk.begin());
-      rest = rest.subspan(count);
-      return count;
-    };
-    const Sink<Point> sink = [&](std::span<const Point>, std::span<const MapResult> found,
-                                 std::span<const Certificate>) {
-      for (const MapResult& row : found) {
-        upper[delivered] = std::min(upper[delivered], row.distance.hi);
-        ++delivered;
-      }
-    };
     const Model alone{model_.units, {primitive}, {}};
-    device_ = PointMapper(alone, {.tolerance = kDepthTolerance * smallest,
-                                  .device = options.device,
-                                  .interrupted = options.interrupted,
-                                  .out_of_time = options.out_of_time})
-                  .map(source, sink)
-                  .device;
+    const MapSummary map = PointMapper(alone, {.tolerance = kDepthTolerance * smallest,
+                                               .device = options.device,
+                                               .interrupted = options.interrupted,
+                                               .out_of_time = options.out_of_time})
+                               .map(queries, rows);
+    for (std::size_t i = 0; i < map.points; ++i) upper[i] = std::min(upper[i], rows[i].distance.hi);
+    device_ = map.device;
   }
   return upper;
 }

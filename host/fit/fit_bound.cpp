@@ -97,13 +97,14 @@ double sum_of_weights(std::span<const WeightedPoint> points) {
 
 class BranchAndBound {
  public:
-  BranchAndBound(std::span<const UncertainModel> series, std::span<const WeightedPoint> points,
+  /// `weight` is not less than the sum of the points' weights.
+  BranchAndBound(std::span<const UncertainModel> series, std::span<const WeightedPoint> points, double weight,
                  const FitBoundOptions& options)
       : series_(series),
         points_(points),
         options_(options),
         trial_(points, options),
-        weight_(sum_of_weights(points)),
+        weight_(weight),
         best_(options.known),
         enough_(enough(options)) {}
 
@@ -227,8 +228,9 @@ FitBound bound_fit(std::span<const UncertainModel> series, const Cavity& cavity,
   std::vector<WeightedPoint> points;
   for (std::size_t i = 0; i < cavity.points.size(); ++i)
     points.push_back({vector_of(cavity.points[i]), cavity.areas[cavity.area_of[i]].weight});
-  require_of_bound(std::isfinite(sum_of_weights(points)), "weights: their sum over all points overflows");
-  return BranchAndBound(series, points, options).run();
+  const double weight = sum_of_weights(points);
+  require_of_bound(std::isfinite(weight), "weights: their sum over all points overflows");
+  return BranchAndBound(series, points, weight, options).run();
 }
 
 }  // namespace verisq

@@ -3,11 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <variant>
 
 #include "host/fit/evaluation_sum.hpp"
-#include "host/fit/superquadric_projection.hpp"
-#include "host/fit/tapered_projection.hpp"
+#include "host/fit/primitive_projection.hpp"
 #include "host/mesh/eigen_points.hpp"
 #include "host/threads/parallel.hpp"
 #include "verisq/enclosure.hpp"
@@ -25,7 +23,7 @@ constexpr std::size_t kBlock = 64;
 class PlacedSolid {
  public:
   explicit PlacedSolid(const Primitive& primitive)
-      : projection_(projection_of(primitive.superquadric)),
+      : projection_(primitive.superquadric),
         semi_axes_(vector_of(primitive.superquadric.semi_axes)),
         translation_(vector_of(primitive.pose.translation)) {
     const auto& [w, x, y, z] = primitive.pose.quaternion;
@@ -33,25 +31,16 @@ class PlacedSolid {
   }
 
   [[nodiscard]] Vector3d local(const Vector3d& p) const { return rotation_.transpose() * (p - translation_); }
-  [[nodiscard]] double lower_bound(const Vector3d& local) const {
-    return std::visit([&](const auto& projection) { return projection.lower_bound(local); }, projection_);
-  }
+  [[nodiscard]] double lower_bound(const Vector3d& local) const { return projection_.lower_bound(local); }
 
   [[nodiscard]] PointDistance distance(const Vector3d& local, std::uint32_t index) const {
-    const Projection found = std::visit([&](const auto& projection) { return projection(local); }, projection_);
+    const Projection found = projection_(local);
     const Vector3d by_size = -found.normal.cwiseProduct(found.nearest).cwiseQuotient(semi_axes_);
     return {found.distance, point_of(rotation_ * found.normal), index, point_of(by_size)};
   }
 
  private:
-  using AnyProjection = std::variant<SuperquadricProjection, TaperedProjection>;
-
-  static AnyProjection projection_of(const Superquadric& solid) {
-    if (is_tapered(solid)) return TaperedProjection(solid);
-    return SuperquadricProjection(solid);
-  }
-
-  AnyProjection projection_;
+  PrimitiveProjection projection_;
   Vector3d semi_axes_;
   Vector3d translation_;
   Matrix3d rotation_;

@@ -9,6 +9,7 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
+#include <verisq/plane.hpp>
 
 namespace verisq {
 
@@ -24,16 +25,10 @@ struct BoneSurface {
   BoneSide bone;
 };
 
-/// What lies beyond the plane, where the normal points, has been cut off before.
-struct Resection {
-  Point point;
-  Point normal;  ///< finite, of any length but 0
-};
-
 /// Bone is where all of these say so; without any, everywhere.
 struct BoneRegion {
   std::vector<BoneSurface> surfaces = {};
-  std::optional<Resection> resection = {};
+  std::optional<Plane> resection = {};  ///< what lies beyond has been cut off before
 };
 
 /// The work ends when the enclosure is at most as wide as one of both tolerances allows.

@@ -156,8 +156,8 @@ TEST_F(InBone, WhatLiesBeyondItsFaceIsNone) {
   expect_encloses(removed(at_face, ball_, box(BoneSide::inside), 0.05), whole_ - capsule_beyond(0.3), 0.05);
   expect_encloses(removed(at_face, ball_, box(BoneSide::outside), 0.05), capsule_beyond(0.3), 0.05);
   const Vector3d above = turn_ * Vector3d(0.0, 0.0, 2.5);
-  expect_encloses(removed(at_face, ball_, {{}, Resection{point_of(origin_), point_of(above)}}, 0.05),
-                  capsule_beyond(0.3), 0.05);
+  expect_encloses(removed(at_face, ball_, {{}, Plane{point_of(origin_), point_of(above)}}, 0.05), capsule_beyond(0.3),
+                  0.05);
 }
 
 TEST_F(InBone, AnEdgeOfAWedgeIsExact) {
@@ -244,7 +244,7 @@ TEST(RemovedVolume, OfAScrewIsWhatALatticeCounts) {
   const double half = spin.norm() / 2.0;
   const Vector3d axis = spin.normalized() * std::sin(half);
   const std::vector<Pose> path{{}, {point_of(way), {std::cos(half), axis[0], axis[1], axis[2]}}};
-  const RemovedVolume found = removed(path, stem, {{}, Resection{{}, {0.0, 0.0, -1.0}}}, 0.05);
+  const RemovedVolume found = removed(path, stem, {{}, Plane{{}, {0.0, 0.0, -1.0}}}, 0.05);
   EXPECT_TRUE(found.within_tolerance);
   const double counted = counted_volume(stem, way, spin, 0.25);
   EXPECT_GE(counted, found.volume.lo);
@@ -282,7 +282,7 @@ TEST(RemovedVolume, RefusesWhatHasNone) {
           ": tolerance -0.1 is not a number of at least 0");
   refused(
       [&] {
-        (void)removed(rest, one, {{}, Resection{{}, {}}}, 0.1);
+        (void)removed(rest, one, {{}, Plane{{}, {}}}, 0.1);
       },
       "removed volume", ": the resection's point or normal is not finite, or the normal is zero");
   const BoneRegion cloud{{{Mesh{{{0.0, 0.0, 0.0}}, {}}, BoneSide::inside}}, {}};

@@ -26,10 +26,6 @@ Interval tilt(const VectorBall& v) {
   return arcsine(v.reach / size);
 }
 
-IntervalVector3 cross(const IntervalVector3& a, const IntervalVector3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 Interval angle_between(const IntervalVector3& a, const IntervalVector3& b) {
   return polar_angle(a.dot(b), length(cross(a, b)));
 }

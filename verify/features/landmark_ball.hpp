@@ -39,6 +39,4 @@ struct VectorBall {
 /// The angle between two vectors, in [0, pi].
 [[nodiscard]] Interval angle_between(const IntervalVector3& a, const IntervalVector3& b);
 
-[[nodiscard]] IntervalVector3 cross(const IntervalVector3& a, const IntervalVector3& b);
-
 }  // namespace verisq::verify

@@ -96,10 +96,6 @@ std::array<Point, 3> rotation_to_nearest(const Quaternion& q) {
            {sum_entry(x * z, -(w * y)), sum_entry(y * z, w * x), square_entry(x, y)}}};
 }
 
-PreciseVector cross(const PreciseVector& a, const PreciseVector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 /// The rotation vector of to from^-1. Precondition: the shorter way round, the scalar part is not negative.
 PreciseVector rotation_vector(const Quaternion& from, const Quaternion& to) {
   const PreciseVector a(from[1], from[2], from[3]);

@@ -7,23 +7,15 @@
 #include <cmath>
 #include <utility>
 
-#include "verify/numbers/vector.hpp"
+#include "verify/sweep/exact_vector.hpp"
 
 namespace verisq::verify {
 namespace {
 
 using Vector = Vector3<double>;
 
-Vector exact_vector(const Point& x) {
-  return {Interval(x[0]), Interval(x[1]), Interval(x[2])};
-}
-
 Vector way(const Point& from, const Point& to) {
   return exact_vector(to) - exact_vector(from);
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 Vector normal_of(const Triangle& triangle) {

@@ -14,8 +14,9 @@ constexpr double finest_step = 0x1p-10;
 constexpr double coarsest_step = 0x1p-2;
 
 double step_for(std::size_t legs) {
+  const double least = static_cast<double>(legs) / most_poses;
   double step = finest_step;
-  while (step<coarsest_step&& static_cast<double>(legs)> most_poses * step) step *= 2.0;
+  while (step < std::min(least, coarsest_step)) step *= 2.0;
   return step;
 }
 

@@ -12,16 +12,13 @@
 
 #include "verify/proof/posed_superquadric.hpp"
 #include "verify/sets/in_binary64.hpp"
+#include "verify/sweep/exact_vector.hpp"
 
 namespace verisq::verify {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-Vector3<double> exact_vector(const Point& x) {
-  return {Interval(x[0]), Interval(x[1]), Interval(x[2])};
-}
 
 Point point_of(const Vector3d& x) {
   return {x[0], x[1], x[2]};
@@ -40,10 +37,6 @@ Matrix3d nearest(const Matrix3<double>& m) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) result(i, j) = nearest(m(static_cast<std::size_t>(i), static_cast<std::size_t>(j)));
   return result;
-}
-
-Vector3<double> cross(const Vector3<double>& a, const Vector3<double>& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 /// {x : |x_i - centre_i| <= half_width}
