@@ -15,12 +15,15 @@
 #include "host/command_line/choice.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
+#include "host/command_line/number_list.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stance_summary.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/whole_number.hpp"
+#include "host/stance/narrowed_model.hpp"
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -33,20 +36,22 @@ constexpr const char* closing_words =
     "uncertain parameters; the others are at their nominal values. What is asked for besides follows. Printed digits\n"
     "are rounded outward. The model's format: docs/stance.md.\n"
     "\n"
-    "Ground contact, friction and the controller do NOT act on the body: they are read from the model, no more. The\n"
-    "wrench is that of gravity and the applied force alone, at rest; in the accelerations the body falls freely, legs\n"
-    "hanging. --bounce drops one cylinder alone, with nobody standing on it. Each result says below it what acts in\n"
+    "The wrench is that of gravity and the applied force alone, at rest; in the accelerations the body falls freely,\n"
+    "legs hanging. --bounce drops one cylinder alone, with nobody standing on it. In --equilibrium the body stands on\n"
+    "its cylinders, at rest; that it stays there when it is pushed is not said. Each result says below it what acts "
+    "in\n"
     "it, what does not, and which parameters have no effect on it.\n"
     "\n"
     "Exit status: 0 all is proven; 1 a sample escapes from an enclosure, which is a defect, or the program failed; 2 "
     "bad\n"
-    "usage or input; 3 something stayed unproven (an infinite end), or a cell of --report differs; 130 interrupted by\n"
-    "Ctrl-C, with what was proven so far.\n"
+    "usage or input; 3 something stayed unproven (an infinite end), or not all of the box is proven to stand, or a\n"
+    "cell of --report differs; 130 interrupted by Ctrl-C, with what was proven so far.\n"
     "\n"
     "Examples:\n"
     "  verisq stance stance.xml --monte-carlo 1000000\n"
     "  verisq stance stance.xml --uncertain mp,px,Fx --sensitivities\n"
     "  verisq stance stance.xml --uncertain mp,px --accelerations --monte-carlo 100000\n"
+    "  verisq stance standing.xml --uncertain mp,px --equilibrium held\n"
     "  verisq stance stance.xml --report";
 
 constexpr double default_drop_height = 0.01;  // m
@@ -54,10 +59,12 @@ constexpr std::uint32_t most_cells = 4096;
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const StanceArguments& arguments) {
-  if (arguments.cells && !arguments.accelerations) refuse("--cells: give --accelerations, too");
+  if (arguments.cells && !arguments.accelerations && !arguments.equilibrium)
+    refuse("--cells: give --accelerations or --equilibrium, too");
   if (arguments.drop_height && !arguments.bounce) refuse("--drop-height: give --bounce, too");
   const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
-                     arguments.monte_carlo || arguments.bounce;
+                     arguments.monte_carlo || arguments.bounce || arguments.equilibrium || arguments.within ||
+                     !arguments.ranges.empty();
   if (arguments.report && other) refuse("--report: chooses parameters and mode itself; give --json at most");
 }
 
@@ -72,12 +79,14 @@ std::vector<std::string> split(const std::string& list) {
   return words;
 }
 
-std::uint32_t parse_parameter(const std::string& name, const Model& model) {
+/// `words` are what the option takes besides names.
+std::uint32_t parse_parameter(std::string_view option, std::string_view words, const std::string& name,
+                              const Model& model) {
   const auto found = std::ranges::find(model.parameters, name, &Parameter::name);
   if (found != model.parameters.end()) return static_cast<std::uint32_t>(found - model.parameters.begin());
   std::vector<std::string> names;
   for (const Parameter& parameter : model.parameters) names.push_back(parameter.name);
-  refuse(fmt::format("--uncertain: {} is not one of all, none, {}", name, fmt::join(names, ", ")));
+  refuse(fmt::format("{}: {} is not one of {}{}", option, name, words, fmt::join(names, ", ")));
 }
 
 std::vector<std::uint32_t> parse_uncertain(const std::string& list, const Model& model) {
@@ -91,12 +100,45 @@ std::vector<std::uint32_t> parse_uncertain(const std::string& list, const Model&
     return uncertain;
   }
   for (const std::string& name : split(list)) {
-    const std::uint32_t index = parse_parameter(name, model);
+    const std::uint32_t index = parse_parameter("--uncertain", "all, none, ", name, model);
     if (std::ranges::find(uncertain, index) != uncertain.end()) refuse(fmt::format("--uncertain: {} twice", name));
     uncertain.push_back(index);
   }
   std::ranges::sort(uncertain);
   return uncertain;
+}
+
+ParameterRange parse_range(std::string_view option, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) refuse(fmt::format("{}: {} is not NAME=LO,HI", option, text));
+  const std::vector<double> ends = parse_numbers(option, text.substr(equals + 1), "LO,HI");
+  if (ends[0] > ends[1]) refuse(fmt::format("{}: in {} the first number is the larger one", option, text));
+  return {text.substr(0, equals), {ends[0], ends[1]}};
+}
+
+/// What holds of the file's range holds of its parts: they need no other check.
+Model with_range(const Model& model, const ParameterRange& part) {
+  const std::uint32_t index = parse_parameter("--range", "", part.name, model);
+  const Enclosure& whole = model.parameters[index].range;
+  if (!whole.contains(part.range.lo) || !whole.contains(part.range.hi)) {
+    refuse(fmt::format("--range: {}={},{} is not within the file's range [{}, {}]", part.name, part.range.lo,
+                       part.range.hi, whole.lo, whole.hi));
+  }
+  return narrowed(model, index, part.range);
+}
+
+/// The part of each uncertain range that is at most `per_cent` of the nominal value off it, rounded outward.
+Model within(Model model, UncertainSet uncertain, double per_cent) {
+  using verify::Direction;
+  for (const std::uint32_t i : uncertain) {
+    const Parameter& parameter = model.parameters[i];
+    const double off =
+        verify::multiply(std::abs(parameter.nominal), verify::divide(per_cent, 100.0, Direction::up), Direction::up);
+    const Enclosure range{std::max(parameter.range.lo, verify::subtract(parameter.nominal, off, Direction::down)),
+                          std::min(parameter.range.hi, verify::add(parameter.nominal, off, Direction::up))};
+    model = narrowed(std::move(model), i, range);
+  }
+  return model;
 }
 
 /// A subdivision into more cells than anyone waits for is refused, not begun.
@@ -123,13 +165,20 @@ const ContactCylinder& parse_cylinder(const std::string& name, const Model& mode
   refuse(fmt::format("--bounce: '{}' is not one of the cylinders {}", name, fmt::join(names, ", ")));
 }
 
-/// The cylinder alone, with the mass of its body.
+/// The cylinder alone, with the mass of its body. Throws Error(input) where its stiffness is uncertain.
 Drop drop_of(const ContactCylinder& cylinder, const Model& model, UncertainSet uncertain, double height) {
+  const Enclosure stiffness = over(cylinder.stiffness, uncertain);
+  if (stiffness.width() > 0.0) {
+    refuse(
+        fmt::format("--bounce: the stiffness of '{}' is uncertain, and the bounce has an exact one: leave {} out of "
+                    "--uncertain",
+                    cylinder.name, model.parameters[*cylinder.stiffness.parameter].name));
+  }
   return {.mass = over(model.bodies[cylinder.body].mass, uncertain),
           .radius = over(cylinder.radius, uncertain),
           .height = height,
           .gravity = model.gravity,
-          .stiffness = cylinder.stiffness,
+          .stiffness = stiffness.lo,
           .exponent = cylinder.exponent,
           .restitution = over(cylinder.normal_restitution, uncertain),
           .impact_velocity = over(cylinder.impact_velocity, uncertain)};
@@ -153,7 +202,9 @@ class Analysis {
     summary_.file = arguments.model;
     summary_.mode = arguments.mode.value_or(Mode::tight);
     summary_.model = read_model(arguments.model);
+    for (const ParameterRange& range : arguments.ranges) summary_.model = with_range(summary_.model, range);
     summary_.uncertain = parse_uncertain(arguments.uncertain.value_or("all"), summary_.model);
+    if (arguments.within) summary_.model = within(std::move(summary_.model), summary_.uncertain, *arguments.within);
     if (arguments.accelerations) check_cells(acceleration_options().cells, summary_.uncertain.size());
     if (!arguments.bounce) return;
     const ContactCylinder& cylinder = parse_cylinder(*arguments.bounce, summary_.model);
@@ -171,6 +222,7 @@ class Analysis {
       enclose_wrench();
       if (arguments_.sensitivities) enclose_sensitivities();
       if (arguments_.accelerations) enclose_accelerations();
+      if (arguments_.equilibrium) enclose_equilibrium();
       if (summary_.drop) summary_.bounce = bounce(*summary_.drop, {.interrupted = interrupted});
     }
     summary_.seconds = time.seconds();
@@ -226,6 +278,16 @@ class Analysis {
         check(sampled_accelerations_of(summary_.model, summary_.accelerations), joint_names(summary_.model));
   }
 
+  void enclose_equilibrium() {
+    summary_.control = *arguments_.equilibrium;
+    summary_.equilibrium_scope = equilibrium_scope(summary_.model, summary_.control);
+    ProgressBar bar(!arguments_.no_progress, "%");
+    EquilibriumOptions options{.control = summary_.control, .interrupted = interrupted};
+    if (arguments_.cells) options.cells = *arguments_.cells;
+    options.progress = [&](double fraction) { bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction); };
+    summary_.equilibrium = equilibrium(summary_.model, summary_.uncertain, options);
+  }
+
   /// Nothing unless --monte-carlo asks for it.
   [[nodiscard]] std::optional<Samples> check(const Sampled& sampled, const std::vector<std::string>& names) const {
     if (!arguments_.monte_carlo) return std::nullopt;
@@ -261,6 +323,7 @@ bool all_proven(const StanceSummary& summary) {
   const auto finite = [](const auto& enclosures) { return std::ranges::all_of(enclosures, is_finite); };
   return (!summary.paper || summary.paper->all_explained()) && (!summary.wrench || finite(*summary.wrench)) &&
          std::ranges::all_of(summary.sensitivities, finite) && finite(summary.accelerations) &&
+         (!summary.equilibrium || summary.equilibrium->stands == 1.0) &&
          (!summary.bounce || is_proven(*summary.bounce));
 }
 
@@ -276,8 +339,18 @@ void declare_stance(Options& options, StanceArguments& arguments) {
   options.add_flag("--sensitivities", arguments.sensitivities,
                    "Also the wrench's derivatives by every parameter, and the reference uncertainty");
   options.add_flag("--accelerations", arguments.accelerations, "Also the accelerations of all joints, in free fall");
+  options.add("--equilibrium", arguments.equilibrium,
+              choice<JointControl>({{"held", JointControl::held}, {"proportional", JointControl::proportional}}),
+              "JOINTS",
+              "Also where the body stands still on its cylinders: with its joints held where the file has them, or\n"
+              "turned from there as the proportional gains alone allow");
+  options.add_each("--range", arguments.ranges, parse_range, "NAME=LO,HI",
+                   "A part of a parameter's range instead of the file's; may be repeated");
+  options.add("--within", arguments.within, parse_positive_length, "PERCENT",
+              "Uncertain parameters are at most this part of their nominal value off it");
   options.add("--cells", arguments.cells, whole_number(1U, most_cells), "NUMBER",
-              "Of --accelerations: subdivisions of each uncertain parameter's range (default 64)");
+              "Finest subdivisions of each uncertain parameter's range: of --accelerations (default 64), of\n"
+              "--equilibrium (default 16)");
   options.add("--monte-carlo", arguments.monte_carlo, whole_number<std::uint64_t>(1), "COUNT",
               "Sample the uncertain parameters, check that the enclosures contain all samples, and say how much\n"
               "of them the samples fill");

@@ -127,6 +127,61 @@ std::string accelerations_text(const StanceSummary& summary) {
   return text + scope_text(summary.acceleration_scope) + samples_text(summary.acceleration_samples);
 }
 
+std::string_view word(JointControl control) {
+  return control == JointControl::held ? "held" : "proportional";
+}
+
+std::string_view word(StandingVerdict verdict) {
+  switch (verdict) {
+    case StandingVerdict::stands: return "stands";
+    case StandingVerdict::not_on_all: return "not_on_all";
+    case StandingVerdict::open: break;
+  }
+  return "open";
+}
+
+std::string share_text(double share) {
+  return fmt::format("{:.4g} % of the box", 100.0 * share);
+}
+
+std::string standing_text(const StanceSummary& summary, const Standing& standing) {
+  std::string text;
+  const auto line = [&](const std::string& name, std::string_view unit, const Enclosure& enclosure) {
+    text += fmt::format("  {:<32}{:<6}{}\n", name, unit, outward_digits(enclosure));
+  };
+  const std::vector<std::string> names = joint_names(summary.model);
+  std::vector<JointKind> kinds;
+  for (const Body& body : summary.model.bodies) {
+    for (const Joint& joint : body.joints) kinds.push_back(joint.kind);
+  }
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (standing.positions[k].width() > 0.0)
+      line(names[k], kinds[k] == JointKind::rotation ? "rad" : "m", standing.positions[k]);
+  }
+  for (std::size_t c = 0; c < standing.loads.size(); ++c) {
+    line("force on " + summary.model.cylinders[c].name, "N", standing.loads[c].force);
+    line("  its penetration", "m", standing.loads[c].penetration);
+  }
+  line("least penetration of all", "m", standing.least_penetration);
+  line("centre of pressure, x", "m", standing.centre_of_pressure_x);
+  line("centre of pressure, z", "m", standing.centre_of_pressure_z);
+  text += "  torques of the joints\n";
+  for (std::size_t k = summary.model.bodies.front().joints.size(); k < names.size(); ++k)
+    line("  " + names[k], kinds[k] == JointKind::rotation ? "N m" : "N", standing.torques[k]);
+  return text;
+}
+
+std::string equilibrium_text(const StanceSummary& summary) {
+  const Equilibrium& found = *summary.equilibrium;
+  std::string text = fmt::format("\nequilibrium on the ground, joints {}\n", word(summary.control));
+  text += fmt::format("  proven to stand on all cylinders: {}\n", share_text(found.stands));
+  text += fmt::format("  proven not to, within {:g} rad of the file's posture and {:g} m of its feet's height: {}\n",
+                      equilibrium_reach_of_tilt, equilibrium_reach_of_height, share_text(found.not_on_all));
+  text += fmt::format("  open: {}\n", share_text(found.open));
+  if (found.standing) text += standing_text(summary, *found.standing);
+  return text + scope_text(summary.equilibrium_scope);
+}
+
 std::string reconstructed_text(const Cell& cell) {
   if (cell.reconstructed.empty()) return "";
   return fmt::format(" (reconstructed: {})", fmt::join(cell.reconstructed, ", "));
@@ -239,6 +294,48 @@ JsonObject json_of_accelerations(const StanceSummary& summary) {
   return object;
 }
 
+JsonObject json_of(const Standing& standing, const Model& model) {
+  JsonObject positions;
+  JsonObject torques;
+  const std::vector<std::string> names = joint_names(model);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    positions.set(names[k], standing.positions[k]);
+    torques.set(names[k], standing.torques[k]);
+  }
+  JsonObject loads;
+  for (std::size_t c = 0; c < standing.loads.size(); ++c) {
+    loads.set(model.cylinders[c].name,
+              JsonObject{{"force", standing.loads[c].force}, {"penetration", standing.loads[c].penetration}});
+  }
+  return {
+      {"positions", positions},
+      {"torques", torques},
+      {"cylinders", loads},
+      {"least_penetration", standing.least_penetration},
+      {"centre_of_pressure", JsonObject{{"x", standing.centre_of_pressure_x}, {"z", standing.centre_of_pressure_z}}}};
+}
+
+JsonObject json_of_equilibrium(const StanceSummary& summary) {
+  const Equilibrium& found = *summary.equilibrium;
+  JsonValue::Array cells;
+  for (const EquilibriumCell& cell : found.cells) {
+    JsonObject ranges;
+    for (std::size_t k = 0; k < cell.ranges.size(); ++k)
+      ranges.set(summary.model.parameters[summary.uncertain[k]].name, cell.ranges[k]);
+    cells.push_back(JsonObject{{"verdict", word(cell.verdict)}, {"parameters", ranges}});
+  }
+  JsonObject object{
+      {"joints", word(summary.control)},
+      {"stands", found.stands},
+      {"not_on_all", found.not_on_all},
+      {"not_on_all_within", JsonObject{{"rad", equilibrium_reach_of_tilt}, {"m", equilibrium_reach_of_height}}},
+      {"open", found.open},
+      {"cells", cells},
+      {"scope", json_of(summary.equilibrium_scope)}};
+  if (found.standing) object.set("standing", json_of(*found.standing, summary.model));
+  return object;
+}
+
 JsonObject json_of(const PaperReport& report) {
   JsonValue::Array tables;
   for (const PaperTable& table : report.tables) {
@@ -311,6 +408,7 @@ std::string readable(const StanceSummary& summary) {
   if (!summary.sensitivities.empty()) text += sensitivities_text(summary);
   if (summary.reference) text += reference_text(*summary.reference);
   if (!summary.accelerations.empty()) text += accelerations_text(summary);
+  if (summary.equilibrium) text += equilibrium_text(summary);
   if (summary.bounce) text += bounce_text(summary);
   text += "\n";
   for (const std::string& note : notes(summary.model)) text += fmt::format("note: {}\n", note);
@@ -337,6 +435,7 @@ std::string json(const StanceSummary& summary) {
     object.set("accelerations_scope", json_of(summary.acceleration_scope));
   }
   if (summary.acceleration_samples) object.set("acceleration_samples", summary.acceleration_samples->count);
+  if (summary.equilibrium) object.set("equilibrium", json_of_equilibrium(summary));
   if (summary.bounce)
     object.set("bounce", json_of(*summary.bounce, summary.dropped, *summary.drop, summary.bounce_scope));
   object.set("notes", notes(summary.model));

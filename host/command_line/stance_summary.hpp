@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 #include <verisq/stance_bounce.hpp>
+#include <verisq/stance_equilibrium.hpp>
 
 #include "host/stance/stance_report.hpp"
 #include "host/stance/stance_samples.hpp"
@@ -27,6 +28,9 @@ struct StanceSummary {
   std::vector<Enclosure> accelerations;  ///< of all joints, bodies in order; or empty
   stance::Scope acceleration_scope;
   std::optional<stance::Samples> acceleration_samples;
+  stance::JointControl control = stance::JointControl::held;
+  std::optional<stance::Equilibrium> equilibrium;
+  stance::Scope equilibrium_scope;
   std::optional<stance::PaperReport> paper;
   std::string dropped;  ///< the cylinder that bounces
   std::optional<stance::Drop> drop;

@@ -141,17 +141,17 @@ class ModelReader {
   [[nodiscard]] ContactCylinder read_cylinder(const XmlElement& element) {
     element.check_attributes(
         {"name", "body", "half_length", "stiffness", "exponent", "impact_velocity", "stribeck_velocity"});
-    element.check_children({"impact_velocity", "centre", "axis", "radius", "normal_restitution",
+    element.check_children({"stiffness", "impact_velocity", "centre", "axis", "radius", "normal_restitution",
                             "tangential_restitution", "static_friction", "dynamic_friction"});
     ContactCylinder cylinder{};
     cylinder.name = element.text("name");
     if (!cylinders_.insert(cylinder.name).second) element.fail("name", "another cylinder has this name");
     cylinder.body = known_body(element, "body");
     cylinder.half_length = positive(element, "half_length");
-    cylinder.stiffness = positive(element, "stiffness");
+    cylinder.stiffness = read_attribute_or_child(element, "stiffness");
     cylinder.exponent = element.number("exponent");
     if (cylinder.exponent != 1.0 && cylinder.exponent != 1.5) element.fail("exponent", "must be 1 or 1.5");
-    cylinder.impact_velocity = read_impact_velocity(element);
+    cylinder.impact_velocity = read_attribute_or_child(element, "impact_velocity");
     cylinder.stribeck_velocity = positive(element, "stribeck_velocity");
     cylinder.centre = quantities_.read_vector(element.child("centre"));
     cylinder.axis = read_axis(element.child("axis"));
@@ -160,15 +160,15 @@ class ModelReader {
     return cylinder;
   }
 
-  /// An attribute, which is exact, or a child that is a quantity.
-  [[nodiscard]] Quantity read_impact_velocity(const XmlElement& element) {
-    const std::optional<XmlElement> child = element.find("impact_velocity");
-    if (!child && !element.has("impact_velocity")) {
-      element.fail("impact_velocity is missing: give an attribute or an element");
+  /// An attribute, which is exact, or a child that is a quantity; positive.
+  [[nodiscard]] Quantity read_attribute_or_child(const XmlElement& element, const char* name) {
+    const std::optional<XmlElement> child = element.find(name);
+    if (!child && !element.has(name)) {
+      element.fail(fmt::format("{} is missing: give an attribute or an element", name));
     }
-    if (child && element.has("impact_velocity")) child->fail("given as an attribute, too");
+    if (child && element.has(name)) child->fail("given as an attribute, too");
     if (child) return quantities_.read(*child, is_positive, must_be_positive);
-    const double number = positive(element, "impact_velocity");
+    const double number = positive(element, name);
     return {number, {number, number}, std::nullopt};
   }
 

@@ -1,10 +1,11 @@
-/// The three analyses, each with the numbers of the model that its equations have.
+/// The analyses, each with the numbers of the model that its equations have.
 #include "host/stance/stance_scope.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 namespace verisq::stance {
 namespace {
@@ -66,10 +67,35 @@ Scope acceleration_scope(const Model& model) {
           without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
 }
 
+Scope equilibrium_scope(const Model& model, JointControl control) {
+  Indices active;
+  insert(active, model.applied.force[1]);
+  for (const Body& body : model.bodies) {
+    insert(active, body.offset);
+    insert(active, body.mass);
+    insert(active, body.centre_of_mass);
+  }
+  for (const ContactCylinder& cylinder : model.cylinders) {
+    insert(active, cylinder.centre);
+    insert(active, cylinder.radius);
+    insert(active, cylinder.stiffness);
+  }
+  std::vector<std::string> acts{"gravity", "vertical applied force at t = 0", "elastic force of all cylinders"};
+  if (control == JointControl::proportional) acts.emplace_back("proportional part of the controller");
+  std::vector<std::string> idle{"friction, which carries nothing", "all velocities, and what depends on them"};
+  idle.emplace_back(control == JointControl::held ? "controller: what holds the joints is told"
+                                                  : "integral and derivative parts of the controller");
+  return {control == JointControl::held
+              ? "the body stands at rest on all of its cylinders, its joints where the file has them"
+              : "the body stands at rest on all of its cylinders, its joints turned as the proportional gains allow",
+          std::move(acts), std::move(idle), without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
+}
+
 Scope bounce_scope(const Model& model, const ContactCylinder& cylinder) {
   const std::string& body = model.bodies[cylinder.body].name;
   Indices active;
   insert(active, model.bodies[cylinder.body].mass);
+  insert(active, cylinder.stiffness);
   insert(active, cylinder.normal_restitution);
   insert(active, cylinder.impact_velocity);
   return {

@@ -3,7 +3,7 @@
 
 #include <string>
 #include <vector>
-#include <verisq/stance_analysis.hpp>
+#include <verisq/stance_equilibrium.hpp>
 
 namespace verisq::stance {
 
@@ -18,6 +18,8 @@ struct Scope {
 [[nodiscard]] Scope wrench_scope(const Model& model, UncertainSet uncertain, Mode mode);
 
 [[nodiscard]] Scope acceleration_scope(const Model& model);
+
+[[nodiscard]] Scope equilibrium_scope(const Model& model, JointControl control);
 
 /// Of the drop of one of the model's cylinders.
 [[nodiscard]] Scope bounce_scope(const Model& model, const ContactCylinder& cylinder);

@@ -53,8 +53,9 @@ struct Body {
   QuantityVector inertia;         ///< principal moments about the centre of mass, axes of the body, kg m^2
 };
 
-/// Hunt-Crossley contact of a cylinder with the ground y = 0 (docs/stance.md §4). It acts in no analysis of the whole
-/// body; a Drop takes mass, normal restitution, impact velocity, stiffness and exponent from it.
+/// Hunt-Crossley contact of a cylinder with the ground y = 0 (docs/stance.md §4). Of the analyses of the whole body it
+/// acts in the equilibrium alone, by place, axis, radius, stiffness and exponent; a Drop takes mass, normal
+/// restitution, impact velocity, stiffness and exponent from it.
 struct ContactCylinder {
   std::string name;
   std::uint32_t body;
@@ -62,7 +63,7 @@ struct ContactCylinder {
   std::array<double, 3> axis;  ///< in the body's frame, of length 1 as nearly as its numbers say
   Quantity radius;             ///< m
   double half_length;          ///< m
-  double stiffness;            ///< k, N / m^n
+  Quantity stiffness;          ///< k, N / m^n
   double exponent;             ///< n: 1 or 1.5
   Quantity impact_velocity;    ///< v_N, m/s: the speed at which a touch-down has the normal restitution
   Quantity normal_restitution;
@@ -72,8 +73,8 @@ struct ContactCylinder {
   double stribeck_velocity;  ///< v_s, m/s
 };
 
-/// PID on one joint: torque = -proportional e - integral (integral of e) - derivative velocity. It acts in no analysis
-/// yet.
+/// PID on one joint: torque = -proportional e - integral (integral of e) - derivative velocity. It acts in the
+/// equilibrium alone.
 struct Controller {
   std::uint32_t body;
   std::uint32_t joint;  ///< index in that body's joints

@@ -278,7 +278,7 @@ TEST_F(StanceCommand, SaysWhatDoesNotActBesideEachResult) {
   EXPECT_THAT(outcome.out, HasSubstr("\n  parameters without effect here: omega, rhf, eN, eT, mu_st, mu_d, rff\n"));
   EXPECT_THAT(outcome.out,
               HasSubstr("one cylinder falls alone, lying flat, with the mass of the body 'right forefoot'"));
-  EXPECT_THAT(stance({"--help"}).out, HasSubstr("Ground contact, friction and the controller do NOT act on the body"));
+  EXPECT_THAT(stance({"--help"}).out, HasSubstr("in the accelerations the body falls freely,\nlegs hanging"));
 }
 
 /// What has no effect has none: neither on the enclosures of the wrench nor on those of the accelerations.
@@ -336,6 +336,31 @@ TEST_F(StanceCommand, StopsAtTheFirstInterruption) {
   EXPECT_LT(json["samples"], 100000000000);
 }
 
+TEST_F(StanceCommand, TellsHowTheBodyStands) {
+  const Arguments arguments{
+      VERISQ_EXAMPLES "/standing.xml", "--uncertain", "mp,px", "--within", "1", "--equilibrium", "held"};
+  const Outcome readable = stance(arguments);
+  EXPECT_EQ(readable.status, 0) << readable.err;
+  EXPECT_THAT(readable.out, testing::HasSubstr("proven to stand on all cylinders: 100 % of the box\n"));
+  EXPECT_THAT(readable.out, testing::HasSubstr("does NOT act: friction, which carries nothing"));
+  Arguments as_json = arguments;
+  as_json.push_back("--json");
+  const Json json = Json::parse(stance(as_json).out)["equilibrium"];
+  EXPECT_EQ(json["stands"], 1.0);
+  EXPECT_NEAR(json["standing"]["positions"]["pelvis ty"]["lo"], 0.97697, 1e-4);
+  EXPECT_GT(json["standing"]["cylinders"]["left forefoot"]["force"]["lo"], 95.0);
+  EXPECT_EQ(json["cells"][0]["verdict"], "stands");
+}
+
+// At some of these the person stands on the hindfeet alone.
+TEST_F(StanceCommand, DoesNotSucceedWhereNotAllOfTheBoxStands) {
+  const Outcome outcome =
+      stance({VERISQ_EXAMPLES "/standing.xml", "--uncertain", "mp,px,py", "--range", "mp=64,65", "--range",
+              "px=0.05,0.051", "--range", "py=0.49,0.5", "--cells", "2", "--equilibrium", "held"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.out, testing::HasSubstr("proven to stand on all cylinders: 0 % of the box\n"));
+}
+
 TEST_F(StanceCommand, RefusesBadUsage) {
   const std::string model = example();
   expect_refused(
@@ -345,7 +370,7 @@ TEST_F(StanceCommand, RefusesBadUsage) {
   expect_refused({model, "--uncertain", "mp,mp"}, "--uncertain: mp twice");
   expect_refused({model, "--mode", "loose"}, "--mode: loose is not one of paper, tight");
   expect_refused({model, "--monte-carlo", "0"}, "--monte-carlo: 0 is not at least 1");
-  expect_refused({model, "--cells", "8"}, "--cells: give --accelerations, too");
+  expect_refused({model, "--cells", "8"}, "--cells: give --accelerations or --equilibrium, too");
   expect_refused({model, "--accelerations", "--cells", "0"}, "--cells: 0 is not in 1 to 4096");
   expect_refused({model, "--accelerations"},
                  "--accelerations: 64 cells a parameter for 13 uncertain ones are more than 1e+09: name fewer with "
@@ -356,6 +381,15 @@ TEST_F(StanceCommand, RefusesBadUsage) {
                  "--bounce: 'hand' is not one of the cylinders right hindfoot, right forefoot, left hindfoot, left "
                  "forefoot");
   expect_refused({model, "--drop-height", "1"}, "--drop-height: give --bounce, too");
+  expect_refused({model, "--range", "mp=30,50"}, "--range: mp=30,50 is not within the file's range [35, 65]");
+  expect_refused({model, "--range", "mp=50,40"}, "--range: in mp=50,40 the first number is the larger one");
+  expect_refused({model, "--range", "mp"}, "--range: mp is not NAME=LO,HI");
+  expect_refused({model, "--equilibrium", "held"},
+                 "equilibrium: the applied force has a part along x, which friction alone could hold: it must be 0");
+  expect_refused(
+      {VERISQ_EXAMPLES "/standing.xml", "--bounce", "left forefoot"},
+      "--bounce: the stiffness of 'left forefoot' is uncertain, and the bounce has an exact one: leave k out "
+      "of --uncertain");
   expect_refused({model, "--bounce", "left hindfoot", "--drop-height", "0"}, "--drop-height: 0 is not above 0");
   expect_refused({model + "x"}, model + "x: no such file");
   const std::string broken = folder_.file("broken.xml", "<stance>\n</stand>").string();

@@ -119,7 +119,7 @@ void expect_equal(const ContactCylinder& a, const Model& model_a, const ContactC
   EXPECT_EQ(a.axis, b.axis);
   expect_equal(a.radius, model_a, b.radius, model_b);
   EXPECT_EQ(a.half_length, b.half_length);
-  EXPECT_EQ(a.stiffness, b.stiffness);
+  expect_equal(a.stiffness, model_a, b.stiffness, model_b);
   EXPECT_EQ(a.exponent, b.exponent);
   expect_equal(a.impact_velocity, model_a, b.impact_velocity, model_b);
   expect_equal(a.normal_restitution, model_a, b.normal_restitution, model_b);
@@ -198,7 +198,7 @@ TEST(StanceFile, ReadsEveryField) {
   EXPECT_EQ(sole.centre[1].nominal, -0.1);
   EXPECT_EQ(sole.axis, (std::array{0.0, 0.6, 0.8}));
   EXPECT_EQ(sole.half_length, 0.125);
-  EXPECT_EQ(sole.stiffness, 1e5);
+  EXPECT_EQ(sole.stiffness.nominal, 1e5);
   EXPECT_EQ(sole.exponent, 1.5);
   EXPECT_EQ(sole.impact_velocity.nominal, 0.5);
   EXPECT_EQ(sole.impact_velocity.range, (Enclosure{0.5, 0.5}));
@@ -364,7 +364,7 @@ TEST(StanceFile, RefusesWhatIsMissingOrThereTwice) {
   expect_refused(R"(x="0" y="-0.9" z="0")", R"(x="0" z="0")",
                  "line 13: <offset>: y is missing: give an attribute or an element");
   expect_refused(R"(<force x="3" y="0">)", R"(<force x="3" y="0" z="0">)", "line 4: <z>: given as an attribute, too");
-  expect_refused(R"(stiffness="1e5")", "", "line 19: <cylinder>: attribute stiffness is missing");
+  expect_refused(R"(stiffness="1e5")", "", "line 19: <cylinder>: stiffness is missing: give an attribute or an element");
   expect_refused("<stance gravity=\"9.81\">\n</stance>", "line 1: <stance>: element <body> is missing");
   expect_refused(R"(    <translation name="height" axis="y" position="1" velocity="-2"/>)",
                  R"(    <translation name="height" axis="y" axis="y"/>)",

@@ -101,7 +101,8 @@ class ModelPromise {
       check(quantity.range.lo >= 0.0, "friction is not negative");
     }
     check_positive(cylinder.impact_velocity);
-    for (const double number : {cylinder.half_length, cylinder.stiffness, cylinder.stribeck_velocity}) {
+    check_positive(cylinder.stiffness);
+    for (const double number : {cylinder.half_length, cylinder.stribeck_velocity}) {
       check(std::isfinite(number) && number > 0.0, "numbers of contact are positive");
     }
     check(cylinder.exponent == 1.0 || cylinder.exponent == 1.5, "the exponent is 1 or 1.5");

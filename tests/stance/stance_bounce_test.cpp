@@ -364,7 +364,7 @@ Drop dropped(const std::string& name, double height) {
           .radius = cylinder->radius.range,
           .height = height,
           .gravity = model.gravity,
-          .stiffness = cylinder->stiffness,
+          .stiffness = cylinder->stiffness.nominal,
           .exponent = cylinder->exponent,
           .restitution = cylinder->normal_restitution.range,
           .impact_velocity = cylinder->impact_velocity.range};

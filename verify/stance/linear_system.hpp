@@ -6,12 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "verify/analysis/interval_matrix.hpp"
+#include "verify/stance/contraction.hpp"
 
 namespace verisq::stance {
-
-using IntervalMatrix = Eigen::Matrix<verify::Interval, Eigen::Dynamic, Eigen::Dynamic>;
-using IntervalVector = Eigen::Matrix<verify::Interval, Eigen::Dynamic, 1>;
 
 /// A and the residual b - A x of one x, at a point c of the box, and how they change.
 struct ParametricLinearSystem {
