@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes a wheel of the installed Python package, with the libraries that it needs: make_wheel.py INSTALLED VERSION FOLDER
+"""Makes a wheel of the installed Python package, with what it needs: make_wheel.py INSTALLED VERSION FOLDER
 
 INSTALLED is a prefix that `cmake --install BUILD --component python` filled from a build with static libraries. What
 every Python on Linux has stays outside (glibc, libstdc++, libgcc); all other libraries come along, under names of their
@@ -92,8 +92,7 @@ def add_licences(needed: dict[str, pathlib.Path], folder: pathlib.Path, project:
     shutil.copyfile(project / "LICENSE", folder / "LICENSE")
     shutil.copyfile(project / "packaging" / "copyright", folder / "copyright")
     for library in needed.values():
-        owner = subprocess.run(["dpkg-query", "--search", f"*/{library.name}"], capture_output=True, text=True, check=True)
-        package = owner.stdout.split(":")[0]
+        package = printed("dpkg-query", "--search", f"*/{library.name}").split(":")[0]
         shutil.copyfile(f"/usr/share/doc/{package}/copyright", folder / f"copyright.{package}")
 
 

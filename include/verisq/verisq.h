@@ -6,6 +6,7 @@
 #ifndef VERISQ_VERISQ_H
 #define VERISQ_VERISQ_H
 
+// C has neither `using` nor the other headers. NOLINTBEGIN(modernize-deprecated-headers,modernize-use-using)
 #include <stddef.h>
 #include <stdint.h>
 
@@ -141,5 +142,6 @@ verisq_code verisq_map_points(verisq_mapper* mapper, const verisq_points* points
 #ifdef __cplusplus
 }
 #endif
+// NOLINTEND(modernize-deprecated-headers,modernize-use-using)
 
 #endif

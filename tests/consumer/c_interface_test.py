@@ -58,7 +58,8 @@ library.verisq_mapper_create.argtypes = [c_void_p, POINTER(MapOptions), POINTER(
 library.verisq_map_points.argtypes = [c_void_p, POINTER(Points), POINTER(Rows), POINTER(Summary), POINTER(Error)]
 
 BALL = b"""{"format": "verisq-model/1", "units": "mm", "primitives": [
-  {"name": "ball", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}, "pose": {"translation": [0, 0, 0]}}]}"""
+  {"name": "ball", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]},
+   "pose": {"translation": [0, 0, 0]}}]}"""
 
 
 class CInterfaceTest(unittest.TestCase):
@@ -191,8 +192,9 @@ class CInterfaceTest(unittest.TestCase):
         at = ctypes.addressof(points)
         summary = Summary()
         rows = Rows(ctypes.addressof(lo), ctypes.addressof(hi), ctypes.addressof(status), 1, 1, 1)
-        code = library.verisq_map_points(self.mapper(interrupted=stop), byref(Points(1, (at, at + 8, at + 16), (3, 3, 3))),
-                                         byref(rows), byref(summary), byref(self.error))
+        given = Points(1, (at, at + 8, at + 16), (3, 3, 3))
+        code = library.verisq_map_points(self.mapper(interrupted=stop), byref(given), byref(rows), byref(summary),
+                                         byref(self.error))
         self.assertEqual((code, summary.points, summary.interrupted), (OK, 0, 1), self.error.message)
         self.assertTrue(asked)
         self.assertEqual((summary.minimum.lo, summary.minimum.hi), (math.inf, math.inf))
