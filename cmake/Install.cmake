@@ -63,8 +63,8 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/verisqConfig.cmake ${CMAKE_CURRENT_BIN
               cmake/FindMPFR.cmake cmake/FindNLopt.cmake
         DESTINATION ${package_dir} COMPONENT development)
 
-# verisq_install_pc(NAME DESCRIPTION REQUIRES LIBRARY...): NAME.pc. REQUIRES are other .pc files; what static libraries
-# are linked together with is in STATIC_REQUIRES and STATIC_LIBS.
+# verisq_install_pc(NAME DESCRIPTION NEEDED COMPONENT [OWN LIBRARY...] [REQUIRES PC...] [LIBS FLAG...]): NAME.pc, of the
+# libraries OWN, which need those of the .pc files NEEDED. REQUIRES and LIBS are what static ones are linked with, too.
 file(RELATIVE_PATH package_prefix "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 function(verisq_install_pc name package_description package_requires component)
   cmake_parse_arguments(static "" "" "REQUIRES;LIBS;OWN" ${ARGN})
