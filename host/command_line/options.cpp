@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/command_line/refusal.hpp"
+#include "host/command_line/spelling.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -22,6 +23,36 @@ void refuse_empty_assignments(int argc, char** argv) {
       refuse_if_empty(argument.substr(0, argument.size() - 1), "");
     }
   }
+}
+
+/// The command that was given, or the program.
+const CLI::App& app_of(const CLI::App& program) {
+  const auto given = program.get_subcommands();
+  return given.empty() ? program : *given.front();
+}
+
+/// Those that `app` takes: a word with dashes may be an option, another one a command.
+std::vector<std::string> known_words(const CLI::App& app, bool with_dashes) {
+  std::vector<std::string> words;
+  if (with_dashes) {
+    for (const CLI::Option* const option : app.get_options()) {
+      for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+    }
+  } else {
+    for (const CLI::App* const command : app.get_subcommands({})) words.push_back(command->get_name());
+  }
+  return words;
+}
+
+/// "; did you mean map?", of the first word that nobody knows, where one is near.
+std::string suggestion(const CLI::App& program) {
+  const std::vector<std::string> unknown = program.remaining(true);
+  if (unknown.empty()) return "";
+  const auto dashed = std::ranges::find_if(unknown, [](const std::string& word) { return word.starts_with("--"); });
+  const std::string& given = dashed == unknown.end() ? unknown.front() : *dashed;
+  const std::string word = given.substr(0, given.find('='));
+  const auto near = nearest_word(word, known_words(app_of(program), word.starts_with("--")));
+  return near ? fmt::format("; did you mean {}?", *near) : "";
 }
 
 std::string text_value(std::string_view /*option*/, const std::string& text) {
@@ -60,7 +91,7 @@ struct Options::Parser {
 
 Options::Options(const std::string& name, const std::string& description, const std::string& version)
     : parser_(std::make_shared<Parser>(name, description)), app_(&parser_->program) {
-  app_->set_version_flag("--version", name + " " + version, "Print the version and exit");
+  app_->set_version_flag("-V,--version", name + " " + version, "Print the version and exit");
 }
 
 Options Options::command(const std::string& name, const std::string& description) const {
@@ -115,12 +146,14 @@ bool Options::parse(int argc, char** argv) const {
   refuse_empty_assignments(argc, argv);
   CLI::App& program = parser_->program;
   const auto refuse_usage = [&program](const CLI::ParseError& error) {
-    refuse(fmt::format("{} (see {} --help)", error.what(), program.get_name()));
+    const std::string near = dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr ? "" : suggestion(program);
+    refuse(fmt::format("{}{} (see {} --help)", error.what(), near, program.get_name()));
   };
   try {
     program.parse(argc, argv);
   } catch (const CLI::RequiredError& error) {
     parser_->read_all();  // what is wrong is told before what is missing
+    if (!suggestion(program).empty()) refuse_usage(CLI::ExtrasError(program.remaining(true)));
     refuse_usage(error);
   } catch (const CLI::ParseError& error) {
     // `--help` and `--version` arrive as errors of status 0, whose text CLI11 prints.

@@ -7,12 +7,14 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 #include <string_view>
 #include <vector>
 #include <verisq/version.hpp>
 
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/refusal.hpp"
+#include "host/command_line/spelling.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -40,6 +42,24 @@ int answer(const std::string& name, const std::function<std::optional<ExitStatus
   }
 }
 
+void refuse_unless_known(const std::string& command, std::span<const Command> commands) {
+  std::vector<std::string> names;
+  for (const Command& known : commands) names.push_back(known.name);
+  if (std::ranges::find(names, command) != names.end()) return;
+  const std::optional<std::string> near = nearest_word(command, names);
+  refuse(fmt::format("help: there is no command {}{}", command, near ? "; did you mean " + *near + "?" : ""));
+}
+
+/// `help` and `help COMMAND` become what they stand for: `--help` and `COMMAND --help`.
+std::vector<char*> without_help(std::vector<char*> words, std::span<const Command> commands, std::string& help_option) {
+  if (words.size() < 2 || words[1] != std::string_view("help")) return words;
+  if (words.size() > 3) refuse("help: name one command");
+  if (words.size() == 3 && !std::string_view(words[2]).starts_with("-")) refuse_unless_known(words[2], commands);
+  words.erase(words.begin() + 1);
+  words.push_back(help_option.data());
+  return words;
+}
+
 }  // namespace
 
 int run_program(const Program& program, std::span<const Command> commands, int argc, char** argv) {
@@ -52,7 +72,11 @@ int run_program(const Program& program, std::span<const Command> commands, int a
       Action run = declare(of_command);
       declared.emplace_back(std::move(of_command), std::move(run));
     }
-    if (!options.parse(argc, argv)) return std::nullopt;
+    // For the list of commands: it never runs.
+    static_cast<void>(options.command("help", "Explain a command: help COMMAND"));
+    std::string help_option = "--help";
+    std::vector<char*> words = without_help({argv, argv + argc}, commands, help_option);
+    if (!options.parse(static_cast<int>(words.size()), words.data())) return std::nullopt;
     const auto given = [](const auto& command) { return command.first.given(); };
     const auto asked = std::ranges::find_if(declared, given);
     if (asked == declared.end()) refuse(fmt::format("give a command (see {} --help)", program.name));

@@ -556,6 +556,33 @@ TEST_F(CommandLine, PrintsVersionAndHelp) {
   }
 }
 
+TEST_F(CommandLine, HelpExplainsCommandsAsTheirOptionDoes) {
+  EXPECT_EQ(run({"-V"}).out, run({"--version"}).out);
+  for (const auto& [asked, meant] : {std::pair{Arguments{"help"}, Arguments{"--help"}},
+                                     {{"help", "map"}, {"map", "--help"}},
+                                     {{"help", "check"}, {"check", "--help"}}}) {
+    const auto help = run(asked);
+    EXPECT_EQ(help.status, 0);
+    EXPECT_EQ(help.out, run(meant).out);
+    EXPECT_EQ(help.err, "");
+  }
+  expect_refused(run({"help", "mop"}), {"help: there is no command mop; did you mean map?"});
+  expect_refused(run({"help", "map", "check"}), {"help: name one command"});
+}
+
+TEST_F(CommandLine, SuggestsWhatWasMeant) {
+  expect_refused(run({"mop"}), {"mop; did you mean map?"});
+  expect_refused(run({"distnace", "a.json"}), {"did you mean distance?"});
+  expect_refused(run({"map", "--modle", ball}), {"--modle", "did you mean --model?"});
+  expect_refused(run({"map", "--tolerance=1"}), {"--tolerance=1; did you mean --tol?"});
+  expect_refused(run({"octree", "--detph", "3"}), {"did you mean --depth?"});
+  for (const Arguments& nothing_near : {Arguments{"xyzzy"}, {"map", "--xyzzy"}, {"map", "-x"}}) {
+    const auto refused = run(nothing_near);
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_EQ(refused.err.find("did you mean"), std::string::npos) << refused.err;
+  }
+}
+
 /// Names as `verisq devices` prints them: lines that begin with an index.
 std::vector<std::string> names_of_devices(const std::string& listing) {
   std::vector<std::string> names;

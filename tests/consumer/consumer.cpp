@@ -2,9 +2,7 @@
 #include <cstdio>
 #include <span>
 #include <string_view>
-#include <verisq/map.hpp>
-#include <verisq/signed_distance.hpp>
-#include <verisq/version.hpp>
+#include <verisq/verisq.hpp>
 
 #if VERISQ_VERSION_MAJOR == 0 && VERISQ_VERSION_MINOR < 1
 #error "older than the first release"

@@ -135,7 +135,7 @@ std::map<std::string, std::vector<std::string>> sources_of_headers() {
     if (!line.starts_with("| [") || line.find("](../include/verisq/") == std::string::npos) continue;
     std::vector<std::string> paths = matches(line, target);
     const std::string header = paths.front();
-    if (!header.ends_with(".hpp")) continue;  // the folder itself
+    if (!header.ends_with(".hpp") && !header.ends_with(".h")) continue;  // the folder itself
     paths.erase(paths.begin());
     if (paths.empty()) {
       EXPECT_NE(line.find("| no source |"), std::string::npos) << line;
@@ -156,6 +156,17 @@ TEST(Documents, SayWhereEachPublicHeaderIsImplemented) {
       EXPECT_TRUE(include_closure(root, {source}).own.contains(header)) << source << " does not include " << header;
     }
   }
+}
+
+TEST(Documents, OneHeaderIncludesAllOfTheLibrary) {
+  const std::string all = "include/verisq/verisq.hpp";
+  std::set<std::string> wanted;
+  for (const std::string& header : sources_below(root, "include/verisq")) {
+    if (header.ends_with(".hpp") && header != all && header != "include/verisq/surface.hpp") wanted.insert(header);
+  }
+  std::set<std::string> included;
+  for (const std::string& name : includes_of(root / all)) included.insert("include/" + name);
+  EXPECT_EQ(included, wanted);
 }
 
 /// Functions without a body, of classes too; what begins with a keyword of control is a statement in a body.

@@ -63,7 +63,7 @@ struct IncludeClosure {
   std::vector<std::string> sources;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder)) {
     const std::string extension = entry.path().extension().string();
-    if (extension == ".hpp" || extension == ".cpp") {
+    if (extension == ".hpp" || extension == ".cpp" || extension == ".h") {
       sources.push_back(std::filesystem::relative(entry.path(), root).generic_string());
     }
   }

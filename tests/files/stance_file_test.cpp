@@ -364,7 +364,8 @@ TEST(StanceFile, RefusesWhatIsMissingOrThereTwice) {
   expect_refused(R"(x="0" y="-0.9" z="0")", R"(x="0" z="0")",
                  "line 13: <offset>: y is missing: give an attribute or an element");
   expect_refused(R"(<force x="3" y="0">)", R"(<force x="3" y="0" z="0">)", "line 4: <z>: given as an attribute, too");
-  expect_refused(R"(stiffness="1e5")", "", "line 19: <cylinder>: stiffness is missing: give an attribute or an element");
+  expect_refused(R"(stiffness="1e5")", "",
+                 "line 19: <cylinder>: stiffness is missing: give an attribute or an element");
   expect_refused("<stance gravity=\"9.81\">\n</stance>", "line 1: <stance>: element <body> is missing");
   expect_refused(R"(    <translation name="height" axis="y" position="1" velocity="-2"/>)",
                  R"(    <translation name="height" axis="y" axis="y"/>)",
