@@ -2,10 +2,8 @@
 #include "verify/search/closest_surface_point.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <stdexcept>
-#include <vector>
 
 #include "verify/search/contact.hpp"
 #include "verify/search/enclosing_box.hpp"
@@ -21,7 +19,7 @@ constexpr const char* what_of_points = "a coordinate of the closest point of a s
 constexpr const char* what_of_normals = "a component of the normal of a superquadric";
 constexpr const char* what_of_distances = "the signed distance of a superquadric";
 
-/// Boxes that are as narrow, in units of the size, are rounded to binary64 next: nothing is worth another attempt.
+/// Where a box is wider, in units of the size, another attempt is worth it.
 constexpr double kNarrowestBox = 0x1p-46;
 
 /// In the solid's own frame.
@@ -175,7 +173,8 @@ class Projection {
     constexpr int steps = 3;
     const Proposal middle = midpoint(q_);
     const Vector q(middle[0], middle[1], middle[2]);
-    Vector p(contact.point[0], contact.point[1], contact.point[2]);
+    const Vector start(contact.point[0], contact.point[1], contact.point[2]);
+    Vector p = start;
     NormExpansion<long double> g = near_gauge_(p);
     p /= g.value;
     long double multiplier = -(q - p).norm() / g.gradient.norm();
@@ -193,25 +192,25 @@ class Projection {
     }
     g = near_gauge_(p);
     const Contact found{{p[0], p[1], p[2]}, {g.gradient[0], g.gradient[1], g.gradient[2]}};
-    const bool near =
-        (p - q).norm() <= 2.0L * Vector(q - Vector(contact.point[0], contact.point[1], contact.point[2])).norm();
+    const bool near = (p - q).norm() <= 2.0L * (start - q).norm();
     return near && usable(found.point) && usable(found.normal) ? found : contact;
   }
 
   /// docs/mathematics.md §25: |y - p|² <= hi² - lo² and |n - v|² <= 2 (hi - lo)/hi. Nothing unless lo > 0.
-  [[nodiscard]] static std::optional<LocalAnswer> ball(const Ends& ends, const PreciseVector& q) {
-    const PreciseInterval lo(ends.distance_lower);
-    const PreciseInterval hi(ends.distance_upper);
+  [[nodiscard]] std::optional<LocalAnswer> ball(const Ends& ends) const {
     if (!(ends.distance_lower > Real(0))) return std::nullopt;
-    const PreciseInterval gap = PreciseInterval(std::max(Real(0), (hi - lo).upper()));  // lo <= d <= hi
-    const PreciseInterval distance = hull(lo, hi);
+    const PreciseInterval distance =
+        intersection(PreciseInterval(ends.distance_lower, Real(infinity)),
+                     PreciseInterval(Real(-infinity), ends.distance_upper), what_of_distances);
+    const PreciseInterval lo(distance.lower());
+    const PreciseInterval hi(distance.upper());
+    const PreciseInterval gap((hi - lo).upper());
     PreciseVector p = inflated(ends.feasible, sqrt(gap * (hi + lo)).upper());
     PreciseVector n = inflated(unit(ends.direction), sqrt(PreciseInterval(2) * gap / hi).upper());
-    n = intersection(n, (q - p) / distance, what_of_normals);
-    p = intersection(p, q - n * distance, what_of_points);
+    n = intersection(n, (q_ - p) / distance, what_of_normals);
+    p = intersection(p, q_ - n * distance, what_of_points);
     return LocalAnswer{distance, p, n};
   }
-  [[nodiscard]] std::optional<LocalAnswer> ball(const Ends& ends) const { return ball(ends, q_); }
 
   [[nodiscard]] bool narrow(const LocalAnswer& answer) const {
     return widest(answer.point) <= kNarrowestBox * size_.to_double(Direction::down) &&

@@ -27,7 +27,7 @@ ClosestPoint answer_of(const SurfaceCandidate& candidate) {
 /// Those that rough bounds do not prove to be farther than another one. How rough, in units of their radius, only costs
 /// time: where two are as near as each other, the closest point of both is looked for.
 std::vector<std::uint32_t> nearly_nearest(std::span<const ConvexPrimitive> primitives, const Point& x) {
-  constexpr double roughness = 1e-6;
+  constexpr double roughness = 1e-3;
   std::vector<std::pair<double, std::uint32_t>> lower_bounds;
   double upper = infinity;
   const auto sphere_bound = [&](std::size_t i) { return primitives[i].proof().lower_by_sphere(x); };
