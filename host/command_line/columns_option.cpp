@@ -4,21 +4,40 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 
 #include "host/command_line/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {
 
-constexpr std::array all_columns{MapColumn::index, MapColumn::x,   MapColumn::y,     MapColumn::z,     MapColumn::lo,
-                                 MapColumn::hi,    MapColumn::mid, MapColumn::width, MapColumn::status};
+/// What may stand between commas: one column, or both ends of all coordinates of a box.
+struct ColumnName {
+  std::string_view name;
+  std::vector<MapColumn> columns;
+};
 
-MapColumn column_named(std::string_view option, std::string_view name) {
+std::vector<MapColumn> from_to(MapColumn first, MapColumn last) {
+  std::vector<MapColumn> columns;
+  for (int k = static_cast<int>(first); k <= static_cast<int>(last); ++k) columns.push_back(static_cast<MapColumn>(k));
+  return columns;
+}
+
+std::vector<ColumnName> all_names() {
+  std::vector<ColumnName> names;
+  for (const MapColumn column : from_to(MapColumn::index, MapColumn::unique)) {
+    names.push_back({to_string(column), {column}});
+  }
+  names.push_back({"closest", from_to(MapColumn::closest_x_lo, MapColumn::closest_z_hi)});
+  names.push_back({"normal", from_to(MapColumn::normal_x_lo, MapColumn::normal_z_hi)});
+  names.push_back({to_string(MapColumn::primitive), {MapColumn::primitive}});
+  return names;
+}
+
+std::vector<MapColumn> columns_named(std::string_view option, std::string_view name) {
   std::string known;
-  for (const MapColumn column : all_columns) {
-    if (to_string(column) == name) return column;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", to_string(column));
+  for (const ColumnName& candidate : all_names()) {
+    if (candidate.name == name) return candidate.columns;
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", candidate.name);
   }
   refuse(fmt::format("{}: '{}' is not one of {}", option, name, known));
 }
@@ -30,11 +49,13 @@ std::vector<MapColumn> parse_columns(std::string_view option, const std::string&
   std::string_view rest = text;
   for (bool more = true; more;) {
     const std::size_t comma = rest.find(',');
-    const MapColumn column = column_named(option, rest.substr(0, comma));
-    if (std::ranges::find(columns, column) != columns.end()) {
-      refuse(fmt::format("{}: {} is there twice", option, to_string(column)));
+    const std::string_view name = rest.substr(0, comma);
+    for (const MapColumn column : columns_named(option, name)) {
+      if (std::ranges::find(columns, column) != columns.end()) {
+        refuse(fmt::format("{}: {} is there twice", option, name));
+      }
+      columns.push_back(column);
     }
-    columns.push_back(column);
     more = comma != std::string_view::npos;
     if (more) rest.remove_prefix(comma + 1);
   }

@@ -3,8 +3,13 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
 #include <vector>
+#include <verisq/closest_points.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/signed_distance.hpp>
@@ -49,6 +54,7 @@ constexpr const char* closing_words =
     "  verisq map --model stem.json --mesh femur.off -o clearance.vtp\n"
     "  verisq map --model stem.json --mesh femur.off --report clearance.html --png clearance.png\n"
     "  verisq map --model stem.json --mesh femur.off --on triangles -o clearance.vtp\n"
+    "  verisq map --model stem.json --mesh femur.off --closest-points -o contacts.vtp\n"
     "  verisq map --model stem.json --points samples.npy --columns x,y,z,lo,hi -o distances.npy\n"
     "  sample | verisq map --model stem.json --points - -o - | plot\n"
     "  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json";
@@ -73,6 +79,15 @@ void refuse_what_needs_convexity(const Model& model, const MapArguments& argumen
   if (arguments.method == Method::published) refuse_option("--method published");
 }
 
+bool asks_for_closest_points(const MapArguments& arguments) {
+  return arguments.closest_points || std::ranges::any_of(arguments.columns, is_of_closest_point);
+}
+
+void refuse_what_needs_exact_numbers(const UncertainModel& model, const MapArguments& arguments) {
+  if (is_exact(model) || !asks_for_closest_points(arguments)) return;
+  refuse(fmt::format("--closest-points: {}: not supported for intervals", arguments.inputs.model));
+}
+
 void check_method(const MapArguments& arguments) {
   if (arguments.method != Method::published) return;
   if (arguments.device != "host") refuse("--method published: runs on the host alone, give --device host");
@@ -81,6 +96,32 @@ void check_method(const MapArguments& arguments) {
 
 const char* report_option(const MapArguments& arguments) {
   return arguments.report.html.empty() ? "--png" : "--report";
+}
+
+/// The library's writer refuses formats and elements that have none.
+void check_closest_points(const MapArguments& arguments) {
+  if (!asks_for_closest_points(arguments)) return;
+  if (arguments.output.empty()) refuse("--closest-points: give the --output that has them");
+  if (arguments.certificates) refuse("--closest-points: not with --certificates");
+  if (arguments.point_radius > 0.0) refuse("--closest-points: of exact points only, not with --point-radius");
+  if (arguments.on == MapElements::triangles) refuse("--closest-points: of vertices or points, not --on triangles");
+}
+
+MapContents contents_of(const MapArguments& arguments) {
+  if (arguments.certificates) return MapContents::certified;
+  return asks_for_closest_points(arguments) ? MapContents::closest_points : MapContents::enclosures;
+}
+
+/// Of the rows of one chunk: where nothing is proven, the map's own enclosure says how far.
+std::vector<ClosestPoint> closest_points_of(const SignedDistance& distance, std::span<const Point> points,
+                                            std::span<const MapResult> results,
+                                            const std::function<bool()>& interrupted) {
+  std::vector<Enclosure> known;
+  known.reserve(results.size());
+  for (const MapResult& result : results) known.push_back(result.distance);
+  std::vector<ClosestPoint> rows(points.size());
+  closest_points(distance, points, rows, {.tolerance = 0.0, .known = known, .interrupted = interrupted});
+  return rows;
 }
 
 void check_outputs(const MapArguments& arguments) {
@@ -94,6 +135,7 @@ void check_outputs(const MapArguments& arguments) {
     refuse_to_overwrite("-o", arguments.output, inputs);
   }
   check_usage(arguments.report, inputs);
+  check_closest_points(arguments);
   if (!arguments.report.any()) return;
   if (arguments.inputs.mesh.empty()) refuse(fmt::format("{}: give a --mesh to draw", report_option(arguments)));
   if (arguments.on == MapElements::triangles) {
@@ -155,7 +197,7 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
     return mapper;
   };
   MapRequest request{.elements = elements,
-                     .contents = arguments.certificates ? MapContents::certified : MapContents::enclosures,
+                     .contents = contents_of(arguments),
                      .output = arguments.output,
                      .format = format_of(arguments),
                      .columns = arguments.columns,
@@ -165,6 +207,13 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
                      .tolerance = options.tolerance,
                      .show_progress = !arguments.no_progress,
                      .json = arguments.json};
+  std::optional<SignedDistance> distance;
+  if (request.contents == MapContents::closest_points) {
+    distance.emplace(bracket(model).largest);
+    request.closest = [&](std::span<const Point> points, std::span<const MapResult> results) {
+      return closest_points_of(*distance, points, results, [&] { return interrupted() || limit.passed(); });
+    };
+  }
   // At a time limit there is another reason.
   if (arguments.certificates && model.primitives.size() > 1 && !limit.given()) {
     request.why_wide_inside = depth_of_overlaps;
@@ -209,8 +258,14 @@ void declare_map(Options& options, MapArguments& arguments) {
       choice<std::string>({{"csv", ".csv"}, {"npy", ".npy"}, {"vtp", ".vtp"}, {"ply", ".ply"}, {"json", ".json"}}),
       "FORMAT", "Instead of the extension of -o: csv (default of -o -), npy, vtp, ply, json");
   options.add("--columns", arguments.columns, parse_columns, "NAMES",
-              "Of a .csv or .npy, in this order: index,x,y,z,lo,hi,mid,width,status. Default: index,lo,hi,status,\n"
-              "of a .npy lo,hi,status");
+              "Of a .csv or .npy, in this order: index,x,y,z,lo,hi,mid,width,status; with the closest points also\n"
+              "unique,closest,normal,primitive. Default: index,lo,hi,status, of a .npy lo,hi,status, and those of the\n"
+              "closest points where these are asked for");
+  options.add_flag(
+      "--closest-points", arguments.closest_points,
+      "Write beside each distance the point of the model's surface that is closest, a box that is proven to\n"
+      "contain it, the outward normal there, and which primitive it is of: .csv .npy .vtp, on the host.\n"
+      "unique: whether it is proven to be the only one, and the normal to be the distance's gradient");
   declare_report_files(options, arguments.report);
   options.add_flag(
       "--certificates", arguments.certificates,
@@ -226,6 +281,7 @@ ExitStatus run_map(const MapArguments& arguments) {
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
   const Model largest = bracket(model).largest;
   refuse_what_needs_convexity(largest, arguments);
+  refuse_what_needs_exact_numbers(model, arguments);
   MapOptions options{.tolerance = tolerance_of(arguments, largest),
                      .device = arguments.device,
                      .certificates = arguments.certificates,

@@ -28,6 +28,7 @@ struct MapArguments {
   std::vector<MapColumn> columns;     ///< empty: those that the format has by itself
   ReportFiles report;
   bool certificates = false;
+  bool closest_points = false;
   bool json = false;
   bool no_progress = false;
 };

@@ -31,6 +31,14 @@ std::string readable(const MapReport& report) {
     text += fmt::format("smallest distance  [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
     text += fmt::format("largest width      {}{}\n", upper_digits(summary.largest_width), units);
   }
+  if (report.closest) {
+    text += fmt::format("closest points     {} unique", report.closest->unique);
+    if (report.closest->unique > 0) {
+      text += fmt::format(", to {}{}; normals to {}", upper_digits(report.closest->widest_point), units,
+                          upper_digits(report.closest->widest_normal));
+    }
+    text += "\n";
+  }
   text += fmt::format("preparation        {:.3g} s\n", report.preparation_seconds);
   text += fmt::format("time               {:.3g} s (device {:.3g} s, host proofs {:.3g} s), {} {}/s\n", report.seconds,
                       summary.device_seconds, summary.host_seconds, with_prefix(elements_per_second(report)),
@@ -81,6 +89,11 @@ std::string json(const MapReport& report) {
       {"output", report.output},
   };
   if (summary.points > 0) object.set("smallest_distance", Enclosure{summary.minimum_lo, summary.minimum_hi});
+  if (report.closest) {
+    object.set("unique_closest_points", report.closest->unique);
+    object.set("widest_closest_point", report.closest->widest_point);
+    object.set("widest_normal", report.closest->widest_normal);
+  }
   if (!report.files.html.empty()) object.set("report", report.files.html);
   if (!report.files.png.empty()) object.set("png", report.files.png);
   return object.text() + "\n";

@@ -1,8 +1,10 @@
 /// The summary of a finished map: on the standard output for people or as one JSON object, or in a report.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
+#include <verisq/closest_points.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/report.hpp>
@@ -18,6 +20,7 @@ struct MapReport {
   ReportFiles files;     ///< with its pictures; names are empty for those not written
   std::string units;     ///< of the model; empty when not given
   double tolerance;
+  std::optional<ClosestPointSummary> closest;  ///< where closest points were asked for
   double preparation_seconds;  ///< wall time until the device was ready: kernels compiled, self-test passed
   double seconds;              ///< wall time from the first element to the last row written
 };

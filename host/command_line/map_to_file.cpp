@@ -46,7 +46,8 @@ ExitStatus status_of(const MapSummary& summary) {
 }  // namespace
 
 ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> rows, const MapSummary& summary,
-                   const MapRequest& request, Clock::time_point start, Clock::time_point first_element) {
+                   const std::optional<ClosestPointSummary>& closest, const MapRequest& request,
+                   Clock::time_point start, Clock::time_point first_element) {
   const std::string written = end_file(writer, summary, request.output);
   if (summary.interrupted) say_what_is_missing(request);
   const auto end = Clock::now();
@@ -65,6 +66,7 @@ ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> 
                          .files = summary.interrupted ? ReportFiles{} : request.report,
                          .units = request.units,
                          .tolerance = request.tolerance,
+                         .closest = closest,
                          .preparation_seconds = seconds_between(start, first_element),
                          .seconds = seconds_between(first_element, end)};
   if (request.show && !summary.interrupted) request.show(rows, report);

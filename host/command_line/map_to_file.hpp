@@ -36,6 +36,8 @@ struct MapRequest {
   bool show_progress;
   bool json;                         ///< the form of the summary
   std::string why_wide_inside = {};  ///< said where rows of points inside are wide; empty: nothing
+  /// The closest points of finished rows, for files with those contents. Empty: none are asked for.
+  std::function<std::vector<ClosestPoint>(std::span<const Point>, std::span<const MapResult>)> closest = {};
   /// Called at the end of a map that was not interrupted, with all its rows. Empty: none are kept in memory.
   std::function<void(std::span<const MapResult>, const MapReport&)> show = {};
 };
@@ -45,7 +47,8 @@ using Clock = std::chrono::steady_clock;
 /// Ends the files, prints the summary and says how the map ended. The map began at `start`, its first element was asked
 /// for at `first_element`. `writer` is nothing where no file is asked for, `rows` are those for `request.show`.
 ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> rows, const MapSummary& summary,
-                   const MapRequest& request, Clock::time_point start, Clock::time_point first_element);
+                   const std::optional<ClosestPointSummary>& closest, const MapRequest& request,
+                   Clock::time_point start, Clock::time_point first_element);
 
 /// The rows of one call of a sink.
 template <class Element>
@@ -53,11 +56,13 @@ struct FinishedRows {
   std::vector<Element> elements;
   std::vector<MapResult> results;
   std::vector<Certificate> certificates;
+  std::vector<ClosestPoint> closest;
 };
 
 template <class Element>
 void append(MapWriter& writer, const FinishedRows<Element>& rows) {
   if constexpr (std::same_as<Element, Point>) {
+    if (!rows.closest.empty()) return writer.append_closest(rows.elements, rows.results, rows.closest);
     writer.append(rows.elements, rows.results, rows.certificates);
   } else {
     writer.append(rows.results, rows.certificates);
@@ -84,6 +89,7 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
   std::optional<WorkBehind<FinishedRows<Element>>> behind;
   if (writer) behind.emplace([&](const FinishedRows<Element>& rows) { append(*writer, rows); });
   std::vector<MapResult> rows;
+  std::optional<ClosestPointSummary> closest;
   const auto start = Clock::now();
   auto mapper = make_mapper();
   std::optional<ProgressBar> bar;  // begins at the first element: compiling kernels is no part of the rate
@@ -104,6 +110,12 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
       finished.elements.assign(elements.begin(), elements.end());
       finished.results.assign(results.begin(), results.end());
       finished.certificates.assign(certificates.begin(), certificates.end());
+      if constexpr (std::same_as<Element, Point>) {
+        if (request.closest) {
+          finished.closest = request.closest(elements, results);
+          closest = joined(closest.value_or(ClosestPointSummary{}), summary_of(finished.closest));
+        }
+      }
       behind->add(std::move(finished));
     }
     if (request.show) rows.insert(rows.end(), results.begin(), results.end());
@@ -122,7 +134,7 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
   const MapSummary summary = map();
   if (behind) behind->finish();
   bar.reset();  // the line is cleared before anything else is said
-  return end_map(writer, rows, summary, request, start, first_element);
+  return end_map(writer, rows, summary, closest, request, start, first_element);
 }
 
 }  // namespace verisq::command_line

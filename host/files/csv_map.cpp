@@ -57,14 +57,23 @@ void append_certificate(fmt::memory_buffer& text, const Certificate& certificate
   }
 }
 
+std::vector<MapColumn> columns_of(const MapKind& kind) {
+  if (!kind.columns.empty()) return kind.columns;
+  std::vector<MapColumn> columns{MapColumn::index, MapColumn::lo, MapColumn::hi, MapColumn::status};
+  if (kind.contents == MapContents::closest_points) {
+    for (const MapColumn column : columns_of_closest_points()) columns.push_back(column);
+  }
+  return columns;
+}
+
 std::string header(const MapKind& kind) {
   if (kind.contents == MapContents::certified) {
     return std::string(kind.elements == MapElements::vertices ? csv_certified_map_header
                                                               : csv_certified_triangle_map_header);
   }
-  if (kind.columns.empty()) return std::string(csv_map_header);
   std::string names;
-  for (const MapColumn column : kind.columns) names += fmt::format("{}{}", names.empty() ? "" : ",", to_string(column));
+  for (const MapColumn column : columns_of(kind))
+    names += fmt::format("{}{}", names.empty() ? "" : ",", to_string(column));
   return names;
 }
 
@@ -76,6 +85,8 @@ char* put_field(MapColumn column, const MapRow& row, char* at) {
   switch (column) {
     case MapColumn::index: return fmt::format_to(at, FMT_COMPILE("{}"), row.index);
     case MapColumn::status: return put(to_string(row.result.status), at);
+    case MapColumn::unique: return put(row.closest->unique ? "1" : "0", at);
+    case MapColumn::primitive: return fmt::format_to(at, FMT_COMPILE("{}"), primitive_in(*row.closest));
     default: return put_shortest_digits(number_in(column, row), at);
   }
 }
@@ -86,21 +97,19 @@ class CsvMap final : public MapFormat {
     output_.write(header(kind));
     output_.write("\n");
     output_.flush();
-    if (kind_.columns.empty()) {
-      kind_.columns = {MapColumn::index, MapColumn::lo, MapColumn::hi, MapColumn::status};
-    }
+    kind_.columns = columns_of(kind);
   }
 
-  void append(std::span<const Point> points, std::span<const MapResult> results,
-              std::span<const Certificate> certificates) override {
-    const AppendedRows rows(kind_.mesh, kind_.elements, count_, points, results);
+  void append(const MapChunk& chunk) override {
+    const AppendedRows rows(kind_.mesh, kind_.elements, count_, chunk);
     const std::vector<Piece> pieces = pieces_of(rows.size(), fewest_rows);
     if (texts_.size() < pieces.size()) texts_.resize(pieces.size());
     in_parallel(pieces.size(), [&](std::size_t p) {
       texts_[p].clear();
       for (std::size_t k = pieces[p].first; k < pieces[p].first + pieces[p].count; ++k) {
         append_row(texts_[p], rows[k]);
-        if (kind_.contents == MapContents::certified) append_certificate(texts_[p], certificates[k], kind_.elements);
+        if (kind_.contents == MapContents::certified)
+          append_certificate(texts_[p], chunk.certificates[k], kind_.elements);
         texts_[p].push_back('\n');
       }
     });

@@ -29,10 +29,9 @@ class JsonMap final : public MapFormat {
     output_.write("\"results\": [");
   }
 
-  void append(std::span<const Point> /*not in this format*/, std::span<const MapResult> results,
-              std::span<const Certificate> /*not in this format*/) override {
+  void append(const MapChunk& chunk) override {
     rows_.clear();
-    for (const MapResult& result : results) {
+    for (const MapResult& result : chunk.results) {
       fmt::format_to(std::back_inserter(rows_), FMT_COMPILE("{}\n  {{\"index\": {}, \"lo\": "), index_ == 0 ? "" : ",",
                      index_);
       append_end(rows_, result.distance.lo);

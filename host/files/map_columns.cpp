@@ -17,9 +17,18 @@ double width_of(const Enclosure& distance) {
   return verify::subtract(distance.hi, distance.lo, verify::Direction::up);
 }
 
+/// The ends of the box of the point, then those of the normal, in the order of the columns.
+double end_in(MapColumn column, const ClosestPoint& closest) {
+  const int offset = static_cast<int>(column) - static_cast<int>(MapColumn::closest_x_lo);
+  const EnclosedPoint& box = offset < 6 ? closest.point : closest.normal;
+  const Enclosure& coordinate = box[static_cast<std::size_t>(offset % 6 / 2)];
+  return offset % 2 == 0 ? coordinate.lo : coordinate.hi;
+}
+
 }  // namespace
 
 double number_in(MapColumn column, const MapRow& row) {
+  if (is_of_closest_point(column)) return end_in(column, *row.closest);
   const auto& [lo, hi] = row.result.distance;
   switch (column) {
     case MapColumn::x: return (*row.point)[0];
@@ -28,19 +37,27 @@ double number_in(MapColumn column, const MapRow& row) {
     case MapColumn::hi: return hi;
     case MapColumn::mid: return finite_middle(lo, hi);
     case MapColumn::width: return width_of(row.result.distance);
-    case MapColumn::index:
-    case MapColumn::status:
-    case MapColumn::lo: break;
+    default: return lo;
   }
-  return lo;
 }
 
-AppendedRows::AppendedRows(const Mesh* mesh, MapElements elements, std::uint64_t first, std::span<const Point> points,
-                           std::span<const MapResult> results)
-    : first_(first), points_(points), results_(results) {
-  if (!points.empty() || mesh == nullptr || elements != MapElements::vertices) return;
+std::int32_t primitive_in(const ClosestPoint& closest) {
+  return closest.primitive ? static_cast<std::int32_t>(*closest.primitive) : -1;
+}
+
+std::vector<MapColumn> columns_of_closest_points() {
+  std::vector<MapColumn> columns;
+  for (int k = static_cast<int>(MapColumn::unique); k <= static_cast<int>(MapColumn::primitive); ++k) {
+    columns.push_back(static_cast<MapColumn>(k));
+  }
+  return columns;
+}
+
+AppendedRows::AppendedRows(const Mesh* mesh, MapElements elements, std::uint64_t first, const MapChunk& chunk)
+    : first_(first), points_(chunk.points), results_(chunk.results), closest_(chunk.closest) {
+  if (!points_.empty() || mesh == nullptr || elements != MapElements::vertices) return;
   const std::span<const Point> vertices = mesh->vertices;
-  points_ = vertices.subspan(static_cast<std::size_t>(first), results.size());
+  points_ = vertices.subspan(static_cast<std::size_t>(first), results_.size());
 }
 
 }  // namespace verisq

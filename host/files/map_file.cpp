@@ -27,12 +27,14 @@ struct FormatTraits {
   bool poses;
   bool certificates;
   bool columns;
+  bool closest_points;
 };
 
-constexpr std::array formats{
-    FormatTraits{".csv", make_csv_map, true, true, true}, FormatTraits{".npy", make_npy_map, true, false, true},
-    FormatTraits{".vtp", make_vtp_map, false, true, false}, FormatTraits{".ply", make_ply_map, false, false, false},
-    FormatTraits{".json", make_json_map, true, false, false}};
+constexpr std::array formats{FormatTraits{".csv", make_csv_map, true, true, true, true},
+                             FormatTraits{".npy", make_npy_map, true, false, true, true},
+                             FormatTraits{".vtp", make_vtp_map, false, true, false, true},
+                             FormatTraits{".ply", make_ply_map, false, false, false, false},
+                             FormatTraits{".json", make_json_map, true, false, false, false}};
 
 /// The extensions of the formats that have `trait`, of which there are several: ".csv, .npy and .json".
 std::string extensions_with(bool FormatTraits::*trait) {
@@ -66,6 +68,14 @@ Maker maker_for(const std::filesystem::path& path, const MapForm& form) {
   }
   if (certified && !format->certificates) {
     refuse(fmt::format("certificates are written to {} only", extensions_with(&FormatTraits::certificates)));
+  }
+  if (form.contents == MapContents::closest_points) {
+    if (form.elements != MapElements::vertices) refuse("closest points are those of points only");
+    if (!format->closest_points) {
+      refuse(fmt::format("closest points are written to {} only", extensions_with(&FormatTraits::closest_points)));
+    }
+  } else if (std::ranges::any_of(form.columns, is_of_closest_point)) {
+    refuse("columns of closest points in a map without them");
   }
   for (auto column = form.columns.begin(); column != form.columns.end(); ++column) {
     if (std::find(form.columns.begin(), column, *column) != column) {
@@ -108,10 +118,7 @@ class MapWriter::Format {
     rows_ = make_(output_, {mesh, form.contents, form.elements, form.columns, form.rows});
   }
 
-  void append(std::span<const Point> points, std::span<const MapResult> results,
-              std::span<const Certificate> certificates) {
-    rows_->append(points, results, certificates);
-  }
+  void append(const MapChunk& chunk) { rows_->append(chunk); }
   void finish() {
     rows_->finish();
     output_.finish();
@@ -137,11 +144,16 @@ MapWriter& MapWriter::operator=(MapWriter&&) noexcept = default;
 
 void MapWriter::append(std::span<const Point> points, std::span<const MapResult> results,
                        std::span<const Certificate> certificates) {
-  format_->append(points, results, certificates);
+  format_->append({points, results, certificates});
 }
 
 void MapWriter::append(std::span<const MapResult> results, std::span<const Certificate> certificates) {
-  format_->append({}, results, certificates);
+  format_->append({{}, results, certificates});
+}
+
+void MapWriter::append_closest(std::span<const Point> points, std::span<const MapResult> results,
+                               std::span<const ClosestPoint> closest) {
+  format_->append({points, results, {}, closest});
 }
 
 void MapWriter::finish() {

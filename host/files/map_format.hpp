@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 #include <verisq/certificate.hpp>
+#include <verisq/closest_point.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
@@ -24,6 +25,14 @@ struct MapKind {
   std::optional<std::uint64_t> rows;  ///< how many there will be; nothing where that is not known
 };
 
+/// What `MapWriter` was given in one call.
+struct MapChunk {
+  std::span<const Point> points;  ///< may be left out where there is a mesh
+  std::span<const MapResult> results;
+  std::span<const Certificate> certificates = {};
+  std::span<const ClosestPoint> closest = {};
+};
+
 /// Writes one map to the output file it was made with. Throws Error(failure).
 class MapFormat {
  public:
@@ -32,9 +41,8 @@ class MapFormat {
   MapFormat& operator=(const MapFormat&) = delete;
   virtual ~MapFormat() = default;
 
-  /// Precondition: as for `MapWriter::append`; the points may be left out where there is a mesh.
-  virtual void append(std::span<const Point> points, std::span<const MapResult> results,
-                      std::span<const Certificate> certificates) = 0;
+  /// Precondition: as for `MapWriter::append`.
+  virtual void append(const MapChunk& chunk) = 0;
   virtual void finish() = 0;  ///< writes what is left; the file itself stays to be finished
   /// Whether the file is a valid map of its own after any number of rows.
   [[nodiscard]] virtual bool valid_after_any_row() const { return false; }

@@ -21,12 +21,14 @@ constexpr std::size_t fewest_array_rows = 8192;
 
 /// As NumPy names it; indices and numbers have eight bytes.
 std::string_view type_of(MapColumn column) {
-  if (column == MapColumn::status) return "|u1";
+  if (column == MapColumn::status || column == MapColumn::unique) return "|u1";
+  if (column == MapColumn::primitive) return "<i4";
   return column == MapColumn::index ? "<u8" : "<f8";
 }
 
 std::size_t bytes_of(MapColumn column) {
-  return column == MapColumn::status ? 1 : 8;
+  if (column == MapColumn::status || column == MapColumn::unique) return 1;
+  return column == MapColumn::primitive ? 4 : 8;
 }
 
 std::string descr_of(std::span<const MapColumn> columns) {
@@ -35,6 +37,14 @@ std::string descr_of(std::span<const MapColumn> columns) {
     descr += fmt::format("{}('{}', '{}')", descr.empty() ? "" : ", ", to_string(column), type_of(column));
   }
   return "[" + descr + "]";
+}
+
+std::vector<MapColumn> usual_columns(MapContents contents) {
+  std::vector<MapColumn> columns{MapColumn::lo, MapColumn::hi, MapColumn::status};
+  if (contents == MapContents::closest_points) {
+    for (const MapColumn column : columns_of_closest_points()) columns.push_back(column);
+  }
+  return columns;
 }
 
 char* put(auto number, char* at) {
@@ -46,16 +56,15 @@ char* put(auto number, char* at) {
 class NpyMap final : public MapFormat {
  public:
   NpyMap(OutputFile& output, const MapKind& kind) : output_(output), kind_(kind) {
-    if (kind_.columns.empty()) kind_.columns = {MapColumn::lo, MapColumn::hi, MapColumn::status};
+    if (kind_.columns.empty()) kind_.columns = usual_columns(kind.contents);
     for (const MapColumn column : kind_.columns) row_bytes_ += bytes_of(column);
     descr_ = descr_of(kind_.columns);
     // What is written on the way can be corrected later, or is right from the beginning.
     output_.write(npy_header(descr_, output_.can_be_rewritten() ? 0 : kind_.rows.value_or(0)));
   }
 
-  void append(std::span<const Point> points, std::span<const MapResult> results,
-              std::span<const Certificate> /*not in this format*/) override {
-    const AppendedRows rows(kind_.mesh, kind_.elements, count_, points, results);
+  void append(const MapChunk& chunk) override {
+    const AppendedRows rows(kind_.mesh, kind_.elements, count_, chunk);
     bytes_.resize(rows.size() * row_bytes_);
     const std::vector<Piece> pieces = pieces_of(rows.size(), fewest_array_rows);
     in_parallel(pieces.size(), [&](std::size_t p) {
@@ -81,6 +90,8 @@ class NpyMap final : public MapFormat {
       switch (column) {
         case MapColumn::index: at = put(row.index, at); break;
         case MapColumn::status: at = put(static_cast<std::uint8_t>(row.result.status), at); break;
+        case MapColumn::unique: at = put(static_cast<std::uint8_t>(row.closest->unique), at); break;
+        case MapColumn::primitive: at = put(primitive_in(*row.closest), at); break;
         default: at = put(number_in(column, row), at);
       }
     }

@@ -15,10 +15,7 @@ class PlyMap final : public MapFormat {
  public:
   PlyMap(OutputFile& output, const MapKind& kind) : output_(output), map_(kind) {}
 
-  void append(std::span<const Point> points, std::span<const MapResult> results,
-              std::span<const Certificate> /*not in this format*/) override {
-    map_.append(points, results);
-  }
+  void append(const MapChunk& chunk) override { map_.append(chunk.points, chunk.results); }
 
   void finish() override {
     map_.check_complete(output_);

@@ -53,13 +53,12 @@ class StreamedVtpMap final : public MapFormat {
     output_.write_at(position_, vtp_end);
   }
 
-  void append(std::span<const Point> /*those of the mesh*/, std::span<const MapResult> results,
-              std::span<const Certificate> /*of other maps*/) override {
-    rows_ += results.size();
+  void append(const MapChunk& chunk) override {  // the points are those of the mesh
+    rows_ += chunk.results.size();
     if (rows_ > layout_.rows()) return;  // there is no place for them, as `finish` says
     append_points(share_of(layout_.points));
     append_cells(share_of(layout_.cells()));
-    append_results(results);
+    append_results(chunk.results);
   }
 
   void finish() override {

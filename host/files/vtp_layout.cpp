@@ -53,13 +53,14 @@ class Declarations {
   void add_results() {
     const char* const data = layout_.elements == MapElements::vertices ? "PointData" : "CellData";
     const std::uint64_t rows = layout_.rows();
-    text_ +=
-        fmt::format("      <{} Scalars=\"dist_mid\"{}>\n", data, layout_.further_normals ? " Vectors=\"normal\"" : "");
+    text_ += fmt::format("      <{} Scalars=\"dist_mid\"{}>\n", data,
+                         layout_.further_normals || layout_.closest_points ? " Vectors=\"normal\"" : "");
     add("Float64", "dist_lo", 1, word * rows);
     add("Float64", "dist_hi", 1, word * rows);
     add("Float64", "dist_mid", 1, word * rows);
     add("UInt8", "status", 1, rows);
     if (layout_.further_normals) add_certificates(rows);
+    if (layout_.closest_points) add_closest_points(rows);
     text_ += fmt::format("      </{}>\n", data);
   }
 
@@ -72,6 +73,14 @@ class Declarations {
       add("Float64", "weights", 2, 2 * word * rows);
     }
     add("Int64", "further_normals_end", 1, word * rows);
+  }
+
+  void add_closest_points(std::uint64_t rows) {
+    add("UInt8", "unique", 1, rows);
+    for (const char* const name : {"closest_lo", "closest_hi", "normal_lo", "normal_hi", "normal"}) {
+      add("Float64", name, 3, 3 * word * rows);
+    }
+    add("Int32", "primitive", 1, sizeof(std::int32_t) * rows);
   }
 
   /// An array of `bytes`. Those of a piece have as many tuples as it has points or cells; others state their `length`.

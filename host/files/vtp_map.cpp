@@ -1,28 +1,47 @@
 /// Maps as VTK XML PolyData with appended raw arrays: what ParaView opens. Those of a mesh without certificates are
 /// streamed (streamed_vtp_map.cpp), the others are kept in memory.
+#include <algorithm>
 #include <array>
+#include <concepts>
 #include <optional>
+#include <vector>
 
 #include "host/files/certificate_columns.hpp"
 #include "host/files/collected_map.hpp"
 #include "host/files/finite_middle.hpp"
+#include "host/files/map_columns.hpp"
 #include "host/files/map_format.hpp"
 #include "host/files/vtp_layout.hpp"
 
 namespace verisq {
 namespace {
 
+Point lower_corner(const EnclosedPoint& box) {
+  return {box[0].lo, box[1].lo, box[2].lo};
+}
+
+Point upper_corner(const EnclosedPoint& box) {
+  return {box[0].hi, box[1].hi, box[2].hi};
+}
+
+/// To be drawn as a glyph; zero where nothing is known.
+Point middle(const EnclosedPoint& box) {
+  return {finite_middle(box[0].lo, box[0].hi), finite_middle(box[1].lo, box[1].hi),
+          finite_middle(box[2].lo, box[2].hi)};
+}
+
 class VtpMap final : public MapFormat {
  public:
   VtpMap(OutputFile& output, const MapKind& kind) : output_(output), map_(kind) {
     if (kind.contents == MapContents::certified) certificates_.emplace().elements = kind.elements;
+    if (kind.contents == MapContents::closest_points) closest_.emplace();
   }
 
-  void append(std::span<const Point> points, std::span<const MapResult> results,
-              std::span<const Certificate> certificates) override {
-    map_.append(points, results);
+  void append(const MapChunk& chunk) override {
+    map_.append(chunk.points, chunk.results);
+    if (closest_) closest_->insert(closest_->end(), chunk.closest.begin(), chunk.closest.end());
     if (!certificates_) return;
-    for (const Certificate& certificate : certificates) certificates_->append(certificate);
+    for (const Certificate& certificate : chunk.certificates) certificates_->append(certificate);
   }
 
   // Infinite ends are written as IEEE infinities: ParaView then wants a colour range set by hand, or dist_mid.
@@ -37,6 +56,7 @@ class VtpMap final : public MapFormat {
     write_middles();
     write_array(map_.statuses());
     if (certificates_) write_certificates(*certificates_);
+    if (closest_) write_closest_points(*closest_);
     output_.write(vtp_end);
   }
 
@@ -44,6 +64,7 @@ class VtpMap final : public MapFormat {
   [[nodiscard]] VtpLayout layout() const {
     VtpLayout layout{map_.elements(), map_.vertices().size(), map_.triangles().size(), {}};
     if (certificates_) layout.further_normals = certificates_->further_primitive.size();
+    layout.closest_points = closest_.has_value();
     return layout;
   }
 
@@ -61,6 +82,27 @@ class VtpMap final : public MapFormat {
       write_tuples<2>(columns.weights);
     }
     write_array<std::int64_t>(columns.further_normals_end);
+  }
+
+  void write_closest_points(const std::vector<ClosestPoint>& rows) {
+    write_column<std::uint8_t>(rows, [](const ClosestPoint& row) { return static_cast<std::uint8_t>(row.unique); });
+    write_column<Point>(rows, [](const ClosestPoint& row) { return lower_corner(row.point); });
+    write_column<Point>(rows, [](const ClosestPoint& row) { return upper_corner(row.point); });
+    write_column<Point>(rows, [](const ClosestPoint& row) { return lower_corner(row.normal); });
+    write_column<Point>(rows, [](const ClosestPoint& row) { return upper_corner(row.normal); });
+    write_column<Point>(rows, [](const ClosestPoint& row) { return middle(row.normal); });
+    write_column<std::int32_t>(rows, primitive_in);
+  }
+
+  template <class Value, class Get>
+  void write_column(const std::vector<ClosestPoint>& rows, const Get& get) {
+    std::vector<Value> values(rows.size());
+    std::ranges::transform(rows, values.begin(), get);
+    if constexpr (std::same_as<Value, Point>) {
+      write_vectors(values);
+    } else {
+      write_array(std::span<const Value>(values));
+    }
   }
 
   template <class Number>
@@ -105,6 +147,7 @@ class VtpMap final : public MapFormat {
   OutputFile& output_;
   CollectedMap map_;
   std::optional<CertificateColumns> certificates_;
+  std::optional<std::vector<ClosestPoint>> closest_;
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 #include <verisq/certificate.hpp>
+#include <verisq/closest_point.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
 
@@ -18,7 +19,8 @@ namespace verisq {
 
 enum class MapContents {
   enclosures,
-  certified,  ///< with the certificate of each enclosure; `.csv` and `.vtp` only
+  certified,       ///< with the certificate of each enclosure; `.csv` and `.vtp` only
+  closest_points,  ///< of vertices with the closest point of each; `.csv`, `.npy` and `.vtp` only
 };
 
 /// What a map has a row for.
@@ -29,7 +31,36 @@ enum class MapElements {
 };
 
 /// What `.csv` and `.npy` may have in a row.
-enum class MapColumn { index, x, y, z, lo, hi, mid, width, status };
+enum class MapColumn {
+  index,
+  x,
+  y,
+  z,
+  lo,
+  hi,
+  mid,
+  width,
+  status,
+  unique,  ///< this and those below: of maps with closest points
+  closest_x_lo,
+  closest_x_hi,
+  closest_y_lo,
+  closest_y_hi,
+  closest_z_lo,
+  closest_z_hi,
+  normal_x_lo,
+  normal_x_hi,
+  normal_y_lo,
+  normal_y_hi,
+  normal_z_lo,
+  normal_z_hi,
+  primitive
+};
+
+/// Whether only a map with closest points has it.
+[[nodiscard]] constexpr bool is_of_closest_point(MapColumn column) {
+  return column >= MapColumn::unique;
+}
 
 /// The name in the first line of a `.csv`, and of the field in a `.npy`.
 [[nodiscard]] constexpr std::string_view to_string(MapColumn column) {
@@ -42,6 +73,20 @@ enum class MapColumn { index, x, y, z, lo, hi, mid, width, status };
     case MapColumn::hi: return "hi";
     case MapColumn::mid: return "mid";
     case MapColumn::width: return "width";
+    case MapColumn::unique: return "unique";
+    case MapColumn::closest_x_lo: return "closest_x_lo";
+    case MapColumn::closest_x_hi: return "closest_x_hi";
+    case MapColumn::closest_y_lo: return "closest_y_lo";
+    case MapColumn::closest_y_hi: return "closest_y_hi";
+    case MapColumn::closest_z_lo: return "closest_z_lo";
+    case MapColumn::closest_z_hi: return "closest_z_hi";
+    case MapColumn::normal_x_lo: return "normal_x_lo";
+    case MapColumn::normal_x_hi: return "normal_x_hi";
+    case MapColumn::normal_y_lo: return "normal_y_lo";
+    case MapColumn::normal_y_hi: return "normal_y_hi";
+    case MapColumn::normal_z_lo: return "normal_z_lo";
+    case MapColumn::normal_z_hi: return "normal_z_hi";
+    case MapColumn::primitive: return "primitive";
     case MapColumn::status: break;
   }
   return "status";
@@ -54,8 +99,8 @@ struct MapForm {
   /// One of the extensions above, with its dot, for a path that has none; empty: that of the path.
   std::string format = {};
   /// Of a `.csv` or `.npy` without certificates, in this order: `mid` is the middle of an enclosure, or its finite end,
-  /// `width` is rounded upward, `x`, `y`, `z` are of vertices only. Empty: index, lo, hi, status; of a `.npy` lo, hi,
-  /// status.
+  /// `width` is rounded upward, `x`, `y`, `z` are of vertices only. `unique` is 1 or 0, `primitive` -1 where it is not
+  /// known. Empty: index, lo, hi, status, and those of closest points; of a `.npy` without index.
   std::vector<MapColumn> columns = {};
   /// How many rows there will be, where that is known: what a `.npy` says at its beginning. Only needed where the file
   /// cannot be rewritten there.
@@ -73,7 +118,8 @@ class MapWriter {
  public:
   /// `mesh` supplies vertices and triangles to the mesh formats; it must outlive the writer. Null for a stream of
   /// points: then `append`'s points become vertices. Precondition: a map of triangles has a mesh.
-  /// Throws Error(input) for an unknown extension and for poses or certificates in a format that has no place for them,
+  /// Throws Error(input) for an unknown extension and for poses, certificates or closest points in a format that has no
+  /// place for them,
   /// Error(failure) when the file cannot be written.
   MapWriter(const std::filesystem::path& path, const Mesh* mesh, MapContents contents = MapContents::enclosures,
             MapElements elements = MapElements::vertices);
@@ -91,6 +137,10 @@ class MapWriter {
               std::span<const Certificate> certificates = {});
   /// The same where a mesh has the points, and for poses. Precondition: as above, and a mesh or poses.
   void append(std::span<const MapResult> results, std::span<const Certificate> certificates = {});
+  /// The same of a map with closest points. Precondition: that are its contents; as many rows of each. `points` may be
+  /// empty where a mesh has them.
+  void append_closest(std::span<const Point> points, std::span<const MapResult> results,
+                      std::span<const ClosestPoint> closest);
   /// Throws Error(failure) when the file cannot be written, or when a mesh format has not one row for each element.
   void finish();
   /// Ends an interrupted map instead of `finish`: `.csv` and `.npy` keep the rows appended so far under the target's

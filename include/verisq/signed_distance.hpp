@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <verisq/certificate.hpp>
+#include <verisq/closest_point.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 
@@ -39,6 +40,17 @@ class SignedDistance {
   /// The same, interrupted as above.
   [[nodiscard]] CertifiedEnclosure certified(const Point& point, double tolerance,
                                              const std::function<bool()>& interrupted) const;
+
+  /// Where the model's surface is closest to `point`. Of models that are is_union_of_convex as tight as binary64
+  /// allows, whatever the tolerance, wherever that is unique: always outside, but where two primitives are as near as
+  /// each other; inside where no other primitive covers the closest point. Elsewhere the distance is that of the calls
+  /// above, and the box holds every point as far as that. Never throws for finite points.
+  [[nodiscard]] ClosestPoint closest_point(const Point& point, double tolerance,
+                                           const std::function<bool()>& interrupted = {}) const;
+
+  /// The same without a search: where nothing is proven of the point, what a signed distance says that is known to lie
+  /// in `known`.
+  [[nodiscard]] ClosestPoint closest_point(const Point& point, const Enclosure& known) const;
 
  private:
   struct State;

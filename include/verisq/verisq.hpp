@@ -5,6 +5,8 @@
 #include <verisq/certificate.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
+#include <verisq/closest_point.hpp>
+#include <verisq/closest_points.hpp>
 #include <verisq/columns.hpp>
 #include <verisq/containment.hpp>
 #include <verisq/deviation.hpp>

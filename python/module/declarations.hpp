@@ -12,6 +12,7 @@ void declare_signed_distance(pybind11::module_& module);
 void declare_meshes(pybind11::module_& module);
 void declare_maps(pybind11::module_& module);
 void declare_certificates(pybind11::module_& module);
+void declare_closest_points(pybind11::module_& module);
 void declare_pairs(pybind11::module_& module);
 void declare_deviations(pybind11::module_& module);
 void declare_recoveries(pybind11::module_& module);

@@ -11,6 +11,8 @@ Models and meshes
     Model, Mesh, mesh_of_model
 Many queries, from arrays to arrays
     map, map_triangles, map_poses, map_chunks; Mapper, TriangleMapper, PoseMapper keep a model ready; Map, Status
+Closest points, normals and gradients of many points
+    closest_points, ClosestPointMap
 One query, proven by the host
     SignedDistance, distance, Enclosure
 What proves an answer again
@@ -32,6 +34,7 @@ from ._chunks import map_chunks
 from ._verisq import (
     Certificates,
     Checker,
+    ClosestPointMap,
     ClosestPoints,
     Deviation,
     Device,
@@ -54,6 +57,7 @@ from ._verisq import (
     SignedDistance,
     TriangleMapper,
     __version__,
+    closest_points,
     detect_femur,
     deviation,
     devices,
@@ -86,6 +90,7 @@ class Verdict(_enum.IntEnum):
 __all__ = [
     "Certificates",
     "Checker",
+    "ClosestPointMap",
     "ClosestPoints",
     "Deviation",
     "Device",
@@ -110,6 +115,7 @@ __all__ = [
     "TriangleMapper",
     "Verdict",
     "__version__",
+    "closest_points",
     "detect_femur",
     "deviation",
     "devices",

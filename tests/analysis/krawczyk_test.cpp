@@ -54,6 +54,27 @@ double middle(const PreciseInterval& x) {
   return static_cast<double>(x.lower().to_long_double());
 }
 
+IntervalVector<2> rectangle(double x0, double x1, double y0, double y1) {
+  IntervalVector<2> result;
+  result << PreciseInterval(Real(x0), Real(x1)), PreciseInterval(Real(y0), Real(y1));
+  return result;
+}
+
+bool at_most_one(const auto& system, double x, const IntervalVector<2>& box) {
+  return contains_at_most_one_zero<2>(system, rectangle(x, x, 0.5, 0.5), box);
+}
+
+TEST(KrawczykTest, TellsBoxesWithOneZeroFromThoseWithTwo) {
+  EXPECT_TRUE(at_most_one(Parabola{1.0}, 1.0, rectangle(0.5, 1.4, -9.0, 9.0)));
+  EXPECT_TRUE(at_most_one(Parabola{1.0}, 2.0, rectangle(1.5, 2.5, 0.5, 0.5)));  // none is at most one
+  EXPECT_FALSE(at_most_one(Parabola{1.0}, 1.0, rectangle(-1.5, 1.5, -9.0, 9.0)));
+  EXPECT_FALSE(at_most_one(Parabola{0.0}, 0.1, rectangle(-0.5, 0.5, -9.0, 9.0)));  // a double one
+  EXPECT_FALSE(at_most_one(Root{}, 0.1, rectangle(0.0, 0.5, -9.0, 9.0)));
+  EXPECT_TRUE(at_most_one(CircleAndHyperbola{}, 1.9, rectangle(1.7, 2.1, 0.4, 0.6)));
+  EXPECT_FALSE(at_most_one(CircleAndHyperbola{}, 1.9, rectangle(0.4, 2.1, 0.4, 2.1)));  // and the mirror image
+  EXPECT_TRUE(at_most_one(Parabola{1.0}, 1.0, rectangle(1.0, 1.0, 0.0, 0.0)));
+}
+
 TEST(KrawczykTest, EnclosesAKnownZero) {
   const auto zero = krawczyk<2>(CircleAndHyperbola{}, {Real(1.93), Real(0.52)});
   ASSERT_TRUE(zero);

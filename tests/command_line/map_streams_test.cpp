@@ -109,6 +109,40 @@ TEST_F(MapStreams, WritesTheColumnsAskedFor) {
             map({"--points", points_, "-o", "-"}).out);
 }
 
+TEST_F(MapStreams, WritesClosestPoints) {
+  const std::string ball = write("ball.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+    {"name": "near", "superquadric": {"semi_axes": [4, 4, 4], "exponents": [1, 1]}},
+    {"name": "far", "superquadric": {"semi_axes": [4, 4, 4], "exponents": [1, 1]}, "pose": {"translation": [0, 32, 0]}}]})");
+  const std::string points = write("above.csv", "8,0,0\n0,40,0\n0,16,0\n");
+  const auto outcome = run({"map", "--device", "host", "--model", ball, "--points", points, "-o", "-", "--columns",
+                            "lo,closest,normal,primitive,unique", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.out,
+            "lo,closest_x_lo,closest_x_hi,closest_y_lo,closest_y_hi,closest_z_lo,closest_z_hi,normal_x_lo,normal_x_hi,"
+            "normal_y_lo,normal_y_hi,normal_z_lo,normal_z_hi,primitive,unique\n"
+            "4,4,4,0,0,0,0,1,1,0,0,0,0,0,1\n"
+            "4,0,0,36,36,0,0,0,0,1,1,0,0,1,1\n"
+            "12,0,0,4,28,0,0,0,0,-1,1,0,0,-1,0\n");
+  const auto summary = nlohmann::json::parse(outcome.err);
+  EXPECT_EQ(summary["unique_closest_points"], 2);
+  EXPECT_EQ(summary["widest_closest_point"], 0.0);
+}
+
+TEST_F(MapStreams, RefusesClosestPointsOfWhatHasNone) {
+  const auto refused = [&](const Arguments& more, const std::vector<std::string>& words) {
+    Arguments arguments{"--points", points_, "--closest-points"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_refused(map(arguments), words);
+  };
+  refused({"-o", path("map.ply")}, {"map.ply: closest points are written to .csv, .npy and .vtp only"});
+  refused({"-o", path("map.csv"), "--certificates"}, {"--closest-points: not with --certificates"});
+  refused({"-o", path("map.csv"), "--point-radius", "1"}, {"--closest-points: of exact points only"});
+  refused({}, {"give at least one of --output"});
+  expect_refused(run({"map", "--model", VERISQ_EXAMPLES "/uncertain_stem.json", "--points", points_, "--closest-points",
+                      "-o", path("map.csv")}),
+                 {"--closest-points: ", "uncertain_stem.json: not supported for intervals"});
+}
+
 TEST_F(MapStreams, RefusesColumnsAndFormatsThatThereAreNot) {
   const auto refused = [&](const Arguments& more, const std::vector<std::string>& words) {
     Arguments arguments{"--points", points_};

@@ -120,27 +120,20 @@ struct Candidate {
   return (dot(v, q) - norm.support(v)) / length(v);
 }
 
-/// A boundary point of the octant and the bound that its normal proves.
-struct ProvenPoint {
-  Vector boundary_point;
-  Vector normal;
-  Real bound;
-};
-
 /// The stationary point that Newton finds from x; empty when it finds none.
-[[nodiscard]] std::optional<ProvenPoint> polished(const Stationarity& stationarity, const MixedNorm<Real>& norm,
-                                                  const Vector& q, const Vector& x) {
+[[nodiscard]] std::optional<DeepestDirection> polished(const Stationarity& stationarity, const MixedNorm<Real>& norm,
+                                                       const Vector& q, const Vector& x) {
   const std::array<bool, 3> present{x[0] > 0, x[1] > 0, x[2] > 0};
   const auto count = std::ranges::count(present, true);
   if (count == 0) return std::nullopt;
-  if (count == 1) return ProvenPoint{x, x, bound(norm, q, x)};  // a tip: its normal is its axis
+  if (count == 1) return DeepestDirection{x, x, bound(norm, q, x)};  // a tip: its normal is its axis
   const std::optional<Contact> contact = stationarity.solve(stationarity.contact_at(x, present), ldexp(Real(1), -60));
   if (!contact) return std::nullopt;
   const Vector boundary_point = stationarity.point(*contact);
   const Real gauge = norm.gauge(boundary_point);
   if (!isfinite(gauge) || gauge <= 0) return std::nullopt;
   const Vector normal = norm.gradient(boundary_point, gauge);
-  return ProvenPoint{boundary_point, normal, bound(norm, q, normal)};
+  return DeepestDirection{boundary_point, normal, bound(norm, q, normal)};
 }
 
 /// Where a nearest point may leave the plane x_i = 0 although q_i = 0: with p < 2 the solid has a ridge there, and the
@@ -198,21 +191,21 @@ struct ProvenPoint {
 
 }  // namespace
 
-Real signed_distance_inside(const Superquadric& superquadric, const MixedNorm<Real>& norm, const Vector& q,
-                            Search search) {
+DeepestDirection deepest_direction(const Superquadric& superquadric, const MixedNorm<Real>& norm, const Vector& q,
+                                   Search search) {
   const Effort effort = effort_of(search);
   const Stationarity stationarity(norm, q, Side::inside);
   const MixedNorm<double> rough(superquadric);
-  ProvenPoint best{{}, {}, -std::numeric_limits<Real>::infinity()};
+  DeepestDirection best{{}, {}, -std::numeric_limits<Real>::infinity()};
   const auto improve = [&](std::span<const Vector> starts) {
     for (const Vector& x : starts) {
-      const std::optional<ProvenPoint> point = polished(stationarity, norm, q, x);
+      const std::optional<DeepestDirection> point = polished(stationarity, norm, q, x);
       if (point && point->bound > best.bound) best = *point;
     }
   };
   for (const Candidate& candidate : shallowest(rough, rounded(q), effort)) {
     const Vector normal = widened(candidate.normal);
-    const ProvenPoint unpolished{widened(candidate.boundary_point), normal, bound(norm, q, normal)};
+    const DeepestDirection unpolished{widened(candidate.boundary_point), normal, bound(norm, q, normal)};
     if (unpolished.bound > best.bound) best = unpolished;
     improve(newton_starts(rough, q, candidate, effort.nearly_zero, {}));
   }
@@ -220,7 +213,7 @@ Real signed_distance_inside(const Superquadric& superquadric, const MixedNorm<Re
   const Candidate winner{rounded(best.boundary_point), rounded(best.normal), -best.bound.convert_to<double>()};
   const std::vector<Vector> starts = newton_starts(rough, q, winner, effort.nearly_zero, effort.decades);
   if (starts.size() > 1) improve(starts);
-  return best.bound;
+  return best;
 }
 
 }  // namespace verisq::oracle

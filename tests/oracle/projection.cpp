@@ -14,7 +14,10 @@ namespace {
 class DualityGap {
  public:
   DualityGap(const MixedNorm<Real>& norm, const Vector& q)
-      : norm_(norm), q_(q), goal_(ldexp(std::max(length(q), norm.semi_axes()[0]), -150)), best_{Real(0), length(q)} {}
+      : norm_(norm),
+        q_(q),
+        goal_(ldexp(std::max(length(q), norm.semi_axes()[0]), -150)),
+        best_{{Real(0), length(q)}, {}} {}
 
   /// Any x != 0 and the two directions it suggests, its normal and its offset from q, give valid bounds.
   void add(const Vector& x) {
@@ -22,25 +25,29 @@ class DualityGap {
     if (!isfinite(gauge) || gauge <= 0) return;
     const Vector body_point = gauge > 1 ? scaled<Real>(x, 1 / gauge) : x;
     const Vector offset = difference(q_, body_point);
-    best_.upper = std::min<Real>(best_.upper, length(offset));
+    const Real upper = length(offset);
+    if (upper < best_.distance.upper) {
+      best_.distance.upper = upper;
+      best_.point = body_point;
+    }
     add_direction(offset);
     if (!closed()) add_direction(norm_.gradient(x, gauge));
   }
 
-  [[nodiscard]] bool closed() const { return best_.upper - best_.lower <= goal_; }
-  [[nodiscard]] const Bounds& bounds() const { return best_; }
+  [[nodiscard]] bool closed() const { return best_.distance.upper - best_.distance.lower <= goal_; }
+  [[nodiscard]] const ProjectedPoint& best() const { return best_; }
 
  private:
   void add_direction(const Vector& v) {
     const Real norm = length(v);
     if (norm == 0) return;
-    best_.lower = std::max<Real>(best_.lower, (dot(v, q_) - norm_.support(v)) / norm);
+    best_.distance.lower = std::max<Real>(best_.distance.lower, (dot(v, q_) - norm_.support(v)) / norm);
   }
 
   const MixedNorm<Real>& norm_;
   const Vector& q_;
   Real goal_;
-  Bounds best_;
+  ProjectedPoint best_;  // at first the centre
 };
 
 /// Runs Newton from `start` to two accuracies: the first is nearly always enough.
@@ -59,14 +66,14 @@ void add_solution(DualityGap& gap, const Stationarity& stationarity, const Conta
 
 }  // namespace
 
-Bounds distance_outside(const Superquadric& superquadric, const MixedNorm<Real>& norm, const Vector& q) {
+ProjectedPoint project_from_outside(const Superquadric& superquadric, const MixedNorm<Real>& norm, const Vector& q) {
   const std::array<bool, 3> present{q[0] > 0, q[1] > 0, q[2] > 0};
   DualityGap gap(norm, q);
   const Vector radial = scaled<Real>(q, 1 / norm.gauge(q));
   // On an axis the tip is the closest point, by symmetry.
   if (count(present) == 1) {
     gap.add(radial);
-    return gap.bounds();
+    return gap.best();
   }
   const Stationarity stationarity(norm, q, Side::outside);
 
@@ -84,7 +91,7 @@ Bounds distance_outside(const Superquadric& superquadric, const MixedNorm<Real>&
     gap.add(stationarity.point(contact));
     if (!gap.closed()) add_solution(gap, stationarity, contact);
   }
-  return gap.bounds();
+  return gap.best();
 }
 
 }  // namespace verisq::oracle

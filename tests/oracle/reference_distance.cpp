@@ -63,13 +63,17 @@ Real PosedSolid::magnitude(const Point& point) const {
   return std::max<Real>(length(to_own_frame(widened(point))), largest_semi_axis_);
 }
 
+/// Every operation is correctly rounded to 201 bits, and each result is a handful of norms and dot products whose
+/// relative errors do not add up to 2^-190 of the magnitudes involved; 2^-170 of them is beyond doubt.
+Real PosedSolid::rounding_at(const Vector& point) const {
+  return ldexp(length(point) + length(translation_) + largest_semi_axis_, -170);
+}
+
 ReferenceDistance PosedSolid::signed_distance(const Point& point, Search search) const {
   const Vector global = widened(point);
   Vector q = to_own_frame(global);
   for (Real& coordinate : q) coordinate = abs(coordinate);
-  // Every operation is correctly rounded to 201 bits, and each result below is a handful of norms and dot products
-  // whose relative errors do not add up to 2^-190 of the magnitudes involved; 2^-170 of them is beyond doubt.
-  const Real rounding = ldexp(length(global) + length(translation_) + largest_semi_axis_, -170);
+  const Real rounding = rounding_at(global);
 
   const Real excess = norm_.gauge(q) - 1;
   if (abs(excess) < ldexp(Real(1), -160)) {
@@ -78,11 +82,33 @@ ReferenceDistance PosedSolid::signed_distance(const Point& point, Search search)
     return {-slack, slack, true};
   }
   if (excess > 0) {
-    const Bounds bounds = distance_outside(superquadric_, norm_, q);
+    const Bounds bounds = project_from_outside(superquadric_, norm_, q).distance;
     return {bounds.lower - rounding, bounds.upper + rounding, true};
   }
-  const Real best = signed_distance_inside(superquadric_, norm_, q, search);
+  const Real best = deepest_direction(superquadric_, norm_, q, search).bound;
   return {best - rounding, best + rounding, false};
+}
+
+ReferencePoint PosedSolid::closest_point(const Point& point, Search search) const {
+  const Vector global = widened(point);
+  const Vector own = to_own_frame(global);
+  const Vector q{abs(own[0]), abs(own[1]), abs(own[2])};
+  const Real rounding = rounding_at(global);
+  const auto in_model = [&](Vector p) {
+    for (std::size_t i = 0; i < 3; ++i) p[i] = own[i] < 0 ? Real(-p[i]) : p[i];
+    return from_own_frame(p);
+  };
+  if (norm_.gauge(q) > 1) {
+    const auto [bounds, p] = project_from_outside(superquadric_, norm_, q);
+    const Real lower = std::max<Real>(Real(0), bounds.lower - rounding);
+    const Real upper = bounds.upper + rounding;
+    return {{lower, upper, true}, in_model(p), sqrt(upper * upper - lower * lower) + rounding};
+  }
+  const DeepestDirection best = deepest_direction(superquadric_, norm_, q, search);
+  const Vector foot = difference(q, scaled<Real>(best.normal, best.bound / length(best.normal)));
+  return {{best.bound - rounding, best.bound + rounding, false},
+          in_model(best.boundary_point),
+          2 * length(difference(foot, best.boundary_point)) + rounding};
 }
 
 }  // namespace verisq::oracle

@@ -19,12 +19,23 @@ struct ReferenceDistance {
   bool upper_is_proven;
 };
 
+/// A ball that contains the closest point of the surface. Proven outside; inside the search may have missed a nearer
+/// one, and did not converge where the radius is not tiny.
+struct ReferencePoint {
+  ReferenceDistance distance;
+  Vector centre;
+  Real radius;
+};
+
 class PosedSolid {
  public:
   PosedSolid(const Superquadric& superquadric, const Pose& pose);
 
   /// `search` matters inside only.
   [[nodiscard]] ReferenceDistance signed_distance(const Point& point, Search search = Search::usual) const;
+
+  /// Precondition: the point is farther from the surface than rounding.
+  [[nodiscard]] ReferencePoint closest_point(const Point& point, Search search = Search::usual) const;
 
   /// R^T (point - t), to within 2^-190 (|point| + |t|).
   [[nodiscard]] Vector to_own_frame(const Vector& point) const;
@@ -45,6 +56,8 @@ class PosedSolid {
   [[nodiscard]] Real magnitude(const Point& point) const;
 
  private:
+  [[nodiscard]] Real rounding_at(const Vector& point) const;
+
   Superquadric superquadric_;
   MixedNorm<Real> norm_;
   Vector translation_;

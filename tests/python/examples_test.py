@@ -1,5 +1,6 @@
 """The examples do what they say, and README shows one of them as it is."""
 
+import importlib.util
 import inspect
 import re
 import subprocess
@@ -25,6 +26,13 @@ class Examples(unittest.TestCase):
         self.assertEqual(lines[2], "beyond: 0 proven")
         self.assertRegex(lines[3],
                          r"^no vertex is nearer than 1\.99999\d+ mm; vertex \d+ is at most (2\.00000|1\.99999)")
+
+    @unittest.skipUnless(importlib.util.find_spec("scipy"), "SciPy is not installed: optimise_pose.py is NOT tested")
+    def test_optimise_pose(self):
+        first, last = output("optimise_pose.py", EXAMPLES / "stem_mm.json", EXAMPLES / "cavity.off", "2",
+                             "8,-5,10,0.99,0.08,-0.06,0.1").splitlines()
+        self.assertEqual(first, "at the start distances are off 2 by 44.9 (root mean square)")
+        self.assertLess(float(re.search(r"off by (\S+) at most", last)[1]), 1e-7)
 
     def test_readme_shows_the_first(self):
         readme = (SOURCE / "README.md").read_text()

@@ -21,6 +21,50 @@ def rotations(count, seed):
     return np.random.default_rng(seed).normal(0.0, 1.0, (count, 7)) * [20, 20, 20, 2, 2, 2, 2]
 
 
+def tightest(model, points):
+    """The middles of enclosures of some 1e-14 of the size."""
+    lo, hi, _ = verisq.map(model, points, tolerance=0.0, device="host")
+    return (lo + hi) / 2
+
+
+class ClosestPoints(unittest.TestCase):
+    def test_a_box_a_normal_and_the_primitive(self):
+        soap = model("soap.json")
+        found = verisq.closest_points(soap, [[10.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+        self.assertEqual(found.point.shape, (2, 3, 2))
+        np.testing.assert_array_equal(found.unique, [True, False])
+        self.assertTrue(found.lo[0] <= 6.6 <= found.hi[0] and found.hi[1] < 0.0)
+        lo, hi = found.point[0].T
+        self.assertTrue(np.all(lo <= [3.4, 0, 0]) and np.all([3.4, 0, 0] <= hi) and np.max(hi - lo) < 1e-14)
+        np.testing.assert_allclose(found.normal[0], [[1, 1], [0, 0], [0, 0]], atol=1e-15)
+        np.testing.assert_array_equal(found.normal[1], [[-1, 1]] * 3)
+        np.testing.assert_array_equal(found.primitive, [0, 0])
+        self.assertEqual((len(found), repr(found)), (2, "<verisq.ClosestPointMap: 2 rows, 1 unique>"))
+
+    def test_gradients_are_differences(self):
+        stem = model("stem_mm.json")
+        points = np.random.default_rng(3).uniform(-80.0, 80.0, (40, 3))
+        centre = np.array([5.0, -3.0, 20.0])
+        found = verisq.closest_points(stem, points)
+        self.assertGreater(np.sum(found.unique), 30)
+        gradient = found.gradient_by_motion(centre)[found.unique]
+        self.assertEqual(gradient.shape[1:], (6, 2))
+        self.assertLess(np.max(gradient[:, :, 1] - gradient[:, :, 0]), 1e-9)
+        step = 1e-4
+        for k in range(6):
+            arm = points - centre
+            along = np.eye(3)[k] + 0 * points if k < 3 else np.cross(np.eye(3)[k - 3], arm) / 100.0
+            ends = [tightest(stem, points + sign * step * along) for sign in (1, -1)]
+            difference = (ends[0] - ends[1]) / (2 * step) * (1.0 if k < 3 else 100.0)
+            np.testing.assert_allclose(gradient[:, k, 0], difference[found.unique], rtol=1e-6, atol=1e-5)
+
+    def test_errors(self):
+        with self.assertRaisesRegex(verisq.Error, r"^point 1: \(.*\) is not finite$"):
+            verisq.closest_points(model("soap.json"), [[0, 0, 9], [0, 0, float("inf")]])
+        with self.assertRaisesRegex(verisq.Error, "^closest_points: not for models with intervals$"):
+            verisq.closest_points(model("uncertain_stem.json"), [[0, 0, 9]])
+
+
 class SingleQueries(unittest.TestCase):
     def test_signed_distance(self):
         distance = verisq.SignedDistance(model("soap.json"))

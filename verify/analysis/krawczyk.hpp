@@ -1,7 +1,9 @@
-/// Krawczyk's operator: proves that a system of equations has exactly one zero in a box, and encloses it.
+/// Krawczyk's operator: proves that a system of equations has exactly one zero in a box, and encloses it; or that a box
+/// has no two.
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <optional>
@@ -118,6 +120,46 @@ template <int N, ExpandableSystem<N> System>
     // F, or its derivative, is not defined on all of the box.
   }
   return std::nullopt;
+}
+
+/// Whether `box` is proven to contain no two zeros of F. Of two, a and b, the mean value theorem says, row by row,
+/// 0 = Y (F(a) - F(b)) = Y J (a - b) with a J of J(V) over the box V, hence a - b = (I - Y J)(a - b) for any matrix Y;
+/// but that map makes |x| = max |x_i| / w_i smaller, whatever w > 0 is, if |I - Y J(V)| w < w. The w are proposed: the
+/// widths of the box, then what the matrix makes of them, which tends to its Perron vector. `centre` is a point of the
+/// box about whose Jacobian Y is chosen.
+template <int N, ExpandableSystem<N> System>
+[[nodiscard]] bool contains_at_most_one_zero(const System& system, const IntervalVector<N>& centre,
+                                             const IntervalVector<N>& box) {
+  using namespace krawczyk_details;
+  constexpr int proposals = 6;
+  try {
+    const auto y = approximate_inverse<N>(system(lower_ends<N>(centre)).jacobian);
+    if (!y) return false;
+    const IntervalMatrix<N> map = IntervalMatrix<N>::Identity() - y->lazyProduct(system(box).jacobian);
+    IntervalVector<N> w;
+    Real widest(0);
+    for (int i = 0; i < N; ++i) {
+      w[i] = (PreciseInterval(box[i].upper()) - PreciseInterval(box[i].lower())).upper();
+      widest = std::max(widest, w[i].upper());
+    }
+    if (widest == Real(0)) return true;  // a single point
+    for (int i = 0; i < N; ++i) w[i] = std::max(w[i].lower(), multiply(widest, Real(0x1p-20), Direction::up));
+    for (int proposal = 0; proposal < proposals; ++proposal) {
+      IntervalVector<N> image;
+      bool smaller = true;
+      for (int i = 0; i < N; ++i) {
+        PreciseInterval sum(0);
+        for (int j = 0; j < N; ++j) sum += abs(map(i, j)) * w[j];
+        smaller = smaller && sum.upper() < w[i].lower();
+        image[i] = sum.upper();
+      }
+      if (smaller) return true;
+      for (int i = 0; i < N; ++i) w[i] = (w[i] + image[i]).upper();  // positive, as w is
+    }
+  } catch (const std::domain_error&) {
+    // F, or its derivative, is not defined on all of the box.
+  }
+  return false;
 }
 
 }  // namespace verisq::verify

@@ -8,7 +8,7 @@
 
 #include "verify/analysis/krawczyk.hpp"
 #include "verify/analysis/norm_expansion.hpp"
-#include "verify/proof/intersection.hpp"
+#include "verify/search/enclosing_box.hpp"
 #include "verify/search/pair_contact.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -16,13 +16,10 @@ namespace verisq::verify {
 
 namespace {
 
+constexpr const char* closest_coordinate = "a coordinate of a closest point";
+
 bool strictly_convex(const Superquadric& solid) {
   return solid.exponents[0] < 2.0 && solid.exponents[1] < 2.0;
-}
-
-/// The lower ends: single points, for proposals.
-PreciseVector thin(const PreciseVector& x) {
-  return {x[0].lower(), x[1].lower(), x[2].lower()};
 }
 
 /// A pair of closest points and the vector between them, in the frame of the first solid; `on_b` in the second's.
@@ -227,27 +224,10 @@ struct Boxes {
   }
 };
 
-Enclosure rounded_outward(const PreciseInterval& x) {
-  return {x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)};
-}
-
-/// Both contain the same point.
-PreciseVector intersection(const PreciseVector& x, const PreciseVector& y) {
-  PreciseVector result;
-  for (int k = 0; k < 3; ++k) {
-    const Real lower = std::max(x[k].lower(), y[k].lower());
-    const Real upper = std::min(x[k].upper(), y[k].upper());
-    if (!(lower <= upper))
-      report_contradiction(rounded_outward(x[k]), rounded_outward(y[k]), "a coordinate of a closest point");
-    result[k] = PreciseInterval(lower, upper);
-  }
-  return result;
-}
-
 /// Two enclosures of the same pair of points, or what there is.
 std::optional<Boxes> both(const std::optional<Boxes>& x, const std::optional<Boxes>& y) {
   if (!x || !y) return x ? x : y;
-  return Boxes{intersection(x->on_a, y->on_a), intersection(x->on_b, y->on_b)};
+  return Boxes{intersection(x->on_a, y->on_a, closest_coordinate), intersection(x->on_b, y->on_b, closest_coordinate)};
 }
 
 Boxes hull_of(const Boxes& x, const Boxes& y) {
@@ -291,7 +271,7 @@ struct Remaining {
     const PreciseVector a = motion(on_a);
     const PreciseVector b = pairs.motion_b(j)(on_b);
     const PreciseVector apart = motion.rotation * v;
-    return Boxes{intersection(a, b - apart), intersection(b, a + apart)};
+    return Boxes{intersection(a, b - apart, closest_coordinate), intersection(b, a + apart, closest_coordinate)};
   }
 
   /// From both solids' sides where the first system leaves wide boxes or does not succeed.
@@ -441,10 +421,6 @@ std::optional<Nearest> nearest_pairs(const PosedPairs& pairs, const ModelDistanc
   }
   std::erase_if(nearest.pairs, [&](const Remaining& pair) { return pair.lower > nearest.upper; });
   return nearest;
-}
-
-std::array<Enclosure, 3> rounded_outward(const PreciseVector& box) {
-  return {rounded_outward(box[0]), rounded_outward(box[1]), rounded_outward(box[2])};
 }
 
 }  // namespace

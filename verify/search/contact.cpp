@@ -1,4 +1,4 @@
-/// The contact problem in long double and in 50 digits.
+/// The contact problem in binary64, in long double and in 50 digits.
 #include "verify/search/contact.hpp"
 
 #include "verify/analysis/fifty_digits.hpp"
@@ -20,6 +20,10 @@ Contact solve(const Superquadric& solid, const Proposal& q, const logarithmic::R
 }
 
 }  // namespace
+
+Contact rough_contact(const Superquadric& solid, const Proposal& q) {
+  return solve<double>(solid, q, logarithmic::kResolution<double>);
+}
 
 Contact fast_contact(const Superquadric& solid, const Proposal& q) {
   return solve<long double>(solid, q, logarithmic::kResolution<long double>);

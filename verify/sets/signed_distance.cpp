@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "verify/proof/exact_checker.hpp"
+#include "verify/search/union_closest_point.hpp"
 #include "verify/search/union_of_convex.hpp"
 #include "verify/sets/solid_distance.hpp"
 #include "verisq/enclosure.hpp"
@@ -42,7 +43,8 @@ struct ConvexUnion {
 }  // namespace
 
 struct SignedDistance::State {
-  explicit State(const Model& model) : search(model), resolution(search_limit * bounding_radius(model)) {
+  explicit State(const Model& model)
+      : search(model), resolution(search_limit * bounding_radius(model)), primitives(model.primitives.size()) {
     if (is_union_of_convex(model)) convex.emplace(model);
   }
 
@@ -51,9 +53,21 @@ struct SignedDistance::State {
     return search(point, std::max(tolerance, resolution), known, interrupted);
   }
 
+  [[nodiscard]] std::optional<ClosestPoint> proven_closest_point(const Point& point) const {
+    if (!convex) return std::nullopt;
+    return verify::closest_point(convex->primitives, point);
+  }
+
+  [[nodiscard]] ClosestPoint closest_point_within(const Enclosure& distance, const Point& point) const {
+    ClosestPoint result = verisq::closest_point_within(distance, point);
+    if (primitives == 1) result.primitive = 0;  // no other has a surface
+    return result;
+  }
+
   std::optional<ConvexUnion> convex;
   verify::SolidDistance search;
   double resolution;
+  std::size_t primitives;
 };
 
 SignedDistance::SignedDistance(const Model& model) : state_(std::make_unique<State>(model)) {}
@@ -72,6 +86,18 @@ Enclosure SignedDistance::operator()(const Point& point, double tolerance,
   const Enclosure known = verify::signed_distance(state_->convex->primitives, point, tolerance).distance;
   if (!state_->convex->loose(known, std::max(tolerance, state_->resolution))) return known;
   return state_->searched(point, tolerance, known, interrupted);
+}
+
+ClosestPoint SignedDistance::closest_point(const Point& point, double tolerance,
+                                           const std::function<bool()>& interrupted) const {
+  if (const std::optional<ClosestPoint> found = state_->proven_closest_point(point)) return *found;
+  const std::function<bool()> uninterrupted = never;
+  return state_->closest_point_within((*this)(point, tolerance, interrupted ? interrupted : uninterrupted), point);
+}
+
+ClosestPoint SignedDistance::closest_point(const Point& point, const Enclosure& known) const {
+  const std::optional<ClosestPoint> found = state_->proven_closest_point(point);
+  return found ? *found : state_->closest_point_within(known, point);
 }
 
 CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance) const {

@@ -1,0 +1,78 @@
+/// Chunks of points, each shared by the processors.
+#include "verisq/closest_points.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <verisq/error.hpp>
+
+#include "host/threads/parallel.hpp"
+
+namespace verisq {
+namespace {
+
+/// So many points are finished before the end is asked for.
+constexpr std::size_t points_between_polls = 1024;
+
+void refuse_if_not_finite(const Point& x, std::size_t index) {
+  if (std::ranges::all_of(x, [](double c) { return std::isfinite(c); })) return;
+  throw Error(ErrorKind::input, fmt::format("point {}: ({}, {}, {}) is not finite", index, x[0], x[1], x[2]));
+}
+
+double widest_interval(const EnclosedPoint& box) {
+  return std::max({box[0].width(), box[1].width(), box[2].width()});
+}
+
+}  // namespace
+
+ClosestPointSummary summary_of(std::span<const ClosestPoint> rows) {
+  ClosestPointSummary summary{.points = rows.size()};
+  for (const ClosestPoint& row : rows) {
+    if (!row.unique) continue;
+    ++summary.unique;
+    summary.widest_point = std::max(summary.widest_point, widest_interval(row.point));
+    summary.widest_normal = std::max(summary.widest_normal, widest_interval(row.normal));
+  }
+  return summary;
+}
+
+ClosestPointSummary joined(const ClosestPointSummary& a, const ClosestPointSummary& b) {
+  return {.points = a.points + b.points,
+          .unique = a.unique + b.unique,
+          .widest_point = std::max(a.widest_point, b.widest_point),
+          .widest_normal = std::max(a.widest_normal, b.widest_normal),
+          .interrupted = a.interrupted || b.interrupted};
+}
+
+ClosestPointSummary closest_points(const SignedDistance& distance, const PointColumns& points,
+                                   std::span<ClosestPoint> rows, const ClosestPointOptions& options) {
+  if (rows.size() != points.size()) {
+    throw Error(ErrorKind::input,
+                fmt::format("{} rows for the closest points of {} points", rows.size(), points.size()));
+  }
+  if (!options.known.empty() && options.known.size() != points.size()) {
+    throw Error(ErrorKind::input, fmt::format("{} known distances of {} points", options.known.size(), points.size()));
+  }
+  std::size_t done = 0;
+  const auto interrupted = [&] { return options.interrupted && options.interrupted(); };
+  while (done < points.size() && !interrupted()) {
+    const std::size_t count = std::min(points_between_polls, points.size() - done);
+    in_parallel(count, [&](std::size_t k) {
+      const Point x = points[done + k];
+      refuse_if_not_finite(x, done + k);
+      rows[done + k] = options.known.empty() ? distance.closest_point(x, options.tolerance, options.interrupted)
+                                             : distance.closest_point(x, options.known[done + k]);
+    });
+    done += count;
+  }
+  for (std::size_t k = done; k < points.size(); ++k) {
+    constexpr Enclosure anything{-infinity, infinity};
+    rows[k] = closest_point_within(options.known.empty() ? anything : options.known[k], points[k]);
+  }
+  ClosestPointSummary summary = summary_of(rows.first(done));
+  summary.interrupted = done < points.size();
+  return summary;
+}
+
+}  // namespace verisq

@@ -1,0 +1,249 @@
+/// Closest points of models: what is known of simple ones, and derivatives against differences of distances.
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <verisq/closest_points.hpp>
+#include <verisq/model_file.hpp>
+#include <verisq/posed_model.hpp>
+#include <verisq/signed_distance.hpp>
+
+#include "tests/fixtures/error_matchers.hpp"
+
+namespace verisq {
+namespace {
+
+constexpr double tolerance = 1e-6;
+
+Primitive ball(double radius, const Point& centre) {
+  return {"", {{radius, radius, radius}, {1.0, 1.0}}, {centre}};
+}
+
+Primitive box(const Point& half, const Point& centre) {
+  return {"", {half, {0.1, 0.1}}, {centre}};
+}
+
+bool contains(const EnclosedPoint& box, const Point& x) {
+  return box[0].contains(x[0]) && box[1].contains(x[1]) && box[2].contains(x[2]);
+}
+
+double widest(const EnclosedPoint& box) {
+  return std::max({box[0].width(), box[1].width(), box[2].width()});
+}
+
+ClosestPoint closest(const Model& model, const Point& x) {
+  return SignedDistance(model).closest_point(x, tolerance);
+}
+
+TEST(ClosestPoint, OfABallIsOnTheRayFromItsCentre) {
+  const Model model{"", {ball(2.0, {1.0, 0.0, 0.0})}};
+  for (const double apart : {5.0, 1.75}) {  // outside, inside: along the unit vector (3, 4, 12)/13
+    const Point x{1.0 + apart * 3.0 / 13.0, apart * 4.0 / 13.0, apart * 12.0 / 13.0};
+    const ClosestPoint found = closest(model, x);
+    EXPECT_TRUE(found.unique) << apart;
+    EXPECT_EQ(found.primitive, 0U);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double n = std::array{3.0, 4.0, 12.0}[k] / 13.0;
+      EXPECT_NEAR(found.normal[k].lo, n, 4e-16) << apart;
+      EXPECT_NEAR(found.point[k].hi, (k == 0 ? 1.0 : 0.0) + 2.0 * n, 2e-15) << apart;
+    }
+    EXPECT_LT(widest(found.point), 1e-15);
+    EXPECT_LT(widest(found.normal), 1e-15);
+    EXPECT_NEAR(found.distance.lo, apart - 2.0, 1e-15);
+  }
+}
+
+TEST(ClosestPoint, OfTheMiddleOfABallIsNotUnique) {
+  const ClosestPoint found = closest({"", {ball(2.0, {1.0, 0.0, 0.0})}}, {1.0, 0.0, 0.0});
+  EXPECT_FALSE(found.unique);
+  EXPECT_EQ(found.primitive, 0U);
+  for (const Point& p : {Point{3.0, 0.0, 0.0}, Point{1.0, -2.0, 0.0}, Point{1.0, 0.0, 2.0}}) {
+    EXPECT_TRUE(contains(found.point, p));
+  }
+}
+
+/// Halfway between two faces there are two.
+TEST(ClosestPoint, IsNotUniqueOnTheMedialAxis) {
+  const Model model{"", {box({4.0, 3.0, 1.0}, {})}};
+  EXPECT_FALSE(closest(model, {0.5, 0.25, 0.0}).unique);
+  const ClosestPoint above = closest(model, {0.5, 0.25, 0.001});
+  EXPECT_TRUE(above.unique);
+  EXPECT_GT(above.normal[2].lo, 0.999);
+}
+
+TEST(ClosestPoint, OnASmoothSurfaceIsThePointItself) {
+  const ClosestPoint found = closest({"", {ball(2.0, {})}}, {0.0, 2.0, 0.0});
+  EXPECT_TRUE(found.unique);
+  EXPECT_TRUE(contains(found.point, {0.0, 2.0, 0.0}));
+  EXPECT_TRUE(contains(found.normal, {0.0, 1.0, 0.0}));
+  EXPECT_LT(widest(found.normal), 1e-14);
+}
+
+/// The octahedron has a vertex there, and no normal.
+TEST(ClosestPoint, OnAVertexHasNoGradient) {
+  const Model octahedron{"", {{"", {{2.0, 2.0, 2.0}, {2.0, 2.0}}, {}}}};
+  EXPECT_FALSE(closest(octahedron, {0.0, 0.0, 2.0}).unique);
+  const ClosestPoint above = closest(octahedron, {0.25, 0.0, 5.0});
+  EXPECT_TRUE(above.unique);
+  EXPECT_TRUE(contains(above.point, {0.0, 0.0, 2.0}));
+  const double length = std::hypot(0.25, 3.0);
+  EXPECT_NEAR(above.normal[0].lo, 0.25 / length, 1e-9);
+}
+
+TEST(ClosestPoint, OfAUnionIsThatOfTheNearestPrimitive) {
+  const Model model{"", {ball(1.0, {-3.0, 0.0, 0.0}), ball(1.0, {3.0, 0.0, 0.0})}};
+  const ClosestPoint right = closest(model, {1.0, 0.0, 0.0});
+  EXPECT_TRUE(right.unique);
+  EXPECT_EQ(right.primitive, 1U);
+  EXPECT_TRUE(contains(right.point, {2.0, 0.0, 0.0}));
+  const ClosestPoint middle = closest(model, {0.0, 0.0, 0.0});
+  EXPECT_FALSE(middle.unique);
+  EXPECT_EQ(middle.primitive, std::nullopt);
+  EXPECT_TRUE(contains(middle.point, {2.0, 0.0, 0.0}) && contains(middle.point, {-2.0, 0.0, 0.0}));
+  EXPECT_TRUE(contains(middle.normal, {1.0, 0.0, 0.0}) && contains(middle.normal, {-1.0, 0.0, 0.0}));
+}
+
+/// Within the overlap the nearest point of one ball lies in the other: no surface of the union.
+TEST(ClosestPoint, OfAnOverlapIsNotThatOfOnePrimitive) {
+  const Model model{"", {ball(2.0, {-1.0, 0.0, 0.0}), ball(2.0, {1.0, 0.0, 0.0})}};
+  EXPECT_FALSE(closest(model, {0.25, 0.125, 0.0}).unique);
+  const ClosestPoint end = closest(model, {2.5, 0.125, 0.0});  // inside the right one, away from the left one
+  EXPECT_TRUE(end.unique);
+  EXPECT_EQ(end.primitive, 1U);
+}
+
+TEST(ClosestPoint, OfABentSolidIsNotKnownYet) {
+  const Model model = read_model(VERISQ_EXAMPLES "/bent_stem.json");
+  const ClosestPoint found = closest(model, {100.0, 20.0, 0.0});
+  EXPECT_FALSE(found.unique);
+  EXPECT_LT(found.distance.lo, found.point[0].hi);
+  EXPECT_EQ(found.normal[1], (Enclosure{-1.0, 1.0}));
+}
+
+TEST(ClosestPoint, WithinAKnownDistanceIsAnywhereSoFar) {
+  const ClosestPoint found = closest_point_within({-3.0, -2.0}, {1.0, 2.0, 0.1});
+  EXPECT_EQ(found.point[0], (Enclosure{-2.0, 4.0}));
+  EXPECT_LE(found.point[2].lo, 0.1 - 3.0);
+  EXPECT_FALSE(found.unique);
+}
+
+/// A model and points about it, outside and inside.
+struct Scene {
+  Model model;
+  std::vector<Point> points;
+};
+
+Scene tapered_stem() {
+  Scene scene{read_model(VERISQ_EXAMPLES "/tapered_stem.json"), {}};
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> coordinate(-40.0, 40.0);
+  for (int i = 0; i < 60; ++i) scene.points.push_back({coordinate(random), coordinate(random), coordinate(random)});
+  return scene;
+}
+
+/// Middle of the tightest enclosure: right to some 1e-14 of the size.
+double signed_distance(const SignedDistance& distance, const Point& x) {
+  const auto [lo, hi] = distance(x, 0.0);
+  return 0.5 * (lo + hi);
+}
+
+/// Central differences with steps of 1e-4 are right to 1e-8 times third derivatives, and 1e-14/1e-4.
+constexpr double step = 1e-4;
+
+TEST(ClosestPoint, HasTheGradientByPositionAsItsNormal) {
+  const Scene scene = tapered_stem();
+  const SignedDistance distance(scene.model);
+  std::size_t unique = 0;
+  for (const Point& x : scene.points) {
+    const ClosestPoint found = distance.closest_point(x, tolerance);
+    if (!found.unique) continue;
+    ++unique;
+    for (std::size_t k = 0; k < 3; ++k) {
+      Point more = x;
+      Point less = x;
+      more[k] += step;
+      less[k] -= step;
+      const double difference =
+          (signed_distance(distance, more) - signed_distance(distance, less)) / (more[k] - less[k]);
+      EXPECT_NEAR(found.normal[k].lo, difference, 1e-6);
+      EXPECT_LE(found.normal[k].width(), 1e-9);
+    }
+  }
+  EXPECT_GE(unique, 50U);
+}
+
+Pose small_motion(std::size_t parameter, double size, const Point& centre) {
+  Pose pose;
+  if (parameter < 3) {
+    pose.translation[parameter] = size;
+    return pose;
+  }
+  const std::size_t axis = parameter - 3;
+  pose.quaternion = {std::cos(size / 2), 0.0, 0.0, 0.0};
+  pose.quaternion[1 + axis] = std::sin(size / 2);
+  // x -> c + R (x - c)
+  const std::size_t j = (axis + 1) % 3;
+  const std::size_t k = (axis + 2) % 3;
+  const double cosine = std::cos(size);
+  const double sine = std::sin(size);
+  pose.translation[j] = centre[j] - (cosine * centre[j] - sine * centre[k]);
+  pose.translation[k] = centre[k] - (sine * centre[j] + cosine * centre[k]);
+  return pose;
+}
+
+/// Of a motion of the model, the negatives of those of the point.
+TEST(ClosestPoint, GivesTheGradientByMotions) {
+  const Scene scene = tapered_stem();
+  const SignedDistance distance(scene.model);
+  const Point centre{3.0, -5.0, 10.0};
+  for (std::size_t parameter = 0; parameter < 6; ++parameter) {
+    const double size = parameter < 3 ? step : step / 40.0;
+    const SignedDistance further(posed(scene.model, small_motion(parameter, size, centre)));
+    const SignedDistance back(posed(scene.model, small_motion(parameter, -size, centre)));
+    for (std::size_t i = 0; i < scene.points.size(); i += 5) {
+      const Point& x = scene.points[i];
+      const ClosestPoint found = distance.closest_point(x, tolerance);
+      if (!found.unique) continue;
+      const Enclosure gradient = gradient_by_motion(found, x, centre)[parameter];
+      const double difference = (signed_distance(further, x) - signed_distance(back, x)) / (2.0 * size);
+      EXPECT_NEAR(-gradient.lo, difference, 1e-6 * std::max(1.0, std::fabs(difference)));
+      EXPECT_LE(gradient.width(), 1e-7);
+    }
+  }
+}
+
+TEST(ClosestPoints, OfManyPointsAreThoseOfEach) {
+  const Scene scene = tapered_stem();
+  const SignedDistance distance(scene.model);
+  std::vector<ClosestPoint> rows(scene.points.size());
+  const ClosestPointSummary summary = closest_points(distance, scene.points, rows, {.tolerance = tolerance});
+  EXPECT_EQ(summary, summary_of(rows));
+  EXPECT_EQ(summary.points, rows.size());
+  for (std::size_t i = 0; i < rows.size(); i += 7) {
+    const ClosestPoint one = distance.closest_point(scene.points[i], tolerance);
+    EXPECT_EQ(rows[i].point, one.point);
+    EXPECT_EQ(rows[i].normal, one.normal);
+  }
+}
+
+TEST(ClosestPoints, EndWhenInterrupted) {
+  const Scene scene = tapered_stem();
+  std::vector<ClosestPoint> rows(scene.points.size());
+  const ClosestPointSummary summary = closest_points(SignedDistance(scene.model), scene.points, rows,
+                                                     {.tolerance = tolerance, .interrupted = [] { return true; }});
+  EXPECT_TRUE(summary.interrupted);
+  EXPECT_EQ(summary.points, 0U);
+  EXPECT_EQ(rows.back().point[0], (Enclosure{-infinity, infinity}));
+}
+
+TEST(ClosestPoints, RefuseWhatDoesNotFit) {
+  const SignedDistance distance(Model{"", {ball(1.0, {})}});
+  std::vector<ClosestPoint> rows(1);
+  const std::vector<Point> points{{0.0, 0.0, std::nan("")}};
+  EXPECT_THROW(closest_points(distance, points, rows, {.tolerance = tolerance}), Error);
+  EXPECT_THROW(closest_points(distance, std::vector<Point>(2), rows, {.tolerance = tolerance}), Error);
+}
+
+}  // namespace
+}  // namespace verisq

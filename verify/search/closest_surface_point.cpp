@@ -1,0 +1,352 @@
+/// Outside by the ball that two ends of the distance leave, inside by Krawczyk's operator and a cover of directions.
+#include "verify/search/closest_surface_point.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+
+#include "verify/search/contact.hpp"
+#include "verify/search/enclosing_box.hpp"
+#include "verify/search/interior.hpp"
+#include "verify/search/nearest_directions.hpp"
+#include "verify/search/projection_equations.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+constexpr const char* what_of_points = "a coordinate of the closest point of a superquadric";
+constexpr const char* what_of_normals = "a component of the normal of a superquadric";
+constexpr const char* what_of_distances = "the signed distance of a superquadric";
+
+/// Where a box is wider, in units of the size, another attempt is worth it.
+constexpr double kNarrowestBox = 0x1p-46;
+
+/// In the solid's own frame.
+struct LocalAnswer {
+  PreciseInterval distance;
+  PreciseVector point;
+  PreciseVector normal;
+};
+
+LocalAnswer intersection(const LocalAnswer& a, const LocalAnswer& b) {
+  return {intersection(a.distance, b.distance, what_of_distances), intersection(a.point, b.point, what_of_points),
+          intersection(a.normal, b.normal, what_of_normals)};
+}
+
+PreciseVector any_unit_vector() {
+  const PreciseInterval component(-1, 1);
+  return {component, component, component};
+}
+
+PreciseVector unit(const PreciseVector& v) {
+  return v / length<Real>(v);
+}
+
+double widest(const PreciseVector& box) {
+  double width = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    width = std::max(width, subtract(box[k].upper(), box[k].lower(), Direction::up).to_double(Direction::up));
+  }
+  return width;
+}
+
+/// One query.
+class Projection {
+ public:
+  Projection(const PosedSuperquadric& solid, const PreciseVector& q)
+      : solid_(solid.superquadric()),
+        bounds_(solid.bounds()),
+        q_(q),
+        size_((length<Real>(q) + solid.radius()).upper()),
+        equations_(solid.superquadric(), q),
+        near_gauge_(NormFunction<long double>::gauge(solid.superquadric())) {}
+
+  /// Nothing where q is not proven to lie outside.
+  [[nodiscard]] std::optional<LocalAnswer> outside() const {
+    if (!(bounds_.gauge(q_).lower() > Real(1))) return std::nullopt;
+    const Contact rough = rough_contact(solid_, midpoint(q_));
+    Ends ends = ends_of(refined(rough));
+    std::optional<LocalAnswer> answer = ball(ends);
+    if (answer && narrow(*answer)) return answer;
+    // On an edge the gradient at the foot is not what leads to q.
+    const Contact fast = fast_contact(solid_, midpoint(q_));
+    ends = better(ends, ends_of(fast));
+    ends = better(ends, by_support({ends.feasible, unit(precise(fast.normal)), {}, {}}));
+    ends = better(ends, by_support({ends.feasible, thin(unit(q_ - ends.feasible)), {}, {}}));
+    answer = ball(ends);
+    if (answer && narrow(*answer)) return answer;
+    const std::optional<LocalAnswer> zero = stationary(ends.feasible, -ends.distance_upper);
+    if (!zero || !(zero->distance.lower() > Real(0))) return answer;
+    return answer ? intersection(*answer, *zero) : *zero;
+  }
+
+  /// Precondition: q is proven to lie in the interior. Nothing where a nearest point is not proven to be the only one.
+  [[nodiscard]] std::optional<LocalAnswer> inside(const CertifiedDistance& found) const {
+    const PreciseVector direction = unit(precise(found.direction));
+    const PreciseInterval reach(Real(-found.distance.lo));
+    std::optional<LocalAnswer> zero = stationary(q_ + direction * reach, reach.upper());
+    if (!zero || !(zero->distance.upper() < Real(0))) return std::nullopt;
+    // The stationary point is one of the surface: it is not nearer than the nearest, and that is not farther than it.
+    const PreciseInterval proven(Real(-infinity), Real(found.distance.hi));
+    zero->distance = intersection(zero->distance, proven, what_of_distances);
+    const PreciseInterval depth(Real(-found.distance.hi), -zero->distance.lower());
+    return only(*zero, depth) ? zero : std::nullopt;
+  }
+
+  /// Precondition: the signed distance lies in `distance`. For q within rounding of the surface.
+  [[nodiscard]] std::optional<LocalAnswer> beside_surface(const PreciseInterval& distance) const {
+    const PreciseVector region = about_q(distance);
+    const std::optional<PreciseVector> gradient = gradient_over(region);
+    if (!gradient) return std::nullopt;
+    const PreciseInterval multiplier = -distance / length<Real>(*gradient);
+    if (!contains_at_most_one_zero<4>(equations_, unknowns(q_, PreciseInterval(0)), unknowns(region, multiplier))) {
+      return std::nullopt;
+    }
+    return LocalAnswer{distance, region, unit(*gradient)};
+  }
+
+  /// All points that are not too far.
+  [[nodiscard]] LocalAnswer anywhere(const PreciseInterval& distance) const {
+    return {distance, about_q(distance), any_unit_vector()};
+  }
+
+ private:
+  /// What two evaluations prove of the distance d of q outside, and what they prove it by.
+  struct Ends {
+    PreciseVector feasible;   ///< y, of which one point is known to lie in K
+    PreciseVector direction;  ///< v, of length 1
+    Real distance_lower;      ///< of (v·q - h(v)) / |v|
+    Real distance_upper;      ///< of |q - y|
+  };
+
+  [[nodiscard]] PreciseVector feasible(const PreciseVector& x) const {
+    const Real gauge = bounds_.gauge_up(x);
+    return gauge > Real(0) ? PreciseVector(x / PreciseInterval(gauge)) : x;
+  }
+
+  /// The ends by the direction and the feasible point.
+  [[nodiscard]] Ends by_support(Ends ends) const {
+    const PreciseVector& v = ends.direction;
+    const PreciseInterval support(bounds_.support_up(v));
+    ends.distance_lower = ((v.dot(q_) - support) / length<Real>(v)).lower();
+    ends.distance_upper = length<Real>(PreciseVector(q_ - ends.feasible)).upper();
+    return ends;
+  }
+
+  /// The same by one evaluation of the gauge at a point x that is no box: y = x / g(x), and v = Dg(x), for which h(v) =
+  /// 1 because v·z <= g(z) for all z. Only where the gauge is differentiable at x.
+  [[nodiscard]] std::optional<Ends> by_gradient(const PreciseVector& x) const {
+    try {
+      const NormExpansion<PreciseInterval> g = equations_.gauge(x);
+      const PreciseInterval length_of_gradient = length<Real>(g.gradient);
+      if (!(g.value.lower() > Real(0)) || !(length_of_gradient.lower() > Real(0))) return std::nullopt;
+      const PreciseVector y = x / PreciseInterval(g.value.upper());
+      return Ends{y, g.gradient / length_of_gradient,
+                  ((g.gradient.dot(q_) - PreciseInterval(1)) / length_of_gradient).lower(),
+                  length<Real>(PreciseVector(q_ - y)).upper()};
+    } catch (const std::domain_error&) {
+      return std::nullopt;
+    }
+  }
+
+  [[nodiscard]] Ends ends_of(const Contact& contact) const {
+    const PreciseVector x = precise(contact.point);
+    // The support function of a tapered solid is a root that is known to long double: too little for a ball.
+    if (bounds_.is_tapered()) {
+      if (const std::optional<Ends> ends = by_gradient(x)) return *ends;
+    }
+    return by_support({feasible(x), unit(precise(contact.normal)), {}, {}});
+  }
+
+  /// The larger lower end and the smaller upper one, with what proves them.
+  [[nodiscard]] static Ends better(const Ends& a, const Ends& b) {
+    const Ends& below = b.distance_lower > a.distance_lower ? b : a;
+    const Ends& above = b.distance_upper < a.distance_upper ? b : a;
+    return {above.feasible, below.direction, below.distance_lower, above.distance_upper};
+  }
+
+  /// Newton's method on the equations in long double, from a contact in binary64: nothing is proven. The contact itself
+  /// where that leads nowhere.
+  [[nodiscard]] Contact refined(const Contact& contact) const {
+    using Vector = Eigen::Matrix<long double, 3, 1>;
+    constexpr int steps = 3;
+    const Proposal middle = midpoint(q_);
+    const Vector q(middle[0], middle[1], middle[2]);
+    const Vector start(contact.point[0], contact.point[1], contact.point[2]);
+    Vector p = start;
+    NormExpansion<long double> g = near_gauge_(p);
+    p /= g.value;
+    long double multiplier = -(q - p).norm() / g.gradient.norm();
+    for (int i = 0; i < steps; ++i) {
+      g = near_gauge_(p);
+      Eigen::Matrix<long double, 4, 1> value;
+      value << p - q - g.gradient * multiplier, g.value - 1.0L;
+      Eigen::Matrix<long double, 4, 4> jacobian = Eigen::Matrix<long double, 4, 4>::Zero();
+      jacobian.topLeftCorner<3, 3>() = Eigen::Matrix<long double, 3, 3>::Identity() - g.hessian * multiplier;
+      jacobian.topRightCorner<3, 1>() = -g.gradient;
+      jacobian.bottomLeftCorner<1, 3>() = g.gradient.transpose();
+      const Eigen::Matrix<long double, 4, 1> step = jacobian.partialPivLu().solve(value);
+      p -= step.head<3>();
+      multiplier -= step[3];
+    }
+    g = near_gauge_(p);
+    const Contact found{{p[0], p[1], p[2]}, {g.gradient[0], g.gradient[1], g.gradient[2]}};
+    const bool near = (p - q).norm() <= 2.0L * (start - q).norm();
+    return near && usable(found.point) && usable(found.normal) ? found : contact;
+  }
+
+  /// docs/mathematics.md §25: |y - p|² <= hi² - lo² and |n - v|² <= 2 (hi - lo)/hi. Nothing unless lo > 0.
+  [[nodiscard]] std::optional<LocalAnswer> ball(const Ends& ends) const {
+    if (!(ends.distance_lower > Real(0))) return std::nullopt;
+    const PreciseInterval distance =
+        intersection(PreciseInterval(ends.distance_lower, Real(infinity)),
+                     PreciseInterval(Real(-infinity), ends.distance_upper), what_of_distances);
+    const PreciseInterval lo(distance.lower());
+    const PreciseInterval hi(distance.upper());
+    const PreciseInterval gap((hi - lo).upper());
+    PreciseVector p = inflated(ends.feasible, sqrt(gap * (hi + lo)).upper());
+    PreciseVector n = inflated(unit(ends.direction), sqrt(PreciseInterval(2) * gap / hi).upper());
+    n = intersection(n, (q_ - p) / distance, what_of_normals);
+    p = intersection(p, q_ - n * distance, what_of_points);
+    return LocalAnswer{distance, p, n};
+  }
+
+  [[nodiscard]] bool narrow(const LocalAnswer& answer) const {
+    return widest(answer.point) <= kNarrowestBox * size_.to_double(Direction::down) &&
+           widest(answer.normal) <= kNarrowestBox;
+  }
+
+  /// Nothing where it is not bounded away from 0.
+  [[nodiscard]] std::optional<PreciseVector> gradient_over(const PreciseVector& region) const {
+    try {
+      const PreciseVector gradient = equations_.gauge(region).gradient;
+      if (length<Real>(gradient).lower() > Real(0)) return gradient;
+    } catch (const std::domain_error&) {
+      // The gauge is not differentiable on all of the region.
+    }
+    return std::nullopt;
+  }
+
+  /// Contains every nearest point of the surface.
+  [[nodiscard]] PreciseVector about_q(const PreciseInterval& distance) const {
+    return inflated(q_, abs(distance).upper());
+  }
+
+  [[nodiscard]] static IntervalVector<4> unknowns(const PreciseVector& p, const PreciseInterval& multiplier) {
+    IntervalVector<4> result;
+    result << p[0], p[1], p[2], multiplier;
+    return result;
+  }
+
+  /// The stationary point about `p`, `depth` from q: a zero of the equations. `distance` has the sign of outside.
+  [[nodiscard]] std::optional<LocalAnswer> stationary(const PreciseVector& p, const Real& depth) const {
+    const std::optional<PreciseVector> gradient = gradient_over(thin(p));
+    if (!gradient) return std::nullopt;
+    const Real multiplier = (PreciseInterval(depth) / length<Real>(*gradient)).lower();
+    const auto zero = krawczyk<4>(equations_, {p[0].lower(), p[1].lower(), p[2].lower(), multiplier});
+    if (!zero) return std::nullopt;
+    const PreciseVector point = three_of(*zero);
+    const std::optional<PreciseVector> normal = gradient_over(point);
+    if (!normal) return std::nullopt;
+    return LocalAnswer{-(*zero)[3] * length<Real>(*normal), point, unit(*normal)};
+  }
+
+  /// Whether q has no other nearest point than that of `zero`, the depth being known to lie in `depth`.
+  [[nodiscard]] bool only(const LocalAnswer& zero, const PreciseInterval& depth) const {
+    if (alone_in(about_q(depth), zero, depth)) return true;
+    const std::optional<PreciseVector> region = region_of(zero, depth);
+    if (!region) return false;
+    PreciseVector q = q_;
+    PreciseVector box = *region;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (k == 2 && bounds_.is_tapered()) continue;
+      const bool in_plane = q[k].lower() == Real(0) && q[k].upper() == Real(0);
+      if (in_plane || q[k].lower() > Real(0)) continue;
+      if (!(q[k].upper() < Real(0))) return false;  // on which side q lies is not known
+      q[k] = -q[k];
+      box[k] = -box[k];
+    }
+    return nearest_points_lie_in(solid_, bounds_, q, depth, box);
+  }
+
+  /// Whether the region has the point of `zero`, and no other that is stationary at such a depth.
+  [[nodiscard]] bool alone_in(const PreciseVector& region, const LocalAnswer& zero,
+                              const PreciseInterval& depth) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!subset(zero.point[k], region[k])) return false;
+    }
+    const std::optional<PreciseVector> gradient = gradient_over(region);
+    if (!gradient) return false;
+    const PreciseInterval multiplier = depth / length<Real>(*gradient);
+    const PreciseInterval own = -zero.distance / length<Real>(*gradient_over(zero.point));
+    return contains_at_most_one_zero<4>(equations_, unknowns(zero.point, own), unknowns(region, multiplier));
+  }
+
+  /// The largest cube of some about the stationary point where it is alone.
+  [[nodiscard]] std::optional<PreciseVector> region_of(const LocalAnswer& zero, const PreciseInterval& depth) const {
+    constexpr int sizes = 12;
+    Real half = depth.upper();
+    for (int i = 0; i < sizes; ++i) {
+      const PreciseVector cube = inflated(zero.point, half);
+      if (alone_in(cube, zero, depth)) return cube;
+      half = multiply(half, Real(0.5), Direction::up);
+    }
+    return std::nullopt;
+  }
+
+  const Superquadric& solid_;
+  const SuperquadricBounds<Real>& bounds_;
+  const PreciseVector& q_;
+  Real size_;
+  ProjectionEquations equations_;
+  NormFunction<long double> near_gauge_;  ///< for proposals
+};
+
+ClosestSurfacePoint in_model(const RigidMotion& motion, const LocalAnswer& answer, bool unique) {
+  const PreciseVector normal = motion.rotation * answer.normal;
+  return {answer.distance, motion(answer.point), intersection(normal, any_unit_vector(), what_of_normals), unique};
+}
+
+/// How tightly the depth is enclosed before a nearest point is looked for, in parts of the largest semi-axis.
+constexpr double kDepthTolerance = 0x1p-10;
+
+/// For any q. Nothing proven but the distance.
+ClosestSurfacePoint within_distance(const PosedSuperquadric& solid, const Projection& projection,
+                                    const PreciseInterval& distance) {
+  return in_model(solid.motion(), projection.anywhere(distance), false);
+}
+
+ClosestSurfacePoint inside_point(const PosedSuperquadric& solid, const Projection& projection, const PreciseVector& q) {
+  const Superquadric& superquadric = solid.superquadric();
+  const double tolerance = kDepthTolerance * std::ranges::max(superquadric.semi_axes);
+  const CertifiedDistance found = interior_distance(superquadric, solid.bounds(), q, tolerance);
+  if (const std::optional<LocalAnswer> inside = projection.inside(found))
+    return in_model(solid.motion(), *inside, true);
+  return within_distance(solid, projection, PreciseInterval(Real(found.distance.lo), Real(found.distance.hi)));
+}
+
+/// The signed distance of any q by single evaluations: tight on the surface alone.
+PreciseInterval distance_by_contact(const PosedSuperquadric& solid, const PreciseVector& q) {
+  const Contact contact = fast_contact(solid.superquadric(), midpoint(q));
+  return {Real(lower_bound(solid.bounds(), q, contact.normal)), Real(upper_bound(solid.bounds(), q, contact.point))};
+}
+
+}  // namespace
+
+ClosestSurfacePoint closest_surface_point(const PosedSuperquadric& solid, const Point& x) {
+  const PreciseVector q = solid.motion().local_point(x);
+  const Projection projection(solid, q);
+  try {
+    if (const auto outside = projection.outside()) return in_model(solid.motion(), *outside, true);
+    if (solid.bounds().gauge(q).upper() < Real(1)) return inside_point(solid, projection, q);
+    // On the surface but for rounding, or outside by less than can be proven.
+    const auto beside = projection.beside_surface(distance_by_contact(solid, q));
+    if (beside) return in_model(solid.motion(), *beside, true);
+  } catch (const std::domain_error&) {
+    // Lengths that no interval divides by: q is hardly off the surface.
+  }
+  return within_distance(solid, projection, distance_by_contact(solid, q));
+}
+
+}  // namespace verisq::verify
