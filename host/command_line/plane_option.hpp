@@ -3,8 +3,7 @@
 
 #include <string>
 #include <string_view>
-
-#include "host/mesh/plane_cut.hpp"
+#include <verisq/plane_cut.hpp>
 
 namespace verisq::command_line {
 

@@ -8,8 +8,8 @@
 #include <array>
 #include <cmath>
 #include <mutex>
-#include <numeric>
 #include <verisq/error.hpp>
+#include <verisq/stance_choice.hpp>
 #include <verisq/stance_file.hpp>
 
 #include "host/command_line/choice.hpp"
@@ -72,67 +72,9 @@ std::vector<std::string> split(const std::string& list) {
   return words;
 }
 
-std::uint32_t parse_parameter(const std::string& name, const Model& model) {
-  const auto found = std::ranges::find(model.parameters, name, &Parameter::name);
-  if (found != model.parameters.end()) return static_cast<std::uint32_t>(found - model.parameters.begin());
-  std::vector<std::string> names;
-  for (const Parameter& parameter : model.parameters) names.push_back(parameter.name);
-  refuse(fmt::format("--uncertain: {} is not one of all, none, {}", name, fmt::join(names, ", ")));
-}
-
 std::vector<std::uint32_t> parse_uncertain(const std::string& list, const Model& model) {
-  std::vector<std::uint32_t> uncertain;
-  if (list == "none") return uncertain;
-  if (list == "all") {
-    uncertain.resize(model.parameters.size());
-    std::iota(uncertain.begin(), uncertain.end(), 0U);
-    // A parameter without a deviation has nothing to be uncertain about.
-    std::erase_if(uncertain, [&](std::uint32_t i) { return model.parameters[i].range.width() == 0.0; });
-    return uncertain;
-  }
-  for (const std::string& name : split(list)) {
-    const std::uint32_t index = parse_parameter(name, model);
-    if (std::ranges::find(uncertain, index) != uncertain.end()) refuse(fmt::format("--uncertain: {} twice", name));
-    uncertain.push_back(index);
-  }
-  std::ranges::sort(uncertain);
-  return uncertain;
-}
-
-/// A subdivision into more cells than anyone waits for is refused, not begun.
-void check_cells(std::uint32_t cells, std::size_t parameters) {
-  constexpr double most = 1e9;
-  if (std::pow(cells, parameters) <= most) return;
-  refuse(
-      fmt::format("--accelerations: {} cells a parameter for {} uncertain ones are more than {:g}: name fewer with "
-                  "--uncertain, or give fewer --cells",
-                  cells, parameters, most));
-}
-
-/// The whole range where the quantity is an uncertain parameter.
-Enclosure over(const Quantity& quantity, UncertainSet uncertain) {
-  const bool whole = quantity.parameter && std::ranges::find(uncertain, *quantity.parameter) != uncertain.end();
-  return whole ? quantity.range : Enclosure{quantity.nominal, quantity.nominal};
-}
-
-const ContactCylinder& parse_cylinder(const std::string& name, const Model& model) {
-  const auto found = std::ranges::find(model.cylinders, name, &ContactCylinder::name);
-  if (found != model.cylinders.end()) return *found;
-  std::vector<std::string> names;
-  for (const ContactCylinder& cylinder : model.cylinders) names.push_back(cylinder.name);
-  refuse(fmt::format("--bounce: '{}' is not one of the cylinders {}", name, fmt::join(names, ", ")));
-}
-
-/// The cylinder alone, with the mass of its body.
-Drop drop_of(const ContactCylinder& cylinder, const Model& model, UncertainSet uncertain, double height) {
-  return {.mass = over(model.bodies[cylinder.body].mass, uncertain),
-          .radius = over(cylinder.radius, uncertain),
-          .height = height,
-          .gravity = model.gravity,
-          .stiffness = cylinder.stiffness,
-          .exponent = cylinder.exponent,
-          .restitution = over(cylinder.normal_restitution, uncertain),
-          .impact_velocity = over(cylinder.impact_velocity, uncertain)};
+  if (list == "none") return {};
+  return list == "all" ? uncertain_parameters(model) : uncertain_parameters(model, split(list));
 }
 
 [[noreturn]] void report_escape(const Model& model, const std::string& component, const Enclosure& claimed,
@@ -156,11 +98,11 @@ class Analysis {
     summary_.uncertain = parse_uncertain(arguments.uncertain.value_or("all"), summary_.model);
     if (arguments.accelerations) check_cells(acceleration_options().cells, summary_.uncertain.size());
     if (!arguments.bounce) return;
-    const ContactCylinder& cylinder = parse_cylinder(*arguments.bounce, summary_.model);
+    const ContactCylinder& cylinder = cylinder_of(summary_.model, *arguments.bounce);
     summary_.dropped = cylinder.name;
     summary_.bounce_scope = bounce_scope(summary_.model, cylinder);
     summary_.drop =
-        drop_of(cylinder, summary_.model, summary_.uncertain, arguments.drop_height.value_or(default_drop_height));
+        drop_of(summary_.model, cylinder, summary_.uncertain, arguments.drop_height.value_or(default_drop_height));
   }
 
   [[nodiscard]] const StanceSummary& run() {

@@ -9,6 +9,7 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
+#include <verisq/plane_cut.hpp>
 
 namespace verisq {
 
@@ -24,11 +25,8 @@ struct BoneSurface {
   BoneSide bone;
 };
 
-/// What lies beyond the plane, where the normal points, has been cut off before.
-struct Resection {
-  Point point;
-  Point normal;  ///< finite, of any length but 0
-};
+/// What lies beyond the plane has been cut off before. Its normal is finite.
+using Resection = Plane;
 
 /// Bone is where all of these say so; without any, everywhere.
 struct BoneRegion {
@@ -36,9 +34,16 @@ struct BoneRegion {
   std::optional<Resection> resection = {};
 };
 
+/// Largest width of the volume's enclosure that is usually asked for, divided by its lower end.
+inline constexpr double usual_volume_tolerance = 0.02;
+
+/// So little that nobody asks how much more exactly, however small the volume is: 1e-7 of the cube about the implant's
+/// bounding sphere, in cubic model units.
+[[nodiscard]] double negligible_volume(const Model& implant);
+
 /// The work ends when the enclosure is at most as wide as one of both tolerances allows.
 struct RemovedVolumeOptions {
-  double relative_tolerance = 0.02;                    ///< of the volume's lower end, >= 0
+  double relative_tolerance = usual_volume_tolerance;  ///< of the volume's lower end, >= 0
   double tolerance = 0.0;                              ///< in cubic model units, >= 0
   std::uint64_t most_cubes = std::uint64_t{1} << 21U;  ///< looked at, about: then the enclosure stays as it is
   std::function<bool()> interrupted = [] { return false; };

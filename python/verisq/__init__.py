@@ -15,8 +15,12 @@ One query, proven by the host
     SignedDistance, distance, Enclosure
 What proves an answer again
     Checker, Certificates, Findings, Verdict
-Whole surfaces
-    deviation, recover
+Whole surfaces and solids
+    deviation, mesh_clearance, prove_containment, octree, recover
+Implants
+    fit; map_along, straight_path, removed_volume for their way in
+Stance
+    StanceModel
 Femurs
     detect_femur, femur_features
 Devices and errors
@@ -30,9 +34,12 @@ import enum as _enum
 from . import _verisq
 from ._chunks import map_chunks
 from ._verisq import (
+    AreaClearance,
+    Bounce,
     Certificates,
     Checker,
     ClosestPoints,
+    ContainmentProof,
     Deviation,
     Device,
     DistanceStatistics,
@@ -43,15 +50,21 @@ from ._verisq import (
     Femur,
     FemurFeatures,
     Findings,
+    Fit,
+    FitBound,
     Map,
     Mapper,
     Mesh,
+    MeshClearance,
     Model,
+    Octree,
     Pair,
     PoseMapper,
     Recovery,
     RecoveryStage,
+    RemovedVolume,
     SignedDistance,
+    StanceModel,
     TriangleMapper,
     __version__,
     detect_femur,
@@ -59,11 +72,18 @@ from ._verisq import (
     devices,
     distance,
     femur_features,
+    fit,
     map,
+    map_along,
     map_poses,
     map_triangles,
+    mesh_clearance,
     mesh_of_model,
+    octree,
+    prove_containment,
     recover,
+    removed_volume,
+    straight_path,
 )
 
 
@@ -75,6 +95,14 @@ class Status(_enum.IntEnum):
     WIDE = 2  #: valid, but wider than the tolerance
 
 
+class CubeColour(_enum.IntEnum):
+    """What is proven of a cube of an octree."""
+
+    OUTSIDE = 0  #: no point of it lies in the solid
+    UNDECIDED = 1  #: neither
+    INSIDE = 2  #: all of it lies in the solid
+
+
 class Verdict(_enum.IntEnum):
     """What a Checker says of a row."""
 
@@ -84,9 +112,13 @@ class Verdict(_enum.IntEnum):
 
 
 __all__ = [
+    "AreaClearance",
+    "Bounce",
     "Certificates",
     "Checker",
     "ClosestPoints",
+    "ContainmentProof",
+    "CubeColour",
     "Deviation",
     "Device",
     "DistanceStatistics",
@@ -97,15 +129,21 @@ __all__ = [
     "Femur",
     "FemurFeatures",
     "Findings",
+    "Fit",
+    "FitBound",
     "Map",
     "Mapper",
     "Mesh",
+    "MeshClearance",
     "Model",
+    "Octree",
     "Pair",
     "PoseMapper",
     "Recovery",
     "RecoveryStage",
+    "RemovedVolume",
     "SignedDistance",
+    "StanceModel",
     "Status",
     "TriangleMapper",
     "Verdict",
@@ -115,12 +153,19 @@ __all__ = [
     "devices",
     "distance",
     "femur_features",
+    "fit",
     "map",
+    "map_along",
     "map_chunks",
     "map_poses",
     "map_triangles",
+    "mesh_clearance",
     "mesh_of_model",
+    "octree",
+    "prove_containment",
     "recover",
+    "removed_volume",
+    "straight_path",
 ]
 
 # To users they are verisq.Model, verisq.map, whatever file they are in.
