@@ -32,7 +32,8 @@ try:
 except ImportError:
     sys.exit()
 
-reader = vtkXMLUnstructuredGridReader(FileName=str(out))
+reader = vtkXMLUnstructuredGridReader()
+reader.SetFileName(str(out))
 # Triangles whose three vertices are proven to be near enough. Of the points between them that proves nothing yet:
 # verisq.map_triangles does.
 threshold = vtkThreshold()
@@ -43,7 +44,8 @@ threshold.SetLowerThreshold(limit)
 threshold.AllScalarsOn()
 surface = vtkGeometryFilter()
 surface.SetInputConnection(threshold.GetOutputPort())
-writer = vtkXMLPolyDataWriter(FileName=str(out.with_name(out.stem + "_within.vtp")))
+writer = vtkXMLPolyDataWriter()
+writer.SetFileName(str(out.with_name(out.stem + "_within.vtp")))
 writer.SetInputConnection(surface.GetOutputPort())
 writer.Write()
 print(f"{out.stem}_within.vtp: {surface.GetOutput().GetNumberOfCells()} triangles")

@@ -57,8 +57,8 @@ for k, link in enumerate(links):
                      np.broadcast_to(cloud[:, 2], away.shape[:2])], axis=-1)
     to_cloud = verisq.map(link, seen.reshape(-1, 3), tolerance=0.01, point_radius=SENSOR + moves[k] + ROUNDING)
     free &= (to_cloud.lo > 0.0).reshape(seen.shape[:2]).all(axis=1)
-    print(f"link {k}: moves at most {moves[k]:.2f} mm between a pose and its neighbours' middle; "
-          f"table at least {to_table.lo.min():.1f} mm away, cloud {to_cloud.lo.min() + moves[k]:.1f} mm")
+    print(f"link {k}: moves at most {moves[k]:.2f} mm from a pose to the middle between it and the next; "
+          f"some {to_table.lo.min():.0f} mm from the table, {to_cloud.lo.min() + moves[k]:.0f} mm from the cloud")
 
 first = np.argmin(free) if not free.all() else STEPS + 1
 print(f"{free.sum()} of {len(free)} poses are proven free, with all between them")

@@ -14,7 +14,7 @@ Plane parse_plane(std::string_view option, const std::string& text) {
   const std::vector<double> numbers = parse_numbers(option, text, "x,y,z,nx,ny,nz");
   const Plane plane{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
   if (plane.normal == Point{}) refuse(fmt::format("{}: {} has a zero normal", option, text));
-  return scaled(plane);  // of any length
+  return plane;
 }
 
 }  // namespace verisq::command_line

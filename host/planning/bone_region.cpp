@@ -31,6 +31,10 @@ void check_outer_surface(const char* option, const NamedMesh& surface) {
     planning::refuse(fmt::format("{}: {}: its normals point inward, as a cavity's", option, surface.name));
 }
 
+std::optional<Resection> scaled_if(const std::optional<Resection>& resection) {
+  return resection ? std::optional(scaled(*resection)) : std::nullopt;
+}
+
 }  // namespace
 
 BoneRegion bone_around(NamedMesh cavity, std::optional<NamedMesh> outer, const std::optional<Resection>& resection) {
@@ -40,7 +44,7 @@ BoneRegion bone_around(NamedMesh cavity, std::optional<NamedMesh> outer, const s
         "--resection");
   }
   check_surface_of_bone("--cavity", cavity);
-  BoneRegion region{.surfaces = {}, .resection = resection};
+  BoneRegion region{.surfaces = {}, .resection = scaled_if(resection)};
   region.surfaces.push_back({std::move(cavity.mesh), BoneSide::outside});
   if (!outer) return region;
   check_outer_surface("--within", *outer);
@@ -50,13 +54,13 @@ BoneRegion bone_around(NamedMesh cavity, std::optional<NamedMesh> outer, const s
 
 BoneRegion bone_inside(NamedMesh outer, const std::optional<Resection>& resection) {
   check_outer_surface("--bone", outer);
-  BoneRegion region{.surfaces = {}, .resection = resection};
+  BoneRegion region{.surfaces = {}, .resection = scaled_if(resection)};
   region.surfaces.push_back({std::move(outer.mesh), BoneSide::inside});
   return region;
 }
 
 Mesh before_resection(const NamedMesh& mesh, const Resection& resection) {
-  Mesh left = cut_off(mesh.mesh, resection).mesh;
+  Mesh left = cut_off(mesh.mesh, scaled(resection)).mesh;
   if (left.vertices.empty()) planning::refuse(fmt::format("--resection: all of {} lies beyond it", mesh.name));
   return left;
 }

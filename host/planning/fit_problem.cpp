@@ -128,7 +128,7 @@ bool limits_triangles(const FitRequest& request, const Mesh& mesh) {
 CutMesh cut_mesh(FitRequest& request) {
   if (request.resection) {
     const bool has_triangles = !request.mesh.triangles.empty();
-    CutMesh cut = cut_off(request.mesh, *request.resection);
+    CutMesh cut = cut_off(request.mesh, scaled(*request.resection));
     if (cut.mesh.vertices.empty() || (cut.mesh.triangles.empty() && has_triangles))
       refuse(fmt::format("--resection: all of {} lies beyond it", request.mesh_name));
     return cut;

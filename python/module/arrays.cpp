@@ -186,7 +186,7 @@ std::optional<Plane> plane(py::handle object) {
   if (!std::ranges::all_of(result.point, finite) || !std::ranges::all_of(result.normal, finite) ||
       result.normal == Point{})
     throw Error(ErrorKind::input, "a plane must be finite, and its normal not zero");
-  return scaled(result);
+  return result;
 }
 
 Mesh mesh(py::handle vertices, py::handle triangles) {

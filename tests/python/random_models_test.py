@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from command_line import run
 
-CASES = int(os.environ.get("VERISQ_PYTHON_CASES", "300"))
+CASES = int(os.environ.get("VERISQ_PYTHON_CASES", "200"))
 ROWS = 10 if CASES < 10000 else 100  # of an example, which is a call of the command
 
 
