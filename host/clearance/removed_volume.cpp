@@ -23,6 +23,7 @@
 #include "verisq/error.hpp"
 #include "verisq/mesh_topology.hpp"
 #include "verisq/sides.hpp"
+#include "verisq/signed_distance.hpp"
 
 namespace verisq {
 namespace {
@@ -320,6 +321,12 @@ void check_removal(const Model& implant, const BoneRegion& bone, const RemovedVo
 }
 
 }  // namespace
+
+double negligible_volume(const Model& implant) {
+  constexpr double share_of_cube = 1e-7;
+  const double diameter = 2.0 * bounding_radius(implant);
+  return share_of_cube * diameter * diameter * diameter;
+}
 
 RemovedVolume removed_volume(std::span<const Pose> path, const Model& implant, const BoneRegion& bone,
                              const RemovedVolumeOptions& options) {

@@ -11,18 +11,15 @@
 #include <string_view>
 #include <tuple>
 #include <utility>
-#include <verisq/clearance.hpp>
-#include <verisq/fit_bound.hpp>
+#include <verisq/fit_solution.hpp>
 #include <verisq/map_file.hpp>
-#include <verisq/mesh_clearance.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/posed_model.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "host/command_line/choice.hpp"
 #include "host/command_line/default_tolerance.hpp"
-#include "host/command_line/fit_constraints.hpp"
-#include "host/command_line/fit_problem.hpp"
+#include "host/command_line/fit_request.hpp"
 #include "host/command_line/fit_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
@@ -38,7 +35,6 @@
 #include "host/command_line/time_limit.hpp"
 #include "host/command_line/whole_number.hpp"
 #include "host/files/output_file.hpp"
-#include "verify/numbers/rounding.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -46,11 +42,6 @@ namespace {
 constexpr std::size_t most_samples = 1'000'000'000;
 // Colours end at so many times the farthest distance that serves: what matters is near the implant.
 constexpr double gaps_shown = 5.0;
-// The depth of a cut needs many samples to be known closely, and none where nothing is cut.
-constexpr double surface_coarseness = 10.0;
-// Eight times what the search's own proofs may take: where an implant is pressed flat against the bone, more would only
-// say more closely how far it is too deep.
-constexpr std::uint64_t most_surface_samples = std::uint64_t{1} << 19U;
 
 constexpr const char* closing_words =
     "Maximises F, the sum over the vertices of weight times f(distance): f is 1 at the wanted distance (0 for\n"
@@ -112,91 +103,71 @@ void refuse_what_cannot_be_drawn(const FitArguments& arguments, const Mesh& mesh
                      arguments.mesh));
 }
 
-/// Before the search, not after it.
-void refuse_what_has_no_bound(const FitArguments& arguments, const FitProblem& problem) {
-  if (!arguments.bound) return;
-  for (std::size_t i = 0; i < problem.series.size(); ++i) {
-    if (is_exact(problem.series[i])) continue;
-    refuse(fmt::format("--bound: {} has sizes to choose from, and the bound is of poses alone", arguments.implants[i]));
-  }
-}
-
-void tell_of_empty_areas(const Cavity& cavity) {
-  std::vector<bool> used(cavity.areas.size());
-  for (const std::uint32_t area : cavity.area_of) used[area] = true;
-  for (std::size_t k = 0; k < used.size(); ++k) {
-    if (!used[k]) tell(fmt::format("area {}: has no vertex of the mesh", cavity.areas[k].name));
-  }
-}
-
 void write_fitted(const FitProblem& problem, const FitArguments& arguments, const Fit& fit) {
-  write_model(arguments.output, fit.model, posed(problem.landmarks[fit.implant], fit.pose));
+  write_model(arguments.output, fit.model, posed(problem.implant_landmarks[fit.implant], fit.pose));
 }
 
-Fit search(FitProblem& problem, const FitArguments& arguments) {
-  ProgressBar bar(!arguments.no_progress, "poses");
-  FitOptions options = problem.options;
-  options.constraints = constraints_of(arguments, problem);
-  options.interrupted = interrupted;
-  options.progress = [&](const FitProgress& progress) {
-    const std::string name = std::filesystem::path(arguments.implants[progress.implant]).filename().string();
-    bar.update_state(std::isfinite(progress.objective) ? fmt::format("{}: F = {:.6g}", name, progress.objective)
-                                                       : fmt::format("{}: no pose within the limit yet", name),
-                     progress.done);
-  };
-  return fit(problem.series, problem.cavity, options);
-}
+/// One line at a time: the search's, or the bound's.
+class FitProgressBars {
+ public:
+  FitProgressBars(const FitProblem& problem, const FitArguments& arguments)
+      : problem_(problem), arguments_(arguments) {}
 
-/// What the search has found, and what no pose exceeds.
-struct SearchResult {
-  Fit fit;
-  std::optional<FitBound> bound;
-  double bound_seconds = 0.0;
+  void show(const FitProgress& progress) {
+    begin(search_, bound_, "poses");
+    const std::string name = std::filesystem::path(problem_.names[progress.implant]).filename().string();
+    search_->update_state(std::isfinite(progress.objective) ? fmt::format("{}: F = {:.6g}", name, progress.objective)
+                                                            : fmt::format("{}: no pose within the limit yet", name),
+                          progress.done);
+  }
+
+  /// `seconds` of the bound, whose `known` objective it is of.
+  void show(const FitBoundProgress& progress, double known, double seconds) {
+    begin(bound_, search_, "boxes");
+    bound_->update_state(fmt::format("F of any pose at most {:.6g}, found {:.6g}", progress.upper, known),
+                         std::min(seconds / arguments_.bound_time, 1.0));
+  }
+
+  /// Before anything else is said.
+  void clear() {
+    search_.reset();
+    bound_.reset();
+  }
+
+ private:
+  void begin(std::optional<ProgressBar>& bar, std::optional<ProgressBar>& other, const char* unit) {
+    other.reset();
+    if (!bar) bar.emplace(!arguments_.no_progress, unit);
+  }
+
+  const FitProblem& problem_;
+  const FitArguments& arguments_;
+  std::optional<ProgressBar> search_;
+  std::optional<ProgressBar> bound_;
 };
 
-FitBound best_possible(const FitProblem& problem, const FitArguments& arguments, double known) {
-  ProgressBar bar(!arguments.no_progress, "boxes");
+/// Each fit that is found is written at once.
+FitSolution search_and_bound(const FitProblem& problem, const FitArguments& arguments) {
+  FitProgressBars bars(problem, arguments);
   TimeLimit limit(arguments.bound_time);
-  limit.start();
-  const Stopwatch watch;
-  return bound_fit(problem.series, problem.cavity,
-                   {.fitness = problem.options.fitness,
-                    .penetration_limit = problem.options.penetration_limit,
-                    .range = problem.options.range,
-                    .known = known,
-                    .gap = *arguments.bound / 100.0,
-                    .device = problem.options.device,
-                    .interrupted = interrupted,
-                    .out_of_time = [&limit] { return limit.passed(); },
-                    .progress =
-                        [&](const FitBoundProgress& progress) {
-                          bar.update_state(
-                              fmt::format("F of any pose at most {:.6g}, found {:.6g}", progress.upper, known),
-                              std::min(watch.seconds() / arguments.bound_time, 1.0));
-                        }});
-}
-
-/// Poses that the bound comes across are tried in a second search: the better fit counts.
-SearchResult search_and_bound(FitProblem& problem, const FitArguments& arguments) {
-  SearchResult result{.fit = search(problem, arguments), .bound = std::nullopt};
-  write_fitted(problem, arguments, result.fit);
-  if (!arguments.bound || result.fit.interrupted) return result;
-  const Stopwatch watch;
-  result.bound = best_possible(problem, arguments, result.fit.objective);
-  if (result.bound->promising && !interrupted()) {
-    problem.options.tried = {result.bound->promising->pose};
-    Fit again = search(problem, arguments);
-    if (again.interrupted) {
-      result.fit.interrupted = true;
-    } else if (again.objective != result.fit.objective) {  // of all that the first search found, too
-      tell(fmt::format("the bound came across a better pose: F = {:.6g}, not {:.6g}", again.objective,
-                       result.fit.objective));
-      result.fit = std::move(again);
-      write_fitted(problem, arguments, result.fit);
+  Stopwatch watch;
+  std::optional<double> known;
+  FitSolutionOptions options{.interrupted = interrupted, .out_of_time = [&limit] { return limit.passed(); }};
+  if (arguments.bound) options.gap = *arguments.bound / 100.0;
+  options.progress = [&](const FitProgress& progress) { bars.show(progress); };
+  options.bound_progress = [&](const FitBoundProgress& progress) { bars.show(progress, *known, watch.seconds()); };
+  options.found = [&](const Fit& found) {
+    bars.clear();
+    if (known) {
+      tell(fmt::format("the bound came across a better pose: F = {:.6g}, not {:.6g}", found.objective, *known));
+    } else {
+      limit.start();
+      watch = {};
     }
-  }
-  result.bound_seconds = watch.seconds();
-  return result;
+    known = found.objective;
+    write_fitted(problem, arguments, found);
+  };
+  return solve_fit(problem, options);
 }
 
 double tolerance_of(const FitArguments& arguments, const Model& fitted) {
@@ -204,60 +175,33 @@ double tolerance_of(const FitArguments& arguments, const Model& fitted) {
                              : default_tolerance(tolerance_of_distances, bounding_radius(fitted), "the model");
 }
 
-struct Proof {
-  Clearance clearance;
-  std::optional<MeshClearance> surface;
-  std::optional<Sides> sides;
+/// And the rows of all vertices.
+struct MappedProof {
+  FitProof proof;
   std::vector<MapResult> rows;
 };
 
-MeshClearance prove_surface(const FitProblem& problem, const Model& fitted) {
-  return mesh_clearance(fitted, problem.mesh,
-                        {.penetration_limit = problem.options.penetration_limit,
-                         .tolerance = surface_coarseness * problem.options.surface_tolerance,
-                         .limit_tolerance = problem.options.surface_tolerance,
-                         .most_samples = most_surface_samples,
-                         .device = problem.options.device});
-}
-
 /// Never ended by the first Ctrl-C, which has kept its pose already. `map` is nothing when not asked for.
-Proof prove(const FitProblem& problem, const Fit& fit, const MapOptions& options, bool show_progress,
-            std::optional<MapWriter>& map) {
-  const Model& fitted = fit.model;
+MappedProof prove(const FitProblem& problem, const FitSolution& solution, const MapOptions& options, bool show_progress,
+                  std::optional<MapWriter>& map) {
   ProgressBar bar(show_progress, "points");
-  Proof proof{};
+  std::vector<MapResult> all;
+  const std::size_t size = problem.cavity.points.size();
   const auto sink = [&](std::span<const Point> points, std::span<const MapResult> rows, std::span<const Certificate>) {
     if (map) map->append(points, rows);
-    proof.rows.insert(proof.rows.end(), rows.begin(), rows.end());
-    bar.update(proof.rows.size(),
-               static_cast<double>(proof.rows.size()) / static_cast<double>(problem.cavity.points.size()));
+    all.insert(all.end(), rows.begin(), rows.end());
+    bar.update(all.size(), static_cast<double>(all.size()) / static_cast<double>(size));
   };
-  proof.clearance = certified_clearance(fitted, problem.cavity, problem.options.fitness,
-                                        problem.options.penetration_limit, options, sink);
+  FitProof proof = prove_fit(problem, solution, options, sink);
   if (map) map->finish();
-  if (!problem.cavity.triangles.empty()) proof.surface = prove_surface(problem, fitted);
-  if (problem.surface != Surface::unsided) {
-    proof.sides = prove_sides(fitted, problem.mesh, *proof.surface, problem.options.sides[fit.implant],
-                              {.penetration_limit = problem.options.penetration_limit,
-                               .tolerance = problem.options.surface_tolerance,
-                               .device = problem.options.device});
-  }
-  return proof;
+  return {std::move(proof), std::move(all)};
 }
 
-/// (upper - objective) / upper, rounded up.
-std::optional<BestPossible> compared(const SearchResult& searched, const Clearance& clearance,
+std::optional<BestPossible> compared(const FitSolution& solution, const FitProof& proof,
                                      const FitArguments& arguments) {
-  if (!searched.bound) return std::nullopt;
-  using verify::Direction;
-  const double upper = searched.bound->upper;
-  const double objective = clearance.objective.lo;
-  std::optional<double> gap;
-  if (clearance.proven_shallow == clearance.map.points && objective > 0.0 && upper >= objective) {
-    gap = verify::divide(verify::subtract(upper, objective, Direction::up), upper, Direction::up);
-  }
+  if (!solution.bound) return std::nullopt;
   return BestPossible{
-      .bound = *searched.bound, .asked = *arguments.bound / 100.0, .gap = gap, .seconds = searched.bound_seconds};
+      .bound = *solution.bound, .asked = *arguments.bound / 100.0, .gap = proof.gap, .seconds = solution.bound_seconds};
 }
 
 std::vector<SurfaceSide> sides_required(const FitProblem& problem, std::size_t implant) {
@@ -296,12 +240,8 @@ void explain(const FitSummary& summary) {
   for (const std::string& sentence : broken_features(summary)) tell(sentence);
 }
 
-ExitStatus status_of(const FitSummary& summary) {
-  if (summary.fit.interrupted || (summary.best && summary.best->bound.interrupted)) return ExitStatus::interrupted;
-  const bool as_asked = summary.clearance.map.wide == 0 && summary.clearance.proven_too_deep == 0 &&
-                        (!summary.surface || summary.surface->proven_too_deep == 0) &&
-                        (!summary.sides || summary.sides->kept()) && is_preserved(summary) && is_good_enough(summary);
-  return as_asked ? ExitStatus::verified : ExitStatus::unverified;
+bool was_interrupted(const FitSolution& solution) {
+  return solution.fit.interrupted || (solution.bound && solution.bound->interrupted);
 }
 
 std::string parse_name(std::string_view option, const std::string& text) {
@@ -428,41 +368,36 @@ void declare_fit(Options& options, FitArguments& arguments) {
 
 ExitStatus run_fit(const FitArguments& arguments) {
   check_outputs(arguments);
-  FitProblem problem = read_fit_problem(arguments);
+  const FitProblem problem = fit_problem(read_fit_request(arguments));
   refuse_what_cannot_be_drawn(arguments, problem.mesh);
-  refuse_what_has_no_bound(arguments, problem);
-  tell_of_empty_areas(problem.cavity);
+  for (const std::string& notice : problem.notices) tell(notice);
 
   std::optional<MapWriter> map;  // before the search: an unknown format is refused, not met after all the work
   if (!arguments.map.empty()) map.emplace(arguments.map, &problem.mesh);
 
   watch_for_interruption();
   const Stopwatch search_time;
-  SearchResult searched = search_and_bound(problem, arguments);
-  Fit& found = searched.fit;
-  const double search_seconds = search_time.seconds() - searched.bound_seconds;
+  const FitSolution solution = search_and_bound(problem, arguments);
+  const Fit& found = solution.fit;
+  const double search_seconds = search_time.seconds() - solution.bound_seconds;
 
   const double tolerance = tolerance_of(arguments, found.model);
   const Stopwatch proof_time;
-  Proof proof =
-      prove(problem, found, {.tolerance = tolerance, .device = arguments.device}, !arguments.no_progress, map);
-  const std::size_t implant = found.implant;
-  FemurFeatures changes;
-  if (problem.bone) changes = changes_of(problem, arguments.landmark_radius, implant, found.pose);
-  const std::optional<BestPossible> best = compared(searched, proof.clearance, arguments);
-  const FitSummary summary{.fit = std::move(found),
-                           .clearance = std::move(proof.clearance),
-                           .surface = std::move(proof.surface),
+  const auto [proof, rows] =
+      prove(problem, solution, {.tolerance = tolerance, .device = arguments.device}, !arguments.no_progress, map);
+  const FitSummary summary{.fit = found,
+                           .clearance = proof.clearance,
+                           .surface = proof.surface,
                            .side_of = problem.surface,
-                           .required_sides = sides_required(problem, implant),
-                           .sides = std::move(proof.sides),
-                           .changes = std::move(changes),
-                           .kept = arguments.kept,
+                           .required_sides = sides_required(problem, found.implant),
+                           .sides = proof.sides,
+                           .changes = proof.changes,
+                           .kept = problem.kept,
                            .landmark_radius = arguments.landmark_radius,
-                           .implant = arguments.implants[implant],
-                           .implants = arguments.implants.size(),
-                           .sized = !is_exact(problem.series[implant]),
-                           .best = best,
+                           .implant = problem.names[found.implant],
+                           .implants = problem.series.size(),
+                           .sized = !is_exact(problem.series[found.implant]),
+                           .best = compared(solution, proof, arguments),
                            .penetration_limit = problem.options.penetration_limit,
                            .tolerance = tolerance,
                            .units = problem.units,
@@ -471,9 +406,11 @@ ExitStatus run_fit(const FitArguments& arguments) {
                            .output = arguments.output,
                            .map = arguments.map};
   explain(summary);
-  if (arguments.report.any()) write_report(problem, summary, proof.rows, arguments);
+  if (arguments.report.any()) write_report(problem, summary, rows, arguments);
   fmt::print("{}", arguments.json ? json(summary) : readable(summary));
-  return status_of(summary);
+  if (was_interrupted(solution)) return ExitStatus::interrupted;
+  const std::optional<double> gap = arguments.bound ? std::optional(*arguments.bound / 100.0) : std::nullopt;
+  return is_as_asked(problem, solution, proof, gap) ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 }  // namespace verisq::command_line

@@ -6,32 +6,16 @@
 #include <optional>
 #include <string>
 #include <vector>
-#include <verisq/fit.hpp>
+#include <verisq/fit_problem.hpp>
 #include <verisq/map_file.hpp>
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
 #include "host/command_line/report_files.hpp"
-#include "host/mesh/plane_cut.hpp"
 
 namespace verisq::command_line {
 
-enum class Completion { cementless, cemented };
-
-/// What the mesh bounds.
-enum class Surface {
-  cavity,   ///< the room that the implant lies in
-  bone,     ///< what it lies outside of
-  unsided,  ///< sides do not matter, or there are none
-};
-
-/// What a change of a feature has to be within.
-struct KeptFeature {
-  std::string name;
-  Enclosure range;
-};
-
-/// As typed; `read_fit_problem` checks what depends on the files or on several options.
+/// As typed; `fit_request` and the library check what depends on the files or on several options.
 struct FitArguments {
   std::vector<std::string> implants;  ///< files of the series
   std::string mesh;

@@ -85,8 +85,8 @@ Lines joined(std::initializer_list<Lines> parts) {
   return lines;
 }
 
-std::string_view surface_name(Surface surface) {
-  return surface == Surface::cavity ? "cavity" : "bone";
+std::string_view surface_name(FitSurface surface) {
+  return surface == FitSurface::cavity ? "cavity" : "bone";
 }
 
 std::string_view side_name(SurfaceSide side) {
@@ -94,20 +94,8 @@ std::string_view side_name(SurfaceSide side) {
   return side == SurfaceSide::inside ? "inside" : "outside";
 }
 
-std::string_view finding_name(SideFinding finding) {
-  switch (finding) {
-    case SideFinding::kept: return "proven";
-    case SideFinding::other_side: return "other side";
-    case SideFinding::enters_surface: return "not off the surface";
-    case SideFinding::reaches_through: return "not off the openings";
-    case SideFinding::no_deep_point: return "centre not deep enough";
-    case SideFinding::on_the_surface: return "centre not decided";
-  }
-  return "";
-}
-
 /// What was found, after the primitive's name.
-std::string in_words(SideFinding finding, SurfaceSide required, Surface surface) {
+std::string in_words(SideFinding finding, SurfaceSide required, FitSurface surface) {
   const std::string_view side = side_name(required);
   const std::string_view other = required == SurfaceSide::inside ? "outside" : "inside";
   const std::string_view name = surface_name(surface);
@@ -177,12 +165,6 @@ std::string_view unit_of(const Feature& feature, const FitSummary& summary) {
 
 std::string in_words(const KeptFeature& kept) {
   return fmt::format("{:.10g} to {:.10g}", kept.range.lo, kept.range.hi);
-}
-
-std::optional<bool> is_within(const Enclosure& value, const Enclosure& range) {
-  if (value.lo >= range.lo && value.hi <= range.hi) return true;
-  if (value.hi < range.lo || value.lo > range.hi) return false;
-  return std::nullopt;
 }
 
 /// Under which what is proven of changes holds; "" where landmarks are exact.
@@ -364,6 +346,11 @@ JsonObject surface_json(const MeshClearance& surface) {
           {"undecided", surface.undecided}};
 }
 
+/// The gap that was asked for is proven, or none was.
+bool is_good_enough(const FitSummary& summary) {
+  return !summary.best || (summary.best->gap && *summary.best->gap <= summary.best->asked);
+}
+
 JsonValue bound_json(const FitSummary& summary) {
   if (!summary.best) return {};
   const auto& [bound, asked, gap, seconds] = *summary.best;
@@ -385,7 +372,7 @@ JsonValue sides_json(const FitSummary& summary) {
     sides.push_back(JsonObject{
         {"primitive", name_of(summary, k)},
         {"required", std::string(side_name(summary.required_sides[k]))},
-        {"found", asked ? JsonValue(std::string(finding_name(summary.sides->of_primitives[k]))) : JsonValue()}});
+        {"found", asked ? JsonValue(std::string(to_string(summary.sides->of_primitives[k]))) : JsonValue()}});
   }
   return JsonObject{{"of", std::string(surface_name(summary.side_of))},
                     {"rims", summary.sides->rims},
@@ -439,17 +426,6 @@ double largest_objective(const Clearance& clearance) {
     sum = verify::add(sum, of_area, verify::Direction::up);
   }
   return sum;
-}
-
-bool is_good_enough(const FitSummary& summary) {
-  return !summary.best || (summary.best->gap && *summary.best->gap <= summary.best->asked);
-}
-
-bool is_preserved(const FitSummary& summary) {
-  return std::ranges::all_of(summary.kept, [&](const KeptFeature& kept) {
-    const auto change = std::ranges::find(summary.changes.features, kept.name, &Feature::name);
-    return change != summary.changes.features.end() && is_within(change->value, kept.range) == true;
-  });
 }
 
 std::vector<std::string> broken_features(const FitSummary& summary) {

@@ -30,7 +30,7 @@ struct FitSummary {
   Fit fit;
   Clearance clearance;
   std::optional<MeshClearance> surface;  ///< nothing where only vertices keep the limit
-  Surface side_of;
+  FitSurface side_of;
   std::vector<SurfaceSide> required_sides;  ///< one a primitive; none where the surface is unsided
   std::optional<Sides> sides;               ///< likewise
   FemurFeatures changes;                    ///< of the bone's features; none where its landmarks are not given
@@ -52,17 +52,11 @@ struct FitSummary {
 /// The objective if every point of the cavity were served perfectly: the sum of the weights, rounded up.
 [[nodiscard]] double largest_objective(const Clearance& clearance);
 
-/// Every change that a range is asked of is known here, and proven to be within it.
-[[nodiscard]] bool is_preserved(const FitSummary& summary);
-
 /// A sentence for each change that is not known, or not proven to be within what is asked.
 [[nodiscard]] std::vector<std::string> broken_features(const FitSummary& summary);
 
 /// A sentence for each primitive that is not proven to lie where it has to.
 [[nodiscard]] std::vector<std::string> broken_sides(const FitSummary& summary);
-
-/// The gap that was asked for is proven, or none was.
-[[nodiscard]] bool is_good_enough(const FitSummary& summary);
 
 /// What is proven, the most important first, areas included. Digits are rounded outward.
 [[nodiscard]] std::vector<ReportLine> report_lines(const FitSummary& summary);

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <vector>
+#include <verisq/bone_region.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_file.hpp>
@@ -14,7 +15,6 @@
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/directed_digits.hpp"
 #include "host/command_line/direction_option.hpp"
-#include "host/command_line/insert_bone.hpp"
 #include "host/command_line/insert_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
@@ -53,6 +53,14 @@ constexpr const char* closing_words =
     "  verisq insert --implant fitted.json --mesh femur.stl --poses path.csv --tol 0.05 -o removal.csv --json\n"
     "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
     "    --along 0,0,-1 --length 100 -o removal.vtp";
+
+/// Where they contradict each other, or leave open where bone ends.
+void check_bone_options(const InsertArguments& arguments) {
+  if (arguments.cavity && arguments.bone) refuse("give only one of --cavity and --bone");
+  if (arguments.within && !arguments.cavity) refuse("--within: only with --cavity");
+  if (arguments.volume_tolerance && !arguments.cavity && !arguments.bone)
+    refuse("--volume-tol: nothing says where bone is: give --cavity or --bone");
+}
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
@@ -95,19 +103,21 @@ std::string write_map(const Mesh& bone, const Insertion& insertion, MapWriter wr
   return partial;
 }
 
-/// Largest width of the volume's enclosure, relative to it.
-constexpr double default_volume_tolerance = 0.02;
-/// Where next to nothing is removed: a share of the cube about the implant's bounding sphere.
-constexpr double share_of_cube = 1e-7;
+std::optional<BoneRegion> bone_region(const InsertArguments& arguments, const NamedMesh& mesh) {
+  if (arguments.bone) return bone_inside(mesh, arguments.resection);
+  if (!arguments.cavity) return std::nullopt;
+  std::optional<NamedMesh> outer;
+  if (arguments.within) outer = NamedMesh{*arguments.within, read_mesh(*arguments.within)};
+  return bone_around(mesh, std::move(outer), arguments.resection);
+}
 
 double volume_tolerance_of(const InsertArguments& arguments) {
-  return arguments.volume_tolerance.value_or(default_volume_tolerance);
+  return arguments.volume_tolerance.value_or(usual_volume_tolerance);
 }
 
 /// In cubic model units.
 double least_volume_tolerance_of(const InsertArguments& arguments, const Model& implant) {
-  const double diameter = 2.0 * bounding_radius(implant);
-  return arguments.volume_tolerance ? 0.0 : share_of_cube * diameter * diameter * diameter;
+  return arguments.volume_tolerance ? 0.0 : negligible_volume(implant);
 }
 
 RemovedVolume removed_volume_of(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant,
@@ -184,9 +194,9 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   std::vector<Pose> path;
   if (arguments.along) path = straight_path({}, *arguments.along, *arguments.length, 1);
   const Model implant = read_model_at(arguments.pose, arguments.implant);
-  const Mesh whole_bone = read_mesh(arguments.mesh);
+  const NamedMesh whole_bone{arguments.mesh, read_mesh(arguments.mesh)};
   const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);
-  const Mesh bone = before_resection(arguments, whole_bone);
+  const Mesh bone = arguments.resection ? before_resection(whole_bone, *arguments.resection) : whole_bone.mesh;
   const bool on_triangles = arguments.on == MapElements::triangles;
   if (on_triangles && bone.triangles.empty()) refuse(fmt::format("--on triangles: {}: has none", arguments.mesh));
   if (arguments.poses) path = read_poses(*arguments.poses);

@@ -8,12 +8,9 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <verisq/map.hpp>
 
 namespace verisq::command_line {
-
-/// A device takes a tenth of a second to be made ready, or the first time as long as its kernels take to compile; the
-/// host proves so many ordinary rows in a fiftieth.
-inline constexpr std::size_t few_rows = 128;
 
 /// As `Stream` (see PointStream), which must outlive this.
 template <class Stream>

@@ -3,8 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "host/command_line/number_list.hpp"
@@ -14,10 +12,8 @@ namespace verisq::command_line {
 
 Plane parse_plane(std::string_view option, const std::string& text) {
   const std::vector<double> numbers = parse_numbers(option, text, "x,y,z,nx,ny,nz");
-  Plane plane{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
+  const Plane plane{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
   if (plane.normal == Point{}) refuse(fmt::format("{}: {} has a zero normal", option, text));
-  const double largest = std::max({std::abs(numbers[3]), std::abs(numbers[4]), std::abs(numbers[5])});
-  for (double& x : plane.normal) x /= largest;  // of any length
   return plane;
 }
 

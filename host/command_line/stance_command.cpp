@@ -8,8 +8,8 @@
 #include <array>
 #include <cmath>
 #include <mutex>
-#include <numeric>
 #include <verisq/error.hpp>
+#include <verisq/stance_choice.hpp>
 #include <verisq/stance_file.hpp>
 
 #include "host/command_line/choice.hpp"
@@ -22,8 +22,6 @@
 #include "host/command_line/stance_summary.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/whole_number.hpp"
-#include "host/stance/narrowed_model.hpp"
-#include "verify/numbers/rounding.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -79,33 +77,9 @@ std::vector<std::string> split(const std::string& list) {
   return words;
 }
 
-/// `words` are what the option takes besides names.
-std::uint32_t parse_parameter(std::string_view option, std::string_view words, const std::string& name,
-                              const Model& model) {
-  const auto found = std::ranges::find(model.parameters, name, &Parameter::name);
-  if (found != model.parameters.end()) return static_cast<std::uint32_t>(found - model.parameters.begin());
-  std::vector<std::string> names;
-  for (const Parameter& parameter : model.parameters) names.push_back(parameter.name);
-  refuse(fmt::format("{}: {} is not one of {}{}", option, name, words, fmt::join(names, ", ")));
-}
-
 std::vector<std::uint32_t> parse_uncertain(const std::string& list, const Model& model) {
-  std::vector<std::uint32_t> uncertain;
-  if (list == "none") return uncertain;
-  if (list == "all") {
-    uncertain.resize(model.parameters.size());
-    std::iota(uncertain.begin(), uncertain.end(), 0U);
-    // A parameter without a deviation has nothing to be uncertain about.
-    std::erase_if(uncertain, [&](std::uint32_t i) { return model.parameters[i].range.width() == 0.0; });
-    return uncertain;
-  }
-  for (const std::string& name : split(list)) {
-    const std::uint32_t index = parse_parameter("--uncertain", "all, none, ", name, model);
-    if (std::ranges::find(uncertain, index) != uncertain.end()) refuse(fmt::format("--uncertain: {} twice", name));
-    uncertain.push_back(index);
-  }
-  std::ranges::sort(uncertain);
-  return uncertain;
+  if (list == "none") return {};
+  return list == "all" ? uncertain_parameters(model) : uncertain_parameters(model, split(list));
 }
 
 ParameterRange parse_range(std::string_view option, const std::string& text) {
@@ -114,74 +88,6 @@ ParameterRange parse_range(std::string_view option, const std::string& text) {
   const std::vector<double> ends = parse_numbers(option, text.substr(equals + 1), "LO,HI");
   if (ends[0] > ends[1]) refuse(fmt::format("{}: in {} the first number is the larger one", option, text));
   return {text.substr(0, equals), {ends[0], ends[1]}};
-}
-
-/// What holds of the file's range holds of its parts: they need no other check.
-Model with_range(const Model& model, const ParameterRange& part) {
-  const std::uint32_t index = parse_parameter("--range", "", part.name, model);
-  const Enclosure& whole = model.parameters[index].range;
-  if (!whole.contains(part.range.lo) || !whole.contains(part.range.hi)) {
-    refuse(fmt::format("--range: {}={},{} is not within the file's range [{}, {}]", part.name, part.range.lo,
-                       part.range.hi, whole.lo, whole.hi));
-  }
-  return narrowed(model, index, part.range);
-}
-
-/// The part of each uncertain range that is at most `per_cent` of the nominal value off it, rounded outward.
-Model within(Model model, UncertainSet uncertain, double per_cent) {
-  using verify::Direction;
-  for (const std::uint32_t i : uncertain) {
-    const Parameter& parameter = model.parameters[i];
-    const double off =
-        verify::multiply(std::abs(parameter.nominal), verify::divide(per_cent, 100.0, Direction::up), Direction::up);
-    const Enclosure range{std::max(parameter.range.lo, verify::subtract(parameter.nominal, off, Direction::down)),
-                          std::min(parameter.range.hi, verify::add(parameter.nominal, off, Direction::up))};
-    model = narrowed(std::move(model), i, range);
-  }
-  return model;
-}
-
-/// A subdivision into more cells than anyone waits for is refused, not begun.
-void check_cells(std::uint32_t cells, std::size_t parameters) {
-  constexpr double most = 1e9;
-  if (std::pow(cells, parameters) <= most) return;
-  refuse(
-      fmt::format("--accelerations: {} cells a parameter for {} uncertain ones are more than {:g}: name fewer with "
-                  "--uncertain, or give fewer --cells",
-                  cells, parameters, most));
-}
-
-/// The whole range where the quantity is an uncertain parameter.
-Enclosure over(const Quantity& quantity, UncertainSet uncertain) {
-  const bool whole = quantity.parameter && std::ranges::find(uncertain, *quantity.parameter) != uncertain.end();
-  return whole ? quantity.range : Enclosure{quantity.nominal, quantity.nominal};
-}
-
-const ContactCylinder& parse_cylinder(const std::string& name, const Model& model) {
-  const auto found = std::ranges::find(model.cylinders, name, &ContactCylinder::name);
-  if (found != model.cylinders.end()) return *found;
-  std::vector<std::string> names;
-  for (const ContactCylinder& cylinder : model.cylinders) names.push_back(cylinder.name);
-  refuse(fmt::format("--bounce: '{}' is not one of the cylinders {}", name, fmt::join(names, ", ")));
-}
-
-/// The cylinder alone, with the mass of its body. Throws Error(input) where its stiffness is uncertain.
-Drop drop_of(const ContactCylinder& cylinder, const Model& model, UncertainSet uncertain, double height) {
-  const Enclosure stiffness = over(cylinder.stiffness, uncertain);
-  if (stiffness.width() > 0.0) {
-    refuse(
-        fmt::format("--bounce: the stiffness of '{}' is uncertain, and the bounce has an exact one: leave {} out of "
-                    "--uncertain",
-                    cylinder.name, model.parameters[*cylinder.stiffness.parameter].name));
-  }
-  return {.mass = over(model.bodies[cylinder.body].mass, uncertain),
-          .radius = over(cylinder.radius, uncertain),
-          .height = height,
-          .gravity = model.gravity,
-          .stiffness = stiffness.lo,
-          .exponent = cylinder.exponent,
-          .restitution = over(cylinder.normal_restitution, uncertain),
-          .impact_velocity = over(cylinder.impact_velocity, uncertain)};
 }
 
 [[noreturn]] void report_escape(const Model& model, const std::string& component, const Enclosure& claimed,
@@ -202,16 +108,20 @@ class Analysis {
     summary_.file = arguments.model;
     summary_.mode = arguments.mode.value_or(Mode::tight);
     summary_.model = read_model(arguments.model);
-    for (const ParameterRange& range : arguments.ranges) summary_.model = with_range(summary_.model, range);
+    for (const ParameterRange& range : arguments.ranges) {
+      const std::uint32_t parameter = parameter_named(summary_.model, range.name, "--range: {} is not one of {}");
+      summary_.model = narrowed(std::move(summary_.model), parameter, range.range);
+    }
     summary_.uncertain = parse_uncertain(arguments.uncertain.value_or("all"), summary_.model);
-    if (arguments.within) summary_.model = within(std::move(summary_.model), summary_.uncertain, *arguments.within);
+    if (arguments.within)
+      summary_.model = narrowed_within(std::move(summary_.model), summary_.uncertain, *arguments.within);
     if (arguments.accelerations) check_cells(acceleration_options().cells, summary_.uncertain.size());
     if (!arguments.bounce) return;
-    const ContactCylinder& cylinder = parse_cylinder(*arguments.bounce, summary_.model);
+    const ContactCylinder& cylinder = cylinder_of(summary_.model, *arguments.bounce);
     summary_.dropped = cylinder.name;
     summary_.bounce_scope = bounce_scope(summary_.model, cylinder);
     summary_.drop =
-        drop_of(cylinder, summary_.model, summary_.uncertain, arguments.drop_height.value_or(default_drop_height));
+        drop_of(summary_.model, cylinder, summary_.uncertain, arguments.drop_height.value_or(default_drop_height));
   }
 
   [[nodiscard]] const StanceSummary& run() {

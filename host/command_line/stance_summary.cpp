@@ -117,7 +117,7 @@ std::string reference_text(const ReferenceUncertainty& reference) {
 
 std::string accelerations_text(const StanceSummary& summary) {
   std::string text = "\njoint accelerations\n";
-  const std::vector<std::string> names = joint_names(summary.model);
+  const std::vector<std::string> names = stance::joint_names(summary.model);
   const std::vector<std::string> units = acceleration_units(summary.model);
   for (std::size_t k = 0; k < summary.accelerations.size(); ++k) {
     const Enclosure& enclosure = summary.accelerations[k];
@@ -287,7 +287,7 @@ JsonObject json_of(const ReferenceUncertainty& reference) {
 
 JsonObject json_of_accelerations(const StanceSummary& summary) {
   JsonObject object;
-  const std::vector<std::string> names = joint_names(summary.model);
+  const std::vector<std::string> names = stance::joint_names(summary.model);
   for (std::size_t k = 0; k < summary.accelerations.size(); ++k) {
     object.set(names[k], json_with_samples(summary.accelerations[k], summary.acceleration_samples, k));
   }
@@ -381,14 +381,6 @@ JsonObject json_of(const Bounce& bounce, const std::string& dropped, const Drop&
 
 std::string component_name(std::size_t component) {
   return fmt::format("w{}", component + 1);
-}
-
-std::vector<std::string> joint_names(const Model& model) {
-  std::vector<std::string> names;
-  for (const Body& body : model.bodies) {
-    for (const Joint& joint : body.joints) names.push_back(body.name + " " + joint.name);
-  }
-  return names;
 }
 
 std::vector<std::string> notes(const Model& model) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 #include <verisq/stance_bounce.hpp>
+#include <verisq/stance_choice.hpp>
 #include <verisq/stance_equilibrium.hpp>
 
 #include "host/stance/stance_report.hpp"
@@ -42,9 +43,6 @@ struct StanceSummary {
 
 /// "w1" ... "w6".
 [[nodiscard]] std::string component_name(std::size_t component);
-
-/// "pelvis ty": all joints, bodies in order.
-[[nodiscard]] std::vector<std::string> joint_names(const stance::Model& model);
 
 /// What the model allows and a reader should know: dynamic friction above static friction.
 [[nodiscard]] std::vector<std::string> notes(const stance::Model& model);

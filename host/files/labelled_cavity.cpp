@@ -38,23 +38,31 @@ LabelledMesh read_labels(const std::filesystem::path& path, const std::string& p
 
 }  // namespace
 
-Cavity read_labelled_cavity(const std::filesystem::path& mesh, const std::string& property,
-                            std::span<const Area> weights) {
-  LabelledMesh labelled = read_labels(mesh, property);
-  const auto rank = ranks(labelled.labels);
-  Cavity cavity{std::move(labelled.mesh.vertices), {}, {}};
+Cavity labelled_cavity(std::vector<Point> points, std::span<const std::int64_t> labels, std::span<const Area> weights) {
+  const auto rank = ranks(labels);
+  Cavity cavity{std::move(points), {}, {}};
   for (const auto& [label, index] : rank) cavity.areas.push_back({std::to_string(label), 1.0});
   for (const Area& weight : weights) {
     const auto area = std::ranges::find(cavity.areas, weight.name, &Area::name);
     if (area == cavity.areas.end()) {
-      throw Error(ErrorKind::input, fmt::format("{}: property {}: no vertex has the value {}, which has a weight",
-                                                mesh.string(), in_quotes(property), in_quotes(weight.name)));
+      throw Error(ErrorKind::input,
+                  fmt::format("no vertex has the value {}, which has a weight", in_quotes(weight.name)));
     }
     area->weight = weight.weight;
   }
-  cavity.area_of.reserve(labelled.labels.size());
-  for (const std::int64_t label : labelled.labels) cavity.area_of.push_back(rank.at(label));
+  cavity.area_of.reserve(labels.size());
+  for (const std::int64_t label : labels) cavity.area_of.push_back(rank.at(label));
   return cavity;
+}
+
+Cavity read_labelled_cavity(const std::filesystem::path& mesh, const std::string& property,
+                            std::span<const Area> weights) {
+  LabelledMesh labelled = read_labels(mesh, property);
+  try {
+    return labelled_cavity(std::move(labelled.mesh.vertices), labelled.labels, weights);
+  } catch (const Error& error) {
+    throw Error(error.kind(), fmt::format("{}: property {}: {}", mesh.string(), in_quotes(property), error.what()));
+  }
 }
 
 }  // namespace verisq

@@ -1,11 +1,11 @@
 /// Triangles are clipped one by one; those that share an edge share its new vertex.
-#include "host/mesh/plane_cut.hpp"
-
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
+#include <verisq/plane_cut.hpp>
 
 namespace verisq {
 namespace {
@@ -76,6 +76,12 @@ class Cutter {
 };
 
 }  // namespace
+
+Plane scaled(const Plane& plane) {
+  const auto& [x, y, z] = plane.normal;
+  const double largest = std::max({std::abs(x), std::abs(y), std::abs(z)});
+  return {plane.point, {x / largest, y / largest, z / largest}};
+}
 
 CutMesh cut_off(const Mesh& mesh, const Plane& plane) {
   return Cutter(mesh, plane)();

@@ -1,7 +1,14 @@
 /// The parameter, and all quantities that are it.
-#include "host/stance/narrowed_model.hpp"
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <utility>
+#include <verisq/error.hpp>
+#include <verisq/stance_choice.hpp>
+
+#include "verify/numbers/rounding.hpp"
 
 namespace verisq::stance {
 namespace {
@@ -35,11 +42,29 @@ void for_each_quantity(Model& model, const Visit& visit) {
 
 Model narrowed(Model model, std::uint32_t parameter, const Enclosure& range) {
   Parameter& narrow = model.parameters[parameter];
+  // What the reader asks of the ends of a range holds of its parts.
+  if (!(range.lo <= range.hi) || !narrow.range.contains(range.lo) || !narrow.range.contains(range.hi)) {
+    throw Error(ErrorKind::input, fmt::format("--range: {}={},{} is not within the file's range [{}, {}]", narrow.name,
+                                              range.lo, range.hi, narrow.range.lo, narrow.range.hi));
+  }
   narrow.range = range;
   if (!range.contains(narrow.nominal)) narrow.nominal = std::midpoint(range.lo, range.hi);
   for_each_quantity(model, [&](Quantity& quantity) {
     if (quantity.parameter == parameter) quantity = {narrow.nominal, narrow.range, parameter};
   });
+  return model;
+}
+
+Model narrowed_within(Model model, UncertainSet uncertain, double per_cent) {
+  using verify::Direction;
+  for (const std::uint32_t i : uncertain) {
+    const auto& [name, unit, description, nominal, range] = model.parameters[i];
+    const double share = verify::divide(per_cent, 100.0, Direction::up);
+    const double off = verify::multiply(std::abs(nominal), share, Direction::up);
+    const Enclosure part{std::max(range.lo, verify::subtract(nominal, off, Direction::down)),
+                         std::min(range.hi, verify::add(nominal, off, Direction::up))};
+    model = narrowed(std::move(model), i, part);
+  }
   return model;
 }
 

@@ -175,6 +175,7 @@ class Marching {
     std::vector<std::uint8_t> far(count, 0);
     std::vector<std::uint8_t> fixed(count, 0);
     in_parallel((count + triangles_a_chunk - 1) / triangles_a_chunk, [&](std::size_t chunk) {
+      if (options_.interrupted()) return;  // what is not looked at is not used: run() asks, too
       const std::size_t last = std::min(count, (chunk + 1) * triangles_a_chunk);
       for (std::size_t t = chunk * triangles_a_chunk; t < last; ++t) {
         const auto& [a, b, c] = surface.triangles[t];
@@ -230,6 +231,7 @@ void estimate(const Solid& solid, const ModelMeshOptions& options, ModelMesh& re
   const Mesh& mesh = result.mesh;
   std::vector<double> largest((mesh.triangles.size() + triangles_a_chunk - 1) / triangles_a_chunk);
   in_parallel(largest.size(), [&](std::size_t chunk) {
+    if (options.interrupted()) return;
     double deviation = options.deviation / 64.0;
     const std::size_t last = std::min(mesh.triangles.size(), (chunk + 1) * triangles_a_chunk);
     for (std::size_t t = chunk * triangles_a_chunk; t < last; ++t) {
@@ -275,6 +277,7 @@ ModelMesh model_mesh(const Model& model, const ModelMeshOptions& options) {
   if (result.interrupted) return {.mesh = {}, .interrupted = true};
   options.progress("sampling", 0.95);
   estimate(solid, options, result);
+  if (options.interrupted()) return {.mesh = {}, .interrupted = true};
   return result;
 }
 

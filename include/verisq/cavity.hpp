@@ -47,9 +47,14 @@ struct AreaBox {
 /// `weight_elsewhere`, which is there only if it has a point.
 [[nodiscard]] Cavity cavity(std::vector<Point> points, std::span<const AreaBox> boxes, double weight_elsewhere = 1.0);
 
-/// The areas are the values of an integer vertex property of a `.ply` file, in ascending order, named by their numbers;
-/// a value without a weight in `weights` (area names are the numbers) has weight 1. Throws Error(input) for another
-/// format, an absent property or one that is not an integer type, and for a weight of a value that does not occur.
+/// The areas are the values of the points' labels, one each, in ascending order, named by their numbers; a value
+/// without a weight in `weights` (area names are the numbers) has weight 1. Throws Error(input) for a weight of a value
+/// that does not occur.
+[[nodiscard]] Cavity labelled_cavity(std::vector<Point> points, std::span<const std::int64_t> labels,
+                                     std::span<const Area> weights);
+
+/// The same of the vertices of a `.ply` file, whose labels are an integer property of theirs. Throws Error(input) for
+/// another format, an absent property or one that is not an integer type, and likewise.
 [[nodiscard]] Cavity read_labelled_cavity(const std::filesystem::path& mesh, const std::string& property,
                                           std::span<const Area> weights);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -15,6 +16,11 @@
 #include <verisq/uncertain_model.hpp>
 
 namespace verisq {
+
+/// So few rows are not worth a device's start, which takes a tenth of a second, or the first time as long as its
+/// kernels take to compile: the host proves so many ordinary ones in a fiftieth. Who knows that there are no more asks
+/// for "host" where "auto" was meant.
+inline constexpr std::size_t few_rows = 128;
 
 /// How the host proves points outside.
 enum class Method {

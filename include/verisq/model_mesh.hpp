@@ -12,7 +12,8 @@ namespace verisq {
 struct ModelMeshOptions {
   double deviation;  ///< > 0, in model units: the mesh is to be this near to the surface, and the surface to the mesh
   std::size_t most_triangles = 20'000'000;                   ///< refuses to go on beyond
-  std::function<bool()> interrupted = [] { return false; };  ///< polled; true ends the work
+  std::function<bool()> interrupted = [] { return false; };  ///< polled, also by several threads at once; true, and it
+                                                             ///< must stay so, ends the work
   /// Called now and then with what is being done, and a number that grows from 0 to 1.
   std::function<void(std::string_view, double)> progress = [](std::string_view, double) {};
 };

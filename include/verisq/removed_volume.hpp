@@ -31,9 +31,16 @@ struct BoneRegion {
   std::optional<Plane> resection = {};  ///< what lies beyond has been cut off before
 };
 
+/// Largest width of the volume's enclosure that is usually asked for, divided by its lower end.
+inline constexpr double usual_volume_tolerance = 0.02;
+
+/// So little that nobody asks how much more exactly, however small the volume is: 1e-7 of the cube about the implant's
+/// bounding sphere, in cubic model units.
+[[nodiscard]] double negligible_volume(const Model& implant);
+
 /// The work ends when the enclosure is at most as wide as one of both tolerances allows.
 struct RemovedVolumeOptions {
-  double relative_tolerance = 0.02;                    ///< of the volume's lower end, >= 0
+  double relative_tolerance = usual_volume_tolerance;  ///< of the volume's lower end, >= 0
   double tolerance = 0.0;                              ///< in cubic model units, >= 0
   std::uint64_t most_cubes = std::uint64_t{1} << 21U;  ///< looked at, about: then the enclosure stays as it is
   std::function<bool()> interrupted = [] { return false; };

@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_clearance.hpp>
@@ -28,6 +29,20 @@ enum class SideFinding : std::uint8_t {
   no_deep_point,    ///< it has no point that is known to lie deeper than the limit of penetration
   on_the_surface,   ///< rounding leaves its point's side open
 };
+
+/// "proven", "other side", "not off the surface", "not off the openings", "centre not deep enough", "centre not
+/// decided".
+[[nodiscard]] constexpr std::string_view to_string(SideFinding finding) {
+  switch (finding) {
+    case SideFinding::kept: return "proven";
+    case SideFinding::other_side: return "other side";
+    case SideFinding::enters_surface: return "not off the surface";
+    case SideFinding::reaches_through: return "not off the openings";
+    case SideFinding::no_deep_point: return "centre not deep enough";
+    case SideFinding::on_the_surface: break;
+  }
+  return "centre not decided";
+}
 
 struct SidesOptions {
   double penetration_limit = 0.0;  ///< model units, >= 0

@@ -1,6 +1,7 @@
 /// Every header of the library but that of `verisq::surface`, whose programs are under the GPL, and that for C.
 #pragma once
 
+#include <verisq/bone_region.hpp>
 #include <verisq/cavity.hpp>
 #include <verisq/certificate.hpp>
 #include <verisq/checker.hpp>
@@ -16,6 +17,8 @@
 #include <verisq/features.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/fit_bound.hpp>
+#include <verisq/fit_problem.hpp>
+#include <verisq/fit_solution.hpp>
 #include <verisq/fitness.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/landmark_file.hpp>
@@ -36,6 +39,7 @@
 #include <verisq/octree_file.hpp>
 #include <verisq/pair_certificate.hpp>
 #include <verisq/plane.hpp>
+#include <verisq/plane_cut.hpp>
 #include <verisq/point_file.hpp>
 #include <verisq/pose_file.hpp>
 #include <verisq/posed_model.hpp>
@@ -47,6 +51,7 @@
 #include <verisq/signed_distance.hpp>
 #include <verisq/stance_analysis.hpp>
 #include <verisq/stance_bounce.hpp>
+#include <verisq/stance_choice.hpp>
 #include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_file.hpp>
 #include <verisq/stance_model.hpp>

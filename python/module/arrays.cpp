@@ -149,6 +149,17 @@ std::vector<Pose> poses(py::handle object, std::string_view name) {
   return records<Pose>(object, name, {-1, 7});
 }
 
+std::vector<std::int64_t> integers(py::handle object, std::string_view name) {
+  const py::array array = as_array(object, name);
+  check_shape(array, name, {-1});
+  const char kind = array.dtype().kind();
+  if (kind != 'i' && kind != 'u')
+    throw py::type_error(fmt::format("{} must be integers, not {}", name, text(array.dtype())));
+  if (!is_within_exact_integers(array)) throw py::value_error(fmt::format("{} must be within 2^53", name));
+  const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast> widened(array);
+  return {widened.data(), widened.data() + widened.size()};
+}
+
 Pose pose(py::handle object) {
   if (object.is_none()) return {};
   const py::array numbers_of_pose = numbers(object, "a pose", {7});
@@ -164,6 +175,18 @@ Pose pose(py::handle object) {
 Point point(py::handle object) {
   const py::array coordinates = numbers(object, "a point", {3});
   return points(coordinates.attr("reshape")(1, 3), "a point").front();
+}
+
+std::optional<Plane> plane(py::handle object) {
+  if (object.is_none()) return std::nullopt;
+  const py::array coordinates = numbers(object, "a plane", {6});
+  const std::vector<Point> rows = points(coordinates.attr("reshape")(2, 3), "a plane");
+  const Plane result{rows[0], rows[1]};
+  const auto finite = [](double number) { return std::isfinite(number); };
+  if (!std::ranges::all_of(result.point, finite) || !std::ranges::all_of(result.normal, finite) ||
+      result.normal == Point{})
+    throw Error(ErrorKind::input, "a plane must be finite, and its normal not zero");
+  return result;
 }
 
 Mesh mesh(py::handle vertices, py::handle triangles) {

@@ -4,11 +4,14 @@
 #include <pybind11/numpy.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 #include <verisq/columns.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
+#include <verisq/plane_cut.hpp>
 
 namespace verisq::python {
 
@@ -29,11 +32,19 @@ namespace verisq::python {
 /// ... (N, 7): translation and quaternion [w, x, y, z].
 [[nodiscard]] std::vector<Pose> poses(pybind11::handle object, std::string_view name);
 
+/// Copies of integers of shape (N,). Throws TypeError for other types, ValueError for other shapes and where they are
+/// beyond 2^53.
+[[nodiscard]] std::vector<std::int64_t> integers(pybind11::handle object, std::string_view name);
+
 /// A sequence of seven numbers, or None: no motion. Throws Error(input) for numbers that are not finite and a
 /// quaternion of zero.
 [[nodiscard]] Pose pose(pybind11::handle object);
 /// A sequence of three numbers.
 [[nodiscard]] Point point(pybind11::handle object);
+
+/// A sequence of six numbers, a point and a normal of any length, or None. Throws Error(input) for numbers that are not
+/// finite and a normal of zero.
+[[nodiscard]] std::optional<Plane> plane(pybind11::handle object);
 
 /// Vertices (N, 3), and triangles (M, 3) of indices, or None: a cloud. Throws ValueError also for an index that no
 /// vertex has, Error(input) for coordinates that are not finite.

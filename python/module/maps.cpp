@@ -21,52 +21,15 @@
 #include <verisq/map.hpp>
 
 #include "python/module/arrays.hpp"
-#include "python/module/certificate_list.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/python_map.hpp"
 #include "python/module/python_model.hpp"
 
 namespace verisq::python {
 namespace {
 
 namespace py = pybind11;
-
-/// "auto" leaves so few rows to the host, as the command line does: a device takes longer to be made ready.
-constexpr std::size_t few_rows = 128;
-
-static_assert(sizeof(Status) == 1);
-
-/// A finished map: its columns are arrays.
-struct PythonMap {
-  py::array_t<double> lo;
-  py::array_t<double> hi;
-  py::array_t<std::uint8_t> status;
-  std::shared_ptr<const CertificateList> certificates;  ///< null unless asked for
-  MapSummary summary;
-  double tolerance;
-};
-
-/// The bytes of the array, which are values of the enumeration.
-Status* statuses(py::array_t<std::uint8_t>& array) {
-  return reinterpret_cast<Status*>(array.mutable_data());
-}
-
-PythonMap empty_map(std::size_t size, double tolerance) {
-  const auto length = static_cast<py::ssize_t>(size);
-  return {py::array_t<double>(length),
-          py::array_t<double>(length),
-          py::array_t<std::uint8_t>(length),
-          nullptr,
-          {},
-          tolerance};
-}
-
-ResultColumns columns(PythonMap& map) {
-  return {static_cast<std::size_t>(map.lo.size()),
-          {map.lo.mutable_data()},
-          {map.hi.mutable_data()},
-          {statuses(map.status)}};
-}
 
 /// As queries of the library, and what keeps them alive.
 template <class Query>
@@ -109,7 +72,9 @@ struct Settings {
   std::string device = "auto";
   bool certificates = false;
   double point_radius = 0.0;
-  std::optional<double> time_limit = {};  ///< seconds, from the first call on: for mappers that are called once
+  std::optional<double> time_limit = {};  ///< seconds, of each call
+
+  [[nodiscard]] bool operator==(const Settings&) const = default;
 };
 
 /// A library's mapper, whose calls from several threads wait for each other.
@@ -241,6 +206,41 @@ std::string device_for(std::size_t rows, const std::string& device) {
   return device == "auto" && rows <= few_rows ? "host" : device;
 }
 
+/// The device's mapper of the last map that is done, for the next one of the same model: what a device compiles for a
+/// model it may keep to the end of the process. A map takes it, and gives it back: maps of other threads meanwhile make
+/// their own.
+template <class Query>
+class LastMapper {
+ public:
+  using Owned = std::unique_ptr<PythonMapper<Query>>;
+
+  /// Null where the last map was another one's.
+  [[nodiscard]] Owned take(const PythonModel& model, const Settings& settings) {
+    const std::lock_guard lock(mutex_);
+    if (mapper_ == nullptr || identity_ != model.identity() || settings_ != settings) return nullptr;
+    return std::move(mapper_);
+  }
+
+  void give_back(const PythonModel& model, const Settings& settings, Owned mapper) {
+    const std::lock_guard lock(mutex_);
+    identity_ = model.identity();
+    settings_ = settings;
+    mapper_.swap(mapper);
+  }
+
+  /// For as long as the process lives: what belongs to a device may not end after the device's library.
+  static LastMapper& instance() {
+    static auto* const last = new LastMapper;
+    return *last;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::uint64_t identity_ = 0;
+  Settings settings_{};
+  Owned mapper_;
+};
+
 template <class Query>
 PythonMap map(const PythonModel& model, const py::handle& object, const std::optional<double>& tolerance,
               const std::string& device, double point_radius, const std::optional<double>& time_limit,
@@ -248,7 +248,13 @@ PythonMap map(const PythonModel& model, const py::handle& object, const std::opt
   const Queries<Query> queries(object);
   const Settings settings = settings_of(model.bounding_radius(), tolerance, device_for(queries.size(), device),
                                         certificates, point_radius, time_limit);
-  return (*mapper<Query>(model, settings))(queries);
+  if (settings.device == "host") return (*mapper<Query>(model, settings))(queries);
+  auto& last = LastMapper<Query>::instance();
+  auto ready = last.take(model, settings);
+  if (ready == nullptr) ready = mapper<Query>(model, settings);
+  PythonMap found = (*ready)(queries);
+  last.give_back(model, settings, std::move(ready));  // not where it threw
+  return found;
 }
 
 PythonMap map_of_poses(const PythonModel& a, const PythonModel& b, const py::handle& object,
@@ -282,60 +288,9 @@ void declare_map(py::module_& module, const char* name, const char* queries, con
              py::arg("certificates") = false, explanation);
 }
 
-py::object smallest(const PythonMap& self) {
-  if (self.summary.points == 0) return py::none();
-  return py::cast(Enclosure{self.summary.minimum_lo, self.summary.minimum_hi});
-}
-
-std::string representation(const PythonMap& self) {
-  return fmt::format("<verisq.Map: {} rows, {} wide, by {}>", self.summary.points, self.summary.wide,
-                     self.summary.device);
-}
-
-py::object verified_rows(const PythonMap& self) {
-  return self.status.attr("__ne__")(static_cast<int>(Status::wide));
-}
-
-void declare_class_of_maps(py::module_& module) {
-  const auto summary = [](auto MapSummary::*member) {
-    return [member](const PythonMap& self) { return self.summary.*member; };
-  };
-  py::class_<PythonMap>(
-      module, "Map",
-      "What a map returns: row i of the arrays lo, hi and status is that of query i. The exact value\n"
-      "is at least lo[i] and at most hi[i]. lo, hi, status = map takes it apart.")
-      .def_readonly("lo", &PythonMap::lo, "float64 (N,): lower ends, in model units.")
-      .def_readonly("hi", &PythonMap::hi, "float64 (N,): upper ends, in model units; infinite where none is proven.")
-      .def_readonly("status", &PythonMap::status, "uint8 (N,): values of Status.")
-      .def_property_readonly("verified", verified_rows,
-                             "bool (N,): which rows are at most the tolerance wide. The others are valid, too.")
-      .def_property_readonly(
-          "certificates", [](const PythonMap& self) { return self.certificates; },
-          "What proves each row again (Certificates), where it was asked for; else None.")
-      .def_readonly("tolerance", &PythonMap::tolerance, "In model units.")
-      .def_property_readonly("smallest", smallest, "Enclosure of the smallest distance of all rows; None without rows.")
-      .def_property_readonly("largest_width", summary(&MapSummary::largest_width), "Of all rows.")
-      .def_property_readonly("device", summary(&MapSummary::device), "The device's name, or \"host\".")
-      .def_property_readonly("device_verified", summary(&MapSummary::device_verified), "How many rows.")
-      .def_property_readonly("host_verified", summary(&MapSummary::host_verified), "How many rows.")
-      .def_property_readonly("wide", summary(&MapSummary::wide), "How many rows are wider than the tolerance.")
-      .def_property_readonly("wide_inside", summary(&MapSummary::wide_inside),
-                             "How many of those have a lower end below 0.")
-      .def_property_readonly("device_seconds", summary(&MapSummary::device_seconds), "During which kernels ran.")
-      .def_property_readonly("host_seconds", summary(&MapSummary::host_seconds), "Wall time of the host's proofs.")
-      .def_property_readonly("out_of_time", summary(&MapSummary::out_of_time),
-                             "Whether the time limit came while rows were wide.")
-      .def_property_readonly("notice", summary(&MapSummary::notice),
-                             "Why a device was passed over; empty when nothing is to be said.")
-      .def("__len__", [](const PythonMap& self) { return self.lo.size(); })
-      .def("__iter__", [](const PythonMap& self) { return py::iter(py::make_tuple(self.lo, self.hi, self.status)); })
-      .def("__repr__", representation);
-}
-
 }  // namespace
 
 void declare_maps(py::module_& module) {
-  declare_class_of_maps(module);
   declare_mapper<Point>(
       module, "Mapper",
       "Mapper(model, *, tolerance=None, device=\"auto\", point_radius=0.0, certificates=False)\n\n"

@@ -16,6 +16,7 @@ PYBIND11_MODULE(_verisq, module) {
   verisq::python::declare_models(module);
   verisq::python::declare_signed_distance(module);
   verisq::python::declare_meshes(module);
+  verisq::python::declare_class_of_maps(module);
   verisq::python::declare_maps(module);
   verisq::python::declare_certificates(module);
   verisq::python::declare_closest_points(module);
@@ -23,5 +24,10 @@ PYBIND11_MODULE(_verisq, module) {
   verisq::python::declare_deviations(module);
   verisq::python::declare_recoveries(module);
   verisq::python::declare_features(module);
+  verisq::python::declare_octrees(module);
+  verisq::python::declare_clearances(module);
+  verisq::python::declare_insertions(module);
+  verisq::python::declare_fits(module);
+  verisq::python::declare_stances(module);
   verisq::python::declare_devices(module);
 }

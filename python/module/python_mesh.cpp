@@ -31,6 +31,12 @@ py::array view(const std::vector<std::array<Value, 3>>& rows, const py::handle& 
   return array;
 }
 
+template <class Value>
+py::array_t<Value> copied(const std::vector<std::array<Value, 3>>& rows) {
+  const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(rows.size()), 3};
+  return py::array_t<Value>(shape, rows.empty() ? nullptr : rows.front().data());
+}
+
 std::string representation(const PythonMesh& self) {
   return fmt::format("<verisq.Mesh: {} vertices, {} triangles>", self.mesh.vertices.size(), self.mesh.triangles.size());
 }
@@ -89,7 +95,12 @@ void declare_meshes(py::module_& module) {
           "uint32 (M, 3), a read-only view: indices of vertices.")
       .def_property_readonly("is_closed", is_closed,
                              "Whether it bounds a solid: closed, manifold and consistently oriented, by its indices.")
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(py::pickle(
+          [](const PythonMesh& self) {
+            return py::make_tuple(copied(self.mesh.vertices), copied(self.mesh.triangles));
+          },
+          [](const py::tuple& parts) { return PythonMesh{mesh(parts[0], parts[1])}; }));
   module.def(
       "mesh_of_model", mesh_of_model, py::arg("model"), py::arg("deviation"),
       "mesh_of_model(model, deviation) -> Mesh\n\nThe model's surface as a closed mesh, about so near to it, in\n"

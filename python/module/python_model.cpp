@@ -5,17 +5,20 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <utility>
 #include <vector>
 #include <verisq/error.hpp>
+#include <verisq/landmark_file.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/posed_model.hpp>
 #include <verisq/signed_distance.hpp>
 
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
+#include "python/module/landmarks.hpp"
 
 namespace verisq::python {
 namespace {
@@ -75,7 +78,20 @@ py::object operand(const SetExpression& expression, const UncertainModel& model)
   return result;
 }
 
-py::dict dictionary(const UncertainModel& model) {
+py::list list(const std::vector<AreaBox>& areas) {
+  py::list result;
+  for (const AreaBox& box : areas) {
+    py::dict area;
+    area["name"] = box.area.name;
+    area["weight"] = box.area.weight;
+    area["box"] = std::vector<Point>{box.lower, box.upper};
+    result.append(area);
+  }
+  return result;
+}
+
+py::dict dictionary(const PythonModel& whole) {
+  const UncertainModel& model = whole.model();
   py::dict result;
   result["format"] = "verisq-model/1";
   if (!model.units.empty()) result["units"] = model.units;
@@ -83,11 +99,18 @@ py::dict dictionary(const UncertainModel& model) {
   for (const UncertainPrimitive& primitive : model.primitives) primitives.append(dictionary(primitive));
   result["primitives"] = primitives;
   if (model.csg) result["csg"] = operand(*model.csg, model);
+  const py::dict landmarks = python::dictionary(whole.landmarks());
+  if (!landmarks.empty()) result["landmarks"] = landmarks;
+  if (!whole.areas().empty()) result["areas"] = list(whole.areas());
   return result;
 }
 
 PythonModel from_text(const std::string& text, const std::string& name) {
-  return PythonModel(parse_uncertain_model(text, name));
+  return PythonModel(parse_uncertain_model(text, name), parse_model_landmarks(text, name), parse_areas(text, name));
+}
+
+PythonModel from_file(const std::filesystem::path& path) {
+  return PythonModel(read_uncertain_model(path), read_model_landmarks(path), read_areas(path));
 }
 
 /// Of what JSON does not know, arrays and NumPy's numbers become lists and numbers.
@@ -118,12 +141,20 @@ std::string representation(const PythonModel& model) {
                      is_exact(model.model()) ? "" : ", with intervals");
 }
 
+std::uint64_t next_identity() {
+  static std::atomic<std::uint64_t> next{0};
+  return next++;
+}
+
 }  // namespace
 
-PythonModel::PythonModel(UncertainModel model)
+PythonModel::PythonModel(UncertainModel model, FemurLandmarks landmarks, std::vector<AreaBox> areas)
     : model_(std::move(model)),
+      landmarks_(std::move(landmarks)),
+      areas_(std::move(areas)),
       largest_(bracket(model_).largest),
-      bounding_radius_(verisq::bounding_radius(largest_)) {}
+      bounding_radius_(verisq::bounding_radius(largest_)),
+      identity_(next_identity()) {}
 
 const Model& PythonModel::exact(std::string_view what) const {
   if (!is_exact(model_)) throw Error(ErrorKind::input, fmt::format("{}: not for models with intervals", what));
@@ -148,8 +179,9 @@ void check_length(double value, std::string_view name) {
     throw py::value_error(fmt::format("{} must be finite and at least 0, not {}", name, value));
 }
 
-double tolerance_or_default(const std::optional<double>& given, double radius) {
-  constexpr double relative = 1e-6;
+namespace {
+
+double tolerance_of(const std::optional<double>& given, double relative, double radius) {
   if (given) check_length(*given, "tolerance");
   const double tolerance = given.value_or(relative * radius);
   if (!std::isfinite(tolerance))
@@ -157,35 +189,48 @@ double tolerance_or_default(const std::optional<double>& given, double radius) {
   return tolerance;
 }
 
+}  // namespace
+
+double tolerance_or_default(const std::optional<double>& given, double radius) {
+  return tolerance_of(given, 1e-6, radius);
+}
+
+double tolerance_along_way(const std::optional<double>& given, double radius) {
+  const double tolerance = tolerance_of(given, 1e-3, radius);
+  if (tolerance == 0.0) throw py::value_error("tolerance must be above 0");
+  return tolerance;
+}
+
 void declare_models(py::module_& module) {
   py::class_<PythonModel>(module, "Model",
                           "A solid: posed superquadrics and the set operations on them, as a model file states them\n"
                           "(verisq-model/1, docs/formats.md §2). Made by load, loads or from_dict; immutable.")
-      .def_static(
-          "load", [](const std::filesystem::path& path) { return PythonModel(read_uncertain_model(path)); },
-          py::arg("path"),
-          "load(path) -> Model\n\nThe model of a file. Raises Error, one line with file, key and value, for\n"
-          "everything that the format refuses. Its areas and landmarks are checked, and left out.")
+      .def_static("load", from_file, py::arg("path"),
+                  "load(path) -> Model\n\nThe model of a file. Raises Error, one line with file, key and value, for\n"
+                  "everything that the format refuses.")
       .def_static("loads", from_text, py::arg("text"), py::arg("name") = name_of_text,
                   "loads(text, name=\"model\") -> Model\n\nThe same from JSON; name stands for the file in messages.")
       .def_static("from_dict", from_dictionary, py::arg("description"),
                   "from_dict(description) -> Model\n\nThe same from the dictionary that the JSON would be; arrays may\n"
                   "stand for lists. Every number is taken as its binary64.")
       .def(
-          "to_dict", [](const PythonModel& self) { return dictionary(self.model()); },
+          "to_dict", [](const PythonModel& self) { return dictionary(self); },
           "to_dict() -> dict\n\nWhat from_dict makes the same model of, bit for bit.")
       .def(
           "save",
           [](const PythonModel& self, const std::filesystem::path& path) {
-            write_model(path, self.exact("saving a model"));
+            write_model(path, self.exact("saving a model"), self.landmarks());
           },
           py::arg("path"),
-          "save(path)\n\nWrites the file, so that load gives the same bits; it appears when it is complete. Raises\n"
-          "Error where it cannot be written, and for models with intervals.")
+          "save(path)\n\nWrites the file, so that load gives the same bits; it appears when it is complete. Areas,\n"
+          "which are the bone's, are left out. Raises Error where it cannot be written, and for models with "
+          "intervals.")
       .def(
           "posed",
           [](const PythonModel& self, const py::handle& by) {
-            return PythonModel(verisq::posed(self.exact("moving a model"), pose(by)));
+            const Pose moved = pose(by);
+            return PythonModel(verisq::posed(self.exact("moving a model"), moved),
+                               verisq::posed(self.landmarks(), moved), self.areas());
           },
           py::arg("pose"),
           "posed(pose) -> Model\n\nThe model moved: seven numbers, translation in model units and quaternion\n"
@@ -194,6 +239,12 @@ void declare_models(py::module_& module) {
       .def_property_readonly(
           "units", [](const PythonModel& self) { return self.model().units; },
           "Free text of the file, as \"mm\"; empty where it says none.")
+      .def_property_readonly(
+          "landmarks", [](const PythonModel& self) { return dictionary(self.landmarks()); },
+          "The points that the file names, in model units: they move with the model.")
+      .def_property_readonly(
+          "areas", [](const PythonModel& self) { return list(self.areas()); },
+          "The file's areas, for fit(): boxes in the bone's coordinates, which stay where they are.")
       .def_property_readonly("names", names, "The names of the primitives, in the file's order.")
       .def_property_readonly(
           "bounding_radius", &PythonModel::bounding_radius,
@@ -207,7 +258,7 @@ void declare_models(py::module_& module) {
           "Whether the model is the union of its primitives, none of them bent: only of such there\n"
           "are certificates and maps of poses.")
       .def("__repr__", representation)
-      .def(py::pickle([](const PythonModel& self) { return dictionary(self.model()); },
+      .def(py::pickle([](const PythonModel& self) { return dictionary(self); },
                       [](const py::dict& description) { return from_dictionary(description); }));
 }
 

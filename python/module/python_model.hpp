@@ -3,9 +3,13 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
+#include <verisq/cavity.hpp>
+#include <verisq/features.hpp>
 #include <verisq/model.hpp>
 #include <verisq/uncertain_model.hpp>
 
@@ -14,25 +18,35 @@ namespace verisq::python {
 /// Immutable, as read.
 class PythonModel {
  public:
-  explicit PythonModel(UncertainModel model);
+  explicit PythonModel(UncertainModel model, FemurLandmarks landmarks = {}, std::vector<AreaBox> areas = {});
 
   [[nodiscard]] const UncertainModel& model() const { return model_; }
+  [[nodiscard]] const FemurLandmarks& landmarks() const { return landmarks_; }
+  [[nodiscard]] const std::vector<AreaBox>& areas() const { return areas_; }
   /// The model itself, or the largest that its intervals allow.
   [[nodiscard]] const Model& largest() const { return largest_; }
   [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
+  /// Of no other model that this process has made, but of copies of this one.
+  [[nodiscard]] std::uint64_t identity() const { return identity_; }
 
   /// The ordinary model. Throws Error(input) that says `what` needs one, where this has intervals.
   [[nodiscard]] const Model& exact(std::string_view what) const;
 
  private:
   UncertainModel model_;
+  FemurLandmarks landmarks_;
+  std::vector<AreaBox> areas_;
   Model largest_;
   double bounding_radius_;
+  std::uint64_t identity_;
 };
 
 /// As given, or what the command line takes instead: 1e-6 of this radius. Throws Error(input) for a radius too large
 /// for that, ValueError for a tolerance that is negative or not finite.
 [[nodiscard]] double tolerance_or_default(const std::optional<double>& given, double radius);
+
+/// The same along ways and for whole meshes, every distance of which is searched: 1e-3 of the radius, and never 0.
+[[nodiscard]] double tolerance_along_way(const std::optional<double>& given, double radius);
 
 /// Lengths of two models can be compared only in one unit: throws Error(input) where both name one, and not the same.
 void check_units(const PythonModel& a, const PythonModel& b);

@@ -17,8 +17,12 @@ One query, proven by the host
     SignedDistance, distance, Enclosure
 What proves an answer again
     Checker, Certificates, Findings, Verdict
-Whole surfaces
-    deviation, recover
+Whole surfaces and solids
+    deviation, mesh_clearance, prove_containment, octree, recover
+Implants
+    fit; map_along, straight_path, removed_volume for their way in
+Stance
+    StanceModel
 Femurs
     detect_femur, femur_features
 Devices and errors
@@ -32,10 +36,13 @@ import enum as _enum
 from . import _verisq
 from ._chunks import map_chunks
 from ._verisq import (
+    AreaClearance,
+    Bounce,
     Certificates,
     Checker,
     ClosestPointMap,
     ClosestPoints,
+    ContainmentProof,
     Deviation,
     Device,
     DistanceStatistics,
@@ -46,15 +53,21 @@ from ._verisq import (
     Femur,
     FemurFeatures,
     Findings,
+    Fit,
+    FitBound,
     Map,
     Mapper,
     Mesh,
+    MeshClearance,
     Model,
+    Octree,
     Pair,
     PoseMapper,
     Recovery,
     RecoveryStage,
+    RemovedVolume,
     SignedDistance,
+    StanceModel,
     TriangleMapper,
     __version__,
     closest_points,
@@ -63,11 +76,18 @@ from ._verisq import (
     devices,
     distance,
     femur_features,
+    fit,
     map,
+    map_along,
     map_poses,
     map_triangles,
+    mesh_clearance,
     mesh_of_model,
+    octree,
+    prove_containment,
     recover,
+    removed_volume,
+    straight_path,
 )
 
 
@@ -79,6 +99,14 @@ class Status(_enum.IntEnum):
     WIDE = 2  #: valid, but wider than the tolerance
 
 
+class CubeColour(_enum.IntEnum):
+    """What is proven of a cube of an octree."""
+
+    OUTSIDE = 0  #: no point of it lies in the solid
+    UNDECIDED = 1  #: neither
+    INSIDE = 2  #: all of it lies in the solid
+
+
 class Verdict(_enum.IntEnum):
     """What a Checker says of a row."""
 
@@ -88,10 +116,14 @@ class Verdict(_enum.IntEnum):
 
 
 __all__ = [
+    "AreaClearance",
+    "Bounce",
     "Certificates",
     "Checker",
     "ClosestPointMap",
     "ClosestPoints",
+    "ContainmentProof",
+    "CubeColour",
     "Deviation",
     "Device",
     "DistanceStatistics",
@@ -102,15 +134,21 @@ __all__ = [
     "Femur",
     "FemurFeatures",
     "Findings",
+    "Fit",
+    "FitBound",
     "Map",
     "Mapper",
     "Mesh",
+    "MeshClearance",
     "Model",
+    "Octree",
     "Pair",
     "PoseMapper",
     "Recovery",
     "RecoveryStage",
+    "RemovedVolume",
     "SignedDistance",
+    "StanceModel",
     "Status",
     "TriangleMapper",
     "Verdict",
@@ -121,12 +159,19 @@ __all__ = [
     "devices",
     "distance",
     "femur_features",
+    "fit",
     "map",
+    "map_along",
     "map_chunks",
     "map_poses",
     "map_triangles",
+    "mesh_clearance",
     "mesh_of_model",
+    "octree",
+    "prove_containment",
     "recover",
+    "removed_volume",
+    "straight_path",
 ]
 
 # To users they are verisq.Model, verisq.map, whatever file they are in.

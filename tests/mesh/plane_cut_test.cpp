@@ -1,9 +1,8 @@
 /// Meshes cut off at planes: what is kept, what is new, and that both sides make the whole.
-#include "host/mesh/plane_cut.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <verisq/plane_cut.hpp>
 
 #include "host/mesh/rims.hpp"
 #include "tests/fixtures/sample_meshes.hpp"

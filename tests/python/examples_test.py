@@ -2,11 +2,15 @@
 
 import importlib.util
 import inspect
+import json
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
+from pathlib import Path
 
+import numpy as np
 import verisq
 
 from command_line import EXAMPLES, SOURCE
@@ -41,7 +45,51 @@ class Examples(unittest.TestCase):
         self.assertRegex(output("map_points.py"), r"^\d{6} of 1000000 points are proven")
 
 
+    @unittest.skipUnless(importlib.util.find_spec("meshio"), "meshio is not there")
+    def test_bone_for_paraview(self):
+        import meshio
+
+        with tempfile.TemporaryDirectory() as folder:
+            out = Path(folder, "bone.vtu")
+            lines = output("bone_for_paraview.py", EXAMPLES / "stem_mm.json", EXAMPLES / "cavity.off", out,
+                           "2.0001").splitlines()
+            written = meshio.read(out)
+            self.assertEqual((Path(folder, "bone_within.vtp").exists(), len(lines)),
+                             (True, 2) if importlib.util.find_spec("vtkmodules") else (False, 1))
+        self.assertEqual(lines[0], "bone.vtu: 786 vertices within 2.0001 mm, 0 undecided")
+        self.assertEqual(lines[1:], [f"bone_within.vtp: {len(written.cells[0].data)} triangles"][: len(lines) - 1])
+        found = verisq.map(verisq.Model.load(EXAMPLES / "stem_mm.json"), written.points)
+        np.testing.assert_array_equal(written.point_data["lo"], found.lo)
+
+    def test_robot_clearance(self):
+        lines = output("robot_clearance.py", "60").splitlines()
+        self.assertRegex(lines[-2], r"^\d+ of 61 poses are proven free, with all between them$")
+        self.assertRegex(lines[-1], r"^from the start the way is proven free up to pose [1-5]\d$")
+
+    def test_notebook(self):
+        cells = json.loads((EXAMPLES / "python" / "tour.ipynb").read_text())["cells"]
+        self.assertTrue(all(cell.get("outputs", []) == [] for cell in cells))
+        code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        code.append("print(float(near.lo.min()), cubes.volume.hi > 1000)")
+        program = subprocess.run([sys.executable, "-B", "-c", "\n".join(code)], capture_output=True, text=True,
+                                 check=True, cwd=SOURCE)
+        self.assertRegex(program.stdout.splitlines()[-1], r"^-\d+\.\d+ True$")
+
+
 class Documentation(unittest.TestCase):
+    def test_readme_names_what_there_is(self):
+        # A fit, an octree and a deviation: the tests of the commands beside them take that time already.
+        lines = re.findall(r"```python\n(.*?)```", (SOURCE / "README.md").read_text(), re.DOTALL)[1]
+        compile(lines, "README.md", "exec")
+        called = re.findall(r"verisq\.(\w+(?:\.\w+)?)\(", lines)
+        self.assertGreater(len(called), 8)
+        for name in called:
+            thing = verisq
+            for part in name.split("."):
+                thing = getattr(thing, part)
+            for argument in re.findall(rf"verisq\.{name}\([^()]*?(\w+)=", lines):
+                self.assertRegex(inspect.getdoc(thing), rf"\b{argument}\b")
+
     def test_everything_public_explains_itself(self):
         for name in verisq.__all__:
             if name == "__version__":
@@ -54,7 +102,7 @@ class Documentation(unittest.TestCase):
         stubs = (SOURCE / "python" / "verisq" / "_verisq.pyi").read_text()
         for name in verisq.__all__:
             thing = getattr(verisq, name)
-            if name in ("Status", "Verdict", "map_chunks"):
+            if name in ("CubeColour", "Status", "Verdict", "map_chunks"):
                 continue
             declared = "class " if inspect.isclass(thing) else "def "
             self.assertIn(f"{name}:" if name == "__version__" else declared + name, stubs)

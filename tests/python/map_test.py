@@ -228,6 +228,21 @@ class Threads(unittest.TestCase):
         self.assertTrue(np.all(found.lo <= found.hi))
 
 
+class OneAfterAnother(unittest.TestCase):
+    def test_each_is_of_its_own_model_and_options(self):
+        # map() keeps the last one ready for the device.
+        points = random_points(200, 9.0, 10)
+        soap = verisq.Model.load(EXAMPLES / "soap.json")
+        moved = soap.posed([1, 0, 0, 1, 0, 0, 0])
+        of_soap, of_moved = (verisq.Mapper(model, tolerance=1e-6)(points).lo.tobytes() for model in (soap, moved))
+        for model, expected in [(soap, of_soap), (soap, of_soap), (moved, of_moved), (soap, of_soap)]:
+            self.assertEqual(verisq.map(model, points, tolerance=1e-6).lo.tobytes(), expected)
+        self.assertIsNotNone(verisq.map(soap, points, tolerance=1e-6, certificates=True).certificates)
+        with self.assertRaises(verisq.Error):
+            verisq.map(soap, points * np.nan, tolerance=1e-6)
+        self.assertEqual(verisq.map(soap, points, tolerance=1e-6).lo.tobytes(), of_soap)
+
+
 class Interrupted(unittest.TestCase):
     PROGRAM = """
 import numpy, sys, verisq

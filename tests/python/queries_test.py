@@ -124,6 +124,10 @@ class Meshes(unittest.TestCase):
             read = verisq.Mesh.load(Path(folder, "again.ply"))
         np.testing.assert_array_equal(read.vertices, mesh.vertices)
         np.testing.assert_array_equal(read.triangles, mesh.triangles)
+        sent = pickle.loads(pickle.dumps(mesh))
+        np.testing.assert_array_equal(sent.vertices, mesh.vertices)
+        np.testing.assert_array_equal(sent.triangles, mesh.triangles)
+        self.assertEqual(len(pickle.loads(pickle.dumps(verisq.Mesh([[1, 2, 3]]))).triangles), 0)
 
     def test_views_outlive_their_mesh(self):
         vertices = verisq.Mesh.load(EXAMPLES / "cavity.off").vertices

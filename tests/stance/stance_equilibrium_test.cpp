@@ -8,9 +8,8 @@
 #include <cmath>
 #include <random>
 #include <verisq/error.hpp>
+#include <verisq/stance_choice.hpp>
 #include <verisq/stance_file.hpp>
-
-#include "host/stance/narrowed_model.hpp"
 
 namespace verisq::stance {
 namespace {

@@ -8,6 +8,9 @@
 
 namespace verisq {
 
+/// The same plane, with a normal whose largest coordinate is 1, to nearest. Precondition: finite, normal not 0.
+[[nodiscard]] Plane scaled(const Plane& plane);
+
 struct CutMesh {
   Mesh mesh;
   std::vector<std::uint32_t> origin;  ///< for each vertex that of the whole mesh which it is, or which lies at the kept

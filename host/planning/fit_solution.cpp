@@ -1,0 +1,123 @@
+/// Searches, bounds, searches again; then proves.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <utility>
+#include <verisq/fit_solution.hpp>
+
+#include "host/planning/fit_constraints.hpp"
+#include "host/planning/refusal.hpp"
+#include "verify/numbers/rounding.hpp"
+
+namespace verisq {
+namespace {
+
+// The depth of a cut needs many samples to be known closely, and none where nothing is cut.
+constexpr double surface_coarseness = 10.0;
+// Eight times what the search's own proofs may take: where an implant is pressed flat against the bone, more would only
+// say more closely how far it is too deep.
+constexpr std::uint64_t most_surface_samples = std::uint64_t{1} << 19U;
+
+/// Before the search, not after it.
+void refuse_what_has_no_bound(const FitProblem& problem) {
+  for (std::size_t i = 0; i < problem.series.size(); ++i) {
+    if (is_exact(problem.series[i])) continue;
+    planning::refuse(
+        fmt::format("--bound: {} has sizes to choose from, and the bound is of poses alone", problem.names[i]));
+  }
+}
+
+Fit searched(const FitProblem& problem, const FitSolutionOptions& options, std::vector<Pose> tried) {
+  FitOptions of_search = problem.options;
+  of_search.constraints = planning::constraints_of(problem);
+  of_search.tried = std::move(tried);
+  of_search.interrupted = options.interrupted;
+  of_search.progress = options.progress;
+  return fit(problem.series, problem.cavity, of_search);
+}
+
+FitBound bounded(const FitProblem& problem, const FitSolutionOptions& options, double known) {
+  return bound_fit(problem.series, problem.cavity,
+                   {.fitness = problem.options.fitness,
+                    .penetration_limit = problem.options.penetration_limit,
+                    .range = problem.options.range,
+                    .known = known,
+                    .gap = *options.gap,
+                    .device = problem.options.device,
+                    .interrupted = options.interrupted,
+                    .out_of_time = options.out_of_time,
+                    .progress = options.bound_progress});
+}
+
+MeshClearance prove_surface(const FitProblem& problem, const Model& fitted, const MapOptions& options) {
+  return mesh_clearance(fitted, problem.mesh,
+                        {.penetration_limit = problem.options.penetration_limit,
+                         .tolerance = surface_coarseness * problem.options.surface_tolerance,
+                         .limit_tolerance = problem.options.surface_tolerance,
+                         .most_samples = most_surface_samples,
+                         .device = problem.options.device,
+                         .interrupted = options.interrupted});
+}
+
+/// (upper - objective) / upper, rounded up.
+std::optional<double> proven_gap(const FitBound& bound, const Clearance& clearance) {
+  using verify::Direction;
+  const double objective = clearance.objective.lo;
+  if (clearance.proven_shallow != clearance.map.points || !(objective > 0.0) || !(bound.upper >= objective))
+    return std::nullopt;
+  return verify::divide(verify::subtract(bound.upper, objective, Direction::up), bound.upper, Direction::up);
+}
+
+}  // namespace
+
+FitSolution solve_fit(const FitProblem& problem, const FitSolutionOptions& options) {
+  if (options.gap) refuse_what_has_no_bound(problem);
+  FitSolution solution{.fit = searched(problem, options, {})};
+  options.found(solution.fit);
+  if (!options.gap || solution.fit.interrupted) return solution;
+  const auto start = std::chrono::steady_clock::now();
+  solution.bound = bounded(problem, options, solution.fit.objective);
+  if (solution.bound->promising && !options.interrupted()) {
+    Fit again = searched(problem, options, {solution.bound->promising->pose});
+    if (again.interrupted) {
+      solution.fit.interrupted = true;
+    } else if (again.objective != solution.fit.objective) {  // of all that the first search found, too
+      solution.fit = std::move(again);
+      options.found(solution.fit);
+    }
+  }
+  solution.bound_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return solution;
+}
+
+FitProof prove_fit(const FitProblem& problem, const FitSolution& solution, const MapOptions& options,
+                   const Sink<Point>& sink) {
+  const Fit& fit = solution.fit;
+  FitProof proof{.clearance = certified_clearance(fit.model, problem.cavity, problem.options.fitness,
+                                                  problem.options.penetration_limit, options, sink),
+                 .surface = {},
+                 .sides = {},
+                 .changes = changes_of(problem, fit.implant, fit.pose),
+                 .gap = {}};
+  if (!problem.cavity.triangles.empty()) proof.surface = prove_surface(problem, fit.model, options);
+  if (problem.surface != FitSurface::unsided) {
+    proof.sides = prove_sides(fit.model, problem.mesh, *proof.surface, problem.options.sides[fit.implant],
+                              {.penetration_limit = problem.options.penetration_limit,
+                               .tolerance = problem.options.surface_tolerance,
+                               .device = problem.options.device,
+                               .interrupted = options.interrupted});
+  }
+  if (solution.bound) proof.gap = proven_gap(*solution.bound, proof.clearance);
+  return proof;
+}
+
+bool is_as_asked(const FitProblem& problem, const FitSolution& solution, const FitProof& proof,
+                 const std::optional<double>& gap) {
+  const bool near_enough = !solution.bound || !gap || (proof.gap && *proof.gap <= *gap);
+  return proof.clearance.map.wide == 0 && proof.clearance.proven_too_deep == 0 &&
+         (!proof.surface || proof.surface->proven_too_deep == 0) && (!proof.sides || proof.sides->kept()) &&
+         is_preserved(proof.changes, problem.kept) && near_enough;
+}
+
+}  // namespace verisq

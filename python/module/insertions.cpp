@@ -1,0 +1,131 @@
+/// Ways of an implant into the bone: the smallest distances along them, and the bone that they take away.
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+#include <verisq/bone_region.hpp>
+#include <verisq/error.hpp>
+#include <verisq/insertion.hpp>
+#include <verisq/removed_volume.hpp>
+
+#include "python/module/arrays.hpp"
+#include "python/module/declarations.hpp"
+#include "python/module/interruption.hpp"
+#include "python/module/python_map.hpp"
+#include "python/module/python_mesh.hpp"
+#include "python/module/python_model.hpp"
+
+namespace verisq::python {
+namespace {
+
+namespace py = pybind11;
+
+py::array_t<double> straight(const py::handle& direction, double length, const py::handle& last, std::size_t steps) {
+  const Point along = point(direction);
+  const auto finite = [](double x) { return std::isfinite(x); };
+  if (!finite(along[0]) || !finite(along[1]) || !finite(along[2]) || along == Point{})
+    throw py::value_error("direction must be finite, and not zero");
+  check_length(length, "length");
+  if (length == 0.0 || steps == 0) throw py::value_error("length and steps must be above 0");
+  const std::vector<Pose> path = straight_path(pose(last), along, length, steps);
+  py::array_t<double> result(std::vector<py::ssize_t>{static_cast<py::ssize_t>(path.size()), 7});
+  double* next = result.mutable_data();
+  for (const Pose& each : path) {
+    for (const double number : each.translation) *next++ = number;
+    for (const double number : each.quaternion) *next++ = number;
+  }
+  return result;
+}
+
+PythonMap map_along(const PythonModel& implant, const py::handle& object, const py::handle& path,
+                    const std::optional<double>& tolerance, const std::string& device) {
+  const Model& exact = implant.exact("map_along");
+  const std::vector<Point> bone = points(object, "points");
+  const std::vector<Pose> way = poses(path, "path");
+  Interruption interruption;
+  const double width = tolerance_along_way(tolerance, implant.bounding_radius());
+  const InsertionOptions options{.tolerance = width, .device = device, .interrupted = interruption.poll()};
+  const Insertion found =
+      without_lock(interruption, [&] { return smallest_distance_along(way, exact, bone, options); });
+  return map_of_rows(found.rows, found.summary, width);
+}
+
+NamedMesh named(const char* name, const py::handle& mesh) {
+  return {name, mesh.cast<const PythonMesh&>().mesh};
+}
+
+BoneRegion bone_region(const py::object& cavity, const py::object& within, const py::object& bone,
+                       const std::optional<Plane>& resection) {
+  if (cavity.is_none() == bone.is_none()) throw py::value_error("give either cavity or bone, which say where bone is");
+  if (!within.is_none() && cavity.is_none()) throw Error(ErrorKind::input, "--within: only with --cavity");
+  if (cavity.is_none()) return bone_inside(named("bone", bone), resection);
+  std::optional<NamedMesh> outer;
+  if (!within.is_none()) outer = named("within", within);
+  return bone_around(named("cavity", cavity), std::move(outer), resection);
+}
+
+RemovedVolume volume(const PythonModel& implant, const py::handle& path, const py::object& cavity,
+                     const py::object& within, const py::object& bone, const py::object& resection,
+                     const std::optional<double>& relative_tolerance) {
+  const Model& exact = implant.exact("removed_volume");
+  const std::vector<Pose> way = poses(path, "path");
+  const BoneRegion region = bone_region(cavity, within, bone, plane(resection));
+  if (relative_tolerance) check_length(*relative_tolerance, "relative_tolerance");
+  Interruption interruption;
+  const RemovedVolumeOptions options{.relative_tolerance = relative_tolerance.value_or(usual_volume_tolerance),
+                                     .tolerance = relative_tolerance ? 0.0 : negligible_volume(exact),
+                                     .interrupted = interruption.poll()};
+  return without_lock(interruption, [&] { return verisq::removed_volume(way, exact, region, options); });
+}
+
+std::string representation(const RemovedVolume& self) {
+  return fmt::format("<verisq.RemovedVolume: in [{}, {}]>", self.volume.lo, self.volume.hi);
+}
+
+}  // namespace
+
+void declare_insertions(py::module_& module) {
+  py::class_<RemovedVolume>(module, "RemovedVolume", "What removed_volume() proves.")
+      .def_readonly("volume", &RemovedVolume::volume,
+                    "Enclosure of the volume of all bone that lies in the implant at some time, in cubic model units.")
+      .def_readonly("within_tolerance", &RemovedVolume::within_tolerance, "Whether it is as narrow as asked for.")
+      .def_readonly("rims", &RemovedVolume::rims, "Over how many rims each surface was closed, by fans.")
+      .def_readonly("cubes", &RemovedVolume::cubes, "Looked at.")
+      .def("__repr__", representation);
+  module.def("straight_path", straight, py::arg("direction"), py::arg("length"), py::kw_only(),
+             py::arg("last") = py::none(), py::arg("steps") = 1,
+             "straight_path(direction, length, *, last=None, steps=1) -> array\n\n"
+             "float64 (steps + 1, 7): poses along a straight way that ends in the pose `last` (default: where the\n"
+             "model is) moving along the direction; length in model units. Raises ValueError for numbers out of "
+             "range.");
+  module.def(
+      "map_along", map_along, py::arg("implant"), py::arg("points"), py::arg("path"), py::kw_only(),
+      py::arg("tolerance") = py::none(), py::arg("device") = "auto",
+      "map_along(implant, points, path, *, tolerance=None, device=\"auto\") -> Map\n\n"
+      "Encloses, for each point, the smallest signed distance to the implant along the whole path, at its poses\n"
+      "and between them: where that is negative the implant passes through the point, so deep. path: shape\n"
+      "(K, 7), each applied after the poses of the primitives; between two of them the translation is linear,\n"
+      "and the rotation turns at constant speed by the smaller angle. Default tolerance: 1e-3 of the implant's\n"
+      "bounding_radius. Raises Error for models with intervals, a path without poses, and as map().");
+  module.def(
+      "removed_volume", volume, py::arg("implant"), py::arg("path"), py::kw_only(), py::arg("cavity") = py::none(),
+      py::arg("within") = py::none(), py::arg("bone") = py::none(), py::arg("resection") = py::none(),
+      py::arg("relative_tolerance") = py::none(),
+      "removed_volume(implant, path, *, cavity=None, within=None, bone=None, resection=None,\n"
+      "    relative_tolerance=None) -> RemovedVolume\n\n"
+      "Encloses how much bone the implant, a union of convex primitives, takes away on its way (as in\n"
+      "map_along). Bone is what lies outside the Mesh `cavity` and inside the Mesh `within`, or inside the Mesh\n"
+      "`bone`; and never beyond the resection, a plane by six numbers: a point and a normal, which points to\n"
+      "what was cut off. The enclosure's width divided by its lower end is at most relative_tolerance; default:\n"
+      "0.02, or 1e-7 of the cube about the implant's bounding sphere. Raises ValueError unless there is either\n"
+      "cavity or bone, Error as `verisq insert` does.");
+}
+
+}  // namespace verisq::python

@@ -1,0 +1,238 @@
+"""Fits, ways in, octrees, clearances, stance: the numbers of the command line, and its refusals."""
+
+import json
+import pickle
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import verisq
+
+from command_line import EXAMPLES, message, run
+
+BALL = {"semi_axes": [2, 2, 2], "exponents": [1, 1]}
+
+
+def model_of(*superquadrics, **others):
+    parts = [{"name": f"p{k}", "superquadric": each} for k, each in enumerate(superquadrics)]
+    return {"format": "verisq-model/1", "units": "mm", "primitives": parts, **others}
+
+
+def printed(*arguments):
+    """The JSON object that `verisq` prints."""
+    outcome = run(*arguments, "--json")
+    assert outcome.returncode in (0, 3), outcome.stderr
+    return json.loads(outcome.stdout)
+
+
+def ends(value):
+    return [value["lo"], value["hi"]]
+
+
+class Files(unittest.TestCase):
+    """A folder with an implant of three sizes of freedom, and a cavity around it, moved."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.implant_file = cls.file("implant.json")
+        cls.implant_file.write_text(json.dumps(model_of(
+            {"semi_axes": [3, 4, 8], "exponents": [1, 1]},
+            areas=[{"name": "upper", "weight": 3, "box": [[-9, -9, 0], [9, 9, 12]]}],
+            landmarks={"head_centre": [0, 0, 8]})))
+        around = verisq.Model.from_dict(model_of({"semi_axes": [3.5, 4.5, 8.5], "exponents": [1, 1]}))
+        cls.cavity = verisq.mesh_of_model(around.posed([1, -0.5, 2, 1, 0, 0, 0]), 0.2)
+        cls.cavity_file = cls.file("cavity.off")
+        cls.cavity.save(cls.cavity_file)
+        cls.implant = verisq.Model.load(cls.implant_file)
+
+    @classmethod
+    def file(cls, name):
+        return Path(cls.folder.name, name)
+
+
+class Fits(Files):
+    # From where it belongs: a search from far away takes a processor minutes.
+    OPTIONS = ["--device", "host", "--samples", 16, "--gap", 0.5, "--completion", "cemented", "--rotation-range", 1,
+               "--translation-range", 0.5, "--pose-start", "1,-0.5,2,1,0,0,0"]
+    ARGUMENTS = {"device": "host", "samples": 16, "gap": 0.5, "completion": "cemented", "rotation_range": 1.0,
+                 "translation_range": 0.5, "pose_start": [1, -0.5, 2, 1, 0, 0, 0]}
+
+    def test_are_those_of_the_command(self):
+        said = printed("fit", "--implant", self.implant_file, "--mesh", self.cavity_file, "--cavity", "--resection",
+                       "0,0,10.3,0,0,3", "--weight", "upper=2", *self.OPTIONS, "-o", self.file("fitted.json"))
+        found = verisq.fit(self.implant, self.cavity, surface="cavity", resection=[0, 0, 10.3, 0, 0, 3],
+                           weights={"upper": 2.0}, **self.ARGUMENTS)
+        self.assertEqual(found.pose.tolist(), said["pose"]["translation"] + said["pose"]["quaternion"])
+        self.assertEqual(found.model.to_dict(), verisq.Model.load(self.file("fitted.json")).to_dict())
+        self.assertEqual(found.model.landmarks["head_centre"], found.model.to_dict()["landmarks"]["head_centre"])
+        for name in ("objective", "smallest_distance", "deepest_penetration"):
+            self.assertEqual(list(getattr(found, name)), ends(said[name]), name)
+        self.assertEqual(list(found.surface.smallest_distance), ends(said["surface"]["smallest_distance"]))
+        self.assertEqual(found.sides, {each["primitive"]: each["found"] for each in said["sides"]["primitives"]})
+        self.assertEqual([(area.name, area.weight, area.points, list(area.mean_distance)) for area in found.areas],
+                         [(area["name"], area["weight"], area["points"], ends(area["mean_distance"]))
+                          for area in said["areas"]])
+        self.assertEqual(len(found.map), said["points"])
+        self.assertEqual((found.proven_within_limit, found.as_asked), (said["points"], True))
+        self.assertGreater(len(found.map), len(self.cavity.vertices))  # new ones, where it is cut
+        self.assertIsNone(found.bound)
+
+    def test_labels_bounds_and_features(self):
+        labels = np.where(self.cavity.vertices[:, 0] > 0, 7, -1)
+        landmarks = {"head_centre": [0, 0, 8], "shaft_proximal": [0, 0, 0], "shaft_distal": [0, 0, -100]}
+        found = verisq.fit(self.implant, self.cavity, surface="any", on="vertices", labels=labels,
+                           weights={"7": 2.0}, landmarks=landmarks, keep={"head_distance": (0.0, 9.0)},
+                           bound=99.0, bound_time=0.3, **self.ARGUMENTS)
+        self.assertEqual([(area.name, area.weight) for area in found.areas], [("-1", 1.0), ("7", 2.0)])
+        self.assertIsNone(found.sides)
+        self.assertIsNone(found.surface)
+        self.assertGreaterEqual(found.bound.upper, found.objective.lo)
+        distance = next(change for change in found.changes if change.name == "head_distance")
+        self.assertLess(distance.value.hi, 9.0)
+
+    def refuses(self, text, *arguments, **others):
+        with self.assertRaises(verisq.Error) as caught:
+            verisq.fit(*arguments, **others)
+        self.assertEqual(str(caught.exception), text)
+        return caught.exception
+
+    def test_refuses_as_the_command(self):
+        expected = message("fit", "--implant", self.implant_file, "--mesh", self.cavity_file, "-o",
+                           self.file("none.json"))
+        self.refuses(expected.replace(str(self.cavity_file), "mesh"), self.implant, self.cavity)
+        inch = verisq.Model.from_dict({**self.implant.to_dict(), "units": "inch"})
+        self.refuses("implants[1]: units inch differ from mm of implants[0]", [self.implant, inch], self.cavity)
+        self.refuses("--gap: give one, because the implants' units are inch, not mm", inch, self.cavity)
+        self.refuses("--crossing neck: no primitive is named neck".replace(" neck:", ":"), self.implant, self.cavity,
+                     surface="cavity", crossing=["neck"])
+        self.refuses("--keep: needs --landmarks, the bone's", self.implant, self.cavity, keep={"ccd_change": (0, 1)})
+        self.refuses("labels: no vertex has the value '9', which has a weight", self.implant, self.cavity,
+                     surface="cavity", labels=np.zeros(len(self.cavity.vertices), int), weights={"9": 1.0})
+        for others in ({"surface": "bones"}, {"completion": "glue"}, {"bound": 100.0}, {"gap": -1.0}, {"samples": 0},
+                       {"keep": {"ccd_change": (2, 1)}}, {"labels": [1, 2]}, {"rotation_range": 181.0}):
+            with self.assertRaises(ValueError):
+                verisq.fit(self.implant, self.cavity, **others)
+
+
+class WaysIn(Files):
+    def test_are_those_of_the_command(self):
+        bone = verisq.Mesh(self.cavity.vertices * 0.9, self.cavity.triangles)
+        file = self.file("bone.off")
+        bone.save(file)
+        said = printed("insert", "--implant", self.implant_file, "--mesh", file, "--bone", "--on", "triangles",
+                       "--along", "0,0,-1", "--length", 1, "--device", "host", "--tol", 0.5, "--volume-tol", 0.5,
+                       "-o", self.file("way.npy"))
+        rows = np.load(self.file("way.npy"))
+        path = verisq.straight_path([0, 0, -1], 1.0)
+        self.assertEqual(path.shape, (2, 7))
+        found = verisq.map_along(self.implant, bone.vertices, path, tolerance=0.5, device="host")
+        np.testing.assert_array_equal(found.lo, rows["lo"])
+        np.testing.assert_array_equal(found.hi, rows["hi"])
+        surface = verisq.mesh_clearance(self.implant, bone, path=path, tolerance=0.5, device="host")
+        self.assertEqual(list(surface.smallest_distance), ends(said["whole_surface"]["smallest_distance"]))
+        self.assertEqual(surface.proven_too_deep, said["whole_surface"]["proven_cut"])
+        self.assertEqual(len(surface.points_too_deep), surface.proven_too_deep)
+        removed = verisq.removed_volume(self.implant, path, bone=bone, relative_tolerance=0.5)
+        self.assertEqual(list(removed.volume), ends(said["removed_volume"]))
+        self.assertTrue(removed.within_tolerance)
+
+    def test_what_is_refused(self):
+        path = verisq.straight_path([0, 0, -1], 1.0)
+        with self.assertRaisesRegex(verisq.Error, "^--cavity: nothing says where the bone around it ends"):
+            verisq.removed_volume(self.implant, path, cavity=self.cavity)
+        inward = verisq.Mesh(self.cavity.vertices, self.cavity.triangles[:, ::-1])
+        with self.assertRaisesRegex(verisq.Error, "^--bone: bone: its normals point inward, as a cavity's$"):
+            verisq.removed_volume(self.implant, path, bone=inward)
+        with self.assertRaises(ValueError):
+            verisq.removed_volume(self.implant, path)
+        with self.assertRaises(verisq.Error):
+            verisq.map_along(self.implant, [[0, 0, 0]], np.empty((0, 7)))
+        for direction, length in (([0, 0, 0], 1.0), ([0, 0, 1], 0.0), ([0, np.inf, 1], 1.0)):
+            with self.assertRaises(ValueError):
+                verisq.straight_path(direction, length)
+
+
+class Solids(Files):
+    def test_octrees(self):
+        ball = verisq.Model.from_dict(model_of(BALL))
+        file = self.file("ball.json")
+        ball.save(file)
+        said = printed("octree", "--model", file, "--depth", 5, "--device", "host", "-o", self.file("ball.vtu"))
+        found = verisq.octree(ball, depth=5, device="host")
+        self.assertEqual(list(found.volume), ends(said["volume"]))
+        self.assertIn(4.0 / 3.0 * np.pi * 8.0, found.volume)
+        volumes = found.edge**3
+        inside = found.colour == verisq.CubeColour.INSIDE
+        self.assertEqual(volumes[inside].sum(), found.volume.lo)  # exact sums
+        self.assertEqual(volumes.sum(), (2.0 * found.root_half_width) ** 3)
+        self.assertEqual(found.levels[:, ::-1].tolist(),
+                         [[level["inside"], level["undecided"], level["outside"]] for level in said["levels"]])
+        centres = found.lower[inside] + found.edge[inside, None] / 2.0
+        self.assertLess(np.linalg.norm(centres, axis=1).max(), 2.0)
+        found.save(self.file("again.vtu"))
+        self.assertEqual(self.file("again.vtu").read_bytes(), self.file("ball.vtu").read_bytes())
+        self.assertTrue(verisq.octree(ball, tolerance=20.0, device="host").complete)
+        self.assertFalse(verisq.octree(ball, depth=5, budget=8, device="host").complete)
+        with self.assertRaises(ValueError):
+            verisq.octree(ball, depth=5, tolerance=1.0)
+        with self.assertRaises(verisq.Error):
+            verisq.octree(ball, depth=21)
+
+    def test_clearance_and_containment(self):
+        still = verisq.mesh_clearance(self.implant, self.cavity, tolerance=0.01, device="host")
+        self.assertLessEqual(still.smallest_distance.width, 0.01)
+        self.assertLess(still.smallest_distance.hi, verisq.map(self.implant, self.cavity.vertices).hi.min() + 1e-9)
+        inside = verisq.Model.from_dict(model_of(BALL))
+        self.assertTrue(verisq.prove_containment(inside, self.cavity, "within", device="host").proven)
+        proof = verisq.prove_containment(inside, self.cavity, "around", device="host")
+        self.assertFalse(proof.proven)
+        self.assertGreater(proof.triangles_refuted, 0)
+        with self.assertRaises(ValueError):
+            verisq.prove_containment(inside, self.cavity, "beside")
+
+    def test_models_keep_landmarks_and_areas(self):
+        again = pickle.loads(pickle.dumps(self.implant))
+        self.assertEqual(again.to_dict(), self.implant.to_dict())
+        self.assertEqual(again.areas, [{"name": "upper", "weight": 3.0, "box": [[-9, -9, 0], [9, 9, 12]]}])
+        moved = self.implant.posed([1, 0, 0, 1, 0, 0, 0])
+        self.assertEqual(moved.landmarks, {"head_centre": [1, 0, 8]})
+        self.assertEqual(moved.areas, self.implant.areas)  # the bone's
+
+
+class Stance(unittest.TestCase):
+    def test_is_that_of_the_command(self):
+        said = printed("stance", EXAMPLES / "stance.xml", "--uncertain", "mp,px", "--sensitivities", "--accelerations",
+                       "--cells", 4, "--bounce", "right forefoot")
+        stance = verisq.StanceModel.load(EXAMPLES / "stance.xml")
+        names = ["mp", "px"]
+        wrench = stance.wrench(names)
+        self.assertEqual(wrench.tolist(), [ends(said["wrench"][f"w{k}"]) for k in range(1, 7)])
+        of_mass = stance.sensitivities(names)["mp"]
+        self.assertEqual(of_mass.tolist(), [ends(said["sensitivities"]["mp"][f"w{k}"]) for k in range(1, 7)])
+        by_value, by_radius = stance.reference_uncertainty(names)
+        self.assertEqual((by_value.shape, by_radius.shape), ((6, 2), (6,)))
+        accelerations = stance.accelerations(names, cells=4)
+        self.assertEqual(dict(zip(stance.joints, accelerations.tolist())),
+                         {joint: ends(value) for joint, value in said["accelerations"].items()})
+        self.assertEqual(list(stance.bounce("right forefoot", uncertain=names).rebound_speed),
+                         ends(said["bounce"]["rebound_speed"]))
+        self.assertTrue(np.all(stance.wrench()[:, 0] <= wrench[:, 0]))  # over all parameters
+        self.assertIn(stance.parameters[0]["nominal"], stance.parameters[0]["range"])
+
+    def test_refuses_as_the_command(self):
+        stance = verisq.StanceModel.load(EXAMPLES / "stance.xml")
+        for names, text in ((["mq"], "mq"), (["mp", "mp"], "mp,mp")):
+            with self.assertRaises(verisq.Error) as caught:
+                stance.wrench(names)
+            self.assertEqual(str(caught.exception), message("stance", EXAMPLES / "stance.xml", "--uncertain", text))
+        with self.assertRaisesRegex(verisq.Error, "^--bounce: 'toe' is not one of the cylinders "):
+            stance.bounce("toe")
+        with self.assertRaises(ValueError):
+            stance.accelerations(cells=0)
+
+
+if __name__ == "__main__":
+    unittest.main()
