@@ -10,7 +10,7 @@ if(TARGET verisq_surface)
   list(APPEND libraries verisq_surface)
   list(APPEND programs verisq_surface_program)
 else()
-  set(headers_left_out PATTERN surface.hpp EXCLUDE)
+  set(headers_left_out PATTERN surface.hpp EXCLUDE PATTERN label_surface.hpp EXCLUDE PATTERN canal.hpp EXCLUDE)
 endif()
 
 # Shared libraries (BUILD_SHARED_LIBS): before 1.0 each minor version has an interface of its own. Sources are compiled
@@ -43,7 +43,7 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/verisqConfig.cmake ${CMAKE_CURRENT_BIN
 set(package_libs "-lverisq -lverisq_verify -lverisq_readers -lverisq_placement -lverisq_bend_range -lverisq_proof")
 set(package_requires "")
 if(NOT BUILD_SHARED_LIBS)
-  set(package_requires "mpfr nlopt fmt pugixml cairo")
+  set(package_requires "mpfr nlopt fmt pugixml cairo zlib")
   string(APPEND package_libs " -lgmp -ldl -pthread")
 endif()
 file(RELATIVE_PATH package_prefix "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")

@@ -4,14 +4,9 @@
 #include <cstdint>
 #include <vector>
 #include <verisq/mesh.hpp>
+#include <verisq/plane.hpp>
 
 namespace verisq {
-
-/// Beyond is where (x - point) . normal > 0.
-struct Plane {
-  Point point;
-  Point normal;  ///< of any length but 0
-};
 
 struct CutMesh {
   Mesh mesh;
