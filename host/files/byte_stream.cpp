@@ -37,7 +37,7 @@ void ByteStream::next_member() {
   between_members_ = false;
 }
 
-std::size_t ByteStream::unpack(std::span<std::uint8_t> bytes) {
+std::size_t ByteStream::unpack(std::span<char> bytes) {
   std::size_t done = 0;
   while (done < bytes.size()) {
     const std::string_view packed = file_.peek(block);
@@ -50,7 +50,7 @@ std::size_t ByteStream::unpack(std::span<std::uint8_t> bytes) {
     // zlib reads through a pointer that is not const, and does not write there.
     zlib_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
     zlib_.avail_in = static_cast<uInt>(packed.size());
-    zlib_.next_out = bytes.data() + done;
+    zlib_.next_out = reinterpret_cast<Bytef*>(bytes.data() + done);
     zlib_.avail_out = static_cast<uInt>(room);
     const int outcome = inflate(&zlib_, Z_NO_FLUSH);
     if (outcome != Z_OK && outcome != Z_STREAM_END) {
@@ -64,7 +64,7 @@ std::size_t ByteStream::unpack(std::span<std::uint8_t> bytes) {
   return done;
 }
 
-void ByteStream::read(std::span<std::uint8_t> bytes, std::string_view what) {
+void ByteStream::read(std::span<char> bytes, std::string_view what) {
   if (packing_ == Packing::none) {
     for (std::size_t done = 0; done < bytes.size(); done += std::min(block, bytes.size() - done)) {
       const auto part = bytes.subspan(done, std::min(block, bytes.size() - done));
@@ -80,7 +80,7 @@ void ByteStream::read(std::span<std::uint8_t> bytes, std::string_view what) {
 
 void ByteStream::expect_end(std::string_view what) {
   const bool more = packing_ == Packing::none ? !file_.peek(1).empty() : [&] {
-    std::uint8_t byte = 0;
+    char byte = 0;
     return unpack({&byte, 1}) > 0;
   }();
   if (more) file_.fail_whole(fmt::format("there are more bytes after {}", what));

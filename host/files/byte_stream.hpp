@@ -25,14 +25,14 @@ class ByteStream {
   [[nodiscard]] std::uint64_t most_bytes() const;
 
   /// Fills `bytes`. Throws Error(input) where the file ends before, inside `what`, or cannot be unpacked.
-  void read(std::span<std::uint8_t> bytes, std::string_view what);
+  void read(std::span<char> bytes, std::string_view what);
 
   /// Throws Error(input) where there are more bytes.
   void expect_end(std::string_view what);
 
  private:
   /// As many bytes as there are, at most `bytes.size()`.
-  std::size_t unpack(std::span<std::uint8_t> bytes);
+  std::size_t unpack(std::span<char> bytes);
   void next_member();
 
   InputFile& file_;

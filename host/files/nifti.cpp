@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "host/files/byte_order.hpp"
 #include "host/files/volume_formats.hpp"
 #include "host/files/voxel_reader.hpp"
 
@@ -13,27 +14,25 @@ namespace verisq {
 namespace {
 
 constexpr std::size_t nifti_header_size = 348;
+constexpr std::size_t nifti_2_header_size = 540;
 
 /// The bytes of the header, in the byte order that its first number tells.
 class NiftiHeader {
  public:
   NiftiHeader(const InputFile& file, ByteStream& stream) : file_(file) {
     stream.read(bytes_, "the header");
-    if (number<std::int32_t>(0) == static_cast<std::int32_t>(nifti_header_size)) return;
+    if (begins_with(nifti_header_size)) return;
+    if (begins_with(nifti_2_header_size)) refuse_version_2();
     order_ = order_ == std::endian::little ? std::endian::big : std::endian::little;
-    if (number<std::int32_t>(0) == 540) file_.fail_whole("NIfTI-2 is not supported, NIfTI-1 is");
-    if (number<std::int32_t>(0) != static_cast<std::int32_t>(nifti_header_size))
-      file_.fail_whole("is no NIfTI-1 file: it does not begin with the number 348");
+    if (begins_with(nifti_2_header_size)) refuse_version_2();
+    if (!begins_with(nifti_header_size)) file_.fail_whole("is no NIfTI-1 file: it does not begin with the number 348");
   }
 
   [[nodiscard]] std::endian order() const { return order_; }
 
   template <class Value>
   [[nodiscard]] Value number(std::size_t offset) const {
-    std::array<std::uint8_t, sizeof(Value)> raw;
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), sizeof(Value), raw.begin());
-    if (order_ != std::endian::native) std::ranges::reverse(raw);
-    return std::bit_cast<Value>(raw);
+    return number_from<Value>(bytes_.data() + offset, order_);
   }
 
   [[nodiscard]] double finite(std::size_t offset, std::string_view what) const {
@@ -47,8 +46,13 @@ class NiftiHeader {
   }
 
  private:
+  [[nodiscard]] bool begins_with(std::size_t size) const {
+    return number<std::int32_t>(0) == static_cast<std::int32_t>(size);
+  }
+  [[noreturn]] void refuse_version_2() const { file_.fail_whole("NIfTI-2 is not supported, NIfTI-1 is"); }
+
   const InputFile& file_;
-  std::array<std::uint8_t, nifti_header_size> bytes_{};
+  std::array<char, nifti_header_size> bytes_{};
   std::endian order_ = std::endian::native;
 };
 
@@ -156,7 +160,7 @@ void go_to_voxels(const InputFile& file, const NiftiHeader& header, ByteStream& 
   const double offset = header.finite(108, "vox_offset");
   if (!(offset >= static_cast<double>(nifti_header_size) && offset <= static_cast<double>(stream.most_bytes())))
     file.fail_whole(fmt::format("vox_offset = {}: must be after the header and within the file", offset));
-  std::array<std::uint8_t, 4096> passed{};
+  std::array<char, 4096> passed{};
   for (auto left = static_cast<std::uint64_t>(offset) - nifti_header_size; left > 0;) {
     const std::size_t part = std::min<std::uint64_t>(left, passed.size());
     stream.read(std::span(passed).first(part), "extensions of the header");

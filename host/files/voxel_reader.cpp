@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
+
+#include "host/files/byte_order.hpp"
 
 namespace verisq {
 namespace {
@@ -13,33 +14,23 @@ namespace {
 constexpr std::size_t voxels_of_block = std::size_t{1} << 16;
 
 template <class Value>
-Value value_at(const std::uint8_t* bytes, std::endian order) {
-  std::array<std::uint8_t, sizeof(Value)> raw;
-  std::copy_n(bytes, sizeof(Value), raw.begin());
-  if (order != std::endian::native) std::ranges::reverse(raw);
-  return std::bit_cast<Value>(raw);
-}
-
-template <class Value>
-void append_labels(const InputFile& file, std::span<const std::uint8_t> bytes, std::endian order,
+void append_labels(const InputFile& file, std::span<const char> bytes, std::endian order,
                    std::vector<std::uint16_t>& labels) {
   constexpr auto largest = static_cast<Value>(std::min<std::uint64_t>(
       std::numeric_limits<std::uint16_t>::max(),
       std::numeric_limits<Value>::is_integer ? static_cast<std::uint64_t>(std::numeric_limits<Value>::max()) : 65535));
   for (std::size_t at = 0; at < bytes.size(); at += sizeof(Value)) {
-    const auto value = value_at<Value>(bytes.data() + at, order);
+    const auto value = number_from<Value>(bytes.data() + at, order);
     // Not a number fails the first comparison.
     if (!(value >= Value{0} && value <= largest) || static_cast<Value>(static_cast<std::uint16_t>(value)) != value) {
-      file.fail_whole(fmt::format(
-          "voxel {} (from 0) is {}: labels are integers from 0 to 65535, this is an image or a map of another "
-          "kind",
-          labels.size(), +value));
+      file.fail_whole(
+          fmt::format("voxel {} (from 0) is {}: labels are integers from 0 to 65535", labels.size(), +value));
     }
     labels.push_back(static_cast<std::uint16_t>(value));
   }
 }
 
-void append_labels(const InputFile& file, std::span<const std::uint8_t> bytes, VoxelType type, std::endian order,
+void append_labels(const InputFile& file, std::span<const char> bytes, VoxelType type, std::endian order,
                    std::vector<std::uint16_t>& labels) {
   switch (type) {
     case VoxelType::int8: return append_labels<std::int8_t>(file, bytes, order, labels);
@@ -92,7 +83,7 @@ std::vector<std::uint16_t> read_voxels(const InputFile& file, ByteStream& stream
                                        std::endian order) {
   std::vector<std::uint16_t> labels;
   labels.reserve(count);
-  std::vector<std::uint8_t> bytes;
+  std::vector<char> bytes;
   while (labels.size() < count) {
     bytes.resize(size_of(type) * std::min(voxels_of_block, count - labels.size()));
     stream.read(bytes, "the voxels");
