@@ -40,29 +40,25 @@ constexpr const char* closing_words =
     "the least that gives a filled solid; of wraps the least of diagonal/20 times 2^(-k/2), k = 0 to 4, before they\n"
     "break in. A mesh without --method keeps its own triangles, turned alike, its holes filled with --fill-holes.\n"
     "\n"
-    "A label of a volume becomes a surface where its share of the neighbourhood, weighed with a Gaussian of 0.7 "
-    "voxels,\n"
-    "is a half; then its triangles are made of about equal sides and smoothed. It is in the coordinates of the file, "
-    "in\n"
-    "LPS (x to the patient's left, y to the back) as the meshes that 3D Slicer exports, or with --space ras in RAS. "
-    "It\n"
-    "is an input, no proof: where the tissue ends nobody knows to less than about a voxel.\n"
+    "A label of a volume becomes a surface where its share of the neighbourhood, weighed with a Gaussian of 0.7\n"
+    "voxels, is a half; its triangles are then made of about equal sides and smoothed. Its coordinates are in LPS (x "
+    "to\n"
+    "the patient's left, y to the back) like meshes that 3D Slicer exports, or with --space ras in RAS. It is an "
+    "input,\n"
+    "no proof: where the tissue ends nobody knows to less than about a voxel.\n"
     "\n"
     "With --thickness the result is the canal of the bone: all that lies farther inside than the cortex is thick, its\n"
-    "normals inward, so that `verisq fit --cavity` takes it. The thickness is the same everywhere, T, or given at "
-    "several\n"
-    "heights AT,T: linear between them, constant beyond. It says what the user knows, not what the patient has. An "
-    "open\n"
-    "bone is closed over its rims, and there the canal has no cortex.\n"
+    "normals inward, so that `verisq fit --cavity` takes it. The thickness is the same everywhere, T, or given at\n"
+    "several heights AT,T: linear between them, constant beyond. It says what the user knows, not what the patient "
+    "has.\n"
+    "An open bone is closed over its rims, and there the canal has no cortex.\n"
     "\n"
     "The file is read again and checked: closed (or with --resection open there), manifold, consistently oriented;\n"
-    "self-intersections, the volume (negative where normals point inward), and the largest distance of an input point "
-    "or\n"
-    "the thickness of the wall around the canal are reported, in floating point: no enclosures.\n"
+    "self-intersections, the volume (negative where normals point inward), and the largest distance of an input point\n"
+    "or the thickness of the wall around the canal are reported, in floating point: no enclosures.\n"
     "\n"
-    "Exit status: 0 closed (with --resection but for one rim), manifold and oriented; 3 written, but not so; 2 bad "
-    "usage\n"
-    "or input.\n"
+    "Exit status: 0 closed (with --resection but for one rim), manifold and oriented; 3 written, but not so; 2 bad\n"
+    "usage or input.\n"
     "\n"
     "Examples:\n"
     "  verisq surface --points cavity.csv --smooth 5 --inward -o cavity.ply\n"
@@ -234,14 +230,17 @@ Prepared prepared_input(const SurfaceArguments& arguments, SurfaceOptions& optio
   return input;
 }
 
-/// What was done with less than all that was there.
-void tell_what_is_left_out(const Prepared& input, const PreparedSurface& surface) {
+/// What was left out of the input, or added to it.
+void tell_what_differs(const Prepared& input, const PreparedSurface& surface) {
   if (input.label && input.label->surface.parts_left_out > 0)
     tell(fmt::format("label {}: {} smaller parts or voids are left out", input.label->label,
                      input.label->surface.parts_left_out));
   if (input.label && input.label->surface.voxels_at_border > 0)
     tell(fmt::format("label {}: {} of its voxels are at the border of the volume, where the surface is closed",
                      input.label->label, input.label->surface.voxels_at_border));
+  if (input.canal && input.canal->rims_closed > 0)
+    tell(fmt::format("the bone is open: closed over {} rim{}, where its canal has no cortex", input.canal->rims_closed,
+                     input.canal->rims_closed == 1 ? "" : "s"));
   if (input.canal && input.canal->parts_left_out > 0)
     tell(fmt::format("the canal falls apart: {} smaller parts are left out", input.canal->parts_left_out));
   if (surface.parts_left_out > 0)
@@ -278,7 +277,7 @@ ExitStatus run_surface(const SurfaceArguments& arguments) {
   if (input.canal) wall = check_wall(written, input.input, *input.thickness);
   bar.reset();  // the line is cleared before anything else is said
 
-  tell_what_is_left_out(input, surface);
+  tell_what_differs(input, surface);
   explain(check, options, arguments.output);
   const SurfaceReport report{.surface = surface,
                              .check = check,

@@ -79,13 +79,13 @@ std::string readable(const SurfaceReport& report) {
   const MeshTopology& topology = report.check.topology;
   std::string text = how_made(report);
   text += fmt::format("vertices           {}\ntriangles          {}\n", topology.vertices, topology.triangles);
-  text += fmt::format("closed             {}", yes_or_no(topology.closed()));
-  if (report.check.rims > 0) text += fmt::format(", {} rim{}", report.check.rims, report.check.rims == 1 ? "" : "s");
-  text += fmt::format("\nmanifold           {}\n", yes_or_no(topology.manifold()));
+  text += fmt::format("closed             {}\nmanifold           {}\n", yes_or_no(topology.closed()),
+                      yes_or_no(topology.manifold()));
   text +=
       fmt::format("oriented           {}, normals {}\n", yes_or_no(topology.oriented()), word(report.options.facing));
   text += fmt::format("self-intersections {}\n", yes_or_no(report.check.self_intersecting));
   text += fmt::format("components         {}\n", topology.components);
+  if (report.check.rims > 0) text += fmt::format("rims               {}\n", report.check.rims);
   text += fmt::format("Euler character.   {}", topology.euler_characteristic());
   if (const auto genus = topology.genus()) text += fmt::format(", genus {}", *genus);
   text += topology.closed() ? fmt::format("\nvolume             {:.10g}\n", report.check.volume) : "\n";

@@ -14,6 +14,7 @@
 #include <utility>
 #include <verisq/canal.hpp>
 #include <verisq/error.hpp>
+#include <verisq/mesh_topology.hpp>
 
 #include "host/mesh/extent.hpp"
 #include "host/mesh/rims.hpp"
@@ -51,25 +52,31 @@ class NearestTriangle {
   BoneTree tree_;
 };
 
-/// The mesh and fans over its rims.
-Mesh closed_over_rims(const Mesh& mesh) {
+struct ClosedBone {
+  Mesh mesh;
+  std::size_t rims;  ///< that fans close
+};
+
+/// Throws Error(input) where the mesh is no surface.
+ClosedBone closed_over_rims(const Mesh& mesh) {
+  if (const std::size_t edges = mesh_topology(mesh).non_manifold_edges; edges > 0) {
+    throw Error(ErrorKind::input, fmt::format("the bone has no inside: more than two triangles meet at {} of its edges "
+                                              "(verisq surface --method wrap mends that)",
+                                              edges));
+  }
   Mesh closed = surface::indexed_mesh(surface::halfedge_mesh(mesh));  // turned alike, as the closing expects it
   const Closing closing = closing_over_rims(closed);
-  if (closing.rims == 0) return closed;
-  closed.vertices = closing.mesh.vertices;
+  if (closing.rims > 0) closed.vertices = closing.mesh.vertices;
   closed.triangles.insert(closed.triangles.end(), closing.mesh.triangles.begin(), closing.mesh.triangles.end());
-  return closed;
+  return {std::move(closed), closing.rims};
 }
 
 /// The cortex begins at the bone's own triangles; inside is what these and the fans over its rims enclose.
 class BoneDepth {
  public:
-  explicit BoneDepth(const Mesh& bone) : outer_(bone), solid_(closed_over_rims(bone)) {
-    if (!CGAL::is_closed(solid_.mesh())) {
-      throw Error(ErrorKind::input,
-                  "the bone has no inside: more than two triangles meet at an edge (verisq surface --method wrap mends "
-                  "that)");
-    }
+  BoneDepth(const Mesh& bone, const ClosedBone& closed) : outer_(bone), solid_(closed.mesh) {
+    if (!CGAL::is_closed(solid_.mesh()))
+      throw Error(ErrorKind::input, "the bone has no inside: its surface has one side only, like a Moebius strip");
     side_ = std::make_unique<BoneSide>(solid_.tree());
   }
 
@@ -184,7 +191,8 @@ double CorticalThickness::operator()(const Point& x) const {
 
 Canal canal_of(const Mesh& bone, const CanalOptions& options) {
   if (bone.triangles.empty()) throw Error(ErrorKind::input, "the bone has no triangles: a canal needs its surface");
-  const BoneDepth depth(bone);
+  const ClosedBone closed = closed_over_rims(bone);
+  const BoneDepth depth(bone, closed);
   const Extent extent = extent_of(bone.vertices);
   const double spacing = options.spacing.value_or(chosen_spacing(extent, options.thickness));
   surface::GridSamples grid = grid_around(extent, spacing);
@@ -192,7 +200,10 @@ Canal canal_of(const Mesh& bone, const CanalOptions& options) {
   surface::LargestPart part = surface::largest_part(surface::level_surface(grid));
   if (part.mesh.triangles.empty())
     throw Error(ErrorKind::input, "nothing is left of the bone: it is nowhere thicker than two cortices");
-  return {.mesh = std::move(part.mesh), .spacing = spacing, .parts_left_out = part.parts_left_out};
+  return {.mesh = std::move(part.mesh),
+          .spacing = spacing,
+          .parts_left_out = part.parts_left_out,
+          .rims_closed = closed.rims};
 }
 
 WallCheck check_wall(const Mesh& canal, const Mesh& bone, const CorticalThickness& thickness) {

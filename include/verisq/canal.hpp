@@ -36,6 +36,7 @@ struct Canal {
   Mesh mesh;                       ///< closed, manifold, outward
   double spacing;                  ///< used
   std::size_t parts_left_out = 0;  ///< where the bone is thinner than two cortices the canal falls apart
+  std::size_t rims_closed = 0;     ///< of the bone
 };
 
 /// The points inside `bone` that are at least as far from its triangles as the cortex is thick at their height; of

@@ -77,6 +77,7 @@ TEST(Canals, OfAnOpenBoneReachItsRim) {
   const Mesh bone = cut_off(ball(20.0), {{0.0, 0.0, -8.0}, {0.0, 0.0, -1.0}}).mesh;
   const Canal canal = canal_of(bone, {.thickness = {.at = {{0.0, 4.0}}}, .spacing = 1.0});
   EXPECT_TRUE(mesh_topology(canal.mesh).bounds_solid());
+  EXPECT_EQ(canal.rims_closed, 1U);
   const double lowest = std::ranges::min_element(canal.mesh.vertices, {}, [](const Point& x) { return x[2]; })->at(2);
   EXPECT_NEAR(lowest, -8.0, 0.05);
   // The ball of 16 without a cap of height 8.
@@ -129,6 +130,15 @@ TEST(Canals, NeedABoneThickerThanTwoCortices) {
         (void)canal_of(ball(4.0, 3), {.thickness = {.at = {{0.0, 1.0}}}, .spacing = 1e-4});
       },
       ErrorKind::input, "", "a spacing of 0.0001: more than 1000000000 samples of the bone's box");
+  Mesh three_at_an_edge = ball(4.0, 3);
+  three_at_an_edge.triangles.push_back({three_at_an_edge.triangles[0][0], three_at_an_edge.triangles[0][1], 200});
+  expect_error(
+      [&] {
+        (void)canal_of(three_at_an_edge, {.thickness = {.at = {{0.0, 1.0}}}, .spacing = 0.5});
+      },
+      ErrorKind::input, "",
+      "the bone has no inside: more than two triangles meet at 1 of its edges (verisq surface --method wrap mends "
+      "that)");
 }
 
 }  // namespace
