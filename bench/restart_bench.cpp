@@ -29,7 +29,7 @@ constexpr std::size_t few_samples = 32;  // poses anywhere in the range of a sta
 
 /// Of a start, and of its search about it, along each axis.
 constexpr double reach = 7.5;          // mm
-constexpr double reach_degrees = 7.5;  // of a rotation vector
+constexpr double reach_degrees = 4.3;  // of a rotation vector
 /// No search leaves this range about where the points came from: translations add up, and the angle of two rotations is
 /// at most the sum of theirs, of vectors no longer than sqrt(3) times their largest part.
 constexpr double whole_reach = 2.0 * reach;
@@ -121,5 +121,5 @@ int main(int argc, char** argv) {
     return arguments.size() > k ? std::strtod(arguments[k].c_str(), nullptr) : otherwise;
   };
   return verisq::bench::run(static_cast<std::size_t>(number(0, 1000)), number(1, 5.0),
-                            static_cast<std::size_t>(number(2, 40)), arguments.size() > 3 ? arguments[3] : "auto");
+                            static_cast<std::size_t>(number(2, 600)), arguments.size() > 3 ? arguments[3] : "auto");
 }
