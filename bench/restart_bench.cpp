@@ -35,7 +35,7 @@ constexpr double reach_degrees = 4.3;  // of a rotation vector
 constexpr double whole_reach = 2.0 * reach;
 constexpr double whole_reach_degrees = 2.0 * std::numbers::sqrt3 * reach_degrees;
 
-constexpr double longest_bound = 120.0;  // seconds: what is proven by then counts
+constexpr double longest_bound = 600.0;  // seconds: what is proven by then counts
 
 using Clock = std::chrono::steady_clock;
 
