@@ -15,12 +15,12 @@
 #include "bench/approximate_motion.hpp"
 #include "bench/benchmark_rows.hpp"
 #include "bench/child_process.hpp"
+#include "bench/random_starts.hpp"
 #include "bench/row_counters.hpp"
 #include "bench/scratch_folder.hpp"
 #include "bench/tools.hpp"
 #include "bench/uniform_numbers.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
-#include "verify/sets/bounding_box.hpp"
 
 namespace verisq::bench {
 namespace {
@@ -75,24 +75,6 @@ constexpr double reach = 20.0;
 constexpr double reach_degrees = 30.0;
 constexpr double degree = std::numbers::pi / 180.0;
 
-Eigen::Vector3d centre_of(const Model& implant) {
-  const verify::Box box = verify::bounding_box(implant);
-  return (vector(box.lower) + vector(box.upper)) / 2.0;
-}
-
-/// The start that the implant has to be found from: moved off and turned about its centre, anywhere within reach.
-Pose moved_off(const Eigen::Vector3d& centre, UniformNumbers& uniform) {
-  const auto anywhere = [&uniform](double limit) {
-    const double x = uniform.within(limit);
-    const double y = uniform.within(limit);
-    return Eigen::Vector3d(x, y, uniform.within(limit));
-  };
-  const Eigen::Vector3d translation = anywhere(reach);
-  const Eigen::Vector3d rotation = anywhere(reach_degrees * degree);
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(rotation.norm(), rotation.stableNormalized()));
-  return {point(centre + translation - turn * centre), {turn.w(), turn.x(), turn.y(), turn.z()}};
-}
-
 /// To 0.1 mm at the implant's centre and 0.1 degrees.
 bool is_found(const Eigen::Vector3d& centre, const Pose& pose) {
   const auto& [w, x, y, z] = pose.quaternion;
@@ -112,7 +94,7 @@ void recovery_row(benchmark::State& state, const Model& implant, const Cavity& c
   for (auto _ : state) {
     FitOptions options{.fitness = cemented(gap, gap / 2.0),
                        .penetration_limit = 0.0,
-                       .range = {moved_off(centre, uniform), reach, reach_degrees}};
+                       .range = {moved_off(centre, reach, reach_degrees, uniform), reach, reach_degrees}};
     options.seed = ++seed;
     options.samples = 512;
     options.device = std::to_string(device.index);

@@ -45,14 +45,14 @@ verisq_install_libraries(verisqTargets core development ${core_libraries})
 verisq_install_libraries(verisqTargets library development verisq ${other_libraries})
 install(TARGETS verisq_program verisq_check RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(DIRECTORY include/verisq DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
-        PATTERN surface.hpp EXCLUDE)
+        PATTERN surface.hpp EXCLUDE PATTERN label_surface.hpp EXCLUDE PATTERN canal.hpp EXCLUDE)
 install(EXPORT verisqTargets NAMESPACE verisq:: DESTINATION ${package_dir} COMPONENT development)
 
 # What is linked with CGAL, in files of its own.
 if(TARGET verisq_surface)
   verisq_install_libraries(verisqSurfaceTargets surface surface_development verisq_surface)
   install(TARGETS verisq_surface_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT surface)
-  install(FILES include/verisq/surface.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/verisq
+  install(FILES include/verisq/surface.hpp include/verisq/label_surface.hpp include/verisq/canal.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/verisq
           COMPONENT surface_development)
   install(EXPORT verisqSurfaceTargets NAMESPACE verisq:: DESTINATION ${package_dir} COMPONENT surface_development)
 endif()
@@ -83,8 +83,8 @@ endfunction()
 set(same "= ${PROJECT_VERSION}")
 verisq_install_pc(verisq-core "${PROJECT_DESCRIPTION}: models, distances, maps" "" development
                   OWN ${core_libraries} REQUIRES mpfr fmt LIBS -lgmp -ldl -pthread -lstdc++ -lm)
-verisq_install_pc(verisq-files "${PROJECT_DESCRIPTION}: files in XML" "verisq-core ${same}" development
-                  OWN verisq_files verisq_map_readers REQUIRES pugixml)
+verisq_install_pc(verisq-files "${PROJECT_DESCRIPTION}: files in XML, volumes" "verisq-core ${same}" development
+                  OWN verisq_files verisq_map_readers REQUIRES pugixml zlib)
 verisq_install_pc(verisq-fit "${PROJECT_DESCRIPTION}: fits" "verisq-core ${same}" development
                   OWN verisq_fit REQUIRES nlopt)
 verisq_install_pc(verisq-report "${PROJECT_DESCRIPTION}: pages and pictures" "verisq-core ${same}" development

@@ -10,7 +10,8 @@
 
 namespace verisq::command_line {
 
-inline constexpr const char* surface_description = "Closed oriented surface from points or a damaged mesh";
+inline constexpr const char* surface_description =
+    "Closed oriented surface from points, a damaged mesh or a labelled volume; canals";
 
 /// By which `verisq surface` starts `verisq-surface`, which then answers as that command.
 inline constexpr const char* name_of_caller = "verisq";

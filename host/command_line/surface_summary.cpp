@@ -17,13 +17,38 @@ const char* name(SurfaceMethod method) {
   return "alpha shape";
 }
 
+std::string_view name(AnatomicalSpace space) {
+  switch (space) {
+    case AnatomicalSpace::lps: return "LPS";
+    case AnatomicalSpace::ras: return "RAS";
+    case AnatomicalSpace::unknown: break;
+  }
+  return "unknown";
+}
+
 const char* yes_or_no(bool fact) {
   return fact ? "yes" : "no";
 }
 
+/// How it was made: the name of what decided.
+const char* method_of(const SurfaceReport& report) {
+  if (report.wall) return "canal";
+  return report.label != nullptr ? "label" : name(report.options.method);
+}
+
+std::string about_label(const LabelInput& input) {
+  const auto& [x, y, z] = input.voxel_lengths;
+  return fmt::format(
+      "label              {}, {} voxels of {:.4g} x {:.4g} x {:.4g}: volume {:.6g}\n"
+      "space              {}\n",
+      input.label, input.surface.voxels, x, y, z, static_cast<double>(input.surface.voxels) * input.voxel_volume,
+      name(input.space));
+}
+
 std::string how_made(const SurfaceReport& report) {
-  std::string text =
-      fmt::format("input points       {}\nmethod             {}", report.points, name(report.options.method));
+  std::string text = report.label != nullptr ? about_label(*report.label) : "";
+  text += fmt::format("input points       {}\nmethod             {}", report.points, method_of(report));
+  if (report.options.edge) text += fmt::format(", edges about {:.4g}", *report.options.edge);
   if (report.surface.alpha) text += fmt::format(", alpha {:.6g}", *report.surface.alpha);
   if (report.surface.offset) text += fmt::format(", offset {:.6g}", *report.surface.offset);
   text += "\n";
@@ -36,6 +61,12 @@ std::string how_made(const SurfaceReport& report) {
                         report.options.smoothing_rounds, before, after, 100.0 * (after - before) / before);
   }
   return text;
+}
+
+JsonValue wall_of(const SurfaceReport& report) {
+  if (!report.wall) return {};
+  const auto& [least, mean, largest, error] = *report.wall;
+  return JsonObject{{"least", least}, {"mean", mean}, {"largest", largest}, {"largest_error", error}};
 }
 
 const char* word(Facing facing) {
@@ -54,19 +85,34 @@ std::string readable(const SurfaceReport& report) {
       fmt::format("oriented           {}, normals {}\n", yes_or_no(topology.oriented()), word(report.options.facing));
   text += fmt::format("self-intersections {}\n", yes_or_no(report.check.self_intersecting));
   text += fmt::format("components         {}\n", topology.components);
+  if (report.check.rims > 0) text += fmt::format("rims               {}\n", report.check.rims);
   text += fmt::format("Euler character.   {}", topology.euler_characteristic());
   if (const auto genus = topology.genus()) text += fmt::format(", genus {}", *genus);
-  text += fmt::format("\nvolume             {:.10g}\n", report.check.volume);
-  text += fmt::format("farthest point     {:.4g} from the surface\n", report.check.farthest_point);
+  text += topology.closed() ? fmt::format("\nvolume             {:.10g}\n", report.check.volume) : "\n";
+  if (report.wall) {
+    text +=
+        fmt::format("wall               {:.4g} to {:.4g} thick, mean {:.4g}; at most {:.2g} off what is asked for\n",
+                    report.wall->least, report.wall->largest, report.wall->mean, report.wall->largest_error);
+  } else if (report.label == nullptr) {
+    text += fmt::format("farthest point     {:.4g} from the surface\n", report.check.farthest_point);
+  }
   text += fmt::format("time               {:.3g} s\nsurface            {}\n", report.seconds, report.output);
   return text;
 }
 
 std::string json(const SurfaceReport& report) {
   const MeshTopology& topology = report.check.topology;
+  const LabelInput* const label = report.label;
+  const bool is_of_points = label == nullptr && !report.wall;
   const JsonObject object{
       {"points", report.points},
-      {"method", name(report.options.method)},
+      {"method", method_of(report)},
+      {"label", label != nullptr ? JsonValue(label->label) : JsonValue()},
+      {"space", label != nullptr ? JsonValue(name(label->space)) : JsonValue()},
+      {"voxels", label != nullptr ? JsonValue(label->surface.voxels) : JsonValue()},
+      {"voxels_at_border", label != nullptr ? JsonValue(label->surface.voxels_at_border) : JsonValue()},
+      {"voxel_volume", label != nullptr ? JsonValue(label->voxel_volume) : JsonValue()},
+      {"edge", report.options.edge},
       {"alpha", report.surface.alpha},
       {"offset", report.surface.offset},
       {"holes", report.surface.holes},
@@ -78,6 +124,7 @@ std::string json(const SurfaceReport& report) {
       {"edges", topology.edges},
       {"triangles", topology.triangles},
       {"closed", topology.closed()},
+      {"rims", report.check.rims},
       {"manifold", topology.manifold()},
       {"oriented", topology.oriented()},
       {"boundary_edges", topology.boundary_edges},
@@ -88,8 +135,9 @@ std::string json(const SurfaceReport& report) {
       {"components", topology.components},
       {"euler_characteristic", topology.euler_characteristic()},
       {"genus", topology.genus()},
-      {"volume", report.check.volume},
-      {"farthest_point", report.check.farthest_point},
+      {"volume", topology.closed() ? JsonValue(report.check.volume) : JsonValue()},
+      {"farthest_point", is_of_points ? JsonValue(report.check.farthest_point) : JsonValue()},
+      {"wall", wall_of(report)},
       {"seconds", report.seconds},
       {"output", report.output},
   };

@@ -2,8 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <verisq/canal.hpp>
 #include <verisq/surface.hpp>
+
+#include "host/command_line/label_input.hpp"
 
 namespace verisq::command_line {
 
@@ -11,8 +15,10 @@ struct SurfaceReport {
   const PreparedSurface& surface;
   const SurfaceCheck& check;  ///< of the file
   const SurfaceOptions& options;
-  std::size_t points;  ///< of the input
-  std::string output;  ///< the file
+  std::size_t points;             ///< of the input
+  const LabelInput* label;        ///< null where the input is no volume
+  std::optional<WallCheck> wall;  ///< of a canal
+  std::string output;             ///< the file
   double seconds;
 };
 

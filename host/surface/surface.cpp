@@ -3,9 +3,12 @@
 #include <verisq/error.hpp>
 #include <verisq/surface.hpp>
 
+#include <verisq/plane_cut.hpp>
 #include "host/surface/alpha_shape.hpp"
 #include "host/surface/hole_filling.hpp"
+#include "host/surface/largest_part.hpp"
 #include "host/surface/orientation.hpp"
+#include "host/surface/remeshing.hpp"
 #include "host/surface/smoothing.hpp"
 #include "host/surface/wrap_alpha.hpp"
 
@@ -54,16 +57,31 @@ PreparedSurface made(const Mesh& input, const SurfaceOptions& options) {
   return shaped(input, options);
 }
 
+/// The cut leaves slivers, which remeshing mends.
+void open(PreparedSurface& surface, const Plane& plane, const SurfaceOptions& options) {
+  begin(options, "opening");
+  surface::LargestPart part = surface::largest_part(cut_off(surface.mesh, plane).mesh);
+  if (part.mesh.triangles.empty())
+    throw Error(ErrorKind::input, "all of the surface lies beyond the plane where it is to be opened");
+  surface.mesh = options.edge ? surface::remeshed(part.mesh, *options.edge) : std::move(part.mesh);
+  surface.parts_left_out = part.parts_left_out;
+}
+
 }  // namespace
 
 PreparedSurface prepare_surface(const Mesh& input, const SurfaceOptions& options) {
   PreparedSurface result = made(input, options);
+  if (options.edge) {
+    begin(options, "remeshing");
+    result.mesh = surface::remeshed(result.mesh, *options.edge);
+  }
   result.volume_before_smoothing = result.volume = signed_volume(result.mesh);
   if (options.smoothing_rounds > 0) {
     begin(options, "smoothing");
     result.mesh = surface::smoothed(std::move(result.mesh), options.smoothing_rounds);
     result.volume = signed_volume(result.mesh);
   }
+  if (options.opening) open(result, *options.opening, options);
   if (options.facing == Facing::inward) result.mesh = surface::reversed(std::move(result.mesh));
   return result;
 }

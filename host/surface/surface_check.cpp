@@ -8,6 +8,7 @@
 #include <cmath>
 #include <verisq/surface.hpp>
 
+#include "host/mesh/rims.hpp"
 #include "host/surface/cgal_mesh.hpp"
 
 namespace verisq {
@@ -27,8 +28,11 @@ double farthest(const surface::CgalMesh& mesh, std::span<const Point> points) {
 
 SurfaceCheck check_surface(const Mesh& surface, std::span<const Point> points) {
   const surface::CgalMesh mesh = surface::halfedge_mesh(surface);
-  return {.topology = mesh_topology(surface),
+  const MeshTopology topology = mesh_topology(surface);
+  const bool has_rims = !topology.closed() && topology.manifold() && topology.oriented();
+  return {.topology = topology,
           .volume = signed_volume(surface),
+          .rims = has_rims ? closing_over_rims(surface).rims : 0,
           .self_intersecting = CGAL::Polygon_mesh_processing::does_self_intersect(mesh),
           .farthest_point = farthest(mesh, points)};
 }

@@ -1,4 +1,4 @@
-/// Every header of the library but that of `verisq::surface`, whose programs are under the GPL, and that for C.
+/// Every header of the library but those of `verisq::surface`, whose programs are under the GPL, and that for C.
 #pragma once
 
 #include <verisq/bone_region.hpp>
@@ -21,6 +21,7 @@
 #include <verisq/fit_solution.hpp>
 #include <verisq/fitness.hpp>
 #include <verisq/insertion.hpp>
+#include <verisq/label_volume.hpp>
 #include <verisq/landmark_file.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>

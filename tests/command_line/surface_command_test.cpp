@@ -13,6 +13,7 @@
 
 #include "tests/fixtures/program_test.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
+#include "tests/fixtures/volume_files.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -131,8 +132,8 @@ TEST_F(SurfaceCommand, RefusesBadUsage) {
   const std::string points = cloud();
   const std::string out = path("out.ply");
   const std::string input = mesh("in.ply", sphere_mesh(1));
-  expect_refusal({"-o", out}, "give either --points or --mesh");
-  expect_refusal({"--points", points, "--mesh", input, "-o", out}, "give either --points or --mesh");
+  expect_refusal({"-o", out}, "give one of --points, --mesh and --volume");
+  expect_refusal({"--points", points, "--mesh", input, "-o", out}, "give one of --points, --mesh and --volume");
   expect_refusal({"--points", points, "-o", out, "--inward", "--outward"}, "give either --inward or --outward");
   expect_refusal({"--points", points, "-o", out, "--method", "ball"}, "--method: ball is not one of wrap, alpha");
   expect_refusal({"--points", points, "-o", out, "--alpha", "0"}, "--alpha: 0 is not above 0");
@@ -149,6 +150,83 @@ TEST_F(SurfaceCommand, RefusesBadUsage) {
   EXPECT_EQ(surface({"--mesh", input, "-o", input}).status, 2);
   EXPECT_EQ(surface({"--points", points, "-o", path("none/out.ply")}).status, 1);
   EXPECT_EQ(surface({"--points", points}).status, 2);
+}
+
+/// Label 4 within a ball of 6 about the middle, label 9 in one more voxel.
+std::string ball_of_voxels() {
+  std::vector<int> labels;
+  for (int k = -9; k <= 9; ++k)
+    for (int j = -9; j <= 9; ++j)
+      for (int i = -9; i <= 9; ++i) labels.push_back(i * i + j * j + k * k <= 36 ? 4 : 0);
+  labels.front() = 9;
+  const NrrdFile file{.sizes = "19 19 19",
+                      .space = "RAS",
+                      .directions = "(0.5,0,0) (0,0.5,0) (0,0,0.5)",
+                      .origin = "(15.5,15.5,15.5)",
+                      .encoding = "gzip"};
+  return file.header() + gzipped(volume_bytes<std::int16_t>(labels));
+}
+
+TEST_F(SurfaceCommand, MakesTheSurfaceOfALabel) {
+  const std::string volume = write("ball.nrrd", ball_of_voxels());
+  expect_refusal({"--volume", volume, "-o", path("out.ply")},
+                 volume + ": give --label, one of 4 (925 voxels), 9 (1 voxels)");
+  expect_refusal({"--volume", volume, "--label", "7", "-o", path("out.ply")},
+                 "--label: " + volume + " has no label 7, but 4 (925 voxels), 9 (1 voxels)");
+  for (const std::string space : {"lps", "ras"}) {
+    const Outcome outcome =
+        surface({"--volume", volume, "--label", "4", "--space", space, "-o", path("out.ply"), "--json"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const auto json = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(json["method"], "label");
+    EXPECT_EQ(json["voxels"], 925);
+    EXPECT_EQ(json["space"], space == "lps" ? "LPS" : "RAS");
+    EXPECT_NEAR(json["volume"].get<double>(), 27.0 * ball_volume, 0.05 * 27.0 * ball_volume);
+    const double sign = space == "lps" ? -1.0 : 1.0;
+    for (const Point& x : read_mesh(path("out.ply")).vertices)
+      EXPECT_NEAR(std::hypot(x[0] - sign * 20.0, x[1] - sign * 20.0, x[2] - 20.0), 3.0, 0.25);
+  }
+}
+
+TEST_F(SurfaceCommand, MakesACanalThatAFitTakesAtOnce) {
+  Mesh bone = sphere_mesh(4);
+  for (Point& vertex : bone.vertices)
+    for (double& coordinate : vertex) coordinate *= 10.0;
+  const std::string outer = mesh("bone.ply", bone);
+  const Outcome outcome = surface({"--mesh", outer, "--thickness", "-8,4", "--thickness", "0,2", "--resection",
+                                   "0,0,5,0,0,1", "--edge", "1.5", "-o", path("canal.ply"), "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["method"], "canal");
+  EXPECT_EQ(json["rims"], 1);
+  EXPECT_EQ(json["closed"], false);
+  EXPECT_EQ(json["facing"], "inward");
+  EXPECT_TRUE(json["volume"].is_null());
+  EXPECT_LT(json["wall"]["largest_error"].get<double>(), 0.2);
+  const std::string implant = write("implant.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+      {"name": "plug", "superquadric": {"semi_axes": [3, 3, 3], "exponents": [1, 1]}}]})");
+  const Outcome fit = run({"fit", "--implant", implant, "--mesh", path("canal.ply"), "--cavity", "--samples", "64",
+                           "--device", "host", "-o", path("fitted.json")});
+  EXPECT_EQ(fit.status, 0) << fit.err;
+  EXPECT_THAT(fit.out, HasSubstr("inside the cavity    proven of plug"));
+}
+
+TEST_F(SurfaceCommand, RefusesWhatMakesNoCanal) {
+  const std::string bone = mesh("bone.ply", sphere_mesh(2));
+  const std::string out = path("out.ply");
+  expect_refusal({"--mesh", bone, "--thickness", "1", "--thickness", "2,3", "-o", out},
+                 "--thickness: 1 has no height: of several each is AT,T");
+  expect_refusal({"--mesh", bone, "--thickness", "2,1", "--thickness", "2,3", "-o", out},
+                 "--thickness: height 2 is given twice");
+  expect_refusal({"--mesh", bone, "--thickness", "neck_centre,3", "-o", out},
+                 "--thickness: neck_centre,3: --landmarks has no neck_centre");
+  expect_refusal({"--points", bone, "--thickness", "3", "-o", out},
+                 "--thickness: needs the surface of a bone, --mesh or --volume");
+  expect_refusal({"--mesh", bone, "--label", "3", "-o", out}, "--label: is for --volume");
+  expect_refusal({"--mesh", bone, "--axis", "0,0,1", "-o", out}, "--axis: is for --thickness");
+  expect_refusal({"--mesh", bone, "--thickness", "2", "-o", out},
+                 "nothing is left of the bone: it is nowhere thicker than two cortices");
 }
 
 TEST_F(SurfaceCommand, ExplainsItself) {

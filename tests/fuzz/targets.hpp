@@ -24,6 +24,8 @@ void map_csv(Bytes bytes);
 void map_vtp(Bytes bytes);
 void stance_model(Bytes bytes);
 void landmarks(Bytes bytes);
+void nrrd(Bytes bytes);
+void nifti(Bytes bytes);
 
 struct Target {
   std::string_view name;  ///< also of its seeds' folder in tests/fuzz/corpus
@@ -43,6 +45,8 @@ inline constexpr std::array targets{
     Target{"map_vtp", map_vtp},
     Target{"stance_model", stance_model},
     Target{"landmarks", landmarks},
+    Target{"nrrd", nrrd},
+    Target{"nifti", nifti},
 };
 
 }  // namespace verisq::fuzz

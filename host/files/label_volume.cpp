@@ -1,0 +1,71 @@
+/// The readers' common part, and what can be asked of a volume.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <verisq/error.hpp>
+#include <verisq/label_volume.hpp>
+
+#include "host/files/volume_formats.hpp"
+#include "host/files/words.hpp"
+
+namespace verisq {
+namespace {
+
+double determinant(const std::array<Point, 3>& steps) {
+  const auto& [a, b, c] = steps;
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+LabelVolume read(InputFile& file, const std::string& name) {
+  if (name.ends_with(".nrrd")) return read_nrrd(file);
+  if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return read_nifti(file);
+  file.fail_whole("volumes are read from .nrrd, .nii and .nii.gz");
+}
+
+}  // namespace
+
+LabelVolume read_label_volume(const std::filesystem::path& path) {
+  InputFile file(path);
+  if (file.size() == 0) file.fail_whole("volumes are read from regular files only");
+  try {
+    return read(file, lower_case(path.filename().string()));
+  } catch (const std::bad_alloc&) {
+    file.fail_whole("the volume does not fit into memory");
+  }
+}
+
+void turn_about_z(LabelVolume& volume) {
+  const auto turn = [](Point& x) { x = {0.0 - x[0], 0.0 - x[1], x[2]}; };  // 0 stays 0
+  turn(volume.origin);
+  for (Point& step : volume.steps) turn(step);
+}
+
+void check_axes(const InputFile& file, const LabelVolume& volume) {
+  const double size = voxel_volume(volume);
+  if (size >= std::numeric_limits<double>::min() && std::isfinite(size)) return;
+  file.fail_whole(fmt::format("its axes span no volume: the size of a voxel is {}", size));
+}
+
+std::vector<LabelCount> labels_of(const LabelVolume& volume) {
+  std::vector<std::uint64_t> voxels(std::size_t{std::numeric_limits<std::uint16_t>::max()} + 1, 0);
+  for (const std::uint16_t label : volume.labels) ++voxels[label];
+  std::vector<LabelCount> result;
+  for (std::size_t label = 1; label < voxels.size(); ++label)
+    if (voxels[label] > 0) result.push_back({static_cast<std::uint16_t>(label), voxels[label]});
+  return result;
+}
+
+LabelVolume in_space(LabelVolume volume, AnatomicalSpace space) {
+  if (volume.space != space) turn_about_z(volume);
+  volume.space = space;
+  return volume;
+}
+
+double voxel_volume(const LabelVolume& volume) {
+  return std::abs(determinant(volume.steps));
+}
+
+}  // namespace verisq
