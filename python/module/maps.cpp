@@ -230,7 +230,7 @@ class LastMapper {
 
   /// For as long as the process lives: what belongs to a device may not end after the device's library.
   static LastMapper& instance() {
-    static auto* const last = new LastMapper;
+    static auto* const last = new LastMapper;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): locked
     return *last;
   }
 
