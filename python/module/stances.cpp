@@ -15,6 +15,7 @@
 #include <verisq/stance_analysis.hpp>
 #include <verisq/stance_bounce.hpp>
 #include <verisq/stance_choice.hpp>
+#include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_file.hpp>
 
 #include "python/module/declarations.hpp"
@@ -94,6 +95,120 @@ stance::Bounce bounce(const PythonStance& self, const std::string& cylinder, dou
   return without_lock(interruption, [&] { return stance::bounce(drop, {.interrupted = interruption.poll()}); });
 }
 
+/// One of the model's ranges is narrower.
+PythonStance narrowed(const PythonStance& self, const std::string& name, double lo, double hi) {
+  const std::uint32_t parameter = stance::parameter_named(self.model, name, "{} is not one of the parameters {}");
+  return {stance::narrowed(self.model, parameter, {lo, hi})};
+}
+
+PythonStance within(const PythonStance& self, double per_cent, const Names& uncertain) {
+  check_length(per_cent, "per_cent");
+  return {stance::narrowed_within(self.model, chosen(self, uncertain), per_cent)};
+}
+
+/// What is found, and what its numbers are of.
+struct PythonEquilibrium {
+  stance::Equilibrium found;
+  std::vector<std::string> parameters;  ///< uncertain ones
+  std::vector<std::string> cylinders;
+};
+
+stance::JointControl control_of(const std::string& word) {
+  if (word == "held") return stance::JointControl::held;
+  if (word == "proportional") return stance::JointControl::proportional;
+  throw py::value_error(fmt::format("joints must be \"held\" or \"proportional\", not \"{}\"", word));
+}
+
+std::vector<std::string> cylinders(const PythonStance& self) {
+  std::vector<std::string> names;
+  for (const stance::ContactCylinder& cylinder : self.model.cylinders) names.push_back(cylinder.name);
+  return names;
+}
+
+PythonEquilibrium equilibrium(const PythonStance& self, const std::string& joints, const Names& uncertain,
+                              std::uint32_t cells) {
+  constexpr std::uint32_t most = 4096;
+  if (cells < 1 || cells > most) throw py::value_error(fmt::format("cells must be 1 to {}, not {}", most, cells));
+  const std::vector<std::uint32_t> over = chosen(self, uncertain);
+  PythonEquilibrium result{{}, {}, cylinders(self)};
+  for (const std::uint32_t i : over) result.parameters.push_back(self.model.parameters[i].name);
+  Interruption interruption;
+  result.found = without_lock(interruption, [&] {
+    return stance::equilibrium(self.model, over,
+                               {.control = control_of(joints), .cells = cells, .interrupted = interruption.poll()});
+  });
+  return result;
+}
+
+/// Of a member of Standing where something stands, else None.
+template <class Member>
+auto of_standing(const Member& member) {
+  return [member](const PythonEquilibrium& self) -> py::object {
+    if (!self.found.standing) return py::none();
+    return member(self, *self.found.standing);
+  };
+}
+
+py::list cells_of(const PythonEquilibrium& self) {
+  py::list result;
+  for (const stance::EquilibriumCell& cell : self.found.cells) {
+    py::dict each;
+    each["verdict"] = cell.verdict == stance::StandingVerdict::stands
+                          ? "stands"
+                          : (cell.verdict == stance::StandingVerdict::not_on_all ? "not_on_all" : "open");
+    for (std::size_t k = 0; k < cell.ranges.size(); ++k) each[py::str(self.parameters[k])] = cell.ranges[k];
+    result.append(each);
+  }
+  return result;
+}
+
+void declare_equilibria(py::module_& module) {
+  using stance::Standing;
+  const auto rows = [](std::vector<Enclosure> Standing::*member) {
+    return of_standing([member](const PythonEquilibrium&, const Standing& standing) -> py::object {
+      return rows_of(standing.*member);
+    });
+  };
+  const auto one = [](Enclosure Standing::*member) {
+    return of_standing([member](const PythonEquilibrium&, const Standing& standing) -> py::object {
+      return py::cast(standing.*member);
+    });
+  };
+  const auto loads = [](Enclosure stance::CylinderLoad::*member) {
+    return of_standing([member](const PythonEquilibrium& self, const Standing& standing) -> py::object {
+      py::dict result;
+      for (std::size_t c = 0; c < self.cylinders.size(); ++c)
+        result[py::str(self.cylinders[c])] = standing.loads[c].*member;
+      return result;
+    });
+  };
+  py::class_<PythonEquilibrium>(
+      module, "Equilibrium",
+      "What StanceModel.equilibrium() proves, over the box of the uncertain parameters. Ends "
+      "are those of all parts\nof the box that are proven to stand; None where there are none.")
+      .def_property_readonly(
+          "stands", [](const PythonEquilibrium& self) { return self.found.stands; },
+          "Share of the box: an equilibrium on all cylinders is proven.")
+      .def_property_readonly(
+          "not_on_all", [](const PythonEquilibrium& self) { return self.found.not_on_all; },
+          "Share of the box: proven that none near the file's posture is on all cylinders.")
+      .def_property_readonly(
+          "open", [](const PythonEquilibrium& self) { return self.found.open; }, "Share of the box: neither is proven.")
+      .def_property_readonly("positions", rows(&Standing::positions), "float64 (J, 2): of all joints, m or rad.")
+      .def_property_readonly("torques", rows(&Standing::torques), "float64 (J, 2): what holds the joints, N m or N.")
+      .def_property_readonly("forces", loads(&stance::CylinderLoad::force), "By cylinder: N, upward.")
+      .def_property_readonly("penetrations", loads(&stance::CylinderLoad::penetration), "By cylinder: m.")
+      .def_property_readonly("least_penetration", one(&Standing::least_penetration), "m, of all points of contact.")
+      .def_property_readonly("centre_of_pressure_x", one(&Standing::centre_of_pressure_x), "m")
+      .def_property_readonly("centre_of_pressure_z", one(&Standing::centre_of_pressure_z), "m")
+      .def_property_readonly("cells", cells_of,
+                             "A list of dictionaries: verdict, and the range of each uncertain parameter by its name.")
+      .def("__repr__", [](const PythonEquilibrium& self) {
+        return fmt::format("<verisq.Equilibrium: {:.4g} % stands, {:.4g} % open>", 100.0 * self.found.stands,
+                           100.0 * self.found.open);
+      });
+}
+
 py::list parameters(const PythonStance& self) {
   py::list result;
   for (const stance::Parameter& parameter : self.model.parameters) {
@@ -106,12 +221,6 @@ py::list parameters(const PythonStance& self) {
     result.append(each);
   }
   return result;
-}
-
-std::vector<std::string> cylinders(const PythonStance& self) {
-  std::vector<std::string> names;
-  for (const stance::ContactCylinder& cylinder : self.model.cylinders) names.push_back(cylinder.name);
-  return names;
 }
 
 void declare_bounces(py::module_& module) {
@@ -131,12 +240,13 @@ void declare_bounces(py::module_& module) {
 
 void declare_stances(py::module_& module) {
   declare_bounces(module);
+  declare_equilibria(module);
   py::class_<PythonStance>(
       module, "StanceModel",
-      "A model of human stance (XML, docs/stance.md), whose parameters may be uncertain. Ground contact, friction and\n"
-      "the controller act in none of its analyses but bounce(). `uncertain` names the parameters that take their "
-      "whole\n"
-      "range; None: all that have one. Raises Error for names that the model does not have.")
+      "A model of human stance (XML, docs/stance.md), whose parameters may be uncertain. What acts in which\n"
+      "analysis: docs/stance.md. `uncertain` names the parameters that take their whole range; None: all that have "
+      "one.\n"
+      " Raises Error for names that the model does not have.")
       .def_static(
           "load", [](const std::filesystem::path& path) { return PythonStance{stance::read_model(path)}; },
           py::arg("path"), "load(path) -> StanceModel\n\nRaises Error, one line with file, line and value.")
@@ -172,6 +282,18 @@ void declare_stances(py::module_& module) {
           "float64 (J, 2): lower and upper ends of the accelerations of all joints in free fall, m/s^2 or rad/s^2;\n"
           "infinite where nothing is proven. cells: subdivisions of each uncertain range, 1 to 4096. Raises Error for\n"
           "more than 1e9 cells in all.")
+      .def("equilibrium", equilibrium, py::arg("joints") = "held", py::kw_only(), py::arg("uncertain") = py::none(),
+           py::arg("cells") = 16,
+           "equilibrium(joints=\"held\", *, uncertain=None, cells=16) -> Equilibrium\n\n"
+           "Where the body stands still on all of its cylinders: joints \"held\" where the file has them, or turned "
+           "from\n"
+           "there as the \"proportional\" gains allow. cells: finest subdivisions of each uncertain range, 1 to 4096.\n"
+           "Raises Error for a model that cannot stand.")
+      .def("narrowed", narrowed, py::arg("name"), py::arg("lo"), py::arg("hi"),
+           "narrowed(name, lo, hi) -> StanceModel\n\nWith a part of a parameter's range.")
+      .def("within", within, py::arg("per_cent"), py::arg("uncertain") = py::none(),
+           "within(per_cent, uncertain=None) -> StanceModel\n\n"
+           "With uncertain parameters at most this part of their nominal value off it.")
       .def("bounce", bounce, py::arg("cylinder"), py::kw_only(), py::arg("height") = 0.01,
            py::arg("uncertain") = py::none(),
            "bounce(cylinder, *, height=0.01, uncertain=None) -> Bounce\n\n"

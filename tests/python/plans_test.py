@@ -202,6 +202,27 @@ class Solids(Files):
         self.assertEqual(moved.areas, self.implant.areas)  # the bone's
 
 
+class Standing(unittest.TestCase):
+    def test_a_person_stands_as_the_command_says(self):
+        model = verisq.StanceModel.load(EXAMPLES / "standing.xml").within(1.0, ["mp", "px"])
+        found = model.equilibrium(uncertain=["mp", "px"])
+        self.assertEqual((found.stands, found.not_on_all, found.open), (1.0, 0.0, 0.0))
+        height = model.joints.index("pelvis ty")
+        self.assertLess(found.positions[height, 0], 0.97697155)
+        self.assertGreater(found.positions[height, 1], 0.97697155)
+        self.assertLess(found.forces["left forefoot"].lo, 102.591)
+        self.assertGreater(found.forces["left forefoot"].hi, 102.591)
+        self.assertGreater(found.least_penetration.lo, 0.0)
+        self.assertEqual(found.cells[0]["verdict"], "stands")
+
+    def test_what_cannot_stand_is_refused(self):
+        model = verisq.StanceModel.load(EXAMPLES / "stance.xml")
+        with self.assertRaisesRegex(verisq.Error, "friction alone could hold"):
+            model.equilibrium(uncertain=[])
+        with self.assertRaisesRegex(verisq.Error, "is not within the file's range"):
+            model.narrowed("mp", 10.0, 20.0)
+
+
 class Stance(unittest.TestCase):
     def test_is_that_of_the_command(self):
         said = printed("stance", EXAMPLES / "stance.xml", "--uncertain", "mp,px", "--sensitivities", "--accelerations",
