@@ -1,9 +1,9 @@
 /// The steps one after the other.
 #include <utility>
 #include <verisq/error.hpp>
+#include <verisq/plane_cut.hpp>
 #include <verisq/surface.hpp>
 
-#include <verisq/plane_cut.hpp>
 #include "host/surface/alpha_shape.hpp"
 #include "host/surface/hole_filling.hpp"
 #include "host/surface/largest_part.hpp"

@@ -16,7 +16,7 @@ ORDER = ["proof", "bend_range", "placement", "verify", "readers", "core", "map_r
 CORE = ORDER[:6]
 SYSTEM = {
     "proof": [], "bend_range": [], "placement": [], "verify": ["fmt"], "readers": ["fmt"], "core": ["fmt", "dl"],
-    "map_readers": ["fmt", "pugixml"], "files": ["fmt", "pugixml"], "fit": ["fmt", "nlopt", "dl"],
+    "map_readers": ["fmt", "pugixml"], "files": ["fmt", "pugixml", "z"], "fit": ["fmt", "nlopt", "dl"],
     "report": ["fmt", "cairo"],
 }
 

@@ -56,7 +56,7 @@ struct FamilyOfBoxes {
   std::size_t unique = 0;
   std::size_t loose_references = 0;  ///< of all, also where many points are closest and a reference has none to find
   std::size_t untested = 0;          ///< of those, where one point is said to be the only one
-  double widest_point = 0.0;  ///< of unique ones, in units of PosedSolid::magnitude
+  double widest_point = 0.0;         ///< of unique ones, in units of PosedSolid::magnitude
   double widest_normal = 0.0;
 };
 

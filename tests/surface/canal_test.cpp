@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 #include <verisq/canal.hpp>
+#include <verisq/plane_cut.hpp>
 #include <verisq/surface.hpp>
 
-#include <verisq/plane_cut.hpp>
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 

@@ -384,7 +384,7 @@ class OtherEquilibria {
         widest = i;
       }
     }
-    const Interval side = part[widest];
+    const Interval& side = part[widest];
     const double middle = 0.5 * side.lower() + 0.5 * side.upper();
     std::array<std::vector<Interval>, 2> result{part, part};
     result[0][widest] = Interval(side.lower(), middle);
