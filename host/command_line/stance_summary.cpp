@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "host/command_line/directed_digits.hpp"
 #include "host/command_line/json_value.hpp"
@@ -140,8 +141,9 @@ std::string_view word(StandingVerdict verdict) {
   return "open";
 }
 
+/// Rounded down: all of the box is 100 % of it, and nothing else is.
 std::string share_text(double share) {
-  return fmt::format("{:.4g} % of the box", 100.0 * share);
+  return fmt::format("{:.7g} % of the box", std::floor(1e7 * share) / 1e5);
 }
 
 std::string standing_text(const StanceSummary& summary, const Standing& standing) {
@@ -174,7 +176,7 @@ std::string standing_text(const StanceSummary& summary, const Standing& standing
 std::string equilibrium_text(const StanceSummary& summary) {
   const Equilibrium& found = *summary.equilibrium;
   std::string text = fmt::format("\nequilibrium on the ground, joints {}\n", word(summary.control));
-  text += fmt::format("  proven to stand on all cylinders: {}\n", share_text(found.stands));
+  text += fmt::format("  proven to have an equilibrium on all cylinders: {}\n", share_text(found.stands));
   text += fmt::format("  proven not to, within {:g} rad of the file's posture and {:g} m of its feet's height: {}\n",
                       equilibrium_reach_of_tilt, equilibrium_reach_of_height, share_text(found.not_on_all));
   text += fmt::format("  open: {}\n", share_text(found.open));

@@ -47,7 +47,7 @@ CorticalThickness thickness_of(const std::vector<std::string>& texts, const std:
       refuse(fmt::format("{}: {} has no height: of several each is AT,T", option, text));
     const std::string at = comma == std::string::npos ? "0" : text.substr(0, comma);
     const std::string value = comma == std::string::npos ? text : text.substr(comma + 1);
-    thickness.at.push_back({height_of(at, text, thickness.axis, landmarks), parse_length(option, value)});
+    thickness.at.push_back({height_of(at, text, thickness.axis, landmarks), parse_positive_length(option, value)});
   }
   std::ranges::sort(thickness.at, {}, &ThicknessAtHeight::height);
   const auto twice = std::ranges::adjacent_find(thickness.at, {}, &ThicknessAtHeight::height);

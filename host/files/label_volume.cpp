@@ -1,6 +1,7 @@
 /// The readers' common part, and what can be asked of a volume.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -44,9 +45,30 @@ void turn_about_z(LabelVolume& volume) {
 }
 
 void check_axes(const InputFile& file, const LabelVolume& volume) {
+  // No scanner makes such voxels, and surfaces of them overflow or have no end.
+  constexpr double finest = 1e-9;
+  constexpr double farthest = 1e9;
+  constexpr double most_elongated = 100.0;
+  constexpr double flattest = 0.01;  // of a box with the same edges
+  std::array<double, 3> lengths{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Point& step = volume.steps[axis];
+    lengths[axis] = std::hypot(step[0], step[1], step[2]);
+    if (!(lengths[axis] >= finest && lengths[axis] <= farthest)) {
+      file.fail_whole(
+          fmt::format("a voxel is {} long along axis {}: must be {} to {}", lengths[axis], axis, finest, farthest));
+    }
+    if (!(std::abs(volume.origin[axis]) <= farthest))
+      file.fail_whole(fmt::format("its origin {} is more than {} away", volume.origin[axis], farthest));
+  }
+  const auto [shortest, longest] = std::ranges::minmax(lengths);
+  if (longest > most_elongated * shortest) {
+    file.fail_whole(fmt::format("its voxels are {} times as long as wide: at most {} is supported", longest / shortest,
+                                most_elongated));
+  }
   const double size = voxel_volume(volume);
-  if (size >= std::numeric_limits<double>::min() && std::isfinite(size)) return;
-  file.fail_whole(fmt::format("its axes span no volume: the size of a voxel is {}", size));
+  if (!(size >= flattest * lengths[0] * lengths[1] * lengths[2]))
+    file.fail_whole(fmt::format("its axes span no volume: the size of a voxel is {}", size));
 }
 
 std::vector<LabelCount> labels_of(const LabelVolume& volume) {

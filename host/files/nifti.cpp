@@ -111,6 +111,13 @@ void read_rows(const NiftiHeader& header, LabelVolume& volume) {
   }
 }
 
+/// A sign is none of its: taken for one it would mirror the volume.
+double spacing_of(const InputFile& file, const NiftiHeader& header, std::size_t axis) {
+  const double spacing = header.finite(80 + 4 * axis, "pixdim");
+  if (!(spacing > 0.0)) file.fail_whole(fmt::format("pixdim[{}] = {}: must be above 0", axis + 1, spacing));
+  return spacing;
+}
+
 /// Method 2: a unit quaternion of which (b, c, d) are given and a >= 0, spacings, and a sign of the third axis.
 void read_quaternion(const InputFile& file, const NiftiHeader& header, LabelVolume& volume) {
   const double b = header.finite(256, "quatern_b");
@@ -125,15 +132,15 @@ void read_quaternion(const InputFile& file, const NiftiHeader& header, LabelVolu
       Point{2.0 * (b * d + a * c), 2.0 * (c * d - a * b), a * a + d * d - c * c - b * b}};
   const double sign = header.finite(76, "pixdim[0]") < 0.0 ? -1.0 : 1.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double spacing = (axis == 2 ? sign : 1.0) * header.finite(80 + 4 * axis, "pixdim");
+    const double spacing = (axis == 2 ? sign : 1.0) * spacing_of(file, header, axis);
     for (std::size_t row = 0; row < 3; ++row) volume.steps[axis][row] = spacing * columns[axis][row];
     volume.origin[axis] = header.finite(268 + 4 * axis, "qoffset");
   }
 }
 
 /// Method 1: spacings alone.
-void read_pixdim(const NiftiHeader& header, LabelVolume& volume) {
-  for (std::size_t axis = 0; axis < 3; ++axis) volume.steps[axis][axis] = header.finite(80 + 4 * axis, "pixdim");
+void read_pixdim(const InputFile& file, const NiftiHeader& header, LabelVolume& volume) {
+  for (std::size_t axis = 0; axis < 3; ++axis) volume.steps[axis][axis] = spacing_of(file, header, axis);
 }
 
 void read_axes(const InputFile& file, const NiftiHeader& header, LabelVolume& volume) {
@@ -144,7 +151,7 @@ void read_axes(const InputFile& file, const NiftiHeader& header, LabelVolume& vo
   } else if (has_quaternion) {
     read_quaternion(file, header, volume);
   } else {
-    read_pixdim(header, volume);
+    read_pixdim(file, header, volume);
   }
   const double unit = millimetres(file, header);
   for (double& x : volume.origin) x *= unit;

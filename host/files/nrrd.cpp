@@ -24,6 +24,7 @@ struct NrrdHeader {
   std::optional<std::endian> order;
   AnatomicalSpace space = AnatomicalSpace::unknown;
   Point signs{1.0, 1.0, 1.0};  ///< from the file's coordinates to LPS
+  double millimetres = 1.0;    ///< a unit of the file's lengths
   Point origin{};
   std::array<Point, 3> steps{Point{1.0, 0.0, 0.0}, Point{0.0, 1.0, 0.0}, Point{0.0, 0.0, 1.0}};
 };
@@ -130,8 +131,28 @@ std::array<std::int64_t, 3> read_sizes(const InputFile& file, std::string_view t
 
 void read_spacings(const InputFile& file, std::string_view text, NrrdHeader& header) {
   Words words(text);
-  for (std::size_t axis = 0; axis < 3; ++axis) header.steps[axis][axis] = finite_number(file, words.next(), "spacing");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::string_view word = words.next();
+    const double spacing = finite_number(file, word, "spacing");
+    if (!(spacing > 0.0)) file.fail(fmt::format("spacing = {}: must be above 0", in_quotes(word)));
+    header.steps[axis][axis] = spacing;
+  }
   expect_end(file, words);
+}
+
+/// "mm" "mm" "mm": what a unit of length is in mm, the same along all axes.
+double read_units(const InputFile& file, std::string_view text) {
+  constexpr std::array<std::pair<std::string_view, double>, 4> known{
+      {{"\"mm\"", 1.0}, {"\"cm\"", 10.0}, {"\"m\"", 1000.0}, {"\"um\"", 1e-3}}};
+  Words words(text);
+  const std::string_view first = words.next();
+  const auto* const unit = std::ranges::find(known, first, [](const auto& each) { return each.first; });
+  if (unit == known.end()) file.fail(fmt::format("units {}: must be \"mm\", \"cm\", \"m\" or \"um\"", in_quotes(text)));
+  for (int axis = 1; axis < 3; ++axis) {
+    if (words.next() != first) file.fail(fmt::format("units {}: must be the same along three axes", in_quotes(text)));
+  }
+  expect_end(file, words);
+  return unit->second;
 }
 
 ByteStream::Packing packing_of(const InputFile& file, std::string_view text) {
@@ -177,11 +198,13 @@ void read_field(const InputFile& file, std::string_view field, std::string_view 
     expect_nothing(file, text, field);
   } else if (field == "spacings") {
     read_spacings(file, text, header);
+  } else if (field == "space units" || field == "units") {
+    header.millimetres = read_units(file, text);
   } else if (field == "data file" || field == "datafile") {
     file.fail("data file: the voxels must be in the same file");
   } else if (field == "line skip" || field == "lineskip" || field == "byte skip" || field == "byteskip") {
     if (integer(file, text, field) != 0) file.fail(fmt::format("{} is not supported", field));
-  }  // others say nothing of where voxels lie: kinds, centers, content, units, measurement frame
+  }  // others say nothing of where voxels lie: kinds, centers, content, measurement frame
 }
 
 NrrdHeader read_nrrd_header(InputFile& file) {
@@ -192,7 +215,11 @@ NrrdHeader read_nrrd_header(InputFile& file) {
   while (true) {
     const auto line = file.next_line();
     if (!line) file.fail("truncated: the file ends inside its header");
-    if (line->empty()) return header;
+    if (line->empty()) {
+      if (seen.contains("spacings") && seen.contains("space directions"))
+        file.fail("spacings and space directions contradict each other: one of them says how far voxels are apart");
+      return header;
+    }
     if (line->starts_with('#')) continue;
     const std::size_t colon = line->find(':');
     if (colon == std::string_view::npos) file.fail(fmt::format("expected FIELD: VALUE, found {}", in_quotes(*line)));
@@ -209,8 +236,10 @@ Value required(const InputFile& file, const std::optional<Value>& value, std::st
   return *value;
 }
 
-Point in_lps(const Point& x, const Point& signs) {
-  return {signs[0] * x[0], signs[1] * x[1], signs[2] * x[2]};
+/// In mm.
+Point in_lps(const Point& x, const NrrdHeader& header) {
+  const double unit = header.millimetres;
+  return {header.signs[0] * unit * x[0], header.signs[1] * unit * x[1], header.signs[2] * unit * x[2]};
 }
 
 }  // namespace
@@ -223,13 +252,13 @@ LabelVolume read_nrrd(InputFile& file) {
   const std::endian order = size_of(type) == 1 ? std::endian::native : required(file, header.order, "endian");
   ByteStream stream(file, required(file, header.packing, "encoding"));
   const std::size_t count = voxel_count(file, stream, sizes, type);
-  LabelVolume volume{.counts = {static_cast<std::size_t>(sizes[0]), static_cast<std::size_t>(sizes[1]),
-                                static_cast<std::size_t>(sizes[2])},
-                     .origin = in_lps(header.origin, header.signs),
-                     .steps = {in_lps(header.steps[0], header.signs), in_lps(header.steps[1], header.signs),
-                               in_lps(header.steps[2], header.signs)},
-                     .space = header.space,
-                     .labels = {}};
+  LabelVolume volume{
+      .counts = {static_cast<std::size_t>(sizes[0]), static_cast<std::size_t>(sizes[1]),
+                 static_cast<std::size_t>(sizes[2])},
+      .origin = in_lps(header.origin, header),
+      .steps = {in_lps(header.steps[0], header), in_lps(header.steps[1], header), in_lps(header.steps[2], header)},
+      .space = header.space,
+      .labels = {}};
   check_axes(file, volume);
   volume.labels = read_voxels(file, stream, count, type, order);
   return volume;

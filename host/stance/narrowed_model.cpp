@@ -59,6 +59,12 @@ Model narrowed_within(Model model, UncertainSet uncertain, double per_cent) {
   using verify::Direction;
   for (const std::uint32_t i : uncertain) {
     const auto& [name, unit, description, nominal, range] = model.parameters[i];
+    if (nominal == 0.0 && range.width() > 0.0) {
+      throw Error(ErrorKind::input,
+                  fmt::format("--within: {} is 0 nominally, and no part of that is a range: give it one by --range, or "
+                              "leave it out of --uncertain",
+                              name));
+    }
     const double share = verify::divide(per_cent, 100.0, Direction::up);
     const double off = verify::multiply(std::abs(nominal), share, Direction::up);
     const Enclosure part{std::max(range.lo, verify::subtract(nominal, off, Direction::down)),

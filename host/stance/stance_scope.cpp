@@ -85,10 +85,13 @@ Scope equilibrium_scope(const Model& model, JointControl control) {
   std::vector<std::string> idle{"friction, which carries nothing", "all velocities, and what depends on them"};
   idle.emplace_back(control == JointControl::held ? "controller: what holds the joints is told"
                                                   : "integral and derivative parts of the controller");
-  return {control == JointControl::held
-              ? "the body stands at rest on all of its cylinders, its joints where the file has them"
-              : "the body stands at rest on all of its cylinders, its joints turned as the proportional gains allow",
-          std::move(acts), std::move(idle), without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
+  return {
+      control == JointControl::held
+          ? "the body is in equilibrium on all of its cylinders, its joints where the file has them; whether it stays "
+            "there or topples is NOT said"
+          : "the body is in equilibrium on all of its cylinders, its joints turned as the proportional gains allow; "
+            "whether it stays there or topples is NOT said",
+      std::move(acts), std::move(idle), without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
 }
 
 Scope bounce_scope(const Model& model, const ContactCylinder& cylinder) {

@@ -28,7 +28,7 @@ namespace verisq::stance {
 [[nodiscard]] Model narrowed(Model model, std::uint32_t parameter, const Enclosure& range);
 
 /// Of each uncertain parameter the part of its range that is at most `per_cent` of the nominal value off it, rounded
-/// outward.
+/// outward. Throws Error(input) for a nominal value of 0, which has no parts.
 [[nodiscard]] Model narrowed_within(Model model, UncertainSet uncertain, double per_cent);
 
 /// A subdivision into more cells than anyone waits for: throws Error(input) beyond 1e9 of them.

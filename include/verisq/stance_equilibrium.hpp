@@ -31,7 +31,7 @@ struct Standing {
 };
 
 enum class StandingVerdict : std::uint8_t {
-  stands,      ///< proven: there is an equilibrium on all cylinders, and no other next to it
+  stands,      ///< proven: there is an equilibrium on all cylinders, and no other next to it; stable or not
   not_on_all,  ///< proven: none within reach presses all cylinders
   open,        ///< neither is proven
 };
@@ -43,7 +43,7 @@ struct EquilibriumCell {
 };
 
 struct Equilibrium {
-  /// Shares of the box's volume, exact; they add up to 1.
+  /// Shares of the box's volume, which add up to 1 but for roundings. `stands` is 1 only where all of the box does.
   double stands = 0.0;
   double not_on_all = 0.0;
   double open = 0.0;

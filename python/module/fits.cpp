@@ -54,10 +54,14 @@ std::vector<FitImplant> implants_of(const py::object& object) {
     return {{"implant", model.model(), model.landmarks(), model.areas()}};
   }
   std::vector<FitImplant> implants;
+  if (!py::isinstance<py::iterable>(object)) throw py::type_error("implants must be a Model or a sequence of them");
   for (const py::handle& each : object) {
+    if (!py::isinstance<PythonModel>(each))
+      throw py::type_error(fmt::format("implants[{}] must be a Model", implants.size()));
     const auto& model = each.cast<const PythonModel&>();
     implants.push_back({fmt::format("implants[{}]", implants.size()), model.model(), model.landmarks(), model.areas()});
   }
+  if (implants.empty()) throw py::value_error("implants must not be empty");
   return implants;
 }
 

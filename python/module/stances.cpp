@@ -156,7 +156,9 @@ py::list cells_of(const PythonEquilibrium& self) {
     each["verdict"] = cell.verdict == stance::StandingVerdict::stands
                           ? "stands"
                           : (cell.verdict == stance::StandingVerdict::not_on_all ? "not_on_all" : "open");
-    for (std::size_t k = 0; k < cell.ranges.size(); ++k) each[py::str(self.parameters[k])] = cell.ranges[k];
+    py::dict ranges;
+    for (std::size_t k = 0; k < cell.ranges.size(); ++k) ranges[py::str(self.parameters[k])] = cell.ranges[k];
+    each["parameters"] = ranges;
     result.append(each);
   }
   return result;
@@ -188,7 +190,7 @@ void declare_equilibria(py::module_& module) {
       "are those of all parts\nof the box that are proven to stand; None where there are none.")
       .def_property_readonly(
           "stands", [](const PythonEquilibrium& self) { return self.found.stands; },
-          "Share of the box: an equilibrium on all cylinders is proven.")
+          "Share of the box: an equilibrium on all cylinders is proven, stable or not. 1 only for all of it.")
       .def_property_readonly(
           "not_on_all", [](const PythonEquilibrium& self) { return self.found.not_on_all; },
           "Share of the box: proven that none near the file's posture is on all cylinders.")
@@ -201,8 +203,9 @@ void declare_equilibria(py::module_& module) {
       .def_property_readonly("least_penetration", one(&Standing::least_penetration), "m, of all points of contact.")
       .def_property_readonly("centre_of_pressure_x", one(&Standing::centre_of_pressure_x), "m")
       .def_property_readonly("centre_of_pressure_z", one(&Standing::centre_of_pressure_z), "m")
-      .def_property_readonly("cells", cells_of,
-                             "A list of dictionaries: verdict, and the range of each uncertain parameter by its name.")
+      .def_property_readonly(
+          "cells", cells_of,
+          "A list of dictionaries: verdict; parameters, the range of each uncertain one by its name.")
       .def("__repr__", [](const PythonEquilibrium& self) {
         return fmt::format("<verisq.Equilibrium: {:.4g} % stands, {:.4g} % open>", 100.0 * self.found.stands,
                            100.0 * self.found.open);

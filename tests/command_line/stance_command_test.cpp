@@ -341,8 +341,9 @@ TEST_F(StanceCommand, TellsHowTheBodyStands) {
       VERISQ_EXAMPLES "/standing.xml", "--uncertain", "mp,px", "--within", "1", "--equilibrium", "held"};
   const Outcome readable = stance(arguments);
   EXPECT_EQ(readable.status, 0) << readable.err;
-  EXPECT_THAT(readable.out, testing::HasSubstr("proven to stand on all cylinders: 100 % of the box\n"));
+  EXPECT_THAT(readable.out, testing::HasSubstr("proven to have an equilibrium on all cylinders: 100 % of the box\n"));
   EXPECT_THAT(readable.out, testing::HasSubstr("does NOT act: friction, which carries nothing"));
+  EXPECT_THAT(readable.out, testing::HasSubstr("whether it stays there or topples is NOT said"));
   Arguments as_json = arguments;
   as_json.push_back("--json");
   const Json json = Json::parse(stance(as_json).out)["equilibrium"];
@@ -358,7 +359,7 @@ TEST_F(StanceCommand, DoesNotSucceedWhereNotAllOfTheBoxStands) {
       stance({VERISQ_EXAMPLES "/standing.xml", "--uncertain", "mp,px,py", "--range", "mp=64,65", "--range",
               "px=0.05,0.051", "--range", "py=0.49,0.5", "--cells", "2", "--equilibrium", "held"});
   EXPECT_EQ(outcome.status, 3) << outcome.err;
-  EXPECT_THAT(outcome.out, testing::HasSubstr("proven to stand on all cylinders: 0 % of the box\n"));
+  EXPECT_THAT(outcome.out, testing::HasSubstr("proven to have an equilibrium on all cylinders: 0 % of the box\n"));
 }
 
 TEST_F(StanceCommand, RefusesBadUsage) {
@@ -384,6 +385,9 @@ TEST_F(StanceCommand, RefusesBadUsage) {
   expect_refused({model, "--range", "mp=30,50"}, "--range: mp=30,50 is not within the file's range [35, 65]");
   expect_refused({model, "--range", "mp=50,40"}, "--range: in mp=50,40 the first number is the larger one");
   expect_refused({model, "--range", "mp"}, "--range: mp is not NAME=LO,HI");
+  expect_refused({model, "--uncertain", "pz", "--within", "1"},
+                 "--within: pz is 0 nominally, and no part of that is a range: give it one by --range, or leave it out "
+                 "of --uncertain");
   expect_refused({model, "--equilibrium", "held"},
                  "equilibrium: the applied force has a part along x, which friction alone could hold: it must be 0");
   expect_refused(

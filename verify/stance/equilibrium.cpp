@@ -99,6 +99,9 @@ class Subdivision {
       result_.interrupted = options_.interrupted && options_.interrupted();
     }
     for (const Cell& cell : open_) take(cell);
+    // The sum is rounded: it must not hide a part that does not stand.
+    if (result_.open > 0.0 || result_.not_on_all > 0.0)
+      result_.stands = std::min(result_.stands, std::nextafter(1.0, 0.0));
     return std::move(result_);
   }
 
