@@ -76,6 +76,13 @@ TEST_F(LabelVolumes, WithoutASpaceHaveTheirSpacings) {
   EXPECT_THAT(volume.steps, ElementsAre(Point{0.5, 0, 0}, Point{0, 2, 0}, Point{0, 0, 3}));
 }
 
+TEST_F(LabelVolumes, OfNrrdAreInMillimetres) {
+  NrrdFile file{.space = "RAS", .origin = "(1,2,3)", .more = "space units: \"cm\" \"cm\" \"cm\"\n"};
+  const LabelVolume volume = read("a.nrrd", file.header() + volume_bytes<std::int16_t>({0, 1}));
+  EXPECT_EQ(volume.origin, (Point{-10, -20, 30}));
+  EXPECT_EQ(volume.steps[2], (Point{0, 0, 10}));
+}
+
 template <class Number>
 void expect_type(const TemporaryFolder& folder, const std::string& type) {
   for (const std::endian order : {std::endian::little, std::endian::big}) {
@@ -139,6 +146,17 @@ TEST_F(LabelVolumes, OfNrrdAreRefusedInOneLine) {
   expect({.encoding = "bzip2"}, "line 9: encoding 'bzip2': not supported, raw and gzip are");
   expect({.more = "data file: labels.raw\n"}, "line 11: data file: the voxels must be in the same file");
   expect({.more = "type: short\n"}, "line 11: 'type' appears twice");
+  expect({.more = "spacings: 2 2 2\n"},
+         "line 12: spacings and space directions contradict each other: one of them says how far voxels are apart");
+  expect({.space = "", .directions = "", .origin = "", .more = "spacings: 1 -1 1\n"},
+         "line 8: spacing = '-1': must be above 0");
+  expect({.more = "space units: \"in\" \"in\" \"in\"\n"},
+         "line 11: units '\"in\" \"in\" \"in\"': must be \"mm\", \"cm\", \"m\" or \"um\"");
+  expect({.directions = "(1e-100,0,0) (0,1e-100,0) (0,0,1e-100)"},
+         "a voxel is 1e-100 long along axis 0: must be 1e-09 to 1000000000");
+  expect({.directions = "(1,0,0) (0,1,0) (0,0,1e4)"},
+         "its voxels are 10000 times as long as wide: at most 100 is supported");
+  expect({.directions = "(1,0,0) (1,1e-6,0) (0,0,1)"}, "its axes span no volume: the size of a voxel is 1e-06");
   expect({.encoding = "gzip"}, "gzip data near byte 268: incorrect header check");
   expect_refusal("a.nrrd", NrrdFile{}.header() + volume_bytes<std::int16_t>({1, -1}),
                  "voxel 1 (from 0) is -1: labels are integers from 0 to 65535");
@@ -203,6 +221,7 @@ TEST_F(LabelVolumes, OfNiftiAreRefusedInOneLine) {
          "dim[4] = 2: one label a voxel is needed");
   expect([](NiftiFile& file) { file.set<float>(112, 2.0F); }, "scl_slope = 2, scl_inter = 0: labels are not scaled");
   expect([](NiftiFile& file) { file.set<float>(80, std::nanf("")); }, "pixdim of its header is nan: must be finite");
+  expect([](NiftiFile& file) { file.set<float>(80, -1.0F); }, "pixdim[1] = -1: must be above 0");
   expect([](NiftiFile& file) { file.set<float>(108, 1e9F); },
          "vox_offset = 1000000000: must be after the header and within the file");
   expect([](NiftiFile& file) { file.set<std::int16_t>(42, 30000); },
