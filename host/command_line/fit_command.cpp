@@ -135,7 +135,7 @@ class FitProgressBars {
   }
 
  private:
-  void begin(std::optional<ProgressBar>& bar, std::optional<ProgressBar>& other, const char* unit) {
+  void begin(std::optional<ProgressBar>& bar, std::optional<ProgressBar>& other, const char* unit) const {
     other.reset();
     if (!bar) bar.emplace(!arguments_.no_progress, unit);
   }

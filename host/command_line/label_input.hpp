@@ -19,7 +19,7 @@ struct LabelInput {
 
 /// Throws Error(input), which names the labels of the file where `label` is not one of them or is missing, and there
 /// are several; and where `space` is asked for of a file that does not say which one it is in. Without it: LPS.
-[[nodiscard]] LabelInput read_label(const std::string& volume, std::optional<std::uint16_t> label,
+[[nodiscard]] LabelInput read_label(const std::string& name, std::optional<std::uint16_t> label,
                                     std::optional<AnatomicalSpace> space);
 
 }  // namespace verisq::command_line

@@ -69,6 +69,17 @@ void append(MapWriter& writer, const FinishedRows<Element>& rows) {
   }
 }
 
+/// Where they are asked for, which only points are.
+template <class Element>
+void add_closest_points(FinishedRows<Element>& rows, const MapRequest& request,
+                        std::optional<ClosestPointSummary>& summary) {
+  if constexpr (std::same_as<Element, Point>) {
+    if (!request.closest) return;
+    rows.closest = request.closest(rows.elements, rows.results);
+    summary = joined(summary.value_or(ClosestPointSummary{}), summary_of(rows.closest));
+  }
+}
+
 /// Maps the elements that `stream` delivers by the mapper that `make_mapper()` returns.
 template <class Stream, class MakeMapper>
 ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_mapper, const MapRequest& request) {
@@ -110,12 +121,7 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
       finished.elements.assign(elements.begin(), elements.end());
       finished.results.assign(results.begin(), results.end());
       finished.certificates.assign(certificates.begin(), certificates.end());
-      if constexpr (std::same_as<Element, Point>) {
-        if (request.closest) {
-          finished.closest = request.closest(elements, results);
-          closest = joined(closest.value_or(ClosestPointSummary{}), summary_of(finished.closest));
-        }
-      }
+      add_closest_points(finished, request, closest);
       behind->add(std::move(finished));
     }
     if (request.show) rows.insert(rows.end(), results.begin(), results.end());
