@@ -35,21 +35,22 @@ constexpr const char* closing_words =
     "are rounded outward. The model's format: docs/stance.md.\n"
     "\n"
     "The wrench is that of gravity and the applied force alone, at rest; in the accelerations the body falls freely,\n"
-    "legs hanging. --bounce drops one cylinder alone, with nobody standing on it. In --equilibrium the body stands on\n"
-    "its cylinders, at rest; that it stays there when it is pushed is not said. Each result says below it what acts "
-    "in\n"
-    "it, what does not, and which parameters have no effect on it.\n"
+    "legs hanging. --bounce drops one cylinder alone, with nobody standing on it. In --equilibrium forces balance on\n"
+    "the cylinders, at rest: whether the body stays there or topples is what --stability says. Each result says below\n"
+    "it what acts in it, what does not, and which parameters have no effect on it.\n"
     "\n"
     "Exit status: 0 all is proven; 1 a sample escapes from an enclosure, which is a defect, or the program failed; 2 "
     "bad\n"
-    "usage or input; 3 something stayed unproven (an infinite end), or not all of the box is proven to stand, or a\n"
-    "cell of --report differs; 130 interrupted by Ctrl-C, with what was proven so far.\n"
+    "usage or input; 3 something stayed unproven (an infinite end), or not all of the box is proven to have an\n"
+    "equilibrium, or to be stable, or a cell of --report differs; 130 interrupted by Ctrl-C, with what was proven so "
+    "far.\n"
     "\n"
     "Examples:\n"
     "  verisq stance stance.xml --monte-carlo 1000000\n"
     "  verisq stance stance.xml --uncertain mp,px,Fx --sensitivities\n"
     "  verisq stance stance.xml --uncertain mp,px --accelerations --monte-carlo 100000\n"
     "  verisq stance standing.xml --uncertain mp,px --equilibrium held\n"
+    "  verisq stance standing.xml --uncertain mp,px --within 1 --stability held\n"
     "  verisq stance stance.xml --report";
 
 constexpr double default_drop_height = 0.01;  // m
@@ -57,12 +58,12 @@ constexpr std::uint32_t most_cells = 4096;
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const StanceArguments& arguments) {
-  if (arguments.cells && !arguments.accelerations && !arguments.equilibrium)
-    refuse("--cells: give --accelerations or --equilibrium, too");
+  if (arguments.cells && !arguments.accelerations && !arguments.equilibrium && !arguments.stability)
+    refuse("--cells: give --accelerations, --equilibrium or --stability, too");
   if (arguments.drop_height && !arguments.bounce) refuse("--drop-height: give --bounce, too");
   const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
-                     arguments.monte_carlo || arguments.bounce || arguments.equilibrium || arguments.within ||
-                     !arguments.ranges.empty();
+                     arguments.monte_carlo || arguments.bounce || arguments.equilibrium || arguments.stability ||
+                     arguments.within || !arguments.ranges.empty();
   if (arguments.report && other) refuse("--report: chooses parameters and mode itself; give --json at most");
 }
 
@@ -133,6 +134,7 @@ class Analysis {
       if (arguments_.sensitivities) enclose_sensitivities();
       if (arguments_.accelerations) enclose_accelerations();
       if (arguments_.equilibrium) enclose_equilibrium();
+      if (arguments_.stability) decide_stability();
       if (summary_.drop) summary_.bounce = bounce(*summary_.drop, {.interrupted = interrupted});
     }
     summary_.seconds = time.seconds();
@@ -198,6 +200,16 @@ class Analysis {
     summary_.equilibrium = equilibrium(summary_.model, summary_.uncertain, options);
   }
 
+  void decide_stability() {
+    summary_.stability_control = *arguments_.stability;
+    summary_.stability_scope = stability_scope(summary_.model, summary_.stability_control);
+    ProgressBar bar(!arguments_.no_progress, "%");
+    StabilityOptions options{.control = summary_.stability_control, .interrupted = interrupted};
+    if (arguments_.cells) options.cells = *arguments_.cells;
+    options.progress = [&](double fraction) { bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction); };
+    summary_.stability = stability(summary_.model, summary_.uncertain, options);
+  }
+
   /// Nothing unless --monte-carlo asks for it.
   [[nodiscard]] std::optional<Samples> check(const Sampled& sampled, const std::vector<std::string>& names) const {
     if (!arguments_.monte_carlo) return std::nullopt;
@@ -234,7 +246,7 @@ bool all_proven(const StanceSummary& summary) {
   return (!summary.paper || summary.paper->all_explained()) && (!summary.wrench || finite(*summary.wrench)) &&
          std::ranges::all_of(summary.sensitivities, finite) && finite(summary.accelerations) &&
          (!summary.equilibrium || summary.equilibrium->stands == 1.0) &&
-         (!summary.bounce || is_proven(*summary.bounce));
+         (!summary.stability || summary.stability->stable == 1.0) && (!summary.bounce || is_proven(*summary.bounce));
 }
 
 }  // namespace
@@ -252,15 +264,20 @@ void declare_stance(Options& options, StanceArguments& arguments) {
   options.add("--equilibrium", arguments.equilibrium,
               choice<JointControl>({{"held", JointControl::held}, {"proportional", JointControl::proportional}}),
               "JOINTS",
-              "Also where the body stands still on its cylinders: with its joints held where the file has them, or\n"
-              "turned from there as the proportional gains alone allow");
+              "Also where the body is in equilibrium on its cylinders, stable or not: with its joints held where the\n"
+              "file has them, or turned from there as the proportional gains alone allow");
+  options.add("--stability", arguments.stability,
+              choice<JointControl>({{"held", JointControl::held}, {"proportional", JointControl::proportional}}),
+              "JOINTS",
+              "Also whether small disturbances of that equilibrium die out: with the whole controllers acting (held),\n"
+              "or without their integral parts (proportional)");
   options.add_each("--range", arguments.ranges, parse_range, "NAME=LO,HI",
                    "A part of a parameter's range instead of the file's; may be repeated");
   options.add("--within", arguments.within, parse_positive_length, "PERCENT",
               "Uncertain parameters are at most this part of their nominal value off it");
   options.add("--cells", arguments.cells, whole_number(1U, most_cells), "NUMBER",
               "Finest subdivisions of each uncertain parameter's range: of --accelerations (default 64), of\n"
-              "--equilibrium (default 16)");
+              "--equilibrium and --stability (default 16)");
   options.add("--monte-carlo", arguments.monte_carlo, whole_number<std::uint64_t>(1), "COUNT",
               "Sample the uncertain parameters, check that the enclosures contain all samples, and say how much\n"
               "of them the samples fill");

@@ -27,6 +27,7 @@ struct StanceArguments {
   bool sensitivities = false;
   bool accelerations = false;
   std::optional<stance::JointControl> equilibrium;
+  std::optional<stance::JointControl> stability;
   std::optional<std::uint32_t> cells;
   std::optional<std::uint64_t> monte_carlo;
   bool report = false;

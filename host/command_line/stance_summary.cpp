@@ -184,6 +184,41 @@ std::string equilibrium_text(const StanceSummary& summary) {
   return text + scope_text(summary.equilibrium_scope);
 }
 
+std::string_view word(StabilityVerdict verdict) {
+  switch (verdict) {
+    case StabilityVerdict::stable: return "stable";
+    case StabilityVerdict::unstable: return "unstable";
+    case StabilityVerdict::open: break;
+  }
+  return "open";
+}
+
+std::string eigenvalues_text(const std::vector<EigenvalueEnclosure>& eigenvalues) {
+  constexpr std::size_t most_lines = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most_lines, eigenvalues.size()); ++i) {
+    const EigenvalueEnclosure& eigenvalue = eigenvalues[i];
+    const bool is_real = eigenvalue.imaginary == Enclosure{0.0, 0.0};
+    text += fmt::format("    {}{}{}\n", outward_digits(eigenvalue.real),
+                        is_real ? "" : " + i " + outward_digits(eigenvalue.imaginary),
+                        eigenvalue.count == 1 ? "" : fmt::format(", {} of them", eigenvalue.count));
+  }
+  if (eigenvalues.size() <= most_lines) return "  eigenvalues, 1/s\n" + text;
+  return fmt::format("  rightmost eigenvalues, 1/s (JSON has all)\n{}", text);
+}
+
+std::string stability_text(const StanceSummary& summary) {
+  const Stability& found = *summary.stability;
+  std::string text = fmt::format("\nstability of the equilibrium, joints {}\n", word(summary.stability_control));
+  text += fmt::format("  proven stable, small disturbances die out: {}\n", share_text(found.stable));
+  text += fmt::format("  proven unstable, some grow however small they are: {}\n", share_text(found.unstable));
+  text += fmt::format("  open: {}\n", share_text(found.open));
+  if (found.growth.lo <= found.growth.hi)
+    text += fmt::format("  greatest rate of growth (below 0: of decay), 1/s  {}\n", outward_digits(found.growth));
+  if (!found.eigenvalues.empty()) text += eigenvalues_text(found.eigenvalues);
+  return text + scope_text(summary.stability_scope);
+}
+
 std::string reconstructed_text(const Cell& cell) {
   if (cell.reconstructed.empty()) return "";
   return fmt::format(" (reconstructed: {})", fmt::join(cell.reconstructed, ", "));
@@ -317,22 +352,45 @@ JsonObject json_of(const Standing& standing, const Model& model) {
       {"centre_of_pressure", JsonObject{{"x", standing.centre_of_pressure_x}, {"z", standing.centre_of_pressure_z}}}};
 }
 
-JsonObject json_of_equilibrium(const StanceSummary& summary) {
-  const Equilibrium& found = *summary.equilibrium;
-  JsonValue::Array cells;
-  for (const EquilibriumCell& cell : found.cells) {
+/// Each with its verdict and its part of the uncertain parameters' box.
+template <class Cells>
+JsonValue::Array json_of_cells(const Cells& cells, const StanceSummary& summary) {
+  JsonValue::Array array;
+  for (const auto& cell : cells) {
     JsonObject ranges;
     for (std::size_t k = 0; k < cell.ranges.size(); ++k)
       ranges.set(summary.model.parameters[summary.uncertain[k]].name, cell.ranges[k]);
-    cells.push_back(JsonObject{{"verdict", word(cell.verdict)}, {"parameters", ranges}});
+    array.push_back(JsonObject{{"verdict", word(cell.verdict)}, {"parameters", ranges}});
   }
+  return array;
+}
+
+JsonObject json_of_stability(const StanceSummary& summary) {
+  const Stability& found = *summary.stability;
+  JsonValue::Array eigenvalues;
+  for (const EigenvalueEnclosure& eigenvalue : found.eigenvalues)
+    eigenvalues.push_back(
+        JsonObject{{"real", eigenvalue.real}, {"imaginary", eigenvalue.imaginary}, {"count", eigenvalue.count}});
+  JsonObject object{{"joints", word(summary.stability_control)},
+                    {"stable", found.stable},
+                    {"unstable", found.unstable},
+                    {"open", found.open},
+                    {"eigenvalues", eigenvalues},
+                    {"cells", json_of_cells(found.cells, summary)},
+                    {"scope", json_of(summary.stability_scope)}};
+  if (found.growth.lo <= found.growth.hi) object.set("growth", found.growth);
+  return object;
+}
+
+JsonObject json_of_equilibrium(const StanceSummary& summary) {
+  const Equilibrium& found = *summary.equilibrium;
   JsonObject object{
       {"joints", word(summary.control)},
       {"stands", found.stands},
       {"not_on_all", found.not_on_all},
       {"not_on_all_within", JsonObject{{"rad", equilibrium_reach_of_tilt}, {"m", equilibrium_reach_of_height}}},
       {"open", found.open},
-      {"cells", cells},
+      {"cells", json_of_cells(found.cells, summary)},
       {"scope", json_of(summary.equilibrium_scope)}};
   if (found.standing) object.set("standing", json_of(*found.standing, summary.model));
   return object;
@@ -403,6 +461,7 @@ std::string readable(const StanceSummary& summary) {
   if (summary.reference) text += reference_text(*summary.reference);
   if (!summary.accelerations.empty()) text += accelerations_text(summary);
   if (summary.equilibrium) text += equilibrium_text(summary);
+  if (summary.stability) text += stability_text(summary);
   if (summary.bounce) text += bounce_text(summary);
   text += "\n";
   for (const std::string& note : notes(summary.model)) text += fmt::format("note: {}\n", note);
@@ -430,6 +489,7 @@ std::string json(const StanceSummary& summary) {
   }
   if (summary.acceleration_samples) object.set("acceleration_samples", summary.acceleration_samples->count);
   if (summary.equilibrium) object.set("equilibrium", json_of_equilibrium(summary));
+  if (summary.stability) object.set("stability", json_of_stability(summary));
   if (summary.bounce)
     object.set("bounce", json_of(*summary.bounce, summary.dropped, *summary.drop, summary.bounce_scope));
   object.set("notes", notes(summary.model));

@@ -67,7 +67,9 @@ Scope acceleration_scope(const Model& model) {
           without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
 }
 
-Scope equilibrium_scope(const Model& model, JointControl control) {
+namespace {
+
+Indices active_in_equilibrium(const Model& model) {
   Indices active;
   insert(active, model.applied.force[1]);
   for (const Body& body : model.bodies) {
@@ -80,6 +82,13 @@ Scope equilibrium_scope(const Model& model, JointControl control) {
     insert(active, cylinder.radius);
     insert(active, cylinder.stiffness);
   }
+  return active;
+}
+
+}  // namespace
+
+Scope equilibrium_scope(const Model& model, JointControl control) {
+  const Indices active = active_in_equilibrium(model);
   std::vector<std::string> acts{"gravity", "vertical applied force at t = 0", "elastic force of all cylinders"};
   if (control == JointControl::proportional) acts.emplace_back("proportional part of the controller");
   std::vector<std::string> idle{"friction, which carries nothing", "all velocities, and what depends on them"};
@@ -88,9 +97,29 @@ Scope equilibrium_scope(const Model& model, JointControl control) {
   return {
       control == JointControl::held
           ? "the body is in equilibrium on all of its cylinders, its joints where the file has them; whether it stays "
-            "there or topples is NOT said"
+            "there or topples is NOT said here (--stability does)"
           : "the body is in equilibrium on all of its cylinders, its joints turned as the proportional gains allow; "
-            "whether it stays there or topples is NOT said",
+            "whether it stays there or topples is NOT said here (--stability does)",
+      std::move(acts), std::move(idle), without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
+}
+
+Scope stability_scope(const Model& model, JointControl control) {
+  Indices active = active_in_equilibrium(model);
+  for (const Body& body : model.bodies) insert(active, body.inertia);
+  for (const ContactCylinder& cylinder : model.cylinders) {
+    insert(active, cylinder.normal_restitution);
+    insert(active, cylinder.impact_velocity);
+  }
+  std::vector<std::string> acts{"gravity", "vertical applied force at t = 0", "inertia",
+                                "elastic and damping force of all cylinders", "friction that sticks, by its bristles"};
+  acts.emplace_back(control == JointControl::held ? "all parts of the controller"
+                                                  : "proportional and derivative parts of the controller");
+  std::vector<std::string> idle{"friction that slips: the feet stay where they stand, for small disturbances",
+                                "how large a disturbance may be: NOT said"};
+  if (control == JointControl::proportional) idle.emplace_back("integral part of the controller");
+  return {
+      "whether the body returns to rest after small disturbances of its equilibrium, by the eigenvalues of its "
+      "linearised motion",
       std::move(acts), std::move(idle), without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
 }
 

@@ -21,6 +21,8 @@ struct Scope {
 
 [[nodiscard]] Scope equilibrium_scope(const Model& model, JointControl control);
 
+[[nodiscard]] Scope stability_scope(const Model& model, JointControl control);
+
 /// Of the drop of one of the model's cylinders.
 [[nodiscard]] Scope bounce_scope(const Model& model, const ContactCylinder& cylinder);
 

@@ -96,6 +96,27 @@ std::optional<Located> locate(const StandingProblem& problem, const Box& box) {
   return std::nullopt;
 }
 
+std::optional<EquilibriumFunction> equilibrium_function(const StandingProblem& problem, const Box& box) {
+  const std::optional<Located> at = locate(problem, box);
+  if (!at) return std::nullopt;
+  const auto points = static_cast<Eigen::Index>(points_of_cylinder * problem.model.cylinders.size());
+  const IntervalVector ranges = at->ranges(problem, box);
+  for (const Interval& penetration : ranges.segment(static_cast<Eigen::Index>(at->unknowns.size()), points)) {
+    if (!(penetration.lower() > 0.0)) return std::nullopt;
+  }
+  Box centre = box;
+  for (std::size_t i = 0; i < centre.size(); ++i) centre[i] = Interval(at->expansion.parameters[i]);
+  const std::optional<Located> at_centre = locate(problem, centre);
+  if (!at_centre || !lies_within(at_centre->unknowns, at->alone)) return std::nullopt;
+  EquilibriumFunction result{at->expansion.parameters, at_centre->unknowns, at->unknowns, {}};
+  for (const std::uint32_t k : problem.parameters) {
+    std::optional<IntervalVector> derivative = at->posture_by(problem, box, k);
+    if (!derivative) return std::nullopt;
+    result.by_parameters.push_back(std::move(*derivative));
+  }
+  return result;
+}
+
 std::vector<double> approximate_equilibrium(const StandingProblem& problem, const std::vector<double>& parameters) {
   constexpr int most_steps = 30;
   constexpr double converged = 1e-15;

@@ -53,6 +53,17 @@ struct Located {
 
 [[nodiscard]] std::optional<Located> locate(const StandingProblem& problem, const Box& box);
 
+/// The equilibrium as a function of the parameters of a box.
+struct EquilibriumFunction {
+  std::vector<double> parameters;             ///< p_0
+  std::vector<verify::Interval> at_centre;    ///< u(p_0)
+  std::vector<verify::Interval> range;        ///< u over the box
+  std::vector<IntervalVector> by_parameters;  ///< du/dp_k over the box
+};
+
+/// Nothing where it is not proven that there is one for each parameter, in which all cylinders press.
+[[nodiscard]] std::optional<EquilibriumFunction> equilibrium_function(const StandingProblem& problem, const Box& box);
+
 /// In plain floating point, by Newton's method from the file's posture.
 [[nodiscard]] std::vector<double> approximate_equilibrium(const StandingProblem& problem,
                                                           const std::vector<double>& parameters);

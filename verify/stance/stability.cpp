@@ -1,0 +1,168 @@
+/// Stability over a box of parameters, by bisection into cells that are examined one by one.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <deque>
+#include <thread>
+#include <utility>
+#include <verisq/error.hpp>
+#include <verisq/stance_stability.hpp>
+
+#include "verify/stance/parameters.hpp"
+#include "verify/stance/stability_cell.hpp"
+
+namespace verisq::stance {
+namespace {
+
+using verify::Interval;
+
+void check_stability(const Model& model, JointControl control, UncertainSet uncertain) {
+  const std::vector<Interval> parameters = parameter_box(model, uncertain);
+  for (const ContactCylinder& cylinder : model.cylinders) {
+    if (!(value_of<Interval>(cylinder.static_friction, parameters).lower() > 0.0)) {
+      throw Error(ErrorKind::input,
+                  fmt::format("stability: cylinder {} may have no static friction, and slides then", cylinder.name));
+    }
+    if (cylinder.bristle_stiffness > 0.0) continue;
+    throw Error(ErrorKind::input, fmt::format("stability: cylinder {} has no bristle_stiffness and bristle_damping, "
+                                              "and nothing keeps it from sliding",
+                                              cylinder.name));
+  }
+  if (control != JointControl::held) return;
+  std::vector<bool> holds(model.degrees_of_freedom(), false);
+  for (const Controller& controller : model.controllers)
+    holds[joint_index(model, controller.body, controller.joint)] = controller.integral > 0.0;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    for (std::size_t j = 0; j < model.bodies[i].joints.size(); ++j) {
+      if (holds[joint_index(model, i, j)]) continue;
+      throw Error(ErrorKind::input,
+                  fmt::format("stability: no controller with an integral part holds joint {} of {} where the file has "
+                              "it; its equilibrium is that of --equilibrium proportional",
+                              model.bodies[i].joints[j].name, model.bodies[i].name));
+    }
+  }
+}
+
+struct Part {
+  Box box;
+  std::vector<std::uint32_t> halvings;  ///< of each uncertain parameter
+  StabilityOfCell found = {};
+
+  /// Of the whole: a power of 2, exact.
+  [[nodiscard]] double share() const {
+    double share = 1.0;
+    for (const std::uint32_t count : halvings) share = std::ldexp(share, -static_cast<int>(count));
+    return share;
+  }
+};
+
+class StabilityByParts {
+ public:
+  StabilityByParts(const Model& model, UncertainSet uncertain, const StabilityOptions& options)
+      : options_(options),
+        problem_(standing_problem(model, options.control, uncertain)),
+        most_halvings_(static_cast<std::uint32_t>(std::bit_width(std::max(options.cells, 1U) - 1))) {
+    open_.push_back({parameter_box(model, uncertain), std::vector<std::uint32_t>(uncertain.size(), 0)});
+  }
+
+  [[nodiscard]] Stability run() {
+    constexpr std::size_t batch_size = 16;
+    while (!open_.empty() && !result_.interrupted) {
+      std::vector<Part> batch;
+      while (!open_.empty() && batch.size() < batch_size) {
+        batch.push_back(std::move(open_.front()));
+        open_.pop_front();
+      }
+      examine_all(batch);
+      for (Part& part : batch) settle(part);
+      if (options_.progress) options_.progress(result_.stable + result_.unstable + result_.open);
+      result_.interrupted = options_.interrupted && options_.interrupted();
+    }
+    for (const Part& part : open_) take(part);
+    // The sums are rounded: they must not hide a part that is neither.
+    const double below_one = std::nextafter(1.0, 0.0);
+    if (result_.open > 0.0 || result_.unstable > 0.0) result_.stable = std::min(result_.stable, below_one);
+    if (result_.open > 0.0 || result_.stable > 0.0) result_.unstable = std::min(result_.unstable, below_one);
+    return std::move(result_);
+  }
+
+ private:
+  /// Each by itself, so that the result does not depend on the number of threads.
+  void examine_all(std::vector<Part>& parts) const {
+    const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, parts.size());
+    std::vector<std::jthread> workers;
+    for (std::size_t first = 0; first < threads; ++first) {
+      workers.emplace_back([&, first] {
+        for (std::size_t i = first; i < parts.size(); i += threads) {
+          if (options_.interrupted && options_.interrupted()) return;
+          parts[i].found = stability_over(problem_, parts[i].box);
+        }
+      });
+    }
+  }
+
+  void settle(Part& part) {
+    const bool halves_it = part.found.verdict == StabilityVerdict::open;
+    const std::optional<std::size_t> k = halves_it ? next_to_halve(part) : std::nullopt;
+    if (!k) {
+      take(part);
+      return;
+    }
+    const Interval side = part.box[problem_.parameters[*k]];
+    ++part.halvings[*k];
+    for (const Interval& half : {Interval(side.lower(), middle(side)), Interval(middle(side), side.upper())}) {
+      open_.push_back(part);
+      open_.back().box[problem_.parameters[*k]] = half;
+      open_.back().found = {};
+    }
+  }
+
+  static double middle(const Interval& side) { return 0.5 * side.lower() + 0.5 * side.upper(); }
+
+  /// The parameter that keeps most open, where that is known, else that which has been halved least.
+  [[nodiscard]] std::optional<std::size_t> next_to_halve(const Part& part) const {
+    std::optional<std::size_t> best;
+    const auto better = [&](std::size_t k) {
+      if (!part.found.shares.empty()) return part.found.shares[k] > part.found.shares[*best];
+      return part.halvings[k] < part.halvings[*best];
+    };
+    for (std::size_t k = 0; k < part.halvings.size(); ++k) {
+      const Interval& side = part.box[problem_.parameters[k]];
+      const bool divisible =
+          part.halvings[k] < most_halvings_ && side.lower() < middle(side) && middle(side) < side.upper();
+      if (divisible && (!best || better(k))) best = k;
+    }
+    return best;
+  }
+
+  void take(const Part& part) {
+    StabilityCell cell{{}, part.found.verdict};
+    for (const std::uint32_t k : problem_.parameters) cell.ranges.push_back({part.box[k].lower(), part.box[k].upper()});
+    result_.cells.push_back(std::move(cell));
+    switch (part.found.verdict) {
+      case StabilityVerdict::stable: result_.stable += part.share(); break;
+      case StabilityVerdict::unstable: result_.unstable += part.share(); break;
+      case StabilityVerdict::open: result_.open += part.share(); return;
+    }
+    if (part.share() == 1.0) result_.eigenvalues = part.found.eigenvalues;
+    result_.growth = {std::fmin(result_.growth.lo, part.found.growth.lo),
+                      std::fmax(result_.growth.hi, part.found.growth.hi)};
+  }
+
+  const StabilityOptions& options_;
+  StandingProblem problem_;
+  std::uint32_t most_halvings_;
+  std::deque<Part> open_;
+  Stability result_;
+};
+
+}  // namespace
+
+Stability stability(const Model& model, UncertainSet uncertain, const StabilityOptions& options) {
+  check_stability(model, options.control, uncertain);
+  return StabilityByParts(model, uncertain, options).run();
+}
+
+}  // namespace verisq::stance
