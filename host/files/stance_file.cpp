@@ -139,8 +139,8 @@ class ModelReader {
   }
 
   [[nodiscard]] ContactCylinder read_cylinder(const XmlElement& element) {
-    element.check_attributes(
-        {"name", "body", "half_length", "stiffness", "exponent", "impact_velocity", "stribeck_velocity"});
+    element.check_attributes({"name", "body", "half_length", "stiffness", "exponent", "impact_velocity",
+                              "stribeck_velocity", "bristle_stiffness", "bristle_damping"});
     element.check_children({"stiffness", "impact_velocity", "centre", "axis", "radius", "normal_restitution",
                             "tangential_restitution", "static_friction", "dynamic_friction"});
     ContactCylinder cylinder{};
@@ -157,6 +157,7 @@ class ModelReader {
     cylinder.axis = read_axis(element.child("axis"));
     cylinder.radius = quantities_.read(element.child("radius"), is_positive, must_be_positive);
     read_surface(element, cylinder);
+    read_bristles(element, cylinder);
     return cylinder;
   }
 
@@ -182,6 +183,13 @@ class ModelReader {
         quantities_.read(element.child("static_friction"), is_not_negative, must_not_be_negative);
     cylinder.dynamic_friction =
         quantities_.read(element.child("dynamic_friction"), is_not_negative, must_not_be_negative);
+  }
+
+  /// Both or none.
+  static void read_bristles(const XmlElement& element, ContactCylinder& cylinder) {
+    if (!element.has("bristle_stiffness") && !element.has("bristle_damping")) return;
+    cylinder.bristle_stiffness = positive(element, "bristle_stiffness");
+    cylinder.bristle_damping = positive(element, "bristle_damping");
   }
 
   /// Not scaled to length 1, so that the numbers of the file are the model's.

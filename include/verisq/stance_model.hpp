@@ -70,7 +70,9 @@ struct ContactCylinder {
   Quantity tangential_restitution;
   Quantity static_friction;
   Quantity dynamic_friction;
-  double stribeck_velocity;  ///< v_s, m/s
+  double stribeck_velocity;        ///< v_s, m/s
+  double bristle_stiffness = 0.0;  ///< k_t, N/m: of friction that sticks; 0 where the file says nothing of bristles
+  double bristle_damping = 0.0;    ///< c_t, N s/m
 };
 
 /// PID on one joint: torque = -proportional e - integral (integral of e) - derivative velocity. It acts in the

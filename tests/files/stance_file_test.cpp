@@ -37,7 +37,7 @@ constexpr std::string_view two_bodies = R"(<stance gravity="9.81">
     <inertia x="0" y="0" z="0.25"/>
   </body>
   <cylinder name="sole" body="foot" half_length="0.125" stiffness="1e5" exponent="1.5" impact_velocity="0.5"
-            stribeck_velocity="0.25">
+            stribeck_velocity="0.25" bristle_stiffness="2e5" bristle_damping="300">
     <centre x="0" y="-0.1" z="0"/>
     <axis x="0" y="0.6" z="0.8"/>
     <radius parameter="r" lower="0.25" nominal="0.25" upper="0.5"/>
@@ -127,6 +127,8 @@ void expect_equal(const ContactCylinder& a, const Model& model_a, const ContactC
   expect_equal(a.static_friction, model_a, b.static_friction, model_b);
   expect_equal(a.dynamic_friction, model_a, b.dynamic_friction, model_b);
   EXPECT_EQ(a.stribeck_velocity, b.stribeck_velocity);
+  EXPECT_EQ(a.bristle_stiffness, b.bristle_stiffness);
+  EXPECT_EQ(a.bristle_damping, b.bristle_damping);
 }
 
 TEST(StanceFile, TheExampleIsTheModelOfThePaper) {
@@ -203,6 +205,8 @@ TEST(StanceFile, ReadsEveryField) {
   EXPECT_EQ(sole.impact_velocity.nominal, 0.5);
   EXPECT_EQ(sole.impact_velocity.range, (Enclosure{0.5, 0.5}));
   EXPECT_EQ(sole.stribeck_velocity, 0.25);
+  EXPECT_EQ(sole.bristle_stiffness, 2e5);
+  EXPECT_EQ(sole.bristle_damping, 300.0);
   EXPECT_EQ(sole.static_friction.nominal, 0.5);
   EXPECT_EQ(sole.dynamic_friction.nominal, 0.75);
 }
@@ -359,6 +363,7 @@ TEST(StanceFile, RefusesWhatIsMissingOrThereTwice) {
   expect_refused(R"(<mass value="1.5"/>)", "", "line 12: <body>: element <mass> is missing");
   expect_refused(R"(<mass value="1.5"/>)", "<mass value=\"1.5\"/>\n<mass value=\"1.5\"/>",
                  "line 16: <mass>: a second one in <body>");
+  expect_refused(R"( bristle_damping="300")", "", "line 19: <cylinder>: attribute bristle_damping is missing");
   expect_refused(R"(<offset x="0" y="-0.9" z="0"/>)", "", "line 12: <body>: element <offset> is missing");
   expect_refused(R"(<frequency value="1"/>)", "", "line 2: <applied_force>: element <frequency> is missing");
   expect_refused(R"(x="0" y="-0.9" z="0")", R"(x="0" z="0")",

@@ -105,6 +105,10 @@ class ModelPromise {
     for (const double number : {cylinder.half_length, cylinder.stribeck_velocity}) {
       check(std::isfinite(number) && number > 0.0, "numbers of contact are positive");
     }
+    const double k_t = cylinder.bristle_stiffness;
+    const double c_t = cylinder.bristle_damping;
+    check(std::isfinite(k_t) && std::isfinite(c_t) && (k_t > 0.0) == (c_t > 0.0) && k_t >= 0.0 && c_t >= 0.0,
+          "bristles are positive or not there");
     check(cylinder.exponent == 1.0 || cylinder.exponent == 1.5, "the exponent is 1 or 1.5");
     const auto& [x, y, z] = cylinder.axis;
     check(std::abs(std::hypot(x, y, z) - 1.0) < 1e-8, "axes have length 1");

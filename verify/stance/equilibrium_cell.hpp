@@ -1,7 +1,6 @@
 /// Equilibria over one box of parameters, by Krawczyk's operator (docs/stance.md §7).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -9,23 +8,9 @@
 
 #include "verify/stance/contraction.hpp"
 #include "verify/stance/mean_value_range.hpp"
+#include "verify/stance/standing_problem.hpp"
 
 namespace verisq::stance {
-
-/// A model that is to stand.
-struct StandingProblem {
-  const Model& model;
-  JointControl control;
-  std::vector<std::uint32_t> parameters;  ///< the uncertain set
-  std::vector<std::size_t> joints = {};   ///< whose positions are sought: two rotations of the root first
-  std::array<double, 3> origin = {};      ///< of the root, by its translations in the file
-  /// Of the point, in the root's frame, whose height is sought, too: near the cylinders.
-  std::array<double, 3> reference = {};
-  std::vector<double> start = {};  ///< the file's posture: that height, then the joints
-};
-
-/// Throws Error(input) as `equilibrium`.
-[[nodiscard]] StandingProblem standing_problem(const Model& model, JointControl control, UncertainSet uncertain);
 
 /// What an equilibrium consists of, over a box of parameters: a part of its components, by name.
 struct StandingRanges {

@@ -80,11 +80,14 @@ template <class T>
 }
 
 /// k |delta|^n sgn(delta) for the exponents that there are. Its derivative is infinite, over intervals, where n is 1.5
-/// and delta may be 0.
+/// and delta may be 0. For second derivatives, which |delta| has not everywhere, delta must be positive.
 template <class T>
 [[nodiscard]] T elastic_force(const T& stiffness, double exponent, const T& penetration) {
   if (exponent == 1.0) return stiffness * penetration;
-  return stiffness * (penetration * sqrt(abs(penetration)));
+  if constexpr (requires { abs(penetration); })
+    return stiffness * (penetration * sqrt(abs(penetration)));
+  else
+    return stiffness * (penetration * sqrt(penetration));
 }
 
 /// On a cylinder's axis, in the frame of its body; where it is rounded to is part of the model.
