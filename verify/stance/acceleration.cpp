@@ -1,9 +1,9 @@
 /// Accelerations over a box: each end of each component by branch and bound, over cells that all ends share.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
-#include <queue>
 #include <utility>
 #include <vector>
 #include <verisq/enclosure.hpp>
@@ -68,30 +68,33 @@ class ExaminedCells {
   std::map<Key, AccelerationCell> cells_ = {};
 };
 
-/// The least upper bound of one component, or of its negative, that cells prove: the cell with the largest bound is
-/// halved, or left for one of its faces where the sign of a derivative is proven, until a sample comes near the bound.
+/// An upper bound of one component, or of its negative, that cells prove: the cell with the largest bound is halved, or
+/// left for one of its faces where the sign of a derivative is proven, until a sample comes near the bound
+/// (docs/stance.md §3).
 class ComponentEnd {
  public:
   ComponentEnd(const AccelerationProblem& problem, const BoxDivision& division, const Box& whole,
                Eigen::Index component, bool largest)
       : problem_(&problem), division_(&division), component_(component), largest_(largest) {
-    parts_.push({infinity, BoxPart::whole(whole, problem.variables().size())});
+    parts_.insert({infinity, {BoxPart::whole(whole, problem.variables().size())}});
   }
 
   /// Goes on as far as the cells that are known lead.
   void advance(const ExaminedCells& cells, const SampledHull& hull) {
     while (!settled_) {
-      const Part part = parts_.top();
-      if (part.finest || part.bound - reached(hull) <= tolerance(hull)) {
+      const auto worst = parts_.begin();
+      if (worst->second.finest || worst->first - reached(hull) <= tolerance(hull)) {
         settled_ = true;
         break;
       }
-      const AccelerationCell* cell = cells.find(part.part.box);
+      const AccelerationCell* cell = cells.find(worst->second.part.box);
       if (cell == nullptr) break;
-      parts_.pop();
-      divide(part, *cell);
+      BoxPart part = std::move(worst->second.part);
+      const double bound = worst->first;
+      parts_.erase(worst);
+      divide(std::move(part), bound, *cell);
     }
-    bound_ = parts_.top().bound;
+    bound_ = parts_.begin()->first;
   }
 
   [[nodiscard]] bool settled() const { return settled_; }
@@ -99,8 +102,8 @@ class ComponentEnd {
   /// The boxes with the largest bounds, at most so many.
   [[nodiscard]] std::vector<Box> next(std::size_t count) const {
     std::vector<Box> boxes;
-    for (auto parts = parts_; !settled_ && !parts.empty() && boxes.size() < count; parts.pop())
-      boxes.push_back(parts.top().part.box);
+    for (auto part = parts_.begin(); !settled_ && part != parts_.end() && boxes.size() < count; ++part)
+      boxes.push_back(part->second.part.box);
     return boxes;
   }
 
@@ -114,11 +117,8 @@ class ComponentEnd {
 
  private:
   struct Part {
-    double bound;
     BoxPart part;
     bool finest = false;  ///< the bound is that of the part itself, which is not divided further
-
-    [[nodiscard]] bool operator<(const Part& other) const { return bound < other.bound; }
   };
 
   [[nodiscard]] double reached(const SampledHull& hull) const {
@@ -135,23 +135,24 @@ class ComponentEnd {
 
   [[nodiscard]] Interval directed(const Interval& a) const { return largest_ ? a : -a; }
 
-  void divide(Part part, const AccelerationCell& cell) {
+  /// `bound` holds for what the part is a part of.
+  void divide(BoxPart part, double bound, const AccelerationCell& cell) {
     if (!cell.accelerations) {
-      halve(part, most(part.part, cell.obstructions));
+      halve(part, bound, most(part, cell.obstructions));
       return;
     }
-    part.bound = std::fmin(part.bound, directed(cell.accelerations->solution[component_]).upper());
-    if (leave_for_face(part.part.box, *cell.accelerations)) {
-      parts_.push(std::move(part));
+    bound = std::fmin(bound, directed(cell.accelerations->solution[component_]).upper());
+    if (leave_for_face(part.box, *cell.accelerations)) {
+      parts_.insert({bound, {std::move(part)}});
       return;
     }
     std::vector<double> gains;
     for (std::size_t k = 0; k < problem_->variables().size(); ++k) {
-      const Interval& side = part.part.box[problem_->variables()[k]];
+      const Interval& side = part.box[problem_->variables()[k]];
       const Interval& slope = cell.accelerations->derivatives[k][component_];
       gains.push_back((side.upper() - side.lower()) * std::fmin(-slope.lower(), slope.upper()));
     }
-    halve(part, most(part.part, gains));
+    halve(part, bound, most(part, gains));
   }
 
   /// Where a derivative's sign is proven over the box, the largest values lie on a face.
@@ -176,19 +177,19 @@ class ComponentEnd {
     return best;
   }
 
-  void halve(const Part& part, std::optional<std::size_t> variable) {
+  void halve(const BoxPart& part, double bound, std::optional<std::size_t> variable) {
     if (!variable) {
-      parts_.push({part.bound, part.part, true});
+      parts_.insert({bound, {part, true}});
       return;
     }
-    for (BoxPart& half : division_->halves(part.part, *variable)) parts_.push({part.bound, std::move(half)});
+    for (BoxPart& half : division_->halves(part, *variable)) parts_.insert({bound, {std::move(half)}});
   }
 
   const AccelerationProblem* problem_;
   const BoxDivision* division_;
   Eigen::Index component_;
   bool largest_;
-  std::priority_queue<Part> parts_ = {};
+  std::multimap<double, Part, std::greater<>> parts_ = {};  ///< by bound, the largest first; never empty
   bool settled_ = false;
   double bound_ = infinity;
 };

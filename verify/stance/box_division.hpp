@@ -31,7 +31,7 @@ using Box = std::vector<verify::Interval>;
 }
 
 /// Corners of the box's sides `variables`, where extremes of nearly monotone functions lie; the middle of all other
-/// sides, and of the variables from the eighth on.
+/// sides, and of the variables from the ninth on.
 [[nodiscard]] inline std::vector<std::vector<double>> corners_of(const Box& box,
                                                                  std::span<const std::uint32_t> variables) {
   constexpr std::size_t most_variables = 8;
