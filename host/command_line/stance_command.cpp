@@ -48,7 +48,7 @@ constexpr const char* closing_words =
     "Examples:\n"
     "  verisq stance stance.xml --monte-carlo 1000000\n"
     "  verisq stance stance.xml --uncertain mp,px,Fx --sensitivities\n"
-    "  verisq stance stance.xml --uncertain mp,px --accelerations --monte-carlo 100000\n"
+    "  verisq stance stance.xml --accelerations --monte-carlo 100000\n"
     "  verisq stance standing.xml --uncertain mp,px --equilibrium held\n"
     "  verisq stance standing.xml --uncertain mp,px --within 1 --stability held\n"
     "  verisq stance stance.xml --report";
@@ -116,7 +116,6 @@ class Analysis {
     summary_.uncertain = parse_uncertain(arguments.uncertain.value_or("all"), summary_.model);
     if (arguments.within)
       summary_.model = narrowed_within(std::move(summary_.model), summary_.uncertain, *arguments.within);
-    if (arguments.accelerations) check_cells(acceleration_options().cells, summary_.uncertain.size());
     if (!arguments.bounce) return;
     const ContactCylinder& cylinder = cylinder_of(summary_.model, *arguments.bounce);
     summary_.dropped = cylinder.name;
@@ -276,8 +275,8 @@ void declare_stance(Options& options, StanceArguments& arguments) {
   options.add("--within", arguments.within, parse_positive_length, "PERCENT",
               "Uncertain parameters are at most this part of their nominal value off it");
   options.add("--cells", arguments.cells, whole_number(1U, most_cells), "NUMBER",
-              "Finest subdivisions of each uncertain parameter's range: of --accelerations (default 64), of\n"
-              "--equilibrium and --stability (default 16)");
+              "Finest division of each uncertain parameter's range: of --accelerations (default 64), which divides\n"
+              "only where a component may be largest or smallest; of --equilibrium and --stability (default 16)");
   options.add("--monte-carlo", arguments.monte_carlo, whole_number<std::uint64_t>(1), "COUNT",
               "Sample the uncertain parameters, check that the enclosures contain all samples, and say how much\n"
               "of them the samples fill");

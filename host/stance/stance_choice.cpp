@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <verisq/error.hpp>
 #include <verisq/stance_choice.hpp>
 
@@ -44,15 +43,6 @@ std::vector<std::uint32_t> uncertain_parameters(const Model& model, std::span<co
   }
   std::ranges::sort(uncertain);
   return uncertain;
-}
-
-void check_cells(std::uint32_t cells, std::size_t parameters) {
-  constexpr double most = 1e9;
-  if (std::pow(cells, parameters) <= most) return;
-  throw Error(ErrorKind::input,
-              fmt::format("--accelerations: {} cells a parameter for {} uncertain ones are more than {:g}: name fewer "
-                          "with --uncertain, or give fewer --cells",
-                          cells, parameters, most));
 }
 
 const ContactCylinder& cylinder_of(const Model& model, const std::string& name) {

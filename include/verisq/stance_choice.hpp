@@ -31,9 +31,6 @@ namespace verisq::stance {
 /// outward. Throws Error(input) for a nominal value of 0, which has no parts.
 [[nodiscard]] Model narrowed_within(Model model, UncertainSet uncertain, double per_cent);
 
-/// A subdivision into more cells than anyone waits for: throws Error(input) beyond 1e9 of them.
-void check_cells(std::uint32_t cells, std::size_t parameters);
-
 /// Throws Error(input) for a name that no cylinder has.
 [[nodiscard]] const ContactCylinder& cylinder_of(const Model& model, const std::string& name);
 

@@ -434,19 +434,134 @@ TEST_F(StanceAnalysis, AccelerationsOfABentStanceToo) {
   expect_within_5_percent(bent(model), mp_px, random);
 }
 
+/// Expects the accelerations at samples and at all corners to lie in the enclosures, and returns their hull.
+std::vector<Enclosure> expect_samples_within(const std::vector<Enclosure>& enclosure, const Model& model,
+                                             UncertainSet uncertain, std::mt19937_64& random) {
+  std::vector<Enclosure> hull(enclosure.size(), {infinity, -infinity});
+  const unsigned corners = 1U << uncertain.size();
+  for (unsigned i = 0; i < corners + 500; ++i) {
+    std::vector<double> p = sample(model, uncertain, random);
+    for (unsigned n = 0; i < corners && n < uncertain.size(); ++n) {
+      const Enclosure& range = model.parameters[uncertain[n]].range;
+      p[uncertain[n]] = ((i >> n) & 1U) != 0 ? range.hi : range.lo;
+    }
+    const std::vector<double> a = sampled_accelerations(model, p);
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      EXPECT_THAT(enclosure[k], ContainsSample(a[k])) << "joint " << k;
+      hull[k] = {std::fmin(hull[k].lo, a[k]), std::fmax(hull[k].hi, a[k])};
+    }
+  }
+  return hull;
+}
+
 TEST_F(StanceAnalysis, CoarseCellsOfFiveParametersContainSamples) {
   constexpr std::array<std::uint32_t, 5> five{Fx, Fy, mp, px, pz};
   const std::vector<Enclosure> enclosure = accelerations(model, five, {.cells = 2});
   EXPECT_TRUE(std::isfinite(enclosure.front().width()));
-  for (int i = 0; i < 500; ++i) {
-    const std::vector<double> a = sampled_accelerations(model, sample(model, five, random));
-    for (std::size_t k = 0; k < a.size(); ++k) ASSERT_THAT(enclosure[k], ContainsSample(a[k])) << "joint " << k;
+  expect_samples_within(enclosure, model, five, random);
+}
+
+/// Coordinate by coordinate, from a point on: the largest value of sign times a component that was met.
+double climbed(const Model& model, std::vector<double> p, std::size_t component, double sign) {
+  const auto height = [&] { return sign * sampled_accelerations(model, p)[component]; };
+  double best = height();
+  for (double step = 0.25; step > 0.01;) {
+    bool higher = false;
+    for (const std::uint32_t k : {Fx, Fy, mp, px, py, pz}) {
+      const Enclosure& range = model.parameters[k].range;
+      for (const double move : {-step, step}) {
+        const double before = p[k];
+        p[k] = std::clamp(before + move * range.width(), range.lo, range.hi);
+        if (height() > best) {
+          best = height();
+          higher = true;
+        } else {
+          p[k] = before;
+        }
+      }
+    }
+    if (!higher) step *= 0.5;
+  }
+  return sign * best;
+}
+
+TEST_F(StanceAnalysis, AccelerationsOverTable1AreAtMost5PercentWiderThanSampled) {
+  const std::vector<Enclosure> enclosure = accelerations(model, table_1, {});
+  std::vector<std::vector<double>> points;
+  for (int i = 0; i < 2000; ++i) points.push_back(sample(model, table_1, random));
+  constexpr std::array<std::uint32_t, 6> acting{Fx, Fy, mp, px, py, pz};
+  for (unsigned corner = 0; corner < 64; ++corner) {
+    points.push_back(nominal_values(model));
+    for (unsigned k = 0; k < acting.size(); ++k) {
+      const Enclosure& range = model.parameters[acting[k]].range;
+      points.back()[acting[k]] = ((corner >> k) & 1U) != 0 ? range.hi : range.lo;
+    }
+  }
+  std::vector<std::vector<double>> values;
+  for (const std::vector<double>& p : points) values.push_back(sampled_accelerations(model, p));
+  for (std::size_t k = 0; k < enclosure.size(); ++k) {
+    const auto less = [k](const std::vector<double>& a, const std::vector<double>& b) { return a[k] < b[k]; };
+    const auto [least, greatest] = std::minmax_element(values.begin(), values.end(), less);
+    const Enclosure sampled{climbed(model, points[static_cast<std::size_t>(least - values.begin())], k, -1),
+                            climbed(model, points[static_cast<std::size_t>(greatest - values.begin())], k, 1)};
+    EXPECT_THAT(enclosure[k], ContainsSample(sampled.lo)) << "joint " << k;
+    EXPECT_THAT(enclosure[k], ContainsSample(sampled.hi)) << "joint " << k;
+    EXPECT_LE(enclosure[k].width(), 1.05 * sampled.width() + 1e-9) << "joint " << k;
   }
 }
 
+/// With velocities, and with masses and centres that move in three bodies, two of them with the same mass.
+Model with_moving_masses(Model stance) {
+  Model model = bent(std::move(stance));
+  double velocity = 0.5;
+  for (Body& body : model.bodies) {
+    for (Joint& joint : body.joints) joint.velocity = velocity = -0.9 * velocity;
+  }
+  model.parameters[mf] = example::parameter("mf", "kg", "mass of both femora", 9, 12);
+  model.parameters[rff] = example::parameter("rff", "m", "z of the left tibia's centre of mass", 0, 0.02);
+  for (Body& body : model.bodies) {
+    if (body.name == "right femur" || body.name == "left femur") body.mass = example::quantity(model, mf);
+    if (body.name == "left tibia") body.centre_of_mass[2] = example::quantity(model, rff);
+  }
+  return model;
+}
+
+TEST_F(StanceAnalysis, AccelerationsOfAMovingStanceWithThreeUncertainBodies) {
+  const Model moving = with_moving_masses(model);
+  constexpr std::array<std::uint32_t, 4> four{Fx, mp, rff, mf};
+  const std::vector<Enclosure> enclosure = accelerations(moving, four, {});
+  const std::vector<Enclosure> hull = expect_samples_within(enclosure, moving, four, random);
+  for (std::size_t k = 0; k < hull.size(); ++k)
+    EXPECT_LE(enclosure[k].width(), 1.05 * hull[k].width()) << "joint " << k;
+
+  Model point = moving;
+  for (const std::uint32_t i : four)
+    point.parameters[i].range = {point.parameters[i].nominal, point.parameters[i].nominal};
+  const std::vector<Enclosure> thin = accelerations(point, four, {});
+  const std::vector<double> a = sampled_accelerations(point, nominal_values(point));
+  const double largest = Eigen::Map<const Eigen::VectorXd>(a.data(), std::ssize(a)).lpNorm<Eigen::Infinity>();
+  for (std::size_t k = 0; k < thin.size(); ++k) {
+    EXPECT_THAT(thin[k], ContainsSample(a[k])) << "joint " << k;
+    EXPECT_LE(thin[k].width(), 1e-9 * largest) << "joint " << k;
+  }
+}
+
+TEST_F(StanceAnalysis, AccelerationsOfBodiesOfUncertainLength) {
+  model.parameters[rff] = example::parameter("rff", "m", "y of the right knee below the hip", -0.44, -0.4);
+  for (Body& body : model.bodies) {
+    if (body.name == "right tibia") body.offset[1] = example::quantity(model, rff);
+  }
+  constexpr std::array<std::uint32_t, 2> two{mp, rff};
+  const Model stance = bent(model);
+  const std::vector<Enclosure> enclosure = accelerations(stance, two, {.cells = 8});
+  for (const Enclosure& component : enclosure) EXPECT_TRUE(std::isfinite(component.width()));
+  expect_samples_within(enclosure, stance, two, random);
+}
+
 TEST_F(StanceAnalysis, OneCellIsAnEnclosureToo) {
-  const std::vector<Enclosure> coarse = accelerations(model, mp_px, {.cells = 1});
-  const std::vector<Enclosure> fine = accelerations(model, mp_px, {.cells = 16});
+  constexpr std::array<std::uint32_t, 3> three{mp, py, pz};
+  const std::vector<Enclosure> coarse = accelerations(model, three, {.cells = 1});
+  const std::vector<Enclosure> fine = accelerations(model, three, {.cells = 16});
   for (std::size_t k = 0; k < coarse.size(); ++k) {
     EXPECT_TRUE(std::isfinite(coarse[k].width()));
     EXPECT_LE(fine[k].width(), coarse[k].width() + 1e-9);
@@ -482,7 +597,13 @@ TEST_F(StanceAnalysis, ProgressRisesToOne) {
 
 TEST_F(StanceAnalysis, InterruptedAccelerationsAreStillEnclosures) {
   const std::vector<Enclosure> early = accelerations(model, mp_px, {.interrupted = [] { return true; }});
-  EXPECT_EQ(early, accelerations(model, mp_px, {.cells = 1}));
+  const std::vector<Enclosure> whole = accelerations(model, mp_px, {});
+  for (std::size_t k = 0; k < early.size(); ++k) {
+    EXPECT_TRUE(std::isfinite(early[k].width())) << "joint " << k;
+    EXPECT_LE(early[k].lo, whole[k].lo) << "joint " << k;
+    EXPECT_GE(early[k].hi, whole[k].hi) << "joint " << k;
+  }
+  EXPECT_GT(early.front().width(), 1.1 * whole.front().width());
 }
 
 TEST_F(StanceAnalysis, WhatIsNotProvenIsInfinite) {
@@ -527,15 +648,25 @@ TEST(ParametricLinearSystem, ContainsTheSolutionsOfSampledSystems) {
       const auto pick = [&](const Interval& a) { return point_of(a, std::round(uniform(random) * 2) / 2); };
       Eigen::MatrixXd a = system.matrix.unaryExpr(pick);
       Eigen::VectorXd residual = system.residual.unaryExpr(pick);
+      std::vector<std::pair<Eigen::MatrixXd, Eigen::VectorXd>> slopes;
       for (const auto& variation : system.variations) {
         const double deviation = pick(variation.deviation);
-        a += deviation * variation.matrix.unaryExpr(pick);
-        residual += deviation * variation.residual.unaryExpr(pick);
+        slopes.emplace_back(variation.matrix.unaryExpr(pick), variation.residual.unaryExpr(pick));
+        a += deviation * slopes.back().first;
+        residual += deviation * slopes.back().second;
       }
       const Eigen::VectorXd x = system.approximation + a.fullPivLu().solve(residual);
       for (Eigen::Index k = 0; k < x.size(); ++k) {
         ASSERT_LE(solved->solution[k].lower(), x[k] + 1e-12);
         ASSERT_GE(solved->solution[k].upper(), x[k] - 1e-12);
+      }
+      for (std::size_t v = 0; v < slopes.size(); ++v) {
+        const Eigen::VectorXd derivative =
+            a.fullPivLu().solve(slopes[v].second - slopes[v].first * (x - system.approximation));
+        for (Eigen::Index k = 0; k < x.size(); ++k) {
+          ASSERT_LE(solved->derivatives[v][k].lower(), derivative[k] + 1e-12);
+          ASSERT_GE(solved->derivatives[v][k].upper(), derivative[k] - 1e-12);
+        }
       }
     }
   }

@@ -1,11 +1,9 @@
-/// Accelerations over a box, by adaptive bisection into cells that are proven one by one.
+/// Accelerations over a box: each end of each component by branch and bound, over cells that all ends share.
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <deque>
+#include <functional>
+#include <map>
 #include <optional>
-#include <thread>
 #include <utility>
 #include <vector>
 #include <verisq/enclosure.hpp>
@@ -13,202 +11,256 @@
 
 #include "verify/stance/acceleration_cell.hpp"
 #include "verify/stance/acceleration_equations.hpp"
+#include "verify/stance/box_division.hpp"
+#include "verify/stance/parameters.hpp"
+#include "verify/stance/sampled_hull.hpp"
 
 namespace verisq::stance {
 namespace {
 
 using verify::Interval;
 
-/// The hull of samples, which only decides where to bisect: its rounding errors make no enclosure wrong.
-class SampledHull {
+/// The cells that were examined, for all ends.
+class ExaminedCells {
  public:
-  explicit SampledHull(const Eigen::VectorXd& first) : lowest_(first), highest_(first) {}
+  explicit ExaminedCells(const AccelerationProblem& problem) : problem_(problem) {}
 
-  void add(const Eigen::VectorXd& sample) {
-    lowest_ = lowest_.cwiseMin(sample);
-    highest_ = highest_.cwiseMax(sample);
+  [[nodiscard]] const AccelerationCell* find(const Box& box) const {
+    const auto found = cells_.find(key_of(box));
+    return found == cells_.end() ? nullptr : &found->second;
   }
 
-  /// How far an enclosure of component i sticks out, in widths of the hull. Where the hull is as thin as rounding
-  /// errors, in those: a component that no parameter moves is no reason to bisect.
-  [[nodiscard]] double excess(Eigen::Index i, const Interval& enclosure) const {
+  [[nodiscard]] std::size_t size() const { return cells_.size(); }
+
+  /// Those that are not known yet; their samples go to the hull.
+  void examine(const std::vector<Box>& boxes, SampledHull& hull) {
+    std::map<Key, const Box*> wanted;
+    for (const Box& box : boxes) {
+      if (find(box) == nullptr) wanted.emplace(key_of(box), &box);
+    }
+    struct Task {
+      const Key* key;
+      const Box* box;
+      AccelerationCell cell;
+    };
+    std::vector<Task> tasks;
+    for (const auto& [key, box] : wanted) tasks.push_back({&key, box, {}});
+    examine_on_all_cores(tasks, [&](Task& task) { task.cell = problem_.examine(*task.box); });
+    for (Task& task : tasks) {
+      hull.add(task.cell.sample);
+      cells_.emplace(*task.key, std::move(task.cell));
+    }
+  }
+
+ private:
+  using Key = std::vector<double>;
+
+  [[nodiscard]] Key key_of(const Box& box) const {
+    Key key;
+    for (const std::uint32_t i : problem_.variables()) {
+      key.push_back(box[i].lower());
+      key.push_back(box[i].upper());
+    }
+    return key;
+  }
+
+  const AccelerationProblem& problem_;
+  std::map<Key, AccelerationCell> cells_ = {};
+};
+
+/// An upper bound of one component, or of its negative, that cells prove: the cell with the largest bound is halved, or
+/// left for one of its faces where the sign of a derivative is proven, until a sample comes near the bound
+/// (docs/stance.md §3).
+class ComponentEnd {
+ public:
+  ComponentEnd(const AccelerationProblem& problem, const BoxDivision& division, const Box& whole,
+               Eigen::Index component, bool largest)
+      : problem_(&problem), division_(&division), component_(component), largest_(largest) {
+    parts_.insert({infinity, {BoxPart::whole(whole, problem.variables().size())}});
+  }
+
+  /// Goes on as far as the cells that are known lead.
+  void advance(const ExaminedCells& cells, const SampledHull& hull) {
+    while (!settled_) {
+      const auto worst = parts_.begin();
+      if (worst->second.finest || worst->first - reached(hull) <= tolerance(hull)) {
+        settled_ = true;
+        break;
+      }
+      const AccelerationCell* cell = cells.find(worst->second.part.box);
+      if (cell == nullptr) break;
+      BoxPart part = std::move(worst->second.part);
+      const double bound = worst->first;
+      parts_.erase(worst);
+      divide(std::move(part), bound, *cell);
+    }
+    bound_ = parts_.begin()->first;
+  }
+
+  [[nodiscard]] bool settled() const { return settled_; }
+
+  /// The boxes with the largest bounds, at most so many.
+  [[nodiscard]] std::vector<Box> next(std::size_t count) const {
+    std::vector<Box> boxes;
+    for (auto part = parts_.begin(); !settled_ && part != parts_.end() && boxes.size() < count; ++part)
+      boxes.push_back(part->second.part.box);
+    return boxes;
+  }
+
+  /// Proven: the component is at most this, or at least.
+  [[nodiscard]] double end() const { return largest_ ? bound_ : -bound_; }
+
+  /// How near to settled, from 0 to 1; never falls.
+  [[nodiscard]] double fraction(const SampledHull& hull) const {
+    return settled_ ? 1.0 : std::fmin(1.0, tolerance(hull) / (bound_ - reached(hull)));
+  }
+
+ private:
+  struct Part {
+    BoxPart part;
+    bool finest = false;  ///< the bound is that of the part itself, which is not divided further
+  };
+
+  [[nodiscard]] double reached(const SampledHull& hull) const {
+    return largest_ ? hull.highest(component_) : -hull.lowest(component_);
+  }
+
+  /// A hundredth of the samples' width. Where that is as thin as rounding errors, a component that no parameter moves
+  /// is no reason to bisect.
+  [[nodiscard]] double tolerance(const SampledHull& hull) const {
+    constexpr double share = 0.01;
     constexpr double rounding = 1e-9;
-    const double largest = std::fmax(lowest_.cwiseAbs().maxCoeff(), highest_.cwiseAbs().maxCoeff());
-    const double width = highest_[i] - lowest_[i] + rounding * largest;
-    return std::fmax(enclosure.upper() - highest_[i], lowest_[i] - enclosure.lower()) / width;
+    return share * (hull.width(component_) + rounding * hull.largest_magnitude());
   }
 
- private:
-  Eigen::VectorXd lowest_, highest_;
-};
+  [[nodiscard]] Interval directed(const Interval& a) const { return largest_ ? a : -a; }
 
-/// A cell of the bisected box.
-struct Cell {
-  Box box;
-  std::vector<std::uint32_t> halvings;                   ///< of each variable
-  std::optional<ParametricSolution> accelerations = {};  ///< of the cell, or of the cell that it is half of
-  Eigen::VectorXd sample = {};                           ///< at the middle
-
-  [[nodiscard]] double volume() const {
-    double volume = 1.0;
-    for (const std::uint32_t count : halvings) volume = std::ldexp(volume, -static_cast<int>(count));
-    return volume;
-  }
-};
-
-/// Bisects the box until no cell's enclosure sticks out of the sampled hull by much.
-class Subdivision {
- public:
-  Subdivision(const Model& model, UncertainSet uncertain, const AccelerationOptions& options)
-      : model_(model),
-        options_(options),
-        most_halvings_(std::bit_width(std::max(options.cells, 1u) - 1)),
-        whole_(parameter_box(model, uncertain)),
-        variables_(acting_parameters(model, whole_, uncertain)),
-        hull_(approximate_accelerations(model, middle_of(whole_))) {
-    sample_corners();
-  }
-
-  [[nodiscard]] std::vector<Enclosure> run() {
-    constexpr std::size_t batch_size = 64;
-    std::vector<Cell> batch{{whole_, std::vector<std::uint32_t>(variables_.size(), 0)}};
-    while (!batch.empty()) {
-      enclose(batch);
-      for (const Cell& cell : batch) hull_.add(cell.sample);
-      for (Cell& cell : batch) open_.push_back(std::move(cell));
-      batch.clear();
-      if (options_.interrupted && options_.interrupted()) break;
-      while (!open_.empty() && batch.size() < batch_size) {
-        const Cell cell = std::move(open_.front());
-        open_.pop_front();
-        if (const auto variable = best_halving(cell)) {
-          for (Cell& half : halves(cell, *variable)) batch.push_back(std::move(half));
-        } else {
-          include(cell);
-        }
-      }
-      if (options_.progress) options_.progress(std::fmin(done_, 1.0));
+  /// `bound` holds for what the part is a part of.
+  void divide(BoxPart part, double bound, const AccelerationCell& cell) {
+    if (!cell.accelerations) {
+      halve(part, bound, most(part, cell.obstructions));
+      return;
     }
-    for (const Cell& cell : open_) include(cell);
-    return result();
-  }
-
- private:
-  /// Extremes of nearly monotone functions lie there.
-  void sample_corners() {
-    constexpr std::size_t most_variables = 8;
-    const std::size_t count = std::min(variables_.size(), most_variables);
-    for (std::uint32_t corner = 0; corner < (1u << count); ++corner) {
-      std::vector<double> parameters = middle_of(whole_);
-      for (std::size_t k = 0; k < count; ++k) {
-        const Interval& side = whole_[variables_[k]];
-        parameters[variables_[k]] = ((corner >> k) & 1u) != 0 ? side.upper() : side.lower();
-      }
-      hull_.add(approximate_accelerations(model_, parameters));
+    bound = std::fmin(bound, directed(cell.accelerations->solution[component_]).upper());
+    if (leave_for_face(part.box, *cell.accelerations)) {
+      parts_.insert({bound, {std::move(part)}});
+      return;
     }
-  }
-
-  /// Each cell by itself, so that the result does not depend on the number of threads.
-  void enclose(std::vector<Cell>& cells) const {
-    const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, cells.size());
-    std::vector<std::jthread> workers;
-    for (std::size_t first = 0; first < threads; ++first) {
-      workers.emplace_back([&, first] {
-        for (std::size_t i = first; i < cells.size(); i += threads) enclose(cells[i]);
-      });
+    std::vector<double> gains;
+    for (std::size_t k = 0; k < problem_->variables().size(); ++k) {
+      const Interval& side = part.box[problem_->variables()[k]];
+      const Interval& slope = cell.accelerations->derivatives[k][component_];
+      gains.push_back((side.upper() - side.lower()) * std::fmin(-slope.lower(), slope.upper()));
     }
+    halve(part, bound, most(part, gains));
   }
 
-  void enclose(Cell& cell) const {
-    cell.sample = approximate_accelerations(model_, middle_of(cell.box));
-    auto accelerations = accelerations_over(model_, cell.box, variables_);
-    // What holds for the whole holds for its half.
-    if (accelerations) cell.accelerations = std::move(accelerations);
+  /// Where a derivative's sign is proven over the box, the largest values lie on a face.
+  bool leave_for_face(Box& box, const ParametricSolution& accelerations) const {
+    bool left = false;
+    for (std::size_t k = 0; k < problem_->variables().size(); ++k) {
+      Interval& side = box[problem_->variables()[k]];
+      const Interval slope = directed(accelerations.derivatives[k][component_]);
+      if (side.lower() == side.upper() || (slope.lower() < 0.0 && slope.upper() > 0.0)) continue;
+      side = Interval(slope.lower() >= 0.0 ? side.upper() : side.lower());
+      left = true;
+    }
+    return left;
   }
 
-  /// The variable whose halving promises to narrow the worst component most; none where nothing needs to be narrower,
-  /// or may be.
-  [[nodiscard]] std::optional<std::size_t> best_halving(const Cell& cell) const {
-    constexpr double tolerance = 0.01;
-    const auto worst = worst_component(cell);
-    if (worst.excess <= tolerance) return std::nullopt;
+  /// The divisible variable with the largest number.
+  [[nodiscard]] std::optional<std::size_t> most(const BoxPart& part, const std::vector<double>& numbers) const {
     std::optional<std::size_t> best;
-    double most = 0.0;
-    for (std::size_t k = 0; k < variables_.size(); ++k) {
-      if (cell.halvings[k] >= most_halvings_) continue;
-      // Nothing proven: the widest part of the range, for want of a better measure.
-      double gain = std::ldexp(1.0, -static_cast<int>(cell.halvings[k]));
-      if (cell.accelerations) gain = cell.accelerations->overestimation[k][worst.component];
-      if (gain > most) {
-        most = gain;
-        best = k;
-      }
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      if (division_->is_divisible(part, k) && (!best || numbers[k] > numbers[*best])) best = k;
     }
     return best;
   }
 
-  struct Worst {
-    Eigen::Index component;
-    double excess;
-  };
-
-  [[nodiscard]] Worst worst_component(const Cell& cell) const {
-    Worst worst{0, infinity};
-    if (!cell.accelerations) return worst;
-    worst.excess = 0.0;
-    for (Eigen::Index i = 0; i < cell.accelerations->solution.size(); ++i) {
-      const double excess = hull_.excess(i, cell.accelerations->solution[i]);
-      if (excess > worst.excess) worst = {i, excess};
-    }
-    return worst;
-  }
-
-  [[nodiscard]] std::array<Cell, 2> halves(const Cell& cell, std::size_t k) const {
-    const Interval side = cell.box[variables_[k]];
-    const double middle = std::clamp(0.5 * side.lower() + 0.5 * side.upper(), side.lower(), side.upper());
-    std::array<Cell, 2> parts{cell, cell};
-    parts[0].box[variables_[k]] = Interval(side.lower(), middle);
-    parts[1].box[variables_[k]] = Interval(middle, side.upper());
-    for (Cell& part : parts) ++part.halvings[k];
-    return parts;
-  }
-
-  void include(const Cell& cell) {
-    done_ += cell.volume();
-    if (!cell.accelerations) {
-      proven_ = false;
+  void halve(const BoxPart& part, double bound, std::optional<std::size_t> variable) {
+    if (!variable) {
+      parts_.insert({bound, {part, true}});
       return;
     }
-    const IntervalVector& value = cell.accelerations->solution;
-    if (enclosure_.size() == 0) enclosure_ = value;
-    for (Eigen::Index i = 0; i < value.size(); ++i) enclosure_[i] = hull(enclosure_[i], value[i]);
+    for (BoxPart& half : division_->halves(part, *variable)) parts_.insert({bound, {std::move(half)}});
   }
 
-  [[nodiscard]] std::vector<Enclosure> result() const {
-    std::vector<Enclosure> result(model_.degrees_of_freedom(), {-infinity, infinity});
-    if (!proven_) return result;
-    std::transform(enclosure_.begin(), enclosure_.end(), result.begin(), [](const Interval& component) {
-      return Enclosure{component.lower(), component.upper()};
-    });
+  const AccelerationProblem* problem_;
+  const BoxDivision* division_;
+  Eigen::Index component_;
+  bool largest_;
+  std::multimap<double, Part, std::greater<>> parts_ = {};  ///< by bound, the largest first; never empty
+  bool settled_ = false;
+  double bound_ = infinity;
+};
+
+class Search {
+ public:
+  Search(const Model& model, UncertainSet uncertain, const AccelerationOptions& options)
+      : options_(options),
+        whole_(parameter_box(model, uncertain)),
+        problem_(model, whole_, uncertain),
+        division_(problem_.variables(), std::max(options.cells, 1U)),
+        cells_(problem_) {
+    for (const std::vector<double>& corner : corners_of(whole_, problem_.variables()))
+      hull_.add(approximate_accelerations(model, corner));
+    const auto count = static_cast<Eigen::Index>(model.degrees_of_freedom());
+    for (Eigen::Index i = 0; i < count; ++i) {
+      for (const bool largest : {false, true}) ends_.emplace_back(problem_, division_, whole_, i, largest);
+    }
+  }
+
+  [[nodiscard]] std::vector<Enclosure> run() {
+    constexpr std::size_t most_cells = 20000;
+    cells_.examine({whole_}, hull_);
+    for (;;) {
+      for (ComponentEnd& end : ends_) end.advance(cells_, hull_);
+      report();
+      if (open() == 0 || cells_.size() >= most_cells || (options_.interrupted && options_.interrupted())) break;
+      cells_.examine(next(), hull_);
+    }
+    std::vector<Enclosure> result;
+    for (std::size_t i = 0; i < ends_.size(); i += 2) result.push_back({ends_[i].end(), ends_[i + 1].end()});
     return result;
   }
 
-  const Model& model_;
+ private:
+  [[nodiscard]] std::size_t open() const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(ends_, [](const ComponentEnd& end) { return !end.settled(); }));
+  }
+
+  /// Enough for all cores, but no more than that of ends that may be settled without.
+  [[nodiscard]] std::vector<Box> next() const {
+    constexpr std::size_t batch = 64;
+    const std::size_t each = std::max<std::size_t>(1, batch / open());
+    std::vector<Box> boxes;
+    for (const ComponentEnd& end : ends_) {
+      for (Box& box : end.next(each)) boxes.push_back(std::move(box));
+    }
+    return boxes;
+  }
+
+  void report() const {
+    if (!options_.progress) return;
+    double sum = 0.0;
+    for (const ComponentEnd& end : ends_) sum += end.fraction(hull_);
+    options_.progress(sum / static_cast<double>(ends_.size()));
+  }
+
   const AccelerationOptions& options_;
-  std::uint32_t most_halvings_;
   Box whole_;
-  std::vector<std::uint32_t> variables_;
-  SampledHull hull_;
-  std::deque<Cell> open_ = {};
-  IntervalVector enclosure_ = {};
-  bool proven_ = true;
-  double done_ = 0.0;
+  AccelerationProblem problem_;
+  BoxDivision division_;
+  SampledHull hull_ = {};
+  ExaminedCells cells_;
+  std::vector<ComponentEnd> ends_ = {};
 };
 
 }  // namespace
 
 std::vector<Enclosure> accelerations(const Model& model, UncertainSet uncertain, const AccelerationOptions& options) {
-  return Subdivision(model, uncertain, options).run();
+  return Search(model, uncertain, options).run();
 }
 
 std::vector<double> sampled_accelerations(const Model& model, std::span<const double> parameters) {

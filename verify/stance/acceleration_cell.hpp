@@ -1,28 +1,43 @@
-/// All joint accelerations over a box of parameters, by the parametric linear system of the equations of motion.
+/// All joint accelerations over one box of parameters, by the parametric linear system of the equations of motion.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
-#include <verisq/stance_model.hpp>
+#include <verisq/stance_analysis.hpp>
 
+#include "verify/stance/box_division.hpp"
 #include "verify/stance/linear_system.hpp"
-#include "verify/stance/mean_value_range.hpp"
+#include "verify/stance/reduced_motion.hpp"
 
 namespace verisq::stance {
 
-/// A point of the box, near its middle.
-[[nodiscard]] std::vector<double> middle_of(const Box& box);
+/// What is proven of the accelerations over a box.
+struct AccelerationCell {
+  /// And their derivatives by each variable, 0 where that is a point of the box. Nothing where it is not proven that
+  /// every mass matrix is regular.
+  std::optional<ParametricSolution> accelerations;
+  /// By variable, where nothing is proven: how much it is in the way.
+  std::vector<double> obstructions;
+  std::optional<Eigen::VectorXd> sample;  ///< near the middle, in plain floating point
+};
 
-/// The accelerations at every point of the box, which vary by `variables`: the box's coordinates that are not points,
-/// or those of them that act. Nothing where it is not proven that every mass matrix is regular.
-[[nodiscard]] std::optional<ParametricSolution> accelerations_over(const Model& model, const Box& box,
-                                                                   std::span<const std::uint32_t> variables);
+class AccelerationProblem {
+ public:
+  /// Over parts of `whole`. The model must outlive the problem.
+  AccelerationProblem(const Model& model, const Box& whole, UncertainSet uncertain);
 
-/// Those of `variables` by which the equations of motion may change over the box; for all others the derivative is
-/// proven to be 0.
-[[nodiscard]] std::vector<std::uint32_t> acting_parameters(const Model& model, const Box& box,
-                                                           std::span<const std::uint32_t> variables);
+  /// Those of the uncertain set by which the equations of motion may change over the box; for all others the derivative
+  /// is proven to be 0.
+  [[nodiscard]] const std::vector<std::uint32_t>& variables() const { return variables_; }
+
+  [[nodiscard]] AccelerationCell examine(const Box& box) const;
+
+ private:
+  const Model& model_;
+  std::vector<std::uint32_t> variables_;
+  std::optional<ReducedMotion> reduced_;
+};
 
 }  // namespace verisq::stance

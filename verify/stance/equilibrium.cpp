@@ -1,16 +1,14 @@
 /// Equilibria over a box of parameters, by bisection into cells that are examined one by one.
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <deque>
-#include <limits>
-#include <thread>
+#include <optional>
 #include <utility>
 
-#include "verify/stance/acceleration_cell.hpp"
+#include "verify/stance/box_division.hpp"
 #include "verify/stance/equilibrium_cell.hpp"
 #include "verify/stance/parameters.hpp"
+#include "verify/stance/sampled_hull.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/stance_equilibrium.hpp"
 
@@ -20,16 +18,8 @@ namespace {
 using verify::Interval;
 
 struct Cell {
-  Box box;
-  std::vector<std::uint32_t> halvings;  ///< of each uncertain parameter
+  BoxPart part;
   CellVerdict found = {};
-
-  /// Of the whole: a power of 2, exact.
-  [[nodiscard]] double share() const {
-    double share = 1.0;
-    for (const std::uint32_t count : halvings) share = std::ldexp(share, -static_cast<int>(count));
-    return share;
-  }
 };
 
 Enclosure enclosure(const Interval& a) {
@@ -42,36 +32,23 @@ void extend(Enclosure& sum, const Interval& part) {
 
 constexpr Enclosure nothing_yet{infinity, -infinity};
 
-/// The hull of samples, which only decides where to bisect: its rounding errors make no enclosure wrong.
-class SampledEquilibria {
- public:
-  void add(const std::optional<Eigen::VectorXd>& sample) {
-    if (!sample) return;
-    lowest_ = lowest_.size() == 0 ? *sample : lowest_.cwiseMin(*sample);
-    highest_ = highest_.size() == 0 ? *sample : highest_.cwiseMax(*sample);
+/// The component that sticks out of the samples most, if one does by more than is worth a bisection. What no parameter
+/// moves, by symmetry say, is no reason for one.
+std::optional<Eigen::Index> sticking_out(const SampledHull& samples, const IntervalVector& ranges) {
+  constexpr double worth = 0.03;    // of the hull
+  constexpr double unmoved = 1e-6;  // the hull, of the enclosure
+  std::optional<Eigen::Index> worst;
+  double most = worth;
+  for (Eigen::Index i = 0; i < ranges.size() && !samples.is_empty(); ++i) {
+    const double width = samples.width(i);
+    if (width <= unmoved * (ranges[i].upper() - ranges[i].lower())) continue;
+    const double excess = samples.excess(i, ranges[i]) / width;
+    if (excess <= most) continue;
+    most = excess;
+    worst = i;
   }
-
-  /// The component that sticks out most, if one does by more than is worth a bisection. What no parameter moves, by
-  /// symmetry say, is no reason for one.
-  [[nodiscard]] std::optional<Eigen::Index> sticking_out(const IntervalVector& ranges) const {
-    constexpr double worth = 0.03;    // of the hull
-    constexpr double unmoved = 1e-6;  // the hull, of the enclosure
-    std::optional<Eigen::Index> worst;
-    double most = worth;
-    for (Eigen::Index i = 0; i < ranges.size() && lowest_.size() > 0; ++i) {
-      const double width = highest_[i] - lowest_[i];
-      if (width <= unmoved * (ranges[i].upper() - ranges[i].lower())) continue;
-      const double excess = std::fmax(ranges[i].upper() - highest_[i], lowest_[i] - ranges[i].lower()) / width;
-      if (excess <= most) continue;
-      most = excess;
-      worst = i;
-    }
-    return worst;
-  }
-
- private:
-  Eigen::VectorXd lowest_, highest_;
-};
+  return worst;
+}
 
 class Subdivision {
  public:
@@ -79,9 +56,11 @@ class Subdivision {
       : model_(model),
         options_(options),
         problem_(standing_problem(model, options.control, uncertain)),
-        most_halvings_(static_cast<std::uint32_t>(std::bit_width(std::max(options.cells, 1U) - 1))) {
-    open_.push_back({parameter_box(model, uncertain), std::vector<std::uint32_t>(uncertain.size(), 0)});
-    sample_corners(open_.front().box);
+        division_(problem_.parameters, std::max(options.cells, 1U)) {
+    const Box whole = parameter_box(model, uncertain);
+    open_.push_back({BoxPart::whole(whole, uncertain.size())});
+    for (const std::vector<double>& corner : corners_of(whole, problem_.parameters))
+      samples_.add(sampled_equilibrium(problem_, corner));
   }
 
   [[nodiscard]] Equilibrium run() {
@@ -92,8 +71,8 @@ class Subdivision {
         batch.push_back(std::move(open_.front()));
         open_.pop_front();
       }
-      examine_all(batch);
-      for (const Cell& cell : batch) samples_.add(sampled_equilibrium(problem_, middle_of(cell.box)));
+      examine_on_all_cores(batch, [&](Cell& cell) { cell.found = examine(problem_, cell.part.box); });
+      for (const Cell& cell : batch) samples_.add(sampled_equilibrium(problem_, middle_of(cell.part.box)));
       for (Cell& cell : batch) settle(cell);
       if (options_.progress) options_.progress(result_.stands + result_.not_on_all + result_.open);
       result_.interrupted = options_.interrupted && options_.interrupted();
@@ -106,34 +85,9 @@ class Subdivision {
   }
 
  private:
-  /// Extremes of nearly monotone functions lie there.
-  void sample_corners(const Box& box) {
-    constexpr std::size_t most_parameters = 8;
-    const std::size_t count = std::min(problem_.parameters.size(), most_parameters);
-    for (std::uint32_t corner = 0; corner < (1U << count); ++corner) {
-      std::vector<double> parameters = middle_of(box);
-      for (std::size_t k = 0; k < count; ++k) {
-        const Interval& side = box[problem_.parameters[k]];
-        parameters[problem_.parameters[k]] = ((corner >> k) & 1U) != 0 ? side.upper() : side.lower();
-      }
-      samples_.add(sampled_equilibrium(problem_, parameters));
-    }
-  }
-
-  /// Each cell by itself, so that the result does not depend on the number of threads.
-  void examine_all(std::vector<Cell>& cells) const {
-    const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, cells.size());
-    std::vector<std::jthread> workers;
-    for (std::size_t first = 0; first < threads; ++first) {
-      workers.emplace_back([&, first] {
-        for (std::size_t i = first; i < cells.size(); i += threads) cells[i].found = examine(problem_, cells[i].box);
-      });
-    }
-  }
-
   void settle(Cell& cell) {
     if (const std::optional<std::size_t> k = next_to_halve(cell)) {
-      for (Cell& half : halves(cell, *k)) open_.push_back(std::move(half));
+      for (BoxPart& half : division_.halves(cell.part, *k)) open_.push_back({std::move(half), cell.found});
       return;
     }
     take(cell);
@@ -143,7 +97,7 @@ class Subdivision {
     switch (cell.found.verdict) {
       case StandingVerdict::open: return least_halved(cell);
       case StandingVerdict::stands:
-        if (const std::optional<Eigen::Index> i = samples_.sticking_out(cell.found.components))
+        if (const std::optional<Eigen::Index> i = sticking_out(samples_, cell.found.components))
           return least_clear(cell, *i);
         break;
       case StandingVerdict::not_on_all: break;
@@ -151,18 +105,13 @@ class Subdivision {
     return std::nullopt;
   }
 
-  [[nodiscard]] bool is_divisible(const Cell& cell, std::size_t k) const {
-    const Interval& side = cell.box[problem_.parameters[k]];
-    return cell.halvings[k] < most_halvings_ && side.lower() < middle(side) && middle(side) < side.upper();
-  }
-
   /// The parameter that keeps most of a component's range open.
   [[nodiscard]] std::optional<std::size_t> least_clear(const Cell& cell, Eigen::Index component) const {
     std::optional<std::size_t> best;
     double most = 0.0;
-    for (std::size_t k = 0; k < cell.halvings.size(); ++k) {
+    for (std::size_t k = 0; k < cell.part.halvings.size(); ++k) {
       const double unclear = cell.found.unclear[k][component];
-      if (!(unclear > most) || !is_divisible(cell, k)) continue;
+      if (!(unclear > most) || !division_.is_divisible(cell.part, k)) continue;
       most = unclear;
       best = k;
     }
@@ -172,34 +121,24 @@ class Subdivision {
   /// The parameter that has been halved least; none where all are as fine as they may be.
   [[nodiscard]] std::optional<std::size_t> least_halved(const Cell& cell) const {
     std::optional<std::size_t> best;
-    for (std::size_t k = 0; k < cell.halvings.size(); ++k) {
-      if (is_divisible(cell, k) && (!best || cell.halvings[k] < cell.halvings[*best])) best = k;
+    for (std::size_t k = 0; k < cell.part.halvings.size(); ++k) {
+      if (division_.is_divisible(cell.part, k) && (!best || cell.part.halvings[k] < cell.part.halvings[*best]))
+        best = k;
     }
     return best;
   }
 
-  static double middle(const Interval& side) { return 0.5 * side.lower() + 0.5 * side.upper(); }
-
-  [[nodiscard]] std::array<Cell, 2> halves(const Cell& cell, std::size_t k) const {
-    const Interval side = cell.box[problem_.parameters[k]];
-    std::array<Cell, 2> parts{cell, cell};
-    parts[0].box[problem_.parameters[k]] = Interval(side.lower(), middle(side));
-    parts[1].box[problem_.parameters[k]] = Interval(middle(side), side.upper());
-    for (Cell& part : parts) ++part.halvings[k];
-    return parts;
-  }
-
   void take(const Cell& cell) {
     EquilibriumCell taken{{}, cell.found.verdict};
-    for (const std::uint32_t k : problem_.parameters) taken.ranges.push_back(enclosure(cell.box[k]));
+    for (const std::uint32_t k : problem_.parameters) taken.ranges.push_back(enclosure(cell.part.box[k]));
     result_.cells.push_back(std::move(taken));
     switch (cell.found.verdict) {
       case StandingVerdict::stands:
-        result_.stands += cell.share();
+        result_.stands += cell.part.share();
         extend_standing(named(problem_, cell.found.components));
         break;
-      case StandingVerdict::not_on_all: result_.not_on_all += cell.share(); break;
-      case StandingVerdict::open: result_.open += cell.share(); break;
+      case StandingVerdict::not_on_all: result_.not_on_all += cell.part.share(); break;
+      case StandingVerdict::open: result_.open += cell.part.share(); break;
     }
   }
 
@@ -249,8 +188,8 @@ class Subdivision {
   const Model& model_;
   const EquilibriumOptions& options_;
   StandingProblem problem_;
-  std::uint32_t most_halvings_;
-  SampledEquilibria samples_;
+  BoxDivision division_;
+  SampledHull samples_;
   std::deque<Cell> open_;
   Equilibrium result_;
 };

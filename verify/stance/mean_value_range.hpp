@@ -5,14 +5,11 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <vector>
 #include <verisq/enclosure.hpp>
 
-#include "verify/numbers/interval.hpp"
+#include "verify/stance/box_division.hpp"
 
 namespace verisq::stance {
-
-using Box = std::vector<verify::Interval>;
 
 /// Enclosures of a function and its partial derivatives over boxes.
 struct DifferentiableFunction {

@@ -11,33 +11,50 @@
 
 namespace verisq::stance {
 
+/// How a link moves, in its own frame.
+template <class T>
+struct LinkMotion {
+  SpatialMotion<T> velocity, acceleration;
+};
+
+/// Of all links. The world accelerates upwards by gravity: a tree in such a world feels its weight.
+template <class T>
+[[nodiscard]] std::vector<LinkMotion<T>> link_motions(const Tree<T>& tree, double gravity,
+                                                      const std::vector<T>& velocity, std::span<const T> acceleration) {
+  LinkMotion<T> world;
+  world.acceleration.linear[1] = T(gravity);
+  std::vector<LinkMotion<T>> motions;
+  motions.reserve(tree.links.size());
+  for (const Link<T>& link : tree.links) {
+    const LinkMotion<T>& carrier = link.parent ? motions[*link.parent] : world;
+    LinkMotion<T> motion{link.transform.to_child(carrier.velocity), link.transform.to_child(carrier.acceleration)};
+    if (link.joint != nullptr) {
+      const SpatialMotion<T> relative = link.joint_motion(velocity[link.degree_of_freedom]);
+      motion.velocity = motion.velocity + relative;
+      motion.acceleration = motion.acceleration + link.joint_motion(acceleration[link.degree_of_freedom]) +
+                            cross(motion.velocity, relative);
+    }
+    motions.push_back(motion);
+  }
+  return motions;
+}
+
 /// The generalised forces (N or N m, one a joint) that give the joints these accelerations in gravity, without contact
 /// and applied force: M(q) acceleration + h(q, velocity).
 template <class T>
 [[nodiscard]] std::vector<T> inverse_dynamics(const Model& model, std::span<const T> parameters, const State<T>& state,
                                               std::span<const T> acceleration) {
   const Tree<T> tree = tree_of(model, parameters, state.position);
-  const std::size_t count = tree.links.size();
-  // A tree that accelerates upwards feels gravity.
-  SpatialMotion<T> world;
-  world.linear[1] = T(model.gravity);
-  std::vector<SpatialMotion<T>> v(count);
-  std::vector<SpatialMotion<T>> a(count);
-  std::vector<Force<T>> f(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Link<T>& link = tree.links[i];
-    const SpatialMotion<T> carried = link.parent ? v[*link.parent] : SpatialMotion<T>{};
-    v[i] = link.transform.to_child(carried);
-    a[i] = link.transform.to_child(link.parent ? a[*link.parent] : world);
-    if (link.joint != nullptr) {
-      const SpatialMotion<T> relative = link.joint_motion(state.velocity[link.degree_of_freedom]);
-      v[i] = v[i] + relative;
-      a[i] = a[i] + link.joint_motion(acceleration[link.degree_of_freedom]) + cross(v[i], relative);
-    }
-    f[i] = link.inertia * a[i] + cross(v[i], link.inertia * v[i]);
+  std::vector<Force<T>> f;
+  f.reserve(tree.links.size());
+  const std::vector<LinkMotion<T>> motions = link_motions(tree, model.gravity, state.velocity, acceleration);
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const auto& [v, a] = motions[i];
+    const Inertia<T>& inertia = tree.links[i].inertia;
+    f.push_back(inertia * a + cross(v, inertia * v));
   }
   std::vector<T> generalised(tree.degrees_of_freedom, T(0));
-  for (std::size_t i = count; i-- > 0;) {
+  for (std::size_t i = f.size(); i-- > 0;) {
     const Link<T>& link = tree.links[i];
     if (link.joint != nullptr) generalised[link.degree_of_freedom] = link.joint_force(f[i]);
     if (link.parent) f[*link.parent] = f[*link.parent] + link.transform.to_parent(f[i]);
