@@ -3,6 +3,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -12,7 +13,9 @@
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 namespace {
@@ -24,6 +27,8 @@ struct PythonClosestPoints {
   py::array points;
   std::vector<ClosestPoint> rows;
   ClosestPointSummary summary;
+
+  static constexpr std::size_t members = 3;
 };
 
 /// One number for each row.
@@ -125,7 +130,8 @@ void declare_closest_points(py::module_& module) {
            "the points are moved: by a translation (three numbers, per model unit), and by a rotation about `centre`\n"
            "(three, per radian about x, y, z). Where the model is moved instead, their negatives.")
       .def("__len__", [](const PythonClosestPoints& self) { return self.rows.size(); })
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<PythonClosestPoints>());
 
   module.def("closest_points", closest_points_of, py::arg("model"), py::arg("points"), py::kw_only(),
              py::arg("tolerance") = py::none(),

@@ -20,9 +20,39 @@
 
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<stance::Quantity> = 3;
+template <>
+inline constexpr std::size_t member_count<stance::Parameter> = 5;
+template <>
+inline constexpr std::size_t member_count<stance::Joint> = 5;
+template <>
+inline constexpr std::size_t member_count<stance::Body> = 7;
+template <>
+inline constexpr std::size_t member_count<stance::ContactCylinder> = 14;
+template <>
+inline constexpr std::size_t member_count<stance::Controller> = 5;
+template <>
+inline constexpr std::size_t member_count<stance::AppliedForce> = 2;
+template <>
+inline constexpr std::size_t member_count<stance::Model> = 6;
+template <>
+inline constexpr std::size_t member_count<stance::Bounce> = 8;
+template <>
+inline constexpr std::size_t member_count<stance::CylinderLoad> = 2;
+template <>
+inline constexpr std::size_t member_count<stance::Standing> = 6;
+template <>
+inline constexpr std::size_t member_count<stance::EquilibriumCell> = 2;
+template <>
+inline constexpr std::size_t member_count<stance::Equilibrium> = 6;
+
 namespace {
 
 namespace py = pybind11;
@@ -32,6 +62,8 @@ using Names = std::optional<std::vector<std::string>>;
 /// Immutable, as read.
 struct PythonStance {
   stance::Model model;
+
+  static constexpr std::size_t members = 1;
 };
 
 std::vector<std::uint32_t> chosen(const PythonStance& self, const Names& names) {
@@ -111,6 +143,8 @@ struct PythonEquilibrium {
   stance::Equilibrium found;
   std::vector<std::string> parameters;  ///< uncertain ones
   std::vector<std::string> cylinders;
+
+  static constexpr std::size_t members = 3;
 };
 
 stance::JointControl control_of(const std::string& word) {
@@ -206,10 +240,12 @@ void declare_equilibria(py::module_& module) {
       .def_property_readonly(
           "cells", cells_of,
           "A list of dictionaries: verdict; parameters, the range of each uncertain one by its name.")
-      .def("__repr__", [](const PythonEquilibrium& self) {
-        return fmt::format("<verisq.Equilibrium: {:.4g} % stands, {:.4g} % open>", 100.0 * self.found.stands,
-                           100.0 * self.found.open);
-      });
+      .def("__repr__",
+           [](const PythonEquilibrium& self) {
+             return fmt::format("<verisq.Equilibrium: {:.4g} % stands, {:.4g} % open>", 100.0 * self.found.stands,
+                                100.0 * self.found.open);
+           })
+      .def(pickled<PythonEquilibrium>());
 }
 
 py::list parameters(const PythonStance& self) {
@@ -236,7 +272,8 @@ void declare_bounces(py::module_& module) {
       .def_readonly("deepest_penetration", &stance::Bounce::deepest_penetration, "m")
       .def_readonly("effective_restitution", &stance::Bounce::effective_restitution,
                     "Rebound speed divided by touch-down speed.")
-      .def_readonly("proven", &stance::Bounce::proven, "False: the integration gave up; ends may then be infinite.");
+      .def_readonly("proven", &stance::Bounce::proven, "False: the integration gave up; ends may then be infinite.")
+      .def(pickled<stance::Bounce>());
 }
 
 }  // namespace
@@ -301,10 +338,12 @@ void declare_stances(py::module_& module) {
            py::arg("uncertain") = py::none(),
            "bounce(cylinder, *, height=0.01, uncertain=None) -> Bounce\n\n"
            "Drops this contact cylinder alone, with the mass of its body, from so many metres.")
-      .def("__repr__", [](const PythonStance& self) {
-        return fmt::format("<verisq.StanceModel: {} bodies, {} parameters>", self.model.bodies.size(),
-                           self.model.parameters.size());
-      });
+      .def("__repr__",
+           [](const PythonStance& self) {
+             return fmt::format("<verisq.StanceModel: {} bodies, {} parameters>", self.model.bodies.size(),
+                                self.model.parameters.size());
+           })
+      .def(pickled<PythonStance>());
 }
 
 }  // namespace verisq::python
