@@ -107,9 +107,13 @@ py::tuple reference_uncertainty(const PythonStance& self, const Names& uncertain
   return py::make_tuple(rows_of(found.by_value), py::array_t<double>(stance::wrench_size, found.by_radius.data()));
 }
 
-py::array_t<double> accelerations(const PythonStance& self, const Names& uncertain, std::uint32_t cells) {
+void check_finest(std::uint32_t cells) {
   constexpr std::uint32_t most = 4096;
   if (cells < 1 || cells > most) throw py::value_error(fmt::format("cells must be 1 to {}, not {}", most, cells));
+}
+
+py::array_t<double> accelerations(const PythonStance& self, const Names& uncertain, std::uint32_t cells) {
+  check_finest(cells);
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   stance::check_cells(cells, over.size());
   Interruption interruption;
@@ -161,8 +165,7 @@ std::vector<std::string> cylinders(const PythonStance& self) {
 
 PythonEquilibrium equilibrium(const PythonStance& self, const std::string& joints, const Names& uncertain,
                               std::uint32_t cells) {
-  constexpr std::uint32_t most = 4096;
-  if (cells < 1 || cells > most) throw py::value_error(fmt::format("cells must be 1 to {}, not {}", most, cells));
+  check_finest(cells);
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   PythonEquilibrium result{{}, {}, cylinders(self)};
   for (const std::uint32_t i : over) result.parameters.push_back(self.model.parameters[i].name);
@@ -187,9 +190,7 @@ py::list cells_of(const PythonEquilibrium& self) {
   py::list result;
   for (const stance::EquilibriumCell& cell : self.found.cells) {
     py::dict each;
-    each["verdict"] = cell.verdict == stance::StandingVerdict::stands
-                          ? "stands"
-                          : (cell.verdict == stance::StandingVerdict::not_on_all ? "not_on_all" : "open");
+    each["verdict"] = py::str(std::string(to_string(cell.verdict)));
     py::dict ranges;
     for (std::size_t k = 0; k < cell.ranges.size(); ++k) ranges[py::str(self.parameters[k])] = cell.ranges[k];
     each["parameters"] = ranges;
