@@ -267,13 +267,23 @@ std::optional<ClosestSurfacePoint> BentDistance::closest_point(const Point& x) c
     const std::optional<Neighbourhood> found = neighbourhood(q, candidate);
     if (found && (!best || found->reach < best->reach)) best = found;
   }
-  if (!best) return std::nullopt;
-  const PreciseVector places = inflated(best->plane.x0, best->reach);
-  const PreciseInterval distance(best->plane.distance_lower, best->upper);
+  return closest_in(q, best);
+}
+
+std::optional<ClosestSurfacePoint> BentDistance::closest_point(const Point& x, const Candidate& candidate) const {
+  const Query q = query(x);
+  return closest_in(q, neighbourhood(q, candidate));
+}
+
+std::optional<ClosestSurfacePoint> BentDistance::closest_in(const Query& q,
+                                                            const std::optional<Neighbourhood>& found) const {
+  if (!found) return std::nullopt;
+  const PreciseVector places = inflated(found->plane.x0, found->reach);
+  const PreciseInterval distance(found->plane.distance_lower, found->upper);
   const PreciseVector point = map_.bent(places);
   const PreciseInterval component(-1, 1);
   const PreciseVector normal = motion_.rotation * PreciseVector((q.bent - point) / distance);
-  const std::optional<Rise> of_all = rise(q, places, best->upper);
+  const std::optional<Rise> of_all = rise(q, places, found->upper);
   return ClosestSurfacePoint{distance, motion_(point),
                              intersection(normal, {component, component, component}, "a component of a unit normal"),
                              of_all && of_all->margin > Real(0)};

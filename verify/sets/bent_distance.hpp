@@ -53,6 +53,9 @@ class BentDistance {
   /// §25). Unique where it is proven strictly. The distance is no wider than the other's.
   [[nodiscard]] std::optional<ClosestSurfacePoint> closest_point(const Point& x) const;
 
+  /// The same by this candidate alone.
+  [[nodiscard]] std::optional<ClosestSurfacePoint> closest_point(const Point& x, const Candidate& candidate) const;
+
   /// Whether all points of a box of the model's frame are proven to lie outside the solid.
   [[nodiscard]] bool excludes(const PreciseVector& box) const;
 
@@ -89,6 +92,8 @@ class BentDistance {
   [[nodiscard]] Candidate proposed(const Query& q) const;
   [[nodiscard]] Candidate refined(const Query& q, const Candidate& start) const;
   [[nodiscard]] std::optional<Neighbourhood> neighbourhood(const Query& q, const Candidate& candidate) const;
+  [[nodiscard]] std::optional<ClosestSurfacePoint> closest_in(const Query& q,
+                                                              const std::optional<Neighbourhood>& found) const;
   [[nodiscard]] Nearest proven(const Query& q, const Candidate& candidate) const;
   [[nodiscard]] PreciseVector image_of(const Candidate& candidate) const;
   [[nodiscard]] PreciseVector in_solid(const Proposal& point) const;
