@@ -168,7 +168,7 @@ void check_ranges(const FitRequest& request) {
     throw py::value_error(fmt::format("samples must be 1 to {}", most_samples));
 }
 
-/// Searches and proves, without Python's lock.
+/// Before Python sees any of it.
 struct FoundFit {
   FitSolution solution;
   FitProof proof;
@@ -176,6 +176,7 @@ struct FoundFit {
   double tolerance;
 };
 
+/// Searches and proves, without Python's lock.
 class FitRun {
  public:
   FitRun(const FitProblem& problem, Interruption& interruption, const std::optional<double>& gap, double bound_time,

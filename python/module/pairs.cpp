@@ -20,9 +20,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<ClosestPoints> = 3;
-
 namespace {
 
 namespace py = pybind11;

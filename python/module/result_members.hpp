@@ -11,6 +11,7 @@
 #include <verisq/map_result.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/model.hpp>
+#include <verisq/model_distance.hpp>
 
 #include "python/module/pickling.hpp"
 
@@ -48,6 +49,8 @@ template <>
 inline constexpr std::size_t member_count<ClosestPoint> = 5;
 template <>
 inline constexpr std::size_t member_count<ClosestPointSummary> = 5;
+template <>
+inline constexpr std::size_t member_count<ClosestPoints> = 3;
 template <>
 inline constexpr std::size_t member_count<PointOnTriangle> = 2;
 template <>

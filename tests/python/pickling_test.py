@@ -72,7 +72,7 @@ def one_of_each():
     pair = verisq.distance(model, model, [20, 0, 0, 1, 0, 0, 0])
     results = [
         certified, certified.certificates, verisq.Checker(model).points(points, *list(certified)[:2], certified.certificates),
-        verisq.closest_points(model, points), pair, pair.closest, pair.distance, deviation, deviation.of_vertices,
+        verisq.closest_points(model, points), verisq.closest_pairs(model, model, [[20, 0, 0, 1, 0, 0, 0]]), pair, pair.closest, pair.distance, deviation, deviation.of_vertices,
         verisq.mesh_clearance(ball(6.0), mesh, device="host", penetration_limit=1.0, most_samples=500), model, mesh,
         verisq.prove_containment(ball(3.0), mesh, "within", device="host"), verisq.octree(model, depth=3, device="host"),
         verisq.removed_volume(ball(2.0), verisq.straight_path([0, 0, -1], length=1), bone=mesh, relative_tolerance=0.5),
