@@ -17,6 +17,8 @@
 #include <verisq/model_search.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/errors/refusal.hpp"
+
 struct verisq_model {
   explicit verisq_model(verisq::Model read) : model(std::move(read)), distance(model) {}
 
@@ -32,6 +34,7 @@ namespace {
 
 using verisq::Error;
 using verisq::ErrorKind;
+using verisq::refuse;
 
 static_assert(VERISQ_DEVICE_VERIFIED == static_cast<int>(verisq::Status::device_verified));
 static_assert(VERISQ_HOST_VERIFIED == static_cast<int>(verisq::Status::host_verified));
@@ -64,10 +67,6 @@ verisq_code answer(verisq_error* error, const Work& work) noexcept {
   } catch (...) {
     return told(error, VERISQ_FAILURE, "an error of unknown kind");
   }
-}
-
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
 }
 
 /// False for NaN, too.

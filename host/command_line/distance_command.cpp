@@ -6,7 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
+#include <span>
 #include <string_view>
+#include <vector>
+#include <verisq/closest_points.hpp>
 #include <verisq/map.hpp>
 #include <verisq/model_distance.hpp>
 #include <verisq/model_file.hpp>
@@ -42,9 +46,9 @@ constexpr const char* closing_words =
     "enclosure\n"
     "is at most the tolerance wide: without closest points. Ctrl-C and the --time-limit end the search with the best\n"
     "enclosure so far, which is valid.\n"
-    "With --poses, OUT has a row index,lo,hi,status for each pose. Ctrl-C keeps the finished rows of a .csv or .npy "
-    "under\n"
-    "OUT.partial; a second Ctrl-C stops at once.\n"
+    "With --poses, OUT has a row index,lo,hi,status for each pose, and with --closest-points the boxes, too: infinite\n"
+    "where the models are not proven to be apart. Ctrl-C keeps the finished rows of a .csv or .npy under OUT.partial;\n"
+    "a second Ctrl-C stops at once.\n"
     "\n"
     "Exit status: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 bad usage or input, 130\n"
     "interrupted by Ctrl-C.\n"
@@ -60,6 +64,7 @@ void check_usage(const DistanceArguments& arguments) {
   if (!arguments.poses) {
     if (arguments.output) refuse("-o: only for many poses: give their --poses");
     if (arguments.device) refuse("--device: only for many poses: give their --poses");
+    if (arguments.closest_points) refuse("--closest-points: of one pose they are printed: only for --poses");
     return;
   }
   if (arguments.time_limit) refuse("--time-limit: only for one pose, not for --poses");
@@ -167,14 +172,24 @@ ExitStatus map_poses(const LargestModels& models, const std::string& units, doub
   const MapOptions options{.tolerance = tolerance,
                            .device = device_for(peeked, arguments.device.value_or("auto")),
                            .interrupted = interrupted};
-  return map_to_file(peeked, nullptr, [&] { return PoseMapper(models.a, models.b, options); },
-                     {.elements = MapElements::poses,
-                      .contents = MapContents::enclosures,
-                      .output = *arguments.output,
-                      .units = units,
-                      .tolerance = tolerance,
-                      .show_progress = !arguments.no_progress,
-                      .json = arguments.json});
+  MapRequest request{.elements = MapElements::poses,
+                     .contents = arguments.closest_points ? MapContents::closest_points : MapContents::enclosures,
+                     .output = *arguments.output,
+                     .units = units,
+                     .tolerance = tolerance,
+                     .show_progress = !arguments.no_progress,
+                     .json = arguments.json};
+  std::optional<PairDistance> pair;
+  if (arguments.closest_points) {
+    pair.emplace(models.a, models.b);
+    request.closest_pairs = [&](std::span<const Pose> poses) {
+      std::vector<ClosestPoints> rows(poses.size());
+      closest_points(*pair, poses, rows, interrupted);
+      return rows;
+    };
+  }
+  return map_to_file(
+      peeked, nullptr, [&] { return PoseMapper(models.a, models.b, options); }, request);
 }
 
 }  // namespace
@@ -187,6 +202,9 @@ void declare_distance(Options& options, DistanceArguments& arguments) {
               "Moves B: translation and quaternion of any length");
   options.add("--poses", arguments.poses, "FILE", "Many poses instead: .csv with tx,ty,tz,qw,qx,qy,qz a line");
   options.add("-o,--output", arguments.output, "FILE", "The distances for --poses, by extension: .csv .npy .json");
+  options.add_flag("--closest-points", arguments.closest_points,
+                   "For --poses: boxes that contain the closest points of both models, in the frame of A, and whether\n"
+                   "they are unique (.csv, .npy); some milliseconds a pose");
   options.add("--device", arguments.device, "DEVICE", fmt::format("For --poses: {}", device_of_map_explanation));
   options.add("--tol", arguments.tolerance, parse_length, "T",
               fmt::format("Width up to which the enclosure is called verified, in model units; 0 asks for the tightest "

@@ -20,6 +20,7 @@ struct DistanceArguments {
   std::optional<std::string> device;  ///< for `poses`; "auto" when not given
   std::optional<double> tolerance;
   std::optional<double> time_limit;  ///< in seconds
+  bool closest_points = false;       ///< for `poses`
   bool json = false;
   bool certificate = false;
   bool no_progress = false;

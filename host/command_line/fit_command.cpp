@@ -24,7 +24,7 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/messages.hpp"
-#include "host/command_line/number_list.hpp"
+#include "host/command_line/named_range.hpp"
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/plane_option.hpp"
 #include "host/command_line/pose_option.hpp"
@@ -285,12 +285,8 @@ void declare_sides(Options& options, FitArguments& arguments) {
 }
 
 KeptFeature parse_kept(std::string_view option, const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) refuse(fmt::format("{}: {} is not NAME=LO,HI", option, text));
-  const std::string name = fmt::format("{} {}", option, text);
-  const std::vector<double> ends = parse_numbers(name, text.substr(equals + 1), "LO,HI");
-  if (ends[0] > ends[1]) refuse(fmt::format("{}: {} is above {}", name, ends[0], ends[1]));
-  return {text.substr(0, equals), {ends[0], ends[1]}};
+  const auto [name, range] = parse_named_range(option, text);
+  return {name, range};
 }
 
 /// What of the bone is to be preserved.

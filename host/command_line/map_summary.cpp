@@ -34,8 +34,9 @@ std::string readable(const MapReport& report) {
   if (report.closest) {
     text += fmt::format("closest points     {} unique", report.closest->unique);
     if (report.closest->unique > 0) {
-      text += fmt::format(", to {}{}; normals to {}", upper_digits(report.closest->widest_point), units,
-                          upper_digits(report.closest->widest_normal));
+      text += fmt::format(", to {}{}", upper_digits(report.closest->widest_point), units);
+      if (report.elements != MapElements::poses)
+        text += fmt::format("; normals to {}", upper_digits(report.closest->widest_normal));
     }
     text += "\n";
   }
@@ -92,7 +93,7 @@ std::string json(const MapReport& report) {
   if (report.closest) {
     object.set("unique_closest_points", report.closest->unique);
     object.set("widest_closest_point", report.closest->widest_point);
-    object.set("widest_normal", report.closest->widest_normal);
+    if (report.elements != MapElements::poses) object.set("widest_normal", report.closest->widest_normal);
   }
   if (!report.files.html.empty()) object.set("report", report.files.html);
   if (!report.files.png.empty()) object.set("png", report.files.png);

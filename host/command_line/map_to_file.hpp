@@ -38,6 +38,8 @@ struct MapRequest {
   std::string why_wide_inside = {};  ///< said where rows of points inside are wide; empty: nothing
   /// The closest points of finished rows, for files with those contents. Empty: none are asked for.
   std::function<std::vector<ClosestPoint>(std::span<const Point>, std::span<const MapResult>)> closest = {};
+  /// Likewise of poses.
+  std::function<std::vector<ClosestPoints>(std::span<const Pose>)> closest_pairs = {};
   /// Called at the end of a map that was not interrupted, with all its rows. Empty: none are kept in memory.
   std::function<void(std::span<const MapResult>, const MapReport&)> show = {};
 };
@@ -57,6 +59,7 @@ struct FinishedRows {
   std::vector<MapResult> results;
   std::vector<Certificate> certificates;
   std::vector<ClosestPoint> closest;
+  std::vector<ClosestPoints> closest_pairs;
 };
 
 template <class Element>
@@ -65,11 +68,12 @@ void append(MapWriter& writer, const FinishedRows<Element>& rows) {
     if (!rows.closest.empty()) return writer.append_closest(rows.elements, rows.results, rows.closest);
     writer.append(rows.elements, rows.results, rows.certificates);
   } else {
+    if (!rows.closest_pairs.empty()) return writer.append_closest(rows.results, rows.closest_pairs);
     writer.append(rows.results, rows.certificates);
   }
 }
 
-/// Where they are asked for, which only points are.
+/// Where they are asked for, of points or poses.
 template <class Element>
 void add_closest_points(FinishedRows<Element>& rows, const MapRequest& request,
                         std::optional<ClosestPointSummary>& summary) {
@@ -77,6 +81,10 @@ void add_closest_points(FinishedRows<Element>& rows, const MapRequest& request,
     if (!request.closest) return;
     rows.closest = request.closest(rows.elements, rows.results);
     summary = joined(summary.value_or(ClosestPointSummary{}), summary_of(rows.closest));
+  } else if constexpr (std::same_as<Element, Pose>) {
+    if (!request.closest_pairs) return;
+    rows.closest_pairs = request.closest_pairs(rows.elements);
+    summary = joined(summary.value_or(ClosestPointSummary{}), summary_of(rows.closest_pairs));
   }
 }
 

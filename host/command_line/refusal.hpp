@@ -1,14 +1,10 @@
 /// What the user can correct ends a command in one line.
 #pragma once
 
-#include <string>
-#include <verisq/error.hpp>
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 
-/// Throws Error(input).
-[[noreturn]] inline void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
-}
+using verisq::refuse;
 
 }  // namespace verisq::command_line

@@ -15,7 +15,6 @@
 #include "host/command_line/choice.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
-#include "host/command_line/number_list.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
@@ -83,14 +82,6 @@ std::vector<std::uint32_t> parse_uncertain(const std::string& list, const Model&
   return list == "all" ? uncertain_parameters(model) : uncertain_parameters(model, split(list));
 }
 
-ParameterRange parse_range(std::string_view option, const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) refuse(fmt::format("{}: {} is not NAME=LO,HI", option, text));
-  const std::vector<double> ends = parse_numbers(option, text.substr(equals + 1), "LO,HI");
-  if (ends[0] > ends[1]) refuse(fmt::format("{}: in {} the first number is the larger one", option, text));
-  return {text.substr(0, equals), {ends[0], ends[1]}};
-}
-
 [[noreturn]] void report_escape(const Model& model, const std::string& component, const Enclosure& claimed,
                                 const Escape& escape) {
   std::vector<std::string> sample;
@@ -109,7 +100,7 @@ class Analysis {
     summary_.file = arguments.model;
     summary_.mode = arguments.mode.value_or(Mode::tight);
     summary_.model = read_model(arguments.model);
-    for (const ParameterRange& range : arguments.ranges) {
+    for (const NamedRange& range : arguments.ranges) {
       const std::uint32_t parameter = parameter_named(summary_.model, range.name, "--range: {} is not one of {}");
       summary_.model = narrowed(std::move(summary_.model), parameter, range.range);
     }
@@ -270,7 +261,7 @@ void declare_stance(Options& options, StanceArguments& arguments) {
               "JOINTS",
               "Also whether small disturbances of that equilibrium die out: with the whole controllers acting (held),\n"
               "or without their integral parts (proportional)");
-  options.add_each("--range", arguments.ranges, parse_range, "NAME=LO,HI",
+  options.add_each("--range", arguments.ranges, parse_named_range, "NAME=LO,HI",
                    "A part of a parameter's range instead of the file's; may be repeated");
   options.add("--within", arguments.within, parse_positive_length, "PERCENT",
               "Uncertain parameters are at most this part of their nominal value off it");

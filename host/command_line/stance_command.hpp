@@ -8,21 +8,17 @@
 #include <verisq/stance_equilibrium.hpp>
 
 #include "host/command_line/exit_status.hpp"
+#include "host/command_line/named_range.hpp"
 #include "host/command_line/options.hpp"
 
 namespace verisq::command_line {
-
-struct ParameterRange {
-  std::string name;
-  Enclosure range;
-};
 
 /// As typed; `run_stance` checks what depends on the file or on several options.
 struct StanceArguments {
   std::string model;
   std::optional<std::string> uncertain;
-  std::vector<ParameterRange> ranges;  ///< instead of the file's
-  std::optional<double> within;        ///< per cent of the nominal value, of every uncertain parameter
+  std::vector<NamedRange> ranges;  ///< instead of the file's
+  std::optional<double> within;    ///< per cent of the nominal value, of every uncertain parameter
   std::optional<stance::Mode> mode;
   bool sensitivities = false;
   bool accelerations = false;

@@ -27,13 +27,17 @@ std::string_view word(Mode mode) {
   return mode == Mode::paper ? "paper" : "tight";
 }
 
-/// "m/s^2" or "rad/s^2" of each joint.
-std::vector<std::string> acceleration_units(const Model& model) {
-  std::vector<std::string> units;
+/// Of all joints, bodies in order.
+std::vector<JointKind> joint_kinds(const Model& model) {
+  std::vector<JointKind> kinds;
   for (const Body& body : model.bodies) {
-    for (const Joint& joint : body.joints) units.emplace_back(joint.kind == JointKind::rotation ? "rad/s^2" : "m/s^2");
+    for (const Joint& joint : body.joints) kinds.push_back(joint.kind);
   }
-  return units;
+  return kinds;
+}
+
+std::string_view acceleration_unit(JointKind kind) {
+  return kind == JointKind::rotation ? "rad/s^2" : "m/s^2";
 }
 
 bool is_zero(const Enclosure& enclosure) {
@@ -119,10 +123,10 @@ std::string reference_text(const ReferenceUncertainty& reference) {
 std::string accelerations_text(const StanceSummary& summary) {
   std::string text = "\njoint accelerations\n";
   const std::vector<std::string> names = stance::joint_names(summary.model);
-  const std::vector<std::string> units = acceleration_units(summary.model);
+  const std::vector<JointKind> kinds = joint_kinds(summary.model);
   for (std::size_t k = 0; k < summary.accelerations.size(); ++k) {
     const Enclosure& enclosure = summary.accelerations[k];
-    text += fmt::format("  {:<20} {:<8}{:<34}{}\n", names[k], units[k], outward_digits(enclosure),
+    text += fmt::format("  {:<20} {:<8}{:<34}{}\n", names[k], acceleration_unit(kinds[k]), outward_digits(enclosure),
                         filled_text(summary.acceleration_samples, k, enclosure));
   }
   return text + scope_text(summary.acceleration_scope) + samples_text(summary.acceleration_samples);
@@ -130,15 +134,6 @@ std::string accelerations_text(const StanceSummary& summary) {
 
 std::string_view word(JointControl control) {
   return control == JointControl::held ? "held" : "proportional";
-}
-
-std::string_view word(StandingVerdict verdict) {
-  switch (verdict) {
-    case StandingVerdict::stands: return "stands";
-    case StandingVerdict::not_on_all: return "not_on_all";
-    case StandingVerdict::open: break;
-  }
-  return "open";
 }
 
 /// Rounded down: all of the box is 100 % of it, and nothing else is.
@@ -152,10 +147,7 @@ std::string standing_text(const StanceSummary& summary, const Standing& standing
     text += fmt::format("  {:<32}{:<6}{}\n", name, unit, outward_digits(enclosure));
   };
   const std::vector<std::string> names = joint_names(summary.model);
-  std::vector<JointKind> kinds;
-  for (const Body& body : summary.model.bodies) {
-    for (const Joint& joint : body.joints) kinds.push_back(joint.kind);
-  }
+  const std::vector<JointKind> kinds = joint_kinds(summary.model);
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (standing.positions[k].width() > 0.0)
       line(names[k], kinds[k] == JointKind::rotation ? "rad" : "m", standing.positions[k]);
@@ -182,15 +174,6 @@ std::string equilibrium_text(const StanceSummary& summary) {
   text += fmt::format("  open: {}\n", share_text(found.open));
   if (found.standing) text += standing_text(summary, *found.standing);
   return text + scope_text(summary.equilibrium_scope);
-}
-
-std::string_view word(StabilityVerdict verdict) {
-  switch (verdict) {
-    case StabilityVerdict::stable: return "stable";
-    case StabilityVerdict::unstable: return "unstable";
-    case StabilityVerdict::open: break;
-  }
-  return "open";
 }
 
 std::string eigenvalues_text(const std::vector<EigenvalueEnclosure>& eigenvalues) {
@@ -360,7 +343,7 @@ JsonValue::Array json_of_cells(const Cells& cells, const StanceSummary& summary)
     JsonObject ranges;
     for (std::size_t k = 0; k < cell.ranges.size(); ++k)
       ranges.set(summary.model.parameters[summary.uncertain[k]].name, cell.ranges[k]);
-    array.push_back(JsonObject{{"verdict", word(cell.verdict)}, {"parameters", ranges}});
+    array.push_back(JsonObject{{"verdict", to_string(cell.verdict)}, {"parameters", ranges}});
   }
   return array;
 }

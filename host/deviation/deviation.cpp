@@ -11,6 +11,7 @@
 #include <span>
 #include <utility>
 
+#include "host/errors/refusal.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/deviation/farthest_patch.hpp"
 #include "verify/deviation/mesh_distances.hpp"
@@ -29,10 +30,6 @@ constexpr double finest_share = 1e-6;
 constexpr double coarse_share = 1e-2;
 /// Of the width allowed: how wide samples between the vertices may be where tight ones are searched for.
 constexpr double share_of_samples = 0.05;
-
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorKind::input, message);
-}
 
 void check_mesh(const Mesh& mesh) {
   if (mesh.vertices.empty()) refuse("the mesh has no vertices");

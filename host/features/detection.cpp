@@ -4,16 +4,16 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
-#include <verisq/error.hpp>
 #include <verisq/features.hpp>
 #include <verisq/mesh_topology.hpp>
 
+#include "host/errors/refusal.hpp"
 #include "host/features/condyles.hpp"
 #include "host/features/head_sphere.hpp"
 #include "host/features/neck_section.hpp"
 #include "host/features/shaft_axis.hpp"
+#include "host/mesh/connected_parts.hpp"
 #include "host/mesh/eigen_points.hpp"
 #include "host/mesh/surface_moments.hpp"
 
@@ -21,26 +21,6 @@ namespace verisq {
 namespace {
 
 using Eigen::Vector3d;
-
-[[noreturn]] void refuse(const std::string& what) {
-  throw Error(ErrorKind::input, what);
-}
-
-/// The representative of each vertex's connected part.
-std::vector<std::uint32_t> parts_of(const Mesh& mesh) {
-  std::vector<std::uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const auto& [a, b, c] : mesh.triangles) {
-    parent[root(b)] = root(a);
-    parent[root(c)] = root(a);
-  }
-  for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = root(i);
-  return parent;
-}
 
 double area_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
   const Vector3d a = vector_of(mesh.vertices[triangle[0]]);
@@ -72,7 +52,7 @@ Box box_of(const Mesh& mesh) {
 /// The largest of the mesh's connected parts, outward. Small crumbs and what lies within, such as a canal, are left
 /// out; a second bone is refused.
 Mesh one_bone(const Mesh& mesh) {
-  const std::vector<std::uint32_t> part = parts_of(mesh);
+  const std::vector<std::uint32_t> part = connected_parts(mesh);
   std::vector<double> area(mesh.vertices.size(), 0.0);
   std::vector<Box> boxes(mesh.vertices.size());
   for (const auto& triangle : mesh.triangles) {

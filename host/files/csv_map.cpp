@@ -61,7 +61,7 @@ std::vector<MapColumn> columns_of(const MapKind& kind) {
   if (!kind.columns.empty()) return kind.columns;
   std::vector<MapColumn> columns{MapColumn::index, MapColumn::lo, MapColumn::hi, MapColumn::status};
   if (kind.contents == MapContents::closest_points) {
-    for (const MapColumn column : columns_of_closest_points()) columns.push_back(column);
+    for (const MapColumn column : columns_of_closest_points(kind.elements)) columns.push_back(column);
   }
   return columns;
 }
@@ -85,7 +85,7 @@ char* put_field(MapColumn column, const MapRow& row, char* at) {
   switch (column) {
     case MapColumn::index: return fmt::format_to(at, FMT_COMPILE("{}"), row.index);
     case MapColumn::status: return put(to_string(row.result.status), at);
-    case MapColumn::unique: return put(row.closest->unique ? "1" : "0", at);
+    case MapColumn::unique: return put(is_unique(row) ? "1" : "0", at);
     case MapColumn::primitive: return fmt::format_to(at, FMT_COMPILE("{}"), primitive_in(*row.closest));
     default: return put_shortest_digits(number_in(column, row), at);
   }

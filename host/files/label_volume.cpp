@@ -11,14 +11,10 @@
 
 #include "host/files/volume_formats.hpp"
 #include "host/files/words.hpp"
+#include "host/mesh/determinant.hpp"
 
 namespace verisq {
 namespace {
-
-double determinant(const std::array<Point, 3>& steps) {
-  const auto& [a, b, c] = steps;
-  return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
 
 LabelVolume read(InputFile& file, const std::string& name) {
   if (name.ends_with(".nrrd")) return read_nrrd(file);

@@ -18,17 +18,21 @@ struct MapRow {
   const Point* point;  ///< null where there is none: of triangles and poses
   MapResult result;
   const ClosestPoint* closest;  ///< null where the map has none
+  const ClosestPoints* pair;    ///< likewise, of poses
 };
 
 /// Precondition: none of those that are whole numbers or words; where there is no point no coordinate. The width is
 /// rounded upward.
 [[nodiscard]] double number_in(MapColumn column, const MapRow& row);
 
+/// Precondition: a row with closest points.
+[[nodiscard]] bool is_unique(const MapRow& row);
+
 /// Of the deciding primitive; -1 where it is not known.
 [[nodiscard]] std::int32_t primitive_in(const ClosestPoint& closest);
 
 /// Those of closest points, in their order.
-[[nodiscard]] std::vector<MapColumn> columns_of_closest_points();
+[[nodiscard]] std::vector<MapColumn> columns_of_closest_points(MapElements elements);
 
 /// The rows of one call of `MapFormat::append`, with the points of a mesh where it gives none. Views of all that it is
 /// made of.
@@ -39,8 +43,8 @@ class AppendedRows {
 
   [[nodiscard]] std::size_t size() const { return results_.size(); }
   [[nodiscard]] MapRow operator[](std::size_t k) const {
-    return {first_ + k, points_.empty() ? nullptr : &points_[k], results_[k],
-            closest_.empty() ? nullptr : &closest_[k]};
+    return {first_ + k, points_.empty() ? nullptr : &points_[k], results_[k], closest_.empty() ? nullptr : &closest_[k],
+            pairs_.empty() ? nullptr : &pairs_[k]};
   }
 
  private:
@@ -48,6 +52,7 @@ class AppendedRows {
   std::span<const Point> points_;
   std::span<const MapResult> results_;
   std::span<const ClosestPoint> closest_;
+  std::span<const ClosestPoints> pairs_;
 };
 
 }  // namespace verisq

@@ -70,12 +70,18 @@ Maker maker_for(const std::filesystem::path& path, const MapForm& form) {
     refuse(fmt::format("certificates are written to {} only", extensions_with(&FormatTraits::certificates)));
   }
   if (form.contents == MapContents::closest_points) {
-    if (form.elements != MapElements::vertices) refuse("closest points are those of points only");
+    if (form.elements == MapElements::triangles) refuse("closest points are those of points and poses only");
     if (!format->closest_points) {
       refuse(fmt::format("closest points are written to {} only", extensions_with(&FormatTraits::closest_points)));
     }
   } else if (std::ranges::any_of(form.columns, is_of_closest_point)) {
     refuse("columns of closest points in a map without them");
+  }
+  const bool pairs = form.elements == MapElements::poses;
+  if (std::ranges::any_of(form.columns, [&](MapColumn column) {
+        return column != MapColumn::unique && is_of_closest_point(column) && is_of_closest_pair(column) != pairs;
+      })) {
+    refuse(pairs ? "columns of points in a map of poses" : "columns of poses in a map of points");
   }
   for (auto column = form.columns.begin(); column != form.columns.end(); ++column) {
     if (std::find(form.columns.begin(), column, *column) != column) {
@@ -154,6 +160,10 @@ void MapWriter::append(std::span<const MapResult> results, std::span<const Certi
 void MapWriter::append_closest(std::span<const Point> points, std::span<const MapResult> results,
                                std::span<const ClosestPoint> closest) {
   format_->append({points, results, {}, closest});
+}
+
+void MapWriter::append_closest(std::span<const MapResult> results, std::span<const ClosestPoints> closest) {
+  format_->append({{}, results, {}, {}, closest});
 }
 
 void MapWriter::finish() {

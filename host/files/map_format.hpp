@@ -11,6 +11,7 @@
 #include <verisq/map_file.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
+#include <verisq/model_distance.hpp>
 
 #include "host/files/output_file.hpp"
 
@@ -31,6 +32,7 @@ struct MapChunk {
   std::span<const MapResult> results;
   std::span<const Certificate> certificates = {};
   std::span<const ClosestPoint> closest = {};
+  std::span<const ClosestPoints> closest_pairs = {};
 };
 
 /// Writes one map to the output file it was made with. Throws Error(failure).

@@ -39,10 +39,10 @@ std::string descr_of(std::span<const MapColumn> columns) {
   return "[" + descr + "]";
 }
 
-std::vector<MapColumn> usual_columns(MapContents contents) {
+std::vector<MapColumn> usual_columns(const MapKind& kind) {
   std::vector<MapColumn> columns{MapColumn::lo, MapColumn::hi, MapColumn::status};
-  if (contents == MapContents::closest_points) {
-    for (const MapColumn column : columns_of_closest_points()) columns.push_back(column);
+  if (kind.contents == MapContents::closest_points) {
+    for (const MapColumn column : columns_of_closest_points(kind.elements)) columns.push_back(column);
   }
   return columns;
 }
@@ -56,7 +56,7 @@ char* put(auto number, char* at) {
 class NpyMap final : public MapFormat {
  public:
   NpyMap(OutputFile& output, const MapKind& kind) : output_(output), kind_(kind) {
-    if (kind_.columns.empty()) kind_.columns = usual_columns(kind.contents);
+    if (kind_.columns.empty()) kind_.columns = usual_columns(kind);
     for (const MapColumn column : kind_.columns) row_bytes_ += bytes_of(column);
     descr_ = descr_of(kind_.columns);
     // What is written on the way can be corrected later, or is right from the beginning.
@@ -90,7 +90,7 @@ class NpyMap final : public MapFormat {
       switch (column) {
         case MapColumn::index: at = put(row.index, at); break;
         case MapColumn::status: at = put(static_cast<std::uint8_t>(row.result.status), at); break;
-        case MapColumn::unique: at = put(static_cast<std::uint8_t>(row.closest->unique), at); break;
+        case MapColumn::unique: at = put(static_cast<std::uint8_t>(is_unique(row)), at); break;
         case MapColumn::primitive: at = put(primitive_in(*row.closest), at); break;
         default: at = put(number_in(column, row), at);
       }

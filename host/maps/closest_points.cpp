@@ -12,12 +12,17 @@
 namespace verisq {
 namespace {
 
-/// So many points are finished before the end is asked for.
-constexpr std::size_t points_between_polls = 1024;
+/// So many rows are finished before the end is asked for.
+constexpr std::size_t rows_between_polls = 1024;
 
 void refuse_if_not_finite(const Point& x, std::size_t index) {
   if (std::ranges::all_of(x, [](double c) { return std::isfinite(c); })) return;
   throw Error(ErrorKind::input, fmt::format("point {}: ({}, {}, {}) is not finite", index, x[0], x[1], x[2]));
+}
+
+ClosestPoints anywhere() {
+  constexpr Enclosure anything{-infinity, infinity};
+  return {{anything, anything, anything}, {anything, anything, anything}, false};
 }
 
 double widest_interval(const EnclosedPoint& box) {
@@ -33,6 +38,16 @@ ClosestPointSummary summary_of(std::span<const ClosestPoint> rows) {
     ++summary.unique;
     summary.widest_point = std::max(summary.widest_point, widest_interval(row.point));
     summary.widest_normal = std::max(summary.widest_normal, widest_interval(row.normal));
+  }
+  return summary;
+}
+
+ClosestPointSummary summary_of(std::span<const ClosestPoints> rows) {
+  ClosestPointSummary summary{.points = rows.size()};
+  for (const ClosestPoints& row : rows) {
+    if (!row.unique) continue;
+    ++summary.unique;
+    summary.widest_point = std::max({summary.widest_point, widest_interval(row.on_a), widest_interval(row.on_b)});
   }
   return summary;
 }
@@ -57,7 +72,7 @@ ClosestPointSummary closest_points(const SignedDistance& distance, const PointCo
   std::size_t done = 0;
   const auto interrupted = [&] { return options.interrupted && options.interrupted(); };
   while (done < points.size() && !interrupted()) {
-    const std::size_t count = std::min(points_between_polls, points.size() - done);
+    const std::size_t count = std::min(rows_between_polls, points.size() - done);
     in_parallel(count, [&](std::size_t k) {
       const Point x = points[done + k];
       refuse_if_not_finite(x, done + k);
@@ -72,6 +87,26 @@ ClosestPointSummary closest_points(const SignedDistance& distance, const PointCo
   }
   ClosestPointSummary summary = summary_of(rows.first(done));
   summary.interrupted = done < points.size();
+  return summary;
+}
+
+ClosestPointSummary closest_points(const PairDistance& distance, std::span<const Pose> poses,
+                                   std::span<ClosestPoints> rows, const std::function<bool()>& interrupted) {
+  if (rows.size() != poses.size()) {
+    throw Error(ErrorKind::input, fmt::format("{} rows for the closest points of {} poses", rows.size(), poses.size()));
+  }
+  std::size_t done = 0;
+  while (done < poses.size() && !(interrupted && interrupted())) {
+    const std::size_t count = std::min(rows_between_polls, poses.size() - done);
+    in_parallel(count, [&](std::size_t k) {
+      const Pose& pose = poses[done + k];
+      rows[done + k] = distance.closest_points(distance(pose, interrupted), pose, interrupted).value_or(anywhere());
+    });
+    done += count;
+  }
+  for (ClosestPoints& row : rows.subspan(done)) row = anywhere();
+  ClosestPointSummary summary = summary_of(rows.first(done));
+  summary.interrupted = done < poses.size();
   return summary;
 }
 

@@ -6,7 +6,7 @@
 #include <verisq/mesh_topology.hpp>
 #include <verisq/sides.hpp>
 
-#include "host/planning/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq {
 namespace {
@@ -16,19 +16,18 @@ void check_surface_of_bone(const char* option, const NamedMesh& surface) {
   try {
     check_surface_has_sides(surface.mesh);
   } catch (const Error& error) {
-    planning::refuse(fmt::format("{}: {}: {}: mend it by `verisq surface`", option, surface.name, error.what()));
+    refuse(fmt::format("{}: {}: {}: mend it by `verisq surface`", option, surface.name, error.what()));
   }
   const std::size_t parts = mesh_topology(surface.mesh).components;
   if (parts > 1) {
-    planning::refuse(
-        fmt::format("{}: {} has {} separate surfaces, and only one can be meant", option, surface.name, parts));
+    refuse(fmt::format("{}: {} has {} separate surfaces, and only one can be meant", option, surface.name, parts));
   }
 }
 
 void check_outer_surface(const char* option, const NamedMesh& surface) {
   check_surface_of_bone(option, surface);
   if (!faces_outward(surface.mesh))
-    planning::refuse(fmt::format("{}: {}: its normals point inward, as a cavity's", option, surface.name));
+    refuse(fmt::format("{}: {}: its normals point inward, as a cavity's", option, surface.name));
 }
 
 std::optional<Plane> scaled_if(const std::optional<Plane>& resection) {
@@ -39,7 +38,7 @@ std::optional<Plane> scaled_if(const std::optional<Plane>& resection) {
 
 BoneRegion bone_around(NamedMesh cavity, std::optional<NamedMesh> outer, const std::optional<Plane>& resection) {
   if (!outer && !resection) {
-    planning::refuse(
+    refuse(
         "--cavity: nothing says where the bone around it ends: give --within with the bone's outer surface, or "
         "--resection");
   }
@@ -61,7 +60,7 @@ BoneRegion bone_inside(NamedMesh outer, const std::optional<Plane>& resection) {
 
 Mesh before_resection(const NamedMesh& mesh, const Plane& resection) {
   Mesh left = cut_off(mesh.mesh, scaled(resection)).mesh;
-  if (left.vertices.empty()) planning::refuse(fmt::format("--resection: all of {} lies beyond it", mesh.name));
+  if (left.vertices.empty()) refuse(fmt::format("--resection: all of {} lies beyond it", mesh.name));
   return left;
 }
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <verisq/posed_model.hpp>
 
-#include "host/planning/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq {
 namespace {

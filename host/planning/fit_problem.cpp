@@ -8,15 +8,13 @@
 #include <utility>
 #include <verisq/fit_problem.hpp>
 
+#include "host/errors/refusal.hpp"
 #include "host/mesh/extent.hpp"
 #include "host/planning/fit_constraints.hpp"
 #include "host/planning/fit_sides.hpp"
-#include "host/planning/refusal.hpp"
 
 namespace verisq {
 namespace {
-
-using planning::refuse;
 
 constexpr std::string_view elsewhere_name = "elsewhere";  // the area of points that no box holds
 constexpr double default_gap_in_mm = 2.0;

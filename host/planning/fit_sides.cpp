@@ -7,10 +7,9 @@
 #include <iterator>
 #include <string>
 #include <utility>
-#include <verisq/error.hpp>
 #include <verisq/mesh_topology.hpp>
 
-#include "host/planning/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::planning {
 namespace {

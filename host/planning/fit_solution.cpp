@@ -6,8 +6,8 @@
 #include <utility>
 #include <verisq/fit_solution.hpp>
 
+#include "host/errors/refusal.hpp"
 #include "host/planning/fit_constraints.hpp"
-#include "host/planning/refusal.hpp"
 #include "verify/numbers/rounding.hpp"
 
 namespace verisq {
@@ -23,8 +23,7 @@ constexpr std::uint64_t most_surface_samples = std::uint64_t{1} << 19U;
 void refuse_what_has_no_bound(const FitProblem& problem) {
   for (std::size_t i = 0; i < problem.series.size(); ++i) {
     if (is_exact(problem.series[i])) continue;
-    planning::refuse(
-        fmt::format("--bound: {} has sizes to choose from, and the bound is of poses alone", problem.names[i]));
+    refuse(fmt::format("--bound: {} has sizes to choose from, and the bound is of poses alone", problem.names[i]));
   }
 }
 

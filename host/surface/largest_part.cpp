@@ -5,9 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <unordered_map>
 #include <vector>
+
+#include "host/mesh/connected_parts.hpp"
 
 namespace verisq::surface {
 namespace {
@@ -18,28 +19,12 @@ double area(const Point& a, const Point& b, const Point& c) {
   return std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2.0;
 }
 
-/// Of each vertex the root of its part.
-std::vector<std::uint32_t> parts_of(const Mesh& mesh) {
-  std::vector<std::uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto root = [&parent](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const auto& [a, b, c] : mesh.triangles) {
-    parent[root(b)] = root(a);
-    parent[root(c)] = root(a);
-  }
-  for (std::uint32_t v = 0; v < parent.size(); ++v) parent[v] = root(v);
-  return parent;
-}
-
 }  // namespace
 
 LargestPart largest_part(const Mesh& mesh) {
   LargestPart result;
   if (mesh.triangles.empty()) return result;
-  const std::vector<std::uint32_t> part = parts_of(mesh);
+  const std::vector<std::uint32_t> part = connected_parts(mesh);
   std::unordered_map<std::uint32_t, double> areas;
   for (const auto& [a, b, c] : mesh.triangles)
     areas[part[a]] += area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);

@@ -6,6 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "host/mesh/determinant.hpp"
+
 namespace verisq::surface {
 namespace {
 
@@ -18,15 +20,9 @@ constexpr double nearest_to_sample = 0.02;
 constexpr std::array<std::array<std::size_t, 4>, 6> tetrahedra{
     {{0, 1, 3, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 6, 7}, {0, 4, 5, 7}, {0, 1, 5, 7}}};
 
-bool right_handed(const std::array<Point, 3>& steps) {
-  const auto& [a, b, c] = steps;
-  return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]) >
-         0.0;
-}
-
 class Marcher {
  public:
-  explicit Marcher(const GridSamples& samples) : samples_(samples), right_handed_(right_handed(samples.steps)) {}
+  explicit Marcher(const GridSamples& samples) : samples_(samples), right_handed_(determinant(samples.steps) > 0.0) {}
 
   Mesh operator()() {
     const auto& [nx, ny, nz] = samples_.counts;

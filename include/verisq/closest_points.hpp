@@ -1,4 +1,4 @@
-/// The closest points of many points, by all processors of the host.
+/// The closest points of many points, and of two models in many poses, by all processors of the host.
 #pragma once
 
 #include <cstddef>
@@ -6,6 +6,8 @@
 #include <span>
 #include <verisq/closest_point.hpp>
 #include <verisq/columns.hpp>
+#include <verisq/model.hpp>
+#include <verisq/model_distance.hpp>
 #include <verisq/signed_distance.hpp>
 
 namespace verisq {
@@ -21,10 +23,10 @@ struct ClosestPointOptions {
 
 /// What was found of many points.
 struct ClosestPointSummary {
-  std::size_t points = 0;     ///< finished rows, from the front: all unless interrupted
-  std::size_t unique = 0;     ///< of these
-  double widest_point = 0.0;  ///< of the boxes of unique ones, the widest of their intervals, in model units
-  double widest_normal = 0.0;
+  std::size_t points = 0;      ///< finished rows, from the front: all unless interrupted
+  std::size_t unique = 0;      ///< of these
+  double widest_point = 0.0;   ///< of the boxes of unique ones, the widest of their intervals, in model units
+  double widest_normal = 0.0;  ///< of points only
   bool interrupted = false;
 
   [[nodiscard]] bool operator==(const ClosestPointSummary&) const = default;
@@ -35,8 +37,14 @@ struct ClosestPointSummary {
 ClosestPointSummary closest_points(const SignedDistance& distance, const PointColumns& points,
                                    std::span<ClosestPoint> rows, const ClosestPointOptions& options);
 
+/// Row i is PairDistance::closest_points for pose i; where that says nothing, the models not being proven separate, and
+/// in rows that are not finished, the boxes are infinite. Throws Error(input) unless there are as many rows as poses.
+ClosestPointSummary closest_points(const PairDistance& distance, std::span<const Pose> poses,
+                                   std::span<ClosestPoints> rows, const std::function<bool()>& interrupted = {});
+
 /// Of finished rows.
 [[nodiscard]] ClosestPointSummary summary_of(std::span<const ClosestPoint> rows);
+[[nodiscard]] ClosestPointSummary summary_of(std::span<const ClosestPoints> rows);
 
 /// Of the rows of both.
 [[nodiscard]] ClosestPointSummary joined(const ClosestPointSummary& a, const ClosestPointSummary& b);

@@ -14,13 +14,16 @@
 #include <verisq/closest_point.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
+#include <verisq/model_distance.hpp>
 
 namespace verisq {
 
 enum class MapContents {
   enclosures,
-  certified,       ///< with the certificate of each enclosure; `.csv` and `.vtp` only
-  closest_points,  ///< of vertices with the closest point of each; `.csv`, `.npy` and `.vtp` only
+  certified,  ///< with the certificate of each enclosure; `.csv` and `.vtp` only
+  /// Of vertices with the closest point of each: `.csv`, `.npy` and `.vtp` only. Of poses with the closest points of
+  /// both models: `.csv` and `.npy` only.
+  closest_points,
 };
 
 /// What a map has a row for.
@@ -41,8 +44,8 @@ enum class MapColumn {
   mid,
   width,
   status,
-  unique,  ///< this and those below: of maps with closest points
-  closest_x_lo,
+  unique,        ///< this and those below: of maps with closest points
+  closest_x_lo,  ///< up to `primitive`: of points
   closest_x_hi,
   closest_y_lo,
   closest_y_hi,
@@ -54,12 +57,29 @@ enum class MapColumn {
   normal_y_hi,
   normal_z_lo,
   normal_z_hi,
-  primitive
+  primitive,
+  on_a_x_lo,  ///< this and those below: of poses
+  on_a_x_hi,
+  on_a_y_lo,
+  on_a_y_hi,
+  on_a_z_lo,
+  on_a_z_hi,
+  on_b_x_lo,
+  on_b_x_hi,
+  on_b_y_lo,
+  on_b_y_hi,
+  on_b_z_lo,
+  on_b_z_hi
 };
 
 /// Whether only a map with closest points has it.
 [[nodiscard]] constexpr bool is_of_closest_point(MapColumn column) {
   return column >= MapColumn::unique;
+}
+
+/// Whether only a map of poses with closest points has it.
+[[nodiscard]] constexpr bool is_of_closest_pair(MapColumn column) {
+  return column >= MapColumn::on_a_x_lo;
 }
 
 /// The name in the first line of a `.csv`, and of the field in a `.npy`.
@@ -87,6 +107,18 @@ enum class MapColumn {
     case MapColumn::normal_z_lo: return "normal_z_lo";
     case MapColumn::normal_z_hi: return "normal_z_hi";
     case MapColumn::primitive: return "primitive";
+    case MapColumn::on_a_x_lo: return "on_a_x_lo";
+    case MapColumn::on_a_x_hi: return "on_a_x_hi";
+    case MapColumn::on_a_y_lo: return "on_a_y_lo";
+    case MapColumn::on_a_y_hi: return "on_a_y_hi";
+    case MapColumn::on_a_z_lo: return "on_a_z_lo";
+    case MapColumn::on_a_z_hi: return "on_a_z_hi";
+    case MapColumn::on_b_x_lo: return "on_b_x_lo";
+    case MapColumn::on_b_x_hi: return "on_b_x_hi";
+    case MapColumn::on_b_y_lo: return "on_b_y_lo";
+    case MapColumn::on_b_y_hi: return "on_b_y_hi";
+    case MapColumn::on_b_z_lo: return "on_b_z_lo";
+    case MapColumn::on_b_z_hi: return "on_b_z_hi";
     case MapColumn::status: break;
   }
   return "status";
@@ -141,6 +173,8 @@ class MapWriter {
   /// empty where a mesh has them.
   void append_closest(std::span<const Point> points, std::span<const MapResult> results,
                       std::span<const ClosestPoint> closest);
+  /// The same of a map of poses with closest points.
+  void append_closest(std::span<const MapResult> results, std::span<const ClosestPoints> closest);
   /// Throws Error(failure) when the file cannot be written, or when a mesh format has not one row for each element.
   void finish();
   /// Ends an interrupted map instead of `finish`: `.csv` and `.npy` keep the rows appended so far under the target's

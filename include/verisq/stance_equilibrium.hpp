@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string_view>
 #include <vector>
 #include <verisq/stance_analysis.hpp>
 
@@ -35,6 +36,16 @@ enum class StandingVerdict : std::uint8_t {
   not_on_all,  ///< proven: none within reach presses all cylinders
   open,        ///< neither is proven
 };
+
+/// A key: "stands", "not_on_all", "open".
+[[nodiscard]] constexpr std::string_view to_string(StandingVerdict verdict) {
+  switch (verdict) {
+    case StandingVerdict::stands: return "stands";
+    case StandingVerdict::not_on_all: return "not_on_all";
+    case StandingVerdict::open: break;
+  }
+  return "open";
+}
 
 /// A part of the box of the uncertain parameters.
 struct EquilibriumCell {

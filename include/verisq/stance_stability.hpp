@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string_view>
 #include <vector>
 #include <verisq/stance_equilibrium.hpp>
 
@@ -14,6 +15,16 @@ enum class StabilityVerdict : std::uint8_t {
   unstable,  ///< proven: some grow, however small they are
   open,      ///< neither is proven, or that there is an equilibrium is not
 };
+
+/// A key: "stable", "unstable", "open".
+[[nodiscard]] constexpr std::string_view to_string(StabilityVerdict verdict) {
+  switch (verdict) {
+    case StabilityVerdict::stable: return "stable";
+    case StabilityVerdict::unstable: return "unstable";
+    case StabilityVerdict::open: break;
+  }
+  return "open";
+}
 
 /// A part of the complex plane, in 1/s, and how many eigenvalues lie in it.
 struct EigenvalueEnclosure {
@@ -53,8 +64,8 @@ struct StabilityOptions {
 /// Of the equilibria of `equilibrium`: by the eigenvalues of the linearised motion of all joints, with masses, inertia,
 /// gravity, the cylinders' Hunt-Crossley forces, bristles that stick, and the controllers. The bristles hold the feet
 /// where they are: the same body may stand elsewhere on the level ground, too. How large a disturbance may be is not
-/// said. Throws Error(input) as `equilibrium`, and for cylinders without bristles or static friction or, with `held`, joints without an
-/// integral part, which nothing would hold.
+/// said. Throws Error(input) as `equilibrium`, and for cylinders without bristles or static friction or, with `held`,
+/// joints without an integral part, which nothing would hold.
 [[nodiscard]] Stability stability(const Model& model, UncertainSet uncertain, const StabilityOptions& options);
 
 }  // namespace verisq::stance

@@ -17,7 +17,9 @@
 #include "python/module/certificate_list.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 namespace {
@@ -62,6 +64,8 @@ struct PythonFindings {
   py::array_t<std::uint8_t> verdict;
   py::array_t<double> lo;
   py::array_t<double> hi;
+
+  static constexpr std::size_t members = 3;
 };
 
 template <class Query>
@@ -112,7 +116,8 @@ void declare_certificates(py::module_& module) {
       "What proves the rows of a map again, in their order. An item is a dictionary: normals, a list of\n"
       "(primitive, (x, y, z)) in the primitive's own frame; escape, a point, or None; weights, of a triangle, or None.")
       .def("__len__", [](const CertificateList& self) { return self.certificates.size(); })
-      .def("__getitem__", item);
+      .def("__getitem__", item)
+      .def(pickled<CertificateList>());
   py::class_<PythonFindings>(module, "Findings", "What a Checker found: row i is that of query i.")
       .def_readonly("verdict", &PythonFindings::verdict, "uint8 (N,): values of Verdict.")
       .def_readonly("lo", &PythonFindings::lo, "float64 (N,): what is proven, rounded outward.")
@@ -120,7 +125,8 @@ void declare_certificates(py::module_& module) {
       .def_property_readonly(
           "all_proved", [](const PythonFindings& self) { return !self.verdict.attr("any")().cast<bool>(); },
           "Whether every row is proved.")
-      .def("__len__", [](const PythonFindings& self) { return self.verdict.size(); });
+      .def("__len__", [](const PythonFindings& self) { return self.verdict.size(); })
+      .def(pickled<PythonFindings>());
   py::class_<Checker>(
       module, "Checker",
       "Checker(model, point_radius=0.0)\n\nProves the rows of maps again from their certificates: MPFR, "

@@ -13,10 +13,18 @@
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_mesh.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<PointAcross> = 2;
+template <>
+inline constexpr std::size_t member_count<ContainmentProof> = 9;
+
 namespace {
 
 namespace py = pybind11;
@@ -84,7 +92,8 @@ void declare_containments(py::module_& module) {
                     "\"within\": the primitives whose centres are not proven to lie inside the mesh.")
       .def_readonly("maybe_with_cavities", &ContainmentProof::maybe_with_cavities,
                     "\"around\": nothing is proven of cavities of the model.")
-      .def_readonly("samples", &ContainmentProof::samples, "Distances asked for.");
+      .def_readonly("samples", &ContainmentProof::samples, "Distances asked for.")
+      .def(pickled<ContainmentProof>());
   module.def("prove_containment", contained, py::arg("model"), py::arg("mesh"), py::arg("where"), py::kw_only(),
              py::arg("most_samples") = py::none(), py::arg("device") = "auto",
              "prove_containment(model, mesh, where, *, most_samples=None, device=\"auto\") -> ContainmentProof\n\n"
@@ -106,7 +115,8 @@ void declare_clearances(py::module_& module) {
                              "float64 (K, 3): of each triangle proven too deep a point that is about as deep as any.")
       .def_property_readonly("triangles_too_deep", triangles_too_deep, "uint32 (K,): these triangles.")
       .def_readonly("samples", &MeshClearance::samples, "Distances asked for.")
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<MeshClearance>());
   module.def(
       "mesh_clearance", clearance, py::arg("model"), py::arg("mesh"), py::kw_only(), py::arg("path") = py::none(),
       py::arg("penetration_limit") = 0.0, py::arg("tolerance") = py::none(), py::arg("most_samples") = py::none(),

@@ -3,6 +3,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -12,19 +13,15 @@
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
+#include "python/module/python_closest_points.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 namespace {
 
 namespace py = pybind11;
-
-/// What one call found, and of which points.
-struct PythonClosestPoints {
-  py::array points;
-  std::vector<ClosestPoint> rows;
-  ClosestPointSummary summary;
-};
 
 /// One number for each row.
 template <class Number, class Get>
@@ -56,20 +53,10 @@ py::array_t<double> gradient_by_motion_of_points(const PythonClosestPoints& self
   return enclosures<6>(self, [&](std::size_t i) { return gradient_by_motion(self.rows[i], points[i], centre); });
 }
 
-PythonClosestPoints closest_points_of(const PythonModel& model, const py::handle& object,
-                                      const std::optional<double>& tolerance) {
-  PythonClosestPoints found{numbers(object, "points", {-1, 3}), {}, {}};
-  const PointColumns points = columns(found.points);
+PythonClosestPoints closest_points_once(const PythonModel& model, const py::handle& object,
+                                        const std::optional<double>& tolerance) {
   const double absolute = tolerance_or_default(tolerance, model.bounding_radius());
-  const SignedDistance distance(model.exact("closest_points"));
-  Interruption interruption;
-  without_lock(interruption, [&] {
-    found.rows.resize(points.size());
-    found.summary =
-        closest_points(distance, points, found.rows, {.tolerance = absolute, .interrupted = interruption.poll()});
-    return true;
-  });
-  return found;
+  return closest_points_of(SignedDistance(model.exact("closest_points")), object, absolute);
 }
 
 std::string representation(const PythonClosestPoints& self) {
@@ -77,6 +64,19 @@ std::string representation(const PythonClosestPoints& self) {
 }
 
 }  // namespace
+
+PythonClosestPoints closest_points_of(const SignedDistance& distance, const py::handle& object, double tolerance) {
+  PythonClosestPoints found{numbers(object, "points", {-1, 3}), {}, {}};
+  const PointColumns points = columns(found.points);
+  Interruption interruption;
+  without_lock(interruption, [&] {
+    found.rows.resize(points.size());
+    found.summary =
+        closest_points(distance, points, found.rows, {.tolerance = tolerance, .interrupted = interruption.poll()});
+    return true;
+  });
+  return found;
+}
 
 void declare_closest_points(py::module_& module) {
   py::class_<PythonClosestPoints>(
@@ -125,9 +125,10 @@ void declare_closest_points(py::module_& module) {
            "the points are moved: by a translation (three numbers, per model unit), and by a rotation about `centre`\n"
            "(three, per radian about x, y, z). Where the model is moved instead, their negatives.")
       .def("__len__", [](const PythonClosestPoints& self) { return self.rows.size(); })
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<PythonClosestPoints>());
 
-  module.def("closest_points", closest_points_of, py::arg("model"), py::arg("points"), py::kw_only(),
+  module.def("closest_points", closest_points_once, py::arg("model"), py::arg("points"), py::kw_only(),
              py::arg("tolerance") = py::none(),
              "closest_points(model, points, *, tolerance=None) -> ClosestPointMap\n\nFor each point of an array (N, 3) "
              "where the model's surface is closest, the normal there and which primitive decides,\nas boxes that are "

@@ -14,10 +14,18 @@
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_mesh.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<DistanceStatistics> = 4;
+template <>
+inline constexpr std::size_t member_count<Deviation> = 12;
+
 namespace {
 
 namespace py = pybind11;
@@ -57,7 +65,8 @@ void declare_deviations(py::module_& module) {
       .def_readonly("largest", &DistanceStatistics::largest, "Enclosure of the supremum.")
       .def_readonly("farthest", &DistanceStatistics::farthest, "A point of the set about so far away.")
       .def_readonly("mean", &DistanceStatistics::mean, "Enclosure, or None.")
-      .def_readonly("percentiles", &DistanceStatistics::percentiles, "Enclosures, as asked for; empty without.");
+      .def_readonly("percentiles", &DistanceStatistics::percentiles, "Enclosures, as asked for; empty without.")
+      .def(pickled<DistanceStatistics>());
   py::class_<Deviation>(module, "Deviation", "What deviation() proves: distances are Euclidean, not signed.")
       .def_readonly("hausdorff", &Deviation::hausdorff,
                     "Enclosure of the larger of both largest distances; None unless both are known.")
@@ -66,7 +75,8 @@ void declare_deviations(py::module_& module) {
       .def_readonly("from_model", &Deviation::from_model, "... of all points of the model's surface to the mesh.")
       .def_readonly("to_tolerance", &Deviation::to_tolerance, "Whether every enclosure is as narrow as asked for.")
       .def_readonly("out_of_time", &Deviation::out_of_time, "Whether the limit came before.")
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<Deviation>());
   module.def("deviation", deviation_of, py::arg("model"), py::arg("mesh"), py::kw_only(),
              py::arg("relative_tolerance") = 0.05, py::arg("tolerance") = py::none(),
              py::arg("percentiles") = std::vector<double>{50.0, 95.0}, py::arg("from_model") = true,

@@ -2,13 +2,19 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 #include <verisq/device.hpp>
 
 #include "python/module/declarations.hpp"
+#include "python/module/pickling.hpp"
 
 namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<DeviceReport> = 7;
+
 namespace {
 
 namespace py = pybind11;
@@ -33,7 +39,8 @@ void declare_devices(py::module_& module) {
       .def_readonly("vector_width", &DeviceReport::vector_width, "Points a work-item.")
       .def_readonly("passed", &DeviceReport::passed, "The self-test: others are never used.")
       .def_readonly("failure", &DeviceReport::failure, "The failing operation; empty when passed.")
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<DeviceReport>());
   module.def(
       "devices", devices,
       "devices() -> list of Device\n\nAll OpenCL devices, each tested, or as tested before (a cache on the disk).");

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,7 +11,9 @@
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
 #include "python/module/landmarks.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_mesh.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 namespace {
@@ -21,6 +24,8 @@ struct PythonFemur {
   py::dict landmarks;
   py::object side;
   std::vector<std::string> notes;
+
+  static constexpr std::size_t members = 3;
 };
 
 PythonFemur detect(const PythonMesh& mesh, const std::optional<std::string>& side) {
@@ -47,7 +52,8 @@ void declare_features(py::module_& module) {
   py::class_<PythonFemur>(module, "Femur", "What detect_femur() saw, in floating point: nothing is proven.")
       .def_readonly("landmarks", &PythonFemur::landmarks, "Points by their names, as in a landmark file.")
       .def_readonly("side", &PythonFemur::side, "\"left\", \"right\" or None.")
-      .def_readonly("notes", &PythonFemur::notes, "How each landmark was found, a sentence each.");
+      .def_readonly("notes", &PythonFemur::notes, "How each landmark was found, a sentence each.")
+      .def(pickled<PythonFemur>());
   py::class_<Feature>(module, "Feature", "A number that describes a femur.")
       .def_readonly("name", &Feature::name, "\"ccd\", \"offset\", ...")
       .def_readonly("method", &Feature::method, "By which definition.")
@@ -55,10 +61,12 @@ void declare_features(py::module_& module) {
       .def_property_readonly(
           "unit", [](const Feature& self) { return self.unit == FeatureUnit::degrees ? "degrees" : "length"; },
           "\"degrees\" or \"length\", which is in the mesh's unit.")
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<Feature>());
   py::class_<FemurFeatures>(module, "FemurFeatures", "What femur_features() encloses.")
       .def_readonly("features", &FemurFeatures::features, "A list of Feature.")
-      .def_readonly("missing", &FemurFeatures::missing, "What could not be said, and why, a sentence each.");
+      .def_readonly("missing", &FemurFeatures::missing, "What could not be said, and why, a sentence each.")
+      .def(pickled<FemurFeatures>());
   module.def("detect_femur", detect, py::arg("mesh"), py::arg("side") = py::none(),
              "detect_femur(mesh, side=None) -> Femur\n\nFinds the landmarks of a whole or proximal femur, in\n"
              "millimetres, in floating point. Raises Error for a mesh that is none.");

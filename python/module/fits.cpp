@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -25,11 +26,35 @@
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
 #include "python/module/landmarks.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_map.hpp"
 #include "python/module/python_mesh.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<Area> = 2;
+template <>
+inline constexpr std::size_t member_count<AreaClearance> = 9;
+template <>
+inline constexpr std::size_t member_count<Clearance> = 7;
+template <>
+inline constexpr std::size_t member_count<Sides> = 2;
+template <>
+inline constexpr std::size_t member_count<FitMovement> = 3;
+template <>
+inline constexpr std::size_t member_count<Fit> = 11;
+template <>
+inline constexpr std::size_t member_count<PromisingPose> = 3;
+template <>
+inline constexpr std::size_t member_count<FitBound> = 7;
+template <>
+inline constexpr std::size_t member_count<FitSolution> = 3;
+template <>
+inline constexpr std::size_t member_count<FitProof> = 5;
+
 namespace {
 
 namespace py = pybind11;
@@ -45,6 +70,8 @@ struct PythonFit {
   PythonMap map;
   std::vector<SurfaceSide> required_sides;
   bool as_asked;
+
+  static constexpr std::size_t members = 6;
 };
 
 /// "implant", or "implants[k]" where there are several.
@@ -141,7 +168,7 @@ void check_ranges(const FitRequest& request) {
     throw py::value_error(fmt::format("samples must be 1 to {}", most_samples));
 }
 
-/// Searches and proves, without Python's lock.
+/// Before Python sees any of it.
 struct FoundFit {
   FitSolution solution;
   FitProof proof;
@@ -149,6 +176,7 @@ struct FoundFit {
   double tolerance;
 };
 
+/// Searches and proves, without Python's lock.
 class FitRun {
  public:
   FitRun(const FitProblem& problem, Interruption& interruption, const std::optional<double>& gap, double bound_time,
@@ -299,13 +327,15 @@ void declare_areas(py::module_& module) {
                              "Enclosure, or None; each point counts once.")
       .def_property_readonly("median_distance", of_points(&AreaClearance::median_distance), "Enclosure, or None.")
       .def_property_readonly("distance_of_95", of_points(&AreaClearance::distance_of_95),
-                             "Enclosure, or None: so near are at least 95 % of them.");
+                             "Enclosure, or None: so near are at least 95 % of them.")
+      .def(pickled<AreaClearance>());
   py::class_<FitBound>(module, "FitBound", "How good any pose of the range can be.")
       .def_readonly("upper", &FitBound::upper,
                     "Proven: no pose whose points all keep the limit has a larger objective; -inf: there is none.")
       .def_readonly("reached", &FitBound::reached, "Whether the search was known to be as near as asked for.")
       .def_readonly("out_of_time", &FitBound::out_of_time, "Whether bound_time ended it.")
-      .def_readonly("boxes", &FitBound::boxes, "Of poses, looked at.");
+      .def_readonly("boxes", &FitBound::boxes, "Of poses, looked at.")
+      .def(pickled<FitBound>());
 }
 
 void declare_class_of_fits(py::module_& module) {
@@ -355,7 +385,8 @@ void declare_class_of_fits(py::module_& module) {
           "What the objective is below the bound at most, as a share of it, proven; None where that is not known.")
       .def_readonly("as_asked", &PythonFit::as_asked,
                     "Every row verified, nothing proven too deep, sides and features kept, the bound reached.")
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<PythonFit>());
 }
 
 }  // namespace

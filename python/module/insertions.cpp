@@ -18,11 +18,17 @@
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_map.hpp"
 #include "python/module/python_mesh.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<RemovedVolume> = 5;
+
 namespace {
 
 namespace py = pybind11;
@@ -98,7 +104,8 @@ void declare_insertions(py::module_& module) {
       .def_readonly("within_tolerance", &RemovedVolume::within_tolerance, "Whether it is as narrow as asked for.")
       .def_readonly("rims", &RemovedVolume::rims, "Over how many rims each surface was closed, by fans.")
       .def_readonly("cubes", &RemovedVolume::cubes, "Looked at.")
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<RemovedVolume>());
   module.def("straight_path", straight, py::arg("direction"), py::arg("length"), py::kw_only(),
              py::arg("last") = py::none(), py::arg("steps") = 1,
              "straight_path(direction, length, *, last=None, steps=1) -> array\n\n"

@@ -19,10 +19,12 @@
 #include <vector>
 #include <verisq/error.hpp>
 #include <verisq/map.hpp>
+#include <verisq/signed_distance.hpp>
 
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/python_closest_points.hpp"
 #include "python/module/python_map.hpp"
 #include "python/module/python_model.hpp"
 
@@ -85,6 +87,10 @@ class PythonMapper {
   template <class Make>
   PythonMapper(const Settings& settings, const Make& make)
       : settings_(settings), mapper_(without_lock(interruption_, [&] { return make(options()); })) {}
+
+  /// Of one model.
+  PythonMapper(const PythonModel& model, const Settings& settings)
+      : PythonMapper(settings, [&](const MapOptions& options) { return Mapper<Query>(model.model(), options); }) {}
 
   PythonMap operator()(const Queries<Query>& queries) {
     PythonMap map = empty_map(queries.size(), settings_.tolerance);
@@ -178,6 +184,24 @@ class PythonMapper {
   Mapper<Query> mapper_;  // last: its options point to the others
 };
 
+/// Of points, whose closest points it knows, too.
+class PythonPointMapper : public PythonMapper<Point> {
+ public:
+  PythonPointMapper(const PythonModel& model, const Settings& settings)
+      : PythonMapper(model, settings), model_(model), tolerance_(settings.tolerance) {}
+
+  /// Made ready by the first call; Python's lock is held meanwhile.
+  PythonClosestPoints closest_points(const py::handle& points) {
+    if (!distance_) distance_.emplace(model_.exact("closest_points"));
+    return closest_points_of(*distance_, points, tolerance_);
+  }
+
+ private:
+  PythonModel model_;
+  double tolerance_;
+  std::optional<SignedDistance> distance_;
+};
+
 Settings settings_of(double radius, const std::optional<double>& tolerance, const std::string& device,
                      bool certificates, double point_radius, const std::optional<double>& time_limit = {}) {
   check_length(point_radius, "point_radius");
@@ -187,8 +211,7 @@ Settings settings_of(double radius, const std::optional<double>& tolerance, cons
 
 template <class Query>
 std::unique_ptr<PythonMapper<Query>> mapper(const PythonModel& model, const Settings& settings) {
-  return std::make_unique<PythonMapper<Query>>(
-      settings, [&](const MapOptions& options) { return Mapper<Query>(model.model(), options); });
+  return std::make_unique<PythonMapper<Query>>(model, settings);
 }
 
 std::unique_ptr<PythonMapper<Pose>> mapper(const PythonModel& a, const PythonModel& b, const Settings& settings) {
@@ -268,17 +291,22 @@ PythonMap call(PythonMapper<Query>& self, const py::handle& object) {
   return self(Queries<Query>(object));
 }
 
-template <class Query>
-void declare_mapper(py::module_& module, const char* name, const char* explanation, const char* queries) {
-  py::class_<PythonMapper<Query>>(module, name, explanation)
+/// Of a class that a model and settings make, for maps of such queries.
+template <class Class, class Query>
+py::class_<Class> declare_mapper(py::module_& module, const char* name, const char* explanation, const char* queries) {
+  py::class_<Class> declared(module, name, explanation);
+  declared
       .def(py::init([](const PythonModel& model, const std::optional<double>& tolerance, const std::string& device,
                        double point_radius, bool certificates) {
-             return mapper<Query>(model,
-                                  settings_of(model.bounding_radius(), tolerance, device, certificates, point_radius));
+             return std::make_unique<Class>(
+                 model, settings_of(model.bounding_radius(), tolerance, device, certificates, point_radius));
            }),
            py::arg("model"), py::kw_only(), py::arg("tolerance") = py::none(), py::arg("device") = "auto",
            py::arg("point_radius") = 0.0, py::arg("certificates") = false)
-      .def("__call__", call<Query>, py::arg(queries));
+      .def(
+          "__call__", [](Class& self, const py::handle& object) { return call<Query>(self, object); },
+          py::arg(queries));
+  return declared;
 }
 
 template <class Query>
@@ -291,19 +319,24 @@ void declare_map(py::module_& module, const char* name, const char* queries, con
 }  // namespace
 
 void declare_maps(py::module_& module) {
-  declare_mapper<Point>(
+  declare_mapper<PythonPointMapper, Point>(
       module, "Mapper",
       "Mapper(model, *, tolerance=None, device=\"auto\", point_radius=0.0, certificates=False)\n\n"
       "A model made ready for maps of points: device chosen and tested, kernels compiled. Called with points, as "
       "map()\n"
       "takes them, it returns a Map. Many maps of one model pay for that once. Calls of several threads wait for each\n"
       "other. Arguments and errors are those of map().",
-      "points");
-  declare_mapper<Triangle>(module, "TriangleMapper",
-                           "TriangleMapper(model, *, tolerance=None, device=\"auto\", point_radius=0.0, "
-                           "certificates=False)\n\n"
-                           "The same for maps of triangles: called with an array of shape (N, 3, 3).",
-                           "triangles");
+      "points")
+      .def("closest_points", &PythonPointMapper::closest_points, py::arg("points"),
+           "closest_points(points) -> ClosestPointMap\n\n"
+           "As the function, of the model that is kept ready, to the mapper's tolerance; by the host's processors,\n"
+           "whatever the device.");
+  declare_mapper<PythonMapper<Triangle>, Triangle>(
+      module, "TriangleMapper",
+      "TriangleMapper(model, *, tolerance=None, device=\"auto\", point_radius=0.0, "
+      "certificates=False)\n\n"
+      "The same for maps of triangles: called with an array of shape (N, 3, 3).",
+      "triangles");
   py::class_<PythonMapper<Pose>>(module, "PoseMapper",
                                  "PoseMapper(a, b, *, tolerance=None, device=\"auto\")\n\n"
                                  "Two models made ready for maps of poses: called with an array of shape (N, 7).")

@@ -19,9 +19,21 @@
 
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<OctreeRoot> = 2;
+template <>
+inline constexpr std::size_t member_count<OctreeLevel> = 3;
+template <>
+inline constexpr std::size_t member_count<OctreeCube> = 3;
+template <>
+inline constexpr std::size_t member_count<OctreeSummary> = 10;
+
 namespace {
 
 namespace py = pybind11;
@@ -30,6 +42,8 @@ struct PythonOctree {
   OctreeSummary summary;
   std::vector<OctreeCube> cubes;
   bool complete;
+
+  static constexpr std::size_t members = 3;
 };
 
 PythonOctree octree(const PythonModel& model, const std::optional<int>& depth, const std::optional<double>& tolerance,
@@ -145,7 +159,8 @@ void declare_octrees(py::module_& module) {
       .def("save", save, py::arg("path"), py::kw_only(), py::arg("white") = false,
            "save(path, *, white=False)\n\nWrites a .vtu, as `verisq octree -o`; with white the cubes outside, too.")
       .def("__len__", [](const PythonOctree& self) { return self.cubes.size(); })
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<PythonOctree>());
   module.def("octree", octree, py::arg("model"), py::kw_only(), py::arg("depth") = py::none(),
              py::arg("tolerance") = py::none(), py::arg("budget") = py::none(), py::arg("device") = "auto",
              "octree(model, *, depth=None, tolerance=None, budget=None, device=\"auto\") -> Octree\n\n"

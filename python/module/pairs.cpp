@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -13,9 +14,12 @@
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
+
 namespace {
 
 namespace py = pybind11;
@@ -26,6 +30,8 @@ struct PythonPair {
   std::optional<ClosestPoints> closest;
   std::optional<Point> common;
   bool complete;
+
+  static constexpr std::size_t members = 5;
 };
 
 std::string word(Proximity proximity) {
@@ -81,7 +87,8 @@ void declare_pairs(py::module_& module) {
                             "Boxes, in the frame of model a, that contain every pair of closest points.")
       .def_readonly("on_a", &ClosestPoints::on_a, "Three Enclosures: x, y, z.")
       .def_readonly("on_b", &ClosestPoints::on_b, "Three Enclosures: x, y, z.")
-      .def_readonly("unique", &ClosestPoints::unique, "Whether it is proven that there is exactly one pair.");
+      .def_readonly("unique", &ClosestPoints::unique, "Whether it is proven that there is exactly one pair.")
+      .def(pickled<ClosestPoints>());
   py::class_<PythonPair>(module, "Pair", "What distance() returns.")
       .def_readonly("distance", &PythonPair::distance, "Enclosure of the distance, 0 where the models meet.")
       .def_property_readonly(
@@ -92,7 +99,8 @@ void declare_pairs(py::module_& module) {
       .def_readonly("common", &PythonPair::common, "A point proven to lie in both, in the frame of a, or None.")
       .def_readonly("complete", &PythonPair::complete,
                     "False where the time limit or a budget ended it early, or rounding errors: valid, and wide.")
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<PythonPair>());
   module.def("distance", distance, py::arg("a"), py::arg("b"), py::arg("pose") = py::none(), py::kw_only(),
              py::arg("tolerance") = py::none(), py::arg("time_limit") = py::none(),
              "distance(a, b, pose=None, *, tolerance=None, time_limit=None) -> Pair\n\n"

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "python/module/declarations.hpp"
+#include "python/module/pickling.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 namespace {
@@ -92,7 +94,8 @@ void declare_class_of_maps(py::module_& module) {
                              "Why a device was passed over; empty when nothing is to be said.")
       .def("__len__", [](const PythonMap& self) { return self.lo.size(); })
       .def("__iter__", [](const PythonMap& self) { return py::iter(py::make_tuple(self.lo, self.hi, self.status)); })
-      .def("__repr__", representation);
+      .def("__repr__", representation)
+      .def(pickled<PythonMap>());
 }
 
 }  // namespace verisq::python

@@ -25,6 +25,8 @@ struct PythonMap {
   std::shared_ptr<const CertificateList> certificates;  ///< null unless asked for
   MapSummary summary;
   double tolerance;
+
+  static constexpr std::size_t members = 6;
 };
 
 /// Of so many rows, which are not set.

@@ -17,12 +17,49 @@
 #include <verisq/stance_choice.hpp>
 #include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_file.hpp>
+#include <verisq/stance_stability.hpp>
 
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<stance::Quantity> = 3;
+template <>
+inline constexpr std::size_t member_count<stance::Parameter> = 5;
+template <>
+inline constexpr std::size_t member_count<stance::Joint> = 5;
+template <>
+inline constexpr std::size_t member_count<stance::Body> = 7;
+template <>
+inline constexpr std::size_t member_count<stance::ContactCylinder> = 16;
+template <>
+inline constexpr std::size_t member_count<stance::Controller> = 5;
+template <>
+inline constexpr std::size_t member_count<stance::AppliedForce> = 2;
+template <>
+inline constexpr std::size_t member_count<stance::Model> = 6;
+template <>
+inline constexpr std::size_t member_count<stance::Bounce> = 8;
+template <>
+inline constexpr std::size_t member_count<stance::CylinderLoad> = 2;
+template <>
+inline constexpr std::size_t member_count<stance::Standing> = 6;
+template <>
+inline constexpr std::size_t member_count<stance::EquilibriumCell> = 2;
+template <>
+inline constexpr std::size_t member_count<stance::Equilibrium> = 6;
+template <>
+inline constexpr std::size_t member_count<stance::EigenvalueEnclosure> = 3;
+template <>
+inline constexpr std::size_t member_count<stance::StabilityCell> = 2;
+template <>
+inline constexpr std::size_t member_count<stance::Stability> = 7;
+
 namespace {
 
 namespace py = pybind11;
@@ -32,6 +69,8 @@ using Names = std::optional<std::vector<std::string>>;
 /// Immutable, as read.
 struct PythonStance {
   stance::Model model;
+
+  static constexpr std::size_t members = 1;
 };
 
 std::vector<std::uint32_t> chosen(const PythonStance& self, const Names& names) {
@@ -75,9 +114,13 @@ py::tuple reference_uncertainty(const PythonStance& self, const Names& uncertain
   return py::make_tuple(rows_of(found.by_value), py::array_t<double>(stance::wrench_size, found.by_radius.data()));
 }
 
-py::array_t<double> accelerations(const PythonStance& self, const Names& uncertain, std::uint32_t cells) {
+void check_finest(std::uint32_t cells) {
   constexpr std::uint32_t most = 4096;
   if (cells < 1 || cells > most) throw py::value_error(fmt::format("cells must be 1 to {}, not {}", most, cells));
+}
+
+py::array_t<double> accelerations(const PythonStance& self, const Names& uncertain, std::uint32_t cells) {
+  check_finest(cells);
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   Interruption interruption;
   return rows_of(without_lock(interruption, [&] {
@@ -110,6 +153,8 @@ struct PythonEquilibrium {
   stance::Equilibrium found;
   std::vector<std::string> parameters;  ///< uncertain ones
   std::vector<std::string> cylinders;
+
+  static constexpr std::size_t members = 3;
 };
 
 stance::JointControl control_of(const std::string& word) {
@@ -126,8 +171,7 @@ std::vector<std::string> cylinders(const PythonStance& self) {
 
 PythonEquilibrium equilibrium(const PythonStance& self, const std::string& joints, const Names& uncertain,
                               std::uint32_t cells) {
-  constexpr std::uint32_t most = 4096;
-  if (cells < 1 || cells > most) throw py::value_error(fmt::format("cells must be 1 to {}, not {}", most, cells));
+  check_finest(cells);
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   PythonEquilibrium result{{}, {}, cylinders(self)};
   for (const std::uint32_t i : over) result.parameters.push_back(self.model.parameters[i].name);
@@ -148,13 +192,13 @@ auto of_standing(const Member& member) {
   };
 }
 
-py::list cells_of(const PythonEquilibrium& self) {
+/// Of what is found over parts of a box.
+template <class Found>
+py::list cells_of(const Found& self) {
   py::list result;
-  for (const stance::EquilibriumCell& cell : self.found.cells) {
+  for (const auto& cell : self.found.cells) {
     py::dict each;
-    each["verdict"] = cell.verdict == stance::StandingVerdict::stands
-                          ? "stands"
-                          : (cell.verdict == stance::StandingVerdict::not_on_all ? "not_on_all" : "open");
+    each["verdict"] = py::str(std::string(to_string(cell.verdict)));
     py::dict ranges;
     for (std::size_t k = 0; k < cell.ranges.size(); ++k) ranges[py::str(self.parameters[k])] = cell.ranges[k];
     each["parameters"] = ranges;
@@ -203,12 +247,80 @@ void declare_equilibria(py::module_& module) {
       .def_property_readonly("centre_of_pressure_x", one(&Standing::centre_of_pressure_x), "m")
       .def_property_readonly("centre_of_pressure_z", one(&Standing::centre_of_pressure_z), "m")
       .def_property_readonly(
-          "cells", cells_of,
+          "cells", cells_of<PythonEquilibrium>,
           "A list of dictionaries: verdict; parameters, the range of each uncertain one by its name.")
-      .def("__repr__", [](const PythonEquilibrium& self) {
-        return fmt::format("<verisq.Equilibrium: {:.4g} % stands, {:.4g} % open>", 100.0 * self.found.stands,
-                           100.0 * self.found.open);
-      });
+      .def("__repr__",
+           [](const PythonEquilibrium& self) {
+             return fmt::format("<verisq.Equilibrium: {:.4g} % stands, {:.4g} % open>", 100.0 * self.found.stands,
+                                100.0 * self.found.open);
+           })
+      .def(pickled<PythonEquilibrium>());
+}
+
+/// What is found, and what its numbers are of.
+struct PythonStability {
+  stance::Stability found;
+  std::vector<std::string> parameters;  ///< uncertain ones
+
+  static constexpr std::size_t members = 2;
+};
+
+PythonStability stability(const PythonStance& self, const std::string& joints, const Names& uncertain,
+                          std::uint32_t cells) {
+  check_finest(cells);
+  const std::vector<std::uint32_t> over = chosen(self, uncertain);
+  PythonStability result{};
+  for (const std::uint32_t i : over) result.parameters.push_back(self.model.parameters[i].name);
+  Interruption interruption;
+  result.found = without_lock(interruption, [&] {
+    return stance::stability(self.model, over,
+                             {.control = control_of(joints), .cells = cells, .interrupted = interruption.poll()});
+  });
+  return result;
+}
+
+py::list eigenvalues_of(const PythonStability& self) {
+  py::list result;
+  for (const stance::EigenvalueEnclosure& eigenvalue : self.found.eigenvalues) {
+    py::dict each;
+    each["real"] = eigenvalue.real;
+    each["imaginary"] = eigenvalue.imaginary;
+    each["count"] = eigenvalue.count;
+    result.append(each);
+  }
+  return result;
+}
+
+void declare_stabilities(py::module_& module) {
+  py::class_<PythonStability>(module, "Stability",
+                              "What StanceModel.stability() proves, over the box of the uncertain parameters.")
+      .def_property_readonly(
+          "stable", [](const PythonStability& self) { return self.found.stable; },
+          "Share of the box: small disturbances are proven to die out. 1 only for all of it.")
+      .def_property_readonly(
+          "unstable", [](const PythonStability& self) { return self.found.unstable; },
+          "Share of the box: some disturbances are proven to grow, however small they are. 1 only for all of it.")
+      .def_property_readonly(
+          "open", [](const PythonStability& self) { return self.found.open; }, "Share of the box: neither is proven.")
+      .def_property_readonly(
+          "growth",
+          [](const PythonStability& self) -> py::object {
+            if (self.found.growth.lo > self.found.growth.hi) return py::none();
+            return py::cast(self.found.growth);
+          },
+          "The greatest real part of an eigenvalue where it is not open, 1/s; None where all is.")
+      .def_property_readonly(
+          "eigenvalues", eigenvalues_of,
+          "Dictionaries: real, imaginary (1/s), count; rightmost first. Empty where the box took several cells.")
+      .def_property_readonly(
+          "cells", cells_of<PythonStability>,
+          "A list of dictionaries: verdict; parameters, the range of each uncertain one by its name.")
+      .def("__repr__",
+           [](const PythonStability& self) {
+             return fmt::format("<verisq.Stability: {:.4g} % stable, {:.4g} % unstable>", 100.0 * self.found.stable,
+                                100.0 * self.found.unstable);
+           })
+      .def(pickled<PythonStability>());
 }
 
 py::list parameters(const PythonStance& self) {
@@ -235,7 +347,8 @@ void declare_bounces(py::module_& module) {
       .def_readonly("deepest_penetration", &stance::Bounce::deepest_penetration, "m")
       .def_readonly("effective_restitution", &stance::Bounce::effective_restitution,
                     "Rebound speed divided by touch-down speed.")
-      .def_readonly("proven", &stance::Bounce::proven, "False: the integration gave up; ends may then be infinite.");
+      .def_readonly("proven", &stance::Bounce::proven, "False: the integration gave up; ends may then be infinite.")
+      .def(pickled<stance::Bounce>());
 }
 
 }  // namespace
@@ -243,6 +356,7 @@ void declare_bounces(py::module_& module) {
 void declare_stances(py::module_& module) {
   declare_bounces(module);
   declare_equilibria(module);
+  declare_stabilities(module);
   py::class_<PythonStance>(
       module, "StanceModel",
       "A model of human stance (XML, docs/stance.md), whose parameters may be uncertain. What acts in which\n"
@@ -286,10 +400,16 @@ void declare_stances(py::module_& module) {
       .def("equilibrium", equilibrium, py::arg("joints") = "held", py::kw_only(), py::arg("uncertain") = py::none(),
            py::arg("cells") = 16,
            "equilibrium(joints=\"held\", *, uncertain=None, cells=16) -> Equilibrium\n\n"
-           "Where the body stands still on all of its cylinders: joints \"held\" where the file has them, or turned "
-           "from\n"
-           "there as the \"proportional\" gains allow. cells: finest subdivisions of each uncertain range, 1 to 4096.\n"
-           "Raises Error for a model that cannot stand.")
+           "Where the body is in equilibrium on all of its cylinders, stable or not: joints \"held\" where the file "
+           "has\n"
+           "them, or turned from there as the \"proportional\" gains allow. cells: finest subdivisions of each "
+           "uncertain\n"
+           "range, 1 to 4096. Raises Error for a model that cannot stand.")
+      .def("stability", stability, py::arg("joints") = "held", py::kw_only(), py::arg("uncertain") = py::none(),
+           py::arg("cells") = 16,
+           "stability(joints=\"held\", *, uncertain=None, cells=16) -> Stability\n\n"
+           "Whether small disturbances of that equilibrium die out: with the whole controllers acting (\"held\"), or\n"
+           "without their integral parts (\"proportional\"). Raises Error for a model that nothing holds.")
       .def("narrowed", narrowed, py::arg("name"), py::arg("lo"), py::arg("hi"),
            "narrowed(name, lo, hi) -> StanceModel\n\nWith a part of a parameter's range.")
       .def("within", within, py::arg("per_cent"), py::arg("uncertain") = py::none(),
@@ -299,10 +419,12 @@ void declare_stances(py::module_& module) {
            py::arg("uncertain") = py::none(),
            "bounce(cylinder, *, height=0.01, uncertain=None) -> Bounce\n\n"
            "Drops this contact cylinder alone, with the mass of its body, from so many metres.")
-      .def("__repr__", [](const PythonStance& self) {
-        return fmt::format("<verisq.StanceModel: {} bodies, {} parameters>", self.model.bodies.size(),
-                           self.model.parameters.size());
-      });
+      .def("__repr__",
+           [](const PythonStance& self) {
+             return fmt::format("<verisq.StanceModel: {} bodies, {} parameters>", self.model.bodies.size(),
+                                self.model.parameters.size());
+           })
+      .def(pickled<PythonStance>());
 }
 
 }  // namespace verisq::python

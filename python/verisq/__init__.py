@@ -11,8 +11,8 @@ Models and meshes
     Model, Mesh, mesh_of_model
 Many queries, from arrays to arrays
     map, map_triangles, map_poses, map_chunks; Mapper, TriangleMapper, PoseMapper keep a model ready; Map, Status
-Closest points, normals and gradients of many points
-    closest_points, ClosestPointMap
+Closest points, normals and gradients of many points; closest points of two models in many poses
+    closest_points, ClosestPointMap; closest_pairs, ClosestPairMap
 One query, proven by the host
     SignedDistance, distance, Enclosure
 What proves an answer again
@@ -40,6 +40,7 @@ from ._verisq import (
     Bounce,
     Certificates,
     Checker,
+    ClosestPairMap,
     ClosestPointMap,
     ClosestPoints,
     ContainmentProof,
@@ -68,9 +69,11 @@ from ._verisq import (
     RecoveryStage,
     RemovedVolume,
     SignedDistance,
+    Stability,
     StanceModel,
     TriangleMapper,
     __version__,
+    closest_pairs,
     closest_points,
     detect_femur,
     deviation,
@@ -121,6 +124,7 @@ __all__ = [
     "Bounce",
     "Certificates",
     "Checker",
+    "ClosestPairMap",
     "ClosestPointMap",
     "ClosestPoints",
     "ContainmentProof",
@@ -150,11 +154,13 @@ __all__ = [
     "RecoveryStage",
     "RemovedVolume",
     "SignedDistance",
+    "Stability",
     "StanceModel",
     "Status",
     "TriangleMapper",
     "Verdict",
     "__version__",
+    "closest_pairs",
     "closest_points",
     "detect_femur",
     "deviation",

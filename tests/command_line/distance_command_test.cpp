@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -300,6 +301,40 @@ TEST_F(DistanceCommand, ManyPosesMoveTheSecondModelAsOnePoseDoes) {
       EXPECT_LE(rows[i].distance.width(), i + 1 == poses.size() ? 1e-6 : 1e-11) << poses[i];
     }
   }
+}
+
+/// The boxes of each pose are those of that pose alone.
+TEST_F(DistanceCommand, ManyPosesHaveClosestPoints) {
+  const auto a = write("a.json", capsule);
+  const auto b = write("b.json", capsule);
+  const auto file = write("poses.csv", file_of({poses[0], poses[2], poses[6]}));  // the last one leaves B in A
+  const Outcome outcome = distance({a, b, "--poses", file, "--closest-points", "-o", path("map.csv"), "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["unique_closest_points"], 2);
+  EXPECT_GT(summary["widest_closest_point"].get<double>(), 0.0);
+  EXPECT_FALSE(summary.contains("widest_normal"));
+  std::istringstream file_of_rows(contents(path("map.csv")));
+  std::vector<std::string> rows;
+  for (std::string row; std::getline(file_of_rows, row);) rows.push_back(row);
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_THAT(rows[0], StartsWith("index,lo,hi,status,unique,on_a_x_lo,on_a_x_hi,on_a_y_lo"));
+  EXPECT_THAT(rows[0], EndsWith(",on_b_z_lo,on_b_z_hi"));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto one = nlohmann::json::parse(distance({a, b, "--pose", poses[2 * i], "--json"}).out);
+    std::string expected = ",1";
+    for (const std::string side : {"on_a", "on_b"}) {
+      for (const auto& coordinate : one["closest_points"][side])
+        expected += fmt::format(",{},{}", coordinate[0].get<double>(), coordinate[1].get<double>());
+    }
+    EXPECT_THAT(rows[1 + i], EndsWith(expected));
+  }
+  EXPECT_THAT(rows[3], EndsWith(",0,-inf,inf,-inf,inf,-inf,inf,-inf,inf,-inf,inf,-inf,inf"));
+  EXPECT_THAT(distance({a, b, "--poses", file, "--closest-points", "-o", path("map.npy")}).out,
+              HasSubstr("closest points     2 unique, to "));
+  expect_refused(distance({a, b, "--closest-points"}), "--closest-points: of one pose they are printed");
+  expect_refused(distance({a, b, "--poses", file, "--closest-points", "-o", path("map.json")}),
+                 "closest points are written to .csv, .npy and .vtp only");
 }
 
 TEST_F(DistanceCommand, SumsUpManyPoses) {

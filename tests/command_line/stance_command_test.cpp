@@ -389,7 +389,7 @@ TEST_F(StanceCommand, RefusesBadUsage) {
                  "forefoot");
   expect_refused({model, "--drop-height", "1"}, "--drop-height: give --bounce, too");
   expect_refused({model, "--range", "mp=30,50"}, "--range: mp=30,50 is not within the file's range [35, 65]");
-  expect_refused({model, "--range", "mp=50,40"}, "--range: in mp=50,40 the first number is the larger one");
+  expect_refused({model, "--range", "mp=50,40"}, "--range mp=50,40: 50 is above 40");
   expect_refused({model, "--range", "mp"}, "--range: mp is not NAME=LO,HI");
   expect_refused({model, "--uncertain", "pz", "--within", "1"},
                  "--within: pz is 0 nominally, and no part of that is a range: give it one by --range, or leave it out "

@@ -94,6 +94,28 @@ TEST(ClosestPointMap, IsDrawnByItsNormals) {
   EXPECT_EQ(number_from<std::int32_t>(arrays.data() + bytes - 8, std::endian::little), -1);
 }
 
+TEST(ClosestPointMap, OfPosesHasTheBoxesOfBothModels) {
+  const std::vector<ClosestPoints> pairs{
+      {{{{1, 2}, {3, 4}, {5, 6}}}, {{{-1, -0.5}, {0, 0.25}, {0.5, 1}}}, true},
+      {{{{-infinity, infinity}, {0, 0}, {0, 0}}}, {{{7, 8}, {0, 0}, {0, 9}}}, false}};
+  const TemporaryFolder folder;
+  const auto write = [&](const char* name, const std::vector<MapColumn>& columns) {
+    MapWriter writer(folder / name, nullptr,
+                     {.contents = MapContents::closest_points, .elements = MapElements::poses, .columns = columns});
+    writer.append_closest(std::span(results).first(2), pairs);
+    writer.finish();
+    return folder.contents(name);
+  };
+  EXPECT_EQ(write("map.csv", {}),
+            "index,lo,hi,status,unique,on_a_x_lo,on_a_x_hi,on_a_y_lo,on_a_y_hi,on_a_z_lo,on_a_z_hi,on_b_x_lo,on_b_x_hi,"
+            "on_b_y_lo,on_b_y_hi,on_b_z_lo,on_b_z_hi\n"
+            "0,0.1,0.3,device-verified,1,1,2,3,4,5,6,-1,-0.5,0,0.25,0.5,1\n"
+            "1,1,2,wide,0,-inf,inf,0,0,0,0,7,8,0,0,0,9\n");
+  const std::string file = write("map.npy", {unique, on_b_z_hi});
+  EXPECT_EQ(file.substr(file.size() - 18, 1), "\1");
+  EXPECT_EQ(number_at(file, file.size() - 8), 9.0);
+}
+
 TEST(ClosestPointMap, IsRefusedWhereThereIsNoPlaceForIt) {
   const TemporaryFolder folder;
   const auto refuse = [&](const char* name, const MapForm& form, const std::string& message) {
@@ -102,8 +124,11 @@ TEST(ClosestPointMap, IsRefusedWhereThereIsNoPlaceForIt) {
   constexpr MapContents with = MapContents::closest_points;
   refuse("map.ply", {.contents = with}, ": closest points are written to .csv, .npy and .vtp only");
   refuse("map.csv", {.contents = with, .elements = MapElements::triangles},
-         ": closest points are those of points only");
+         ": closest points are those of points and poses only");
   refuse("map.csv", {.columns = {lo, primitive}}, ": columns of closest points in a map without them");
+  refuse("map.csv", {.contents = with, .columns = {unique, on_a_x_lo}}, ": columns of poses in a map of points");
+  refuse("map.csv", {.contents = with, .elements = MapElements::poses, .columns = {closest_x_lo}},
+         ": columns of points in a map of poses");
   EXPECT_TRUE(folder.names().empty());
 }
 

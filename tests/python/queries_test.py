@@ -58,6 +58,31 @@ class ClosestPoints(unittest.TestCase):
             difference = (ends[0] - ends[1]) / (2 * step) * (1.0 if k < 3 else 100.0)
             np.testing.assert_allclose(gradient[:, k, 0], difference[found.unique], rtol=1e-6, atol=1e-5)
 
+    def test_of_a_model_that_is_kept_ready(self):
+        points = np.random.default_rng(5).uniform(-9.0, 9.0, (20, 3))
+        for name in ("soap.json", "bent_stem.json"):
+            mapper = verisq.Mapper(model(name), device="host", tolerance=0.1)
+            for part in (points[:7], points[7:]):
+                found, once = mapper.closest_points(part), verisq.closest_points(model(name), part, tolerance=0.1)
+                np.testing.assert_array_equal(found.point, once.point)
+                np.testing.assert_array_equal(found.unique, once.unique)
+        with self.assertRaisesRegex(verisq.Error, "^closest_points: not for models with intervals$"):
+            verisq.Mapper(model("uncertain_stem.json"), device="host").closest_points(points)
+
+    def test_of_two_models_in_many_poses(self):
+        a, b = model("capsule.json"), model("soap.json")
+        poses = np.array([[200.0, 0, 0, 1, 0, 0, 0], [0, 0, 0, 1, 0, 0, 0], [50, 60, -70, 1, 2, 3, 4]])
+        found = verisq.closest_pairs(a, b, poses)
+        np.testing.assert_array_equal(found.unique, [True, False, True])
+        self.assertTrue(np.all(np.isinf(found.on_a[1])))
+        for i in (0, 2):
+            pair = verisq.distance(a, b, poses[i])
+            for side in ("on_a", "on_b"):
+                np.testing.assert_array_equal(getattr(found, side)[i], [list(c) for c in getattr(pair.closest, side)])
+        self.assertEqual((len(found), repr(found)), (3, "<verisq.ClosestPairMap: 3 rows, 2 unique>"))
+        with self.assertRaisesRegex(verisq.Error, "closest_pairs: not for models with intervals"):
+            verisq.closest_pairs(a, model("uncertain_stem.json"), poses)
+
     def test_errors(self):
         with self.assertRaisesRegex(verisq.Error, r"^point 1: \(.*\) is not finite$"):
             verisq.closest_points(model("soap.json"), [[0, 0, 9], [0, 0, float("inf")]])

@@ -53,6 +53,39 @@ TEST(BentDistanceTest, AroundTheMiddleOfABentCylinder) {
   }
 }
 
+/// However bad the candidate: the box is as wide as it is wrong, and holds the closest point.
+TEST(BentDistanceTest, CandidatesOffTheClosestPointHaveItInTheirBox) {
+  constexpr double radius = 0.25;
+  constexpr double apart = 0.375;
+  std::size_t proven = 0;
+  for (const double k : {0.4, -0.9, 1.5}) {
+    const BentDistance tube(bent_primitive({{radius, radius, 1.5}, {1.0, 1.0}}, {k, 0.0}));  // nowhere flat
+    const double out = k > 0.0 ? -1.0 : 1.0;
+    const Point x{0.6 * out * apart, 0.8 * apart, 0.0};
+    for (const double off : {1e-3, 1e-6, 1e-9}) {
+      for (const double degrees : {0.0, 30.0, 90.0, 200.0, 270.0}) {
+        const double turn = off * std::cos(degrees * std::numbers::pi / 180);
+        const long double angle = std::atan2(0.8L, 0.6L * out) + turn;
+        const long double z = off * std::sin(degrees * std::numbers::pi / 180);
+        const Proposal place{radius * std::cos(angle), radius * std::sin(angle), z};
+        const auto found = tube.closest_point(x, {place, {place[0] - x[0], place[1] - x[1], place[2]}});
+        if (!found) continue;
+        ++proven;
+        const Point p{0.6 * out * radius, 0.8 * radius, 0.0};
+        for (std::size_t c = 0; c < 3; ++c) {
+          EXPECT_LE(found->point[c].lower().to_double(Direction::down), p[c] + 1e-16)
+              << k << ' ' << off << ' ' << degrees;
+          EXPECT_GE(found->point[c].upper().to_double(Direction::up), p[c] - 1e-16)
+              << k << ' ' << off << ' ' << degrees;
+          EXPECT_LE(subtract(found->point[c].upper(), found->point[c].lower(), Direction::up).to_double(Direction::up),
+                    100 * off);
+        }
+      }
+    }
+  }
+  EXPECT_GE(proven, 40U);
+}
+
 TEST(BentDistanceTest, OnAnEndCap) {
   // The cap is plane: it lies in the half plane of the angle k a3, and all of the solid behind it. The point of its
   // centre is the nearest one to the points before it.

@@ -113,12 +113,53 @@ TEST(ClosestPoint, OfAnOverlapIsNotThatOfOnePrimitive) {
   EXPECT_EQ(end.primitive, 1U);
 }
 
-TEST(ClosestPoint, OfABentSolidIsNotKnownYet) {
-  const Model model = read_model(VERISQ_EXAMPLES "/bent_stem.json");
-  const ClosestPoint found = closest(model, {100.0, 20.0, 0.0});
-  EXPECT_FALSE(found.unique);
-  EXPECT_LT(found.distance.lo, found.point[0].hi);
-  EXPECT_EQ(found.normal[1], (Enclosure{-1.0, 1.0}));
+/// A tube whose middle lies on the circle of radius 2 about (2, 0, 0): in the plane z = 0 its section is a disc.
+Primitive bent_tube() {
+  return {"", {{0.25, 0.25, 1.0}, {0.1, 1.0}}, {}, Bend{0.5, 0.0}};
+}
+
+TEST(ClosestPoint, OutsideABentSolidIsUnique) {
+  const Model model{"", {bent_tube()}};
+  for (const double apart : {0.2501, 0.375, 1.0, 4.0}) {
+    const Point x{-apart * 0.6, apart * 0.8, 0.0};  // away from the centre: no other part of the tube is as near
+    const ClosestPoint found = closest(model, x);
+    EXPECT_TRUE(found.unique) << apart;
+    EXPECT_EQ(found.primitive, 0U);
+    EXPECT_NEAR(found.point[0].lo, -0.15, 1e-16 + found.point[0].width());
+    EXPECT_NEAR(found.point[1].lo, 0.2, 1e-16 + found.point[1].width());
+    EXPECT_TRUE(found.point[2].contains(0.0));
+    EXPECT_TRUE(found.normal[2].contains(0.0));
+    EXPECT_NEAR(found.normal[0].lo, -0.6, 1e-12);
+    EXPECT_LE(widest(found.point), 1e-15);
+    EXPECT_LE(widest(found.normal), 1e-11);
+  }
+  const ClosestPoint inside = closest(model, {0.1, 0.0, 0.0});
+  EXPECT_FALSE(inside.unique);
+  EXPECT_LT(inside.distance.hi, 0.0);
+}
+
+/// Both ends of the arc are as far from its plane of symmetry, and from its centre nearly all of it is.
+TEST(ClosestPoint, OfABentSolidIsNotUniqueWhereTwoPointsAre) {
+  const Model model{"", {bent_tube()}};
+  EXPECT_FALSE(closest(model, {2.0, 0.0, 0.0}).unique);
+  EXPECT_FALSE(closest(model, {3.0, 0.0, 0.0}).unique);
+}
+
+TEST(ClosestPoint, OfAUnionWithABentSolidIsThatOfTheNearestPrimitive) {
+  const Model model{"", {bent_tube(), ball(0.5, {0.0, 0.0, 2.0})}};
+  EXPECT_EQ(closest(model, {-1.0, 0.0, 0.0}).primitive, 0U);
+  const ClosestPoint above = closest(model, {0.0, 0.0, 4.0});
+  EXPECT_TRUE(above.unique);
+  EXPECT_EQ(above.primitive, 1U);
+  EXPECT_TRUE(contains(above.point, {0.0, 0.0, 2.5}));
+  const ClosestPoint inside =
+      closest(model, {0.0, 0.125, 2.25});  // of the ball, whose nearest point the tube leaves free
+  EXPECT_TRUE(inside.unique);
+  EXPECT_EQ(inside.primitive, 1U);
+  // Other operations are open.
+  Model difference = model;
+  difference.csg = SetExpression{{{{}, SetOperation::unite, 0}, {{}, SetOperation::unite, 1}}, SetOperation::subtract};
+  EXPECT_FALSE(closest(difference, {-1.0, 0.0, 0.0}).unique);
 }
 
 TEST(ClosestPoint, WithinAKnownDistanceIsAnywhereSoFar) {
@@ -139,6 +180,14 @@ Scene tapered_stem() {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> coordinate(-40.0, 40.0);
   for (int i = 0; i < 60; ++i) scene.points.push_back({coordinate(random), coordinate(random), coordinate(random)});
+  return scene;
+}
+
+Scene bent_union() {
+  Scene scene{{"", {bent_tube(), ball(0.5, {0.0, 0.0, 2.0})}}, {}};
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> coordinate(-3.0, 0.0);
+  for (int i = 0; i < 10; ++i) scene.points.push_back({coordinate(random), coordinate(random), coordinate(random)});
   return scene;
 }
 
@@ -171,6 +220,25 @@ TEST(ClosestPoint, HasTheGradientByPositionAsItsNormal) {
     }
   }
   EXPECT_GE(unique, 50U);
+}
+
+TEST(ClosestPoint, OutsideABentSolidHasTheGradientAsItsNormal) {
+  const Scene scene = bent_union();
+  const SignedDistance distance(scene.model);
+  for (const Point& x : scene.points) {
+    const ClosestPoint found = distance.closest_point(x, tolerance);
+    ASSERT_TRUE(found.unique);
+    EXPECT_LE(widest(found.normal), 1e-8);  // beside the tube's rim; elsewhere 1e-15
+    for (std::size_t k = 0; k < 3; ++k) {
+      Point more = x;
+      Point less = x;
+      more[k] += step;
+      less[k] -= step;
+      const double rise =
+          distance.closest_point(more, tolerance).distance.lo - distance.closest_point(less, tolerance).distance.lo;
+      EXPECT_NEAR(found.normal[k].lo, rise / (more[k] - less[k]), 1e-6);
+    }
+  }
 }
 
 Pose small_motion(std::size_t parameter, double size, const Point& centre) {

@@ -1,7 +1,8 @@
 /// Soundness of closest points: no box misses the closest point, and none that is said to be the only one is not.
 ///
-/// Random solids, poses and points of tests/oracle/random_cases.hpp against MPFR at 200 bits, and tapered solids with
-/// queries above known points of their surfaces. VERISQ_SOUNDNESS_CASES sets the number of cases. The full run is
+/// Random solids, poses and points of tests/oracle/random_cases.hpp against MPFR at 200 bits, tapered solids with
+/// queries above known points of their surfaces, and bent ones with queries above points of theirs.
+/// VERISQ_SOUNDNESS_CASES sets the number of cases. The full run is
 ///   VERISQ_SOUNDNESS_CASES=100000 build/release/tests/soundness_test --gtest_filter='ClosestPointSoundness*'
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/constants/constants.hpp>
 #include <map>
 #include <mutex>
 #include <string>
@@ -18,6 +20,7 @@
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/in_parallel.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "tests/oracle/random_solids.hpp"
 #include "tests/oracle/reference_distance.hpp"
 #include "tests/oracle/tapered_contact.hpp"
 
@@ -117,6 +120,75 @@ class ClosestPointTally {
   std::map<std::string, FamilyOfBoxes> families_;
 };
 
+/// The forward formula of verisq/model.hpp, to the letter.
+Vector bent(const Vector& local, const Bend& bend) {
+  const Real angle = bend.angle_degrees * boost::math::constants::pi<Real>() / 180;
+  const Real c = cos(angle);
+  const Real s = sin(angle);
+  const Real k = bend.curvature;
+  const Real r = local[0] * c + local[1] * s;
+  const Real across = local[1] * c - local[0] * s;
+  const Real R = 1 / k - (1 / k - r) * cos(k * local[2]);
+  const Real Z = (1 / k - r) * sin(k * local[2]);
+  return {R * c - across * s, R * s + across * c, Z};
+}
+
+Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// A part of the surface of a bent solid, by two coordinates about one of its points.
+class BentPatch {
+ public:
+  BentPatch(const Primitive& primitive, const Vector& local)
+      : solid_(primitive.superquadric, primitive.pose), bend_(*primitive.bend), centre_(local) {
+    const std::size_t largest = static_cast<std::size_t>(
+        std::ranges::max_element(local, [](const Real& a, const Real& b) { return abs(a) < abs(b); }) - local.begin());
+    across_ = {(largest + 1) % 3, (largest + 2) % 3};
+  }
+
+  [[nodiscard]] Vector operator()(const Real& a, const Real& b) const {
+    Vector local = centre_;
+    local[across_[0]] += a;
+    local[across_[1]] += b;
+    return solid_.from_own_frame(bent(scaled<Real>(local, 1 / solid_.norm().gauge(local)), bend_));
+  }
+
+ private:
+  PosedSolid solid_;
+  Bend bend_;
+  Vector centre_;
+  std::array<std::size_t, 2> across_{};
+};
+
+/// The point of the patch that Newton's method finds to be nearest to `x`, and how far its last step went: derivatives
+/// are differences in 200 bits.
+std::pair<Vector, Real> nearest_on(const BentPatch& patch, const Vector& x, const Real& size) {
+  const Real h = ldexp(size, -45);
+  Real a = 0;
+  Real b = 0;
+  Real step = size;
+  const auto f = [&](const Real& u, const Real& v) {
+    const Vector apart = difference(patch(u, v), x);
+    return Real(dot(apart, apart) / 2);
+  };
+  for (int i = 0; i < 12 && step > ldexp(size, -80); ++i) {
+    const Real middle = f(a, b);
+    const Real fa = (f(a + h, b) - f(a - h, b)) / (2 * h);
+    const Real fb = (f(a, b + h) - f(a, b - h)) / (2 * h);
+    const Real faa = (f(a + h, b) - 2 * middle + f(a - h, b)) / (h * h);
+    const Real fbb = (f(a, b + h) - 2 * middle + f(a, b - h)) / (h * h);
+    const Real fab = (f(a + h, b + h) - f(a + h, b - h) - f(a - h, b + h) + f(a - h, b - h)) / (4 * h * h);
+    const Real determinant = faa * fbb - fab * fab;
+    const Real da = (fb * fab - fa * fbb) / determinant;
+    const Real db = (fa * fab - fb * faa) / determinant;
+    a += da;
+    b += db;
+    step = std::max<Real>(abs(da), abs(db));
+  }
+  return {patch(a, b), step};
+}
+
 std::size_t solids_of(std::size_t queries) {
   return std::max<std::size_t>(1, queries / queries_a_solid);
 }
@@ -159,6 +231,58 @@ TEST(ClosestPointSoundnessTest, BoxesContainKnownPointsOfTaperedSolids) {
       EXPECT_LT(widest(found.point), 1e-6 * size) << described(primitive, contact.query, found, foot);
     }
   });
+}
+
+/// Queries above random points of the surface, along about its normal there: what Newton's method finds about that
+/// point lies in the box wherever it is as near as the distance.
+TEST(ClosestPointSoundnessTest, BoxesContainPointsOfBentSolids) {
+  std::mutex mutex;
+  std::size_t queries = 0;
+  std::size_t unique = 0;
+  std::size_t compared = 0;
+  double widest_box = 0.0;
+  in_parallel(solids_of(requested_count("VERISQ_SOUNDNESS_CASES", usual_queries)), [&](std::size_t index) {
+    RandomSolids solids(index);
+    RandomCases random(index);
+    const Model model = solids.model(ModelFamily::bent);
+    const Primitive& primitive = model.primitives.front();
+    const SignedDistance distance(model);
+    const double size = std::ranges::max(primitive.superquadric.semi_axes);
+    for (std::size_t i = 0; i < queries_a_solid; ++i) {
+      const BentPatch patch(primitive, widened(random.boundary_point(primitive.superquadric).point));
+      const Real h = ldexp(Real(size), -40);
+      const Vector foot = patch(0, 0);
+      const Vector u = difference(patch(h, 0), foot);
+      const Vector v = difference(patch(0, h), foot);
+      const Vector across = cross(u, v);
+      const double apart = size * random.log_uniform(1e-4, 3.0) * (random.choice(2) == 0 ? 1.0 : -1.0);
+      Point x{};
+      for (std::size_t k = 0; k < 3; ++k)
+        x[k] = Real(foot[k] + apart * across[k] / length(across)).convert_to<double>();
+      const ClosestPoint found = distance.closest_point(x, 1e-2 * size);
+      const auto [nearest, last_step] = nearest_on(patch, widened(x), size);
+      const Real found_distance = length(difference(nearest, widened(x)));
+      const bool outside = found.distance.lo > 0.0;
+      const std::lock_guard lock(mutex);
+      if (outside) ++queries;
+      if (outside && found.unique) {
+        ++unique;
+        widest_box = std::max(widest_box, widest(found.point) / size);
+      }
+      // Elsewhere Newton's method went somewhere else, or the foot is not the nearest point.
+      if (!outside || !found.unique || !(last_step < ldexp(Real(size), -60)) ||
+          found_distance > Real(found.distance.hi))
+        continue;
+      ++compared;
+      EXPECT_TRUE(meets(found.point, nearest, ldexp(Real(size), -58)) && found_distance >= Real(found.distance.lo))
+          << described(primitive, x, found, nearest) << ", bend " << primitive.bend->curvature << " "
+          << primitive.bend->angle_degrees;
+    }
+  });
+  fmt::print("bent: {} queries outside, {} unique, {} compared; widest box {:.3g}\n", queries, unique, compared,
+             widest_box);
+  EXPECT_GT(unique, queries / 4);
+  EXPECT_GT(compared, unique / 4);
 }
 
 }  // namespace

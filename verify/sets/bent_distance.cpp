@@ -1,14 +1,17 @@
 /// Proposes the nearest point by projected Newton steps in long double, and proves it in 127-bit intervals.
 #include "verify/sets/bent_distance.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
+#include "verify/analysis/norm_expansion.hpp"
 #include "verify/analysis/trigonometry.hpp"
 #include "verify/proof/boundary.hpp"
 #include "verify/search/contact.hpp"
+#include "verify/search/enclosing_box.hpp"
 #include "verify/sets/bend_range.hpp"
 
 namespace verisq::verify {
@@ -46,7 +49,68 @@ class ConvexProblem {
     return {turned_back(x.point), turned_back(towards(x))};
   }
 
+  /// Newton's method on ∇f = λ ∇g, g = 1 from there, in long double: digits that the steps above leave out. The same
+  /// candidate where that leads away.
+  [[nodiscard]] BentDistance::Candidate refined(const BentDistance::Candidate& start) const {
+    constexpr int steps = 4;
+    const auto gauge = NormFunction<long double>::gauge(solid_);
+    const Vector focus(0, 0, focus_);
+    const Vector first(start.point[0], start.point[1], start.point[2]);
+    Vector x = first;
+    NormExpansion<long double> g = gauge(x - focus);
+    long double multiplier = -gradient(x).norm() / g.gradient.norm();
+    for (int i = 0; i < steps; ++i) {
+      Eigen::Matrix<long double, 4, 1> value;
+      value << gradient(x) - g.gradient * multiplier, g.value - 1.0L;
+      Eigen::Matrix<long double, 4, 4> jacobian = Eigen::Matrix<long double, 4, 4>::Zero();
+      jacobian.topLeftCorner<3, 3>() = hessian(x) - g.hessian * multiplier;
+      jacobian.topRightCorner<3, 1>() = -g.gradient;
+      jacobian.bottomLeftCorner<1, 3>() = g.gradient.transpose();
+      const Eigen::Matrix<long double, 4, 1> step = jacobian.partialPivLu().solve(value);
+      x -= step.head<3>();
+      multiplier -= step[3];
+      g = gauge(x - focus);
+    }
+    const Contact found{turned({x[0], x[1], x[2]}), turned({g.gradient[0], g.gradient[1], g.gradient[2]})};
+    constexpr long double nearby = 1e-3L;
+    const bool near = (x - first).norm() <= nearby * std::ranges::max(solid_.semi_axes);
+    if (!near || !usable(found.normal)) return start;
+    return {{x[0], x[1], x[2]}, turned_back(towards(found))};
+  }
+
  private:
+  using Vector = Eigen::Matrix<long double, 3, 1>;
+  using Matrix = Eigen::Matrix<long double, 3, 3>;
+
+  /// (r, s, z) of a point of the primitive's own frame.
+  [[nodiscard]] Matrix turn() const {
+    Matrix result = Matrix::Identity();
+    result.topLeftCorner<2, 2>() << cosine_, sine_, -sine_, cosine_;
+    return result;
+  }
+
+  /// Half that of f, in the primitive's own frame. With r_q, z_q of the query: no cancellation for small k.
+  [[nodiscard]] Vector gradient(const Vector& x) const {
+    const Vector t = turn() * x;
+    const auto& [r, s, z] = unbent_query_;
+    const long double turn_of = k_ * (t[2] - z);
+    const long double chord = (t[2] - z) * sine_quotient_of(turn_of / 2);
+    const long double w = 1 - k_ * t[0];
+    const long double w_q = 1 - k_ * r;
+    return turn().transpose() *
+           Vector(t[0] - r - k_ * w_q * chord * chord / 2, t[1] - s, w * w_q * (t[2] - z) * sine_quotient_of(turn_of));
+  }
+
+  [[nodiscard]] Matrix hessian(const Vector& x) const {
+    const Vector t = turn() * x;
+    const long double turn_of = k_ * (t[2] - unbent_query_[2]);
+    const long double w_q = 1 - k_ * unbent_query_[0];
+    Matrix h = Matrix::Identity();
+    h(0, 2) = h(2, 0) = -w_q * std::sin(turn_of);
+    h(2, 2) = (1 - k_ * t[0]) * w_q * std::cos(turn_of);
+    return turn().transpose() * h * turn();
+  }
+
   [[nodiscard]] Proposal turned(const Proposal& v) const {
     return {v[0] * cosine_ + v[1] * sine_, v[1] * cosine_ - v[0] * sine_, v[2]};
   }
@@ -117,7 +181,7 @@ class ConvexProblem {
   long double k_;
   long double cosine_, sine_;
   Proposal query_;
-  Proposal unbent_query_;
+  Proposal unbent_query_;  ///< r, s, z
 };
 
 bool is_finite(const Proposal& x) {
@@ -164,21 +228,81 @@ BentDistance::Query BentDistance::query(const Point& x) const {
   return {bent, map_.unbent(bent)};
 }
 
+BentDistance::Candidate BentDistance::proposed(const Query& q) const {
+  return ConvexProblem(superquadric_, bend_, midpoint(q.bent), midpoint(q.unbent)).solution();
+}
+
+BentDistance::Candidate BentDistance::refined(const Query& q, const Candidate& start) const {
+  return ConvexProblem(superquadric_, bend_, midpoint(q.bent), midpoint(q.unbent)).refined(start);
+}
+
 BentDistance::Nearest BentDistance::operator()(const Point& x) const {
   const Query q = query(x);
-  return proven(q, ConvexProblem(superquadric_, bend_, midpoint(q.bent), midpoint(q.unbent)).solution());
+  return proven(q, proposed(q));
 }
 
 BentDistance::Nearest BentDistance::proven(const Point& x, const Candidate& candidate) const {
   return proven(query(x), candidate);
 }
 
+/// Of the candidate's point, moved into K where it may lie outside.
+PreciseVector BentDistance::image_of(const Candidate& candidate) const {
+  return map_.bent(in_solid(is_finite(candidate.point) ? candidate.point : Proposal{}));
+}
+
 BentDistance::Nearest BentDistance::proven(const Query& q, const Candidate& candidate) const {
-  const PreciseVector image = map_.bent(in_solid(is_finite(candidate.point) ? candidate.point : Proposal{}));
+  const PreciseVector image = image_of(candidate);
   const Real upper = length<Real>(PreciseVector(image - q.bent)).upper();
-  const Real lower = lower_bound(q, upper, candidate.direction);
+  const std::optional<TangentPlane> plane = tangent_plane(q, upper, candidate.direction);
+  const Real lower = plane ? plane->distance_lower : Real(0);
   const Proposal nearest = midpoint(PreciseVector(motion_.rotation * image + motion_.translation));
   return {{lower.to_double(Direction::down), upper.to_double(Direction::up)}, rounded(nearest)};
+}
+
+std::optional<ClosestSurfacePoint> BentDistance::closest_point(const Point& x) const {
+  const Query q = query(x);
+  const Candidate rough = proposed(q);
+  std::optional<Neighbourhood> best;
+  for (const Candidate& candidate : {refined(q, rough), rough}) {
+    const std::optional<Neighbourhood> found = neighbourhood(q, candidate);
+    if (found && (!best || found->reach < best->reach)) best = found;
+  }
+  return closest_in(q, best);
+}
+
+std::optional<ClosestSurfacePoint> BentDistance::closest_point(const Point& x, const Candidate& candidate) const {
+  const Query q = query(x);
+  return closest_in(q, neighbourhood(q, candidate));
+}
+
+std::optional<ClosestSurfacePoint> BentDistance::closest_in(const Query& q,
+                                                            const std::optional<Neighbourhood>& found) const {
+  if (!found) return std::nullopt;
+  const PreciseVector places = inflated(found->plane.x0, found->reach);
+  const PreciseInterval distance(found->plane.distance_lower, found->upper);
+  const PreciseVector point = map_.bent(places);
+  const PreciseInterval component(-1, 1);
+  const PreciseVector normal = motion_.rotation * PreciseVector((q.bent - point) / distance);
+  const std::optional<Rise> of_all = rise(q, places, found->upper);
+  return ClosestSurfacePoint{distance, motion_(point),
+                             intersection(normal, {component, component, component}, "a component of a unit normal"),
+                             of_all && of_all->margin > Real(0)};
+}
+
+/// Nothing where q is not proven to lie outside, or its nearest points not to lie beside x0.
+std::optional<BentDistance::Neighbourhood> BentDistance::neighbourhood(const Query& q,
+                                                                       const Candidate& candidate) const {
+  const Real upper = length<Real>(PreciseVector(image_of(candidate) - q.bent)).upper();
+  const std::optional<TangentPlane> plane = tangent_plane(q, upper, candidate.direction);
+  if (!plane || !(plane->distance_lower > Real(0))) return std::nullopt;
+  const std::optional<Real> reach = this->reach(q, *plane, upper);
+  if (!reach) return std::nullopt;
+  return Neighbourhood{*plane, upper, *reach};
+}
+
+bool BentDistance::excludes(const PreciseVector& box) const {
+  const PreciseVector local = motion_.rotation.transpose() * (box - motion_.translation);
+  return bounds_.gauge(map_.unbent(local) - focus_).lower() > Real(1);
 }
 
 /// Divided by its gauge where that may exceed 1.
@@ -189,26 +313,28 @@ PreciseVector BentDistance::in_solid(const Proposal& point) const {
   return gauge.upper() > Real(1) ? PreciseVector(focus_ + from_focus / gauge) : x;
 }
 
-/// With p - q along `direction` and as long as `upper`, which is a proven bound of d(q, β(K)).
-Real BentDistance::lower_bound(const Query& q, const Real& upper, const Proposal& direction) const {
-  if (!usable(direction)) return 0;
+/// With p - q along `direction` and as long as `upper`, which is a proven bound of d(q, β(K)). Nothing where f is not
+/// proven to lie above it.
+std::optional<BentDistance::TangentPlane> BentDistance::tangent_plane(const Query& q, const Real& upper,
+                                                                      const Proposal& direction) const {
+  if (!usable(direction)) return std::nullopt;
   const long double scale = upper.to_long_double() / std::hypot(direction[0], direction[1], direction[2]);
   const Proposal scaled{scale * direction[0], scale * direction[1], scale * direction[2]};
-  if (!is_finite(scaled)) return 0;
+  if (!is_finite(scaled)) return std::nullopt;
   const PreciseVector apart = precise(scaled);
   const PreciseVector x0 = map_.unbent(q.bent + apart);
   const PreciseVector from_focus = x0 - focus_;
   const PreciseInterval squared = squared_length(apart);
-  if (!lies_above_tangent(q, x0, std::max(upper, sqrt(squared).upper()))) return 0;
+  if (!rise(q, x0, std::max(upper, sqrt(squared).upper()))) return std::nullopt;
   const PreciseVector v = map_.pulled_back(apart, x0);
   const PreciseInterval loss = PreciseInterval(2) * (bounds_.support(-v) + v.dot(from_focus));
-  return sqrt(PreciseInterval(std::max((squared - loss).lower(), Real(0)))).lower();
+  return TangentPlane{x0, sqrt(PreciseInterval(std::max((squared - loss).lower(), Real(0)))).lower()};
 }
 
-/// The condition for all turns δ from x0 to a point of K. Of points within `upper` of the query, where that is nearer
-/// than the centre of curvature, |sin(γ - γ_q)| <= |k| upper / W_q and the cosine is positive; with |γ - γ_q| below
-/// three quarters of a turn they are within a quarter.
-bool BentDistance::lies_above_tangent(const Query& q, const PreciseVector& x0, const Real& upper) const {
+/// The condition for all turns δ from x0, any of a box, to a point of K. Of points within `upper` of the query, where
+/// that is nearer than the centre of curvature, |sin(γ - γ_q)| <= |k| upper / W_q and the cosine is positive; with
+/// |γ - γ_q| below three quarters of a turn they are within a quarter. Nothing where it is not proven.
+std::optional<BentDistance::Rise> BentDistance::rise(const Query& q, const PreciseVector& x0, const Real& upper) const {
   const PreciseVector turned_q = map_.turned(q.unbent);
   const PreciseVector turned_0 = map_.turned(x0);
   const PreciseInterval one(1);
@@ -220,12 +346,13 @@ bool BentDistance::lies_above_tangent(const Query& q, const PreciseVector& x0, c
   const PreciseInterval gamma_0 = k * turned_0[2];
   const PreciseInterval apart = gamma_0 - gamma_q;
   const PreciseInterval quarter = pi<Real>() / two;
-  if (!(abs(apart).upper() < (two * quarter).lower())) return false;  // the sine has not the sign of the turn
+  if (!(abs(apart).upper() < (two * quarter).lower())) return std::nullopt;  // the sine has not the sign of the turn
 
   Real turn(0);  // the largest δ away from the query
   if (apart.upper() > Real(0)) turn = std::max(turn, (angle_ - gamma_0).upper());
   if (apart.lower() < Real(0)) turn = std::max(turn, (angle_ + gamma_0).upper());
   Real between = (abs(gamma_0 / two - gamma_q) + angle_ / two).upper();  // the largest |apart + δ/2|
+  Real any_turn = (angle_ + abs(gamma_0)).upper();
 
   const PreciseInterval reach = abs(k) * PreciseInterval(upper);
   if (reach.upper() < w_q.lower() && (angle_ + abs(gamma_q)).upper() < (PreciseInterval(3) * quarter).lower()) {
@@ -234,12 +361,36 @@ bool BentDistance::lies_above_tangent(const Query& q, const PreciseVector& x0, c
     const PreciseInterval angle = cosine.lower() > Real(0) ? atan(sine / cosine) : quarter;
     turn = std::min(turn, std::max(Real(0), (angle - abs(apart)).upper()));
     between = std::min(between, ((angle + abs(apart)) / two).upper());
+    any_turn = std::min(any_turn, (angle + abs(apart)).upper());
   }
   const std::optional<Real> quotient = turn_quotient_up(turn);
-  if (!quotient) return false;
+  if (!quotient) return std::nullopt;
   const PreciseInterval curving = cos(apart) - abs(sin(apart)) * PreciseInterval(*quotient);
-  return curving.lower() > Real(0) &&
-         (w_0 * curving).lower() >= (w_q * PreciseInterval(squared_sine_up(between))).upper();
+  if (!(curving.lower() > Real(0))) return std::nullopt;
+  const Real margin = (w_0 * curving - w_q * PreciseInterval(squared_sine_up(between))).lower();
+  if (!(margin >= Real(0))) return std::nullopt;
+  return Rise{margin, any_turn};
+}
+
+/// An upper bound of |x - x0| in every coordinate for all x of K whose image is as near as `upper`, of which the
+/// nearest are some (docs/mathematics.md §25): by η = U² - lo², of which f leaves no more to rise above the plane,
+///     |s - s0| <= √η,   |z - z0| sin(δ/2)/(δ/2) <= √(η/(W_q C)),   |r - r0| <= √η + W_q |z - z0|.
+/// Nothing where the margin C is 0, or the turn too large.
+std::optional<Real> BentDistance::reach(const Query& q, const TangentPlane& plane, const Real& upper) const {
+  const std::optional<Rise> above = rise(q, plane.x0, upper);
+  if (!above || !(above->margin > Real(0))) return std::nullopt;
+  const PreciseInterval two(2);
+  const PreciseInterval w_q = PreciseInterval(1) - PreciseInterval(Real(bend_.curvature)) * map_.turned(q.unbent)[0];
+  const PreciseInterval half_turn = PreciseInterval(above->turn) / two;
+  if (!(half_turn.upper() < (pi<Real>() / two).lower() && w_q.lower() > Real(0))) return std::nullopt;
+  const PreciseInterval lo(plane.distance_lower);
+  const PreciseInterval hi(upper);
+  const PreciseInterval left = sqrt(PreciseInterval(std::max(Real(0), ((hi - lo) * (hi + lo)).upper())));
+  // The quotient falls with |δ|.
+  const PreciseInterval least_quotient = sine_quotient(half_turn);
+  const PreciseInterval height = left / sqrt(w_q * PreciseInterval(above->margin)) / least_quotient;
+  // x and y are r and s, turned: none leaves its place by more than both together.
+  return std::max(height.upper(), (two * left + w_q * height).upper());
 }
 
 }  // namespace verisq::verify

@@ -2,8 +2,11 @@
 /// plane.
 #pragma once
 
+#include <optional>
+
 #include "verify/proof/certificate.hpp"
 #include "verify/proof/rigid_motion.hpp"
+#include "verify/search/closest_surface_point.hpp"
 #include "verify/sets/bend.hpp"
 #include "verisq/model.hpp"
 
@@ -46,6 +49,16 @@ class BentDistance {
   /// What a candidate proves, however it was found: the closer to the nearest point, the tighter.
   [[nodiscard]] Nearest proven(const Point& x, const Candidate& candidate) const;
 
+  /// The closest points, where x is proven to lie outside, and the condition above for all of them (docs/mathematics.md
+  /// §25). Unique where it is proven strictly. The distance is no wider than the other's.
+  [[nodiscard]] std::optional<ClosestSurfacePoint> closest_point(const Point& x) const;
+
+  /// The same by this candidate alone.
+  [[nodiscard]] std::optional<ClosestSurfacePoint> closest_point(const Point& x, const Candidate& candidate) const;
+
+  /// Whether all points of a box of the model's frame are proven to lie outside the solid.
+  [[nodiscard]] bool excludes(const PreciseVector& box) const;
+
   /// d(x, β(K)) >= |x - centre| - the radius of a ball that contains the solid
   [[nodiscard]] double lower_by_sphere(const Point& x) const;
 
@@ -54,11 +67,40 @@ class BentDistance {
     PreciseVector bent, unbent;  ///< in the primitive's own frame
   };
 
+  /// The tangent plane of f at x0, below f on all points of K as near as is asked for.
+  struct TangentPlane {
+    PreciseVector x0;
+    Real distance_lower;  ///< of d(q, β(K))
+  };
+
+  /// Where all points of K lie that are as near as `upper`, the nearest among them: at most `reach` from x0 in every
+  /// coordinate.
+  struct Neighbourhood {
+    TangentPlane plane;
+    Real upper;
+    Real reach;
+  };
+
+  /// How far f rises above its tangent planes: the condition's left side less its right one, >= 0, rounded down, and
+  /// the largest |δ| of those points.
+  struct Rise {
+    Real margin;
+    Real turn;
+  };
+
   [[nodiscard]] Query query(const Point& x) const;
+  [[nodiscard]] Candidate proposed(const Query& q) const;
+  [[nodiscard]] Candidate refined(const Query& q, const Candidate& start) const;
+  [[nodiscard]] std::optional<Neighbourhood> neighbourhood(const Query& q, const Candidate& candidate) const;
+  [[nodiscard]] std::optional<ClosestSurfacePoint> closest_in(const Query& q,
+                                                              const std::optional<Neighbourhood>& found) const;
   [[nodiscard]] Nearest proven(const Query& q, const Candidate& candidate) const;
+  [[nodiscard]] PreciseVector image_of(const Candidate& candidate) const;
   [[nodiscard]] PreciseVector in_solid(const Proposal& point) const;
-  [[nodiscard]] Real lower_bound(const Query& q, const Real& upper, const Proposal& direction) const;
-  [[nodiscard]] bool lies_above_tangent(const Query& q, const PreciseVector& x0, const Real& upper) const;
+  [[nodiscard]] std::optional<TangentPlane> tangent_plane(const Query& q, const Real& upper,
+                                                          const Proposal& direction) const;
+  [[nodiscard]] std::optional<Rise> rise(const Query& q, const PreciseVector& x0, const Real& upper) const;
+  [[nodiscard]] std::optional<Real> reach(const Query& q, const TangentPlane& plane, const Real& upper) const;
 
   Superquadric superquadric_;
   Bend bend_;

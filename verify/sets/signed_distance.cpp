@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "verify/proof/exact_checker.hpp"
-#include "verify/search/union_closest_point.hpp"
 #include "verify/search/union_of_convex.hpp"
 #include "verify/sets/solid_distance.hpp"
+#include "verify/sets/union_closest_point.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 
@@ -40,12 +40,29 @@ struct ConvexUnion {
   std::vector<verify::ConvexPrimitive> primitives;
 };
 
+/// Of a union of primitives of which some are bent; nothing of other models.
+std::vector<verify::UnionPart> parts_of_bent_union(Model model) {
+  std::vector<verify::UnionPart> parts;
+  for (const Primitive& primitive : model.primitives) {
+    if (is_bent(primitive))
+      parts.emplace_back(std::in_place_type<verify::BentDistance>, primitive);
+    else
+      parts.emplace_back(std::in_place_type<verify::ConvexPrimitive>, primitive);
+  }
+  for (Primitive& primitive : model.primitives) primitive.bend.reset();
+  if (!is_union_of_convex(model)) parts.clear();  // another operation than the union
+  return parts;
+}
+
 }  // namespace
 
 struct SignedDistance::State {
   explicit State(const Model& model)
       : search(model), resolution(search_limit * bounding_radius(model)), primitives(model.primitives.size()) {
-    if (is_union_of_convex(model)) convex.emplace(model);
+    if (is_union_of_convex(model))
+      convex.emplace(model);
+    else
+      bent_union = parts_of_bent_union(model);
   }
 
   [[nodiscard]] Enclosure searched(const Point& point, double tolerance, const Enclosure& known,
@@ -54,8 +71,9 @@ struct SignedDistance::State {
   }
 
   [[nodiscard]] std::optional<ClosestPoint> proven_closest_point(const Point& point) const {
-    if (!convex) return std::nullopt;
-    return verify::closest_point(convex->primitives, point);
+    if (convex) return verify::closest_point(convex->primitives, point);
+    if (!bent_union.empty()) return verify::closest_point(bent_union, point);
+    return std::nullopt;
   }
 
   [[nodiscard]] ClosestPoint closest_point_within(const Enclosure& distance, const Point& point) const {
@@ -65,6 +83,7 @@ struct SignedDistance::State {
   }
 
   std::optional<ConvexUnion> convex;
+  std::vector<verify::UnionPart> bent_union;  ///< nothing where there is no bend
   verify::SolidDistance search;
   double resolution;
   std::size_t primitives;

@@ -2,14 +2,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <deque>
-#include <thread>
+#include <optional>
 #include <utility>
 #include <verisq/error.hpp>
 #include <verisq/stance_stability.hpp>
 
+#include "verify/stance/box_division.hpp"
 #include "verify/stance/parameters.hpp"
 #include "verify/stance/stability_cell.hpp"
 
@@ -45,17 +45,8 @@ void check_stability(const Model& model, JointControl control, UncertainSet unce
   }
 }
 
-struct Part {
-  Box box;
-  std::vector<std::uint32_t> halvings;  ///< of each uncertain parameter
+struct Part : BoxPart {
   StabilityOfCell found = {};
-
-  /// Of the whole: a power of 2, exact.
-  [[nodiscard]] double share() const {
-    double share = 1.0;
-    for (const std::uint32_t count : halvings) share = std::ldexp(share, -static_cast<int>(count));
-    return share;
-  }
 };
 
 class StabilityByParts {
@@ -63,8 +54,8 @@ class StabilityByParts {
   StabilityByParts(const Model& model, UncertainSet uncertain, const StabilityOptions& options)
       : options_(options),
         problem_(standing_problem(model, options.control, uncertain)),
-        most_halvings_(static_cast<std::uint32_t>(std::bit_width(std::max(options.cells, 1U) - 1))) {
-    open_.push_back({parameter_box(model, uncertain), std::vector<std::uint32_t>(uncertain.size(), 0)});
+        division_(problem_.parameters, std::max(options.cells, 1U)) {
+    open_.push_back({BoxPart::whole(parameter_box(model, uncertain), uncertain.size())});
   }
 
   [[nodiscard]] Stability run() {
@@ -75,8 +66,10 @@ class StabilityByParts {
         batch.push_back(std::move(open_.front()));
         open_.pop_front();
       }
-      examine_all(batch);
-      for (Part& part : batch) settle(part);
+      examine_on_all_cores(batch, [&](Part& part) {
+        if (!options_.interrupted || !options_.interrupted()) part.found = stability_over(problem_, part.box);
+      });
+      for (const Part& part : batch) settle(part);
       if (options_.progress) options_.progress(result_.stable + result_.unstable + result_.open);
       result_.interrupted = options_.interrupted && options_.interrupted();
     }
@@ -89,37 +82,15 @@ class StabilityByParts {
   }
 
  private:
-  /// Each by itself, so that the result does not depend on the number of threads.
-  void examine_all(std::vector<Part>& parts) const {
-    const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, parts.size());
-    std::vector<std::jthread> workers;
-    for (std::size_t first = 0; first < threads; ++first) {
-      workers.emplace_back([&, first] {
-        for (std::size_t i = first; i < parts.size(); i += threads) {
-          if (options_.interrupted && options_.interrupted()) return;
-          parts[i].found = stability_over(problem_, parts[i].box);
-        }
-      });
-    }
-  }
-
-  void settle(Part& part) {
-    const bool halves_it = part.found.verdict == StabilityVerdict::open;
-    const std::optional<std::size_t> k = halves_it ? next_to_halve(part) : std::nullopt;
+  void settle(const Part& part) {
+    const bool is_open = part.found.verdict == StabilityVerdict::open;
+    const std::optional<std::size_t> k = is_open ? next_to_halve(part) : std::nullopt;
     if (!k) {
       take(part);
       return;
     }
-    const Interval side = part.box[problem_.parameters[*k]];
-    ++part.halvings[*k];
-    for (const Interval& half : {Interval(side.lower(), middle(side)), Interval(middle(side), side.upper())}) {
-      open_.push_back(part);
-      open_.back().box[problem_.parameters[*k]] = half;
-      open_.back().found = {};
-    }
+    for (BoxPart& half : division_.halves(part, *k)) open_.push_back({std::move(half)});
   }
-
-  static double middle(const Interval& side) { return 0.5 * side.lower() + 0.5 * side.upper(); }
 
   /// The parameter that keeps most open, where that is known, else that which has been halved least.
   [[nodiscard]] std::optional<std::size_t> next_to_halve(const Part& part) const {
@@ -129,10 +100,7 @@ class StabilityByParts {
       return part.halvings[k] < part.halvings[*best];
     };
     for (std::size_t k = 0; k < part.halvings.size(); ++k) {
-      const Interval& side = part.box[problem_.parameters[k]];
-      const bool divisible =
-          part.halvings[k] < most_halvings_ && side.lower() < middle(side) && middle(side) < side.upper();
-      if (divisible && (!best || better(k))) best = k;
+      if (division_.is_divisible(part, k) && (!best || better(k))) best = k;
     }
     return best;
   }
@@ -153,7 +121,7 @@ class StabilityByParts {
 
   const StabilityOptions& options_;
   StandingProblem problem_;
-  std::uint32_t most_halvings_;
+  BoxDivision division_;
   std::deque<Part> open_;
   Stability result_;
 };
