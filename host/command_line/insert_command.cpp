@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <vector>
 #include <verisq/bone_region.hpp>
@@ -86,8 +87,10 @@ void check_usage(const InsertArguments& arguments) {
   if (is_searched(arguments) && !arguments.cavity && !arguments.bone)
     refuse("--search-cone, --search-turn: nothing says where bone is: give --cavity or --bone");
   check_bone_options(arguments);
-  refuse_to_overwrite("-o", arguments.output,
-                      {arguments.implant, arguments.mesh, arguments.poses.value_or(""), arguments.within.value_or("")});
+  const std::vector<std::string> inputs{arguments.implant, arguments.mesh, arguments.poses.value_or(""),
+                                        arguments.within.value_or("")};
+  refuse_to_overwrite("-o", arguments.output, inputs);
+  command_line::check_usage(arguments.report, inputs);
 }
 
 std::vector<Pose> read_poses(const std::string& path) {
@@ -198,6 +201,26 @@ MeshClearance surface_along(std::span<const Pose> path, const Model& implant, co
                               {.tolerance = options.tolerance, .device = options.device, .interrupted = interrupted});
 }
 
+struct Inserted {
+  const Mesh& bone;
+  const Model& implant;
+  std::span<const Pose> path;
+  const Insertion& insertion;
+};
+
+void write_report(const InsertArguments& arguments, const Inserted& inserted, const InsertReport& report) {
+  const auto name = [](const std::string& file) { return std::filesystem::path(file).filename().string(); };
+  write(arguments.report, {.title = fmt::format("{}: way in of {}", name(arguments.mesh), name(arguments.implant)),
+                           .bone = inserted.bone,
+                           .rows = inserted.insertion.rows,
+                           .implant = inserted.implant,
+                           .units = inserted.implant.units,
+                           .summary = report_lines(report),
+                           .area_names = {},
+                           .area_of = {},
+                           .path = inserted.path});
+}
+
 /// The whole surface's penetration, and the volume, are as narrow as asked for.
 bool is_wide(const InsertReport& report) {
   return report.summary.wide > 0 ||
@@ -270,6 +293,7 @@ void declare_insert(Options& options, InsertArguments& arguments) {
               "Default: 0.02, or 1e-7 of the cube about the implant's bounding sphere");
   add_device(options, arguments.device);
   options.require("-o,--output", arguments.output, "FILE", map_explanation);
+  declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
@@ -281,6 +305,9 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);
   const Mesh bone = arguments.resection ? before_resection(whole_bone, *arguments.resection) : whole_bone.mesh;
   const bool on_triangles = arguments.on == MapElements::triangles;
+  if (arguments.report.any() && bone.triangles.empty())
+    refuse(fmt::format("{}: {}: has no triangles to draw", arguments.report.html.empty() ? "--png" : "--report",
+                       arguments.mesh));
   if (on_triangles && bone.triangles.empty()) refuse(fmt::format("--on triangles: {}: has none", arguments.mesh));
   std::vector<Pose> path;
   if (arguments.poses) path = read_poses(*arguments.poses);
@@ -323,6 +350,11 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   report.tolerance = options.tolerance;
   report.seconds = time.seconds();
   tell_notice(insertion.summary.notice);
+  if (arguments.report.any() && !insertion.summary.interrupted) {
+    write_report(arguments, {.bone = bone, .implant = implant, .path = path, .insertion = insertion}, report);
+    report.page = arguments.report.html;
+    report.picture = arguments.report.png;
+  }
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   return status_of(report);
 }

@@ -10,6 +10,7 @@
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
+#include "host/command_line/report_files.hpp"
 
 namespace verisq::command_line {
 
@@ -33,6 +34,7 @@ struct InsertArguments {
   std::optional<double> volume_tolerance;  ///< relative
   std::string device = "auto";
   std::string output;
+  ReportFiles report;
   bool json = false;
   bool no_progress = false;
 };

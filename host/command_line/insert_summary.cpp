@@ -1,7 +1,7 @@
 /// Counts, and the two forms of the summary.
 #include "host/command_line/insert_summary.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
@@ -118,7 +118,38 @@ std::string readable(const InsertReport& report) {
   text += fmt::format("time                 {:.3g} s (device {:.3g} s, host proofs {:.3g} s)\n", report.seconds,
                       summary.device_seconds, summary.host_seconds);
   text += fmt::format("map                  {}\n", report.output.empty() ? "not kept" : report.output);
+  if (!report.page.empty()) text += fmt::format("report               {}\n", report.page);
+  if (!report.picture.empty()) text += fmt::format("picture              {}\n", report.picture);
   return text;
+}
+
+std::vector<ReportLine> report_lines(const InsertReport& report) {
+  const auto units = report.units.empty() ? std::string() : " " + report.units;
+  std::vector<ReportLine> lines;
+  if (report.removed)
+    lines.push_back({"removed bone", outward_digits(report.removed->volume) + (units.empty() ? "" : units + "^3")});
+  const Enclosure& deepest = report.surface ? report.surface->smallest_distance
+                                            : Enclosure{report.summary.minimum_lo, report.summary.minimum_hi};
+  lines.push_back({report.surface ? "deepest penetration, whole surface" : "deepest penetration, vertices",
+                   outward_digits(penetration(deepest)) + units});
+  if (report.way) {
+    lines.push_back({"way in", fmt::format("along ({:.6g}), {:.6g}{} long, turning by {:.4g} degrees",
+                                           fmt::join(report.way->direction, ", "), report.way->length, units,
+                                           report.way->turn_degrees)});
+  }
+  if (report.search) {
+    lines.push_back({"  best of", fmt::format("{} ways tried, {} of them proven worse", report.search->tried,
+                                              report.search->worse)});
+    lines.push_back(
+        {"  the given one takes away", outward_digits(report.search->of_middle) + (units.empty() ? "" : units + "^3")});
+  }
+  lines.push_back({"vertices proven cut", fmt::format("{}", report.proven_cut)});
+  lines.push_back({"vertices proven untouched", fmt::format("{}", report.proven_untouched)});
+  lines.push_back({"undecided", fmt::format("{}", report.undecided)});
+  lines.push_back({"wide", fmt::format("{}", report.summary.wide)});
+  lines.push_back({"tolerance", fmt::format("{}", report.tolerance) + units});
+  lines.push_back({"device", report.summary.device});
+  return lines;
 }
 
 std::string json(const InsertReport& report) {
@@ -144,7 +175,7 @@ std::string json(const InsertReport& report) {
                       {"cubes", report.removed->cubes},
                       {"seconds", report.volume_seconds}};
   }
-  const JsonObject object{
+  JsonObject object{
       {"points", summary.points},
       {"proven_cut", report.proven_cut},
       {"proven_untouched", report.proven_untouched},
@@ -171,6 +202,8 @@ std::string json(const InsertReport& report) {
       {"interrupted", report.interrupted()},
       {"output", report.output},
   };
+  if (!report.page.empty()) object.set("report", report.page);
+  if (!report.picture.empty()) object.set("png", report.picture);
   return object.text() + "\n";
 }
 

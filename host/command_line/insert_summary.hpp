@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 #include <verisq/insertion.hpp>
 #include <verisq/least_removal.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/removed_volume.hpp>
+#include <verisq/report.hpp>
 
 namespace verisq::command_line {
 
@@ -30,7 +32,9 @@ struct InsertReport {
   double volume_seconds = 0.0;                ///< wall time of the volume
   std::optional<WayIn> way = {};              ///< of paths that are not given pose by pose
   std::optional<LeastRemoval> search = {};    ///< of that way among others, where asked for
-  double degrees_off = 0.0;                   ///< its direction of the one that was given, about
+  std::string page = {};                      ///< the report's file; empty when not written
+  std::string picture = {};
+  double degrees_off = 0.0;  ///< its direction of the one that was given, about
 
   /// Whatever of it.
   [[nodiscard]] bool interrupted() const;
@@ -40,6 +44,9 @@ struct InsertReport {
 void count(const Insertion& insertion, InsertReport& report);
 
 [[nodiscard]] std::string readable(const InsertReport& report);
+
+/// What of it a reader of the page wants to know.
+[[nodiscard]] std::vector<ReportLine> report_lines(const InsertReport& report);
 
 /// One line. JSON has no infinity: an unbounded end of an enclosure is null.
 [[nodiscard]] std::string json(const InsertReport& report);

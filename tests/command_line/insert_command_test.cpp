@@ -93,6 +93,27 @@ TEST_F(InsertCommand, PrintsJson) {
   EXPECT_TRUE(std::filesystem::exists(path("removal.ply")));
 }
 
+TEST_F(InsertCommand, ShowsTheWayOnAPage) {
+  const Outcome outcome = insert_along(
+      {"-o", path("removal.csv"), "--report", path("way.html"), "--png", path("way.png"), "--turn", "2", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["report"], path("way.html"));
+  EXPECT_TRUE(std::filesystem::exists(path("way.png")));
+  std::stringstream page;
+  page << std::ifstream(path("way.html")).rdbuf();
+  const std::string begin = R"(<script type="application/json" id="verisq-report">)";
+  const auto at = page.str().find(begin) + begin.size();
+  const auto data = nlohmann::json::parse(page.str().substr(at, page.str().find("</script>", at) - at));
+  ASSERT_EQ(data["path"].size(), 3U);  // a degree apart
+  EXPECT_EQ(data["path"][0]["translation"], nlohmann::json::array({0.0, 0.0, 10.0}));
+  EXPECT_EQ(data["path"][2]["quaternion"], nlohmann::json::array({1.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(data["summary"][0]["label"], "deepest penetration, vertices");
+  const std::string points = write("points.off", "OFF\n1 0 0\n0 0 0\n");
+  expect_refused(run({"insert", "--implant", ball(), "--mesh", points, "--along", "0,0,1", "--length", "1", "-o",
+                      path("removal.csv"), "--report", path("way.html")}),
+                 {"--report", "points.off", "has no triangles to draw"});
+}
+
 TEST_F(InsertCommand, FollowsTheFileOfPoses) {
   // The same way, with a rest in between; quaternions of any length.
   const std::string poses = write("path.csv", "tx,ty,tz,qw,qx,qy,qz\n0,0,10,1,0,0,0\n0,0,3,2,0,0,0\n0,0,0,-5,0,0,0\n");

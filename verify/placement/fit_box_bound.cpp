@@ -24,9 +24,9 @@ constexpr std::ptrdiff_t kMostConstraints = 32;
 constexpr double kClusterByReach = 0.5;
 constexpr double kClusterByDistance = 0.2;
 
-/// What a direction may change is told by how far it moves the points, too, in parts of their steepest fitness: of a
-/// box in which every point may serve as well as can be, ranges of fitness say nothing.
-constexpr double kShareOfMovement = 0.3;
+/// By which share of what moves the points, in parts of their steepest fitness, directions are compared where ranges of
+/// fitness say something already: next to nothing.
+constexpr double kShareOfMovement = 1e-6;
 
 /// Σ λ c + Σ half |objective + Σ λ a|, rounded up: what no δ of the box that keeps the constraints exceeds.
 double dual_value(const PoseParameters& objective, const PoseParameters& half,
@@ -79,10 +79,13 @@ class FitBoxBound::Sum {
     // Sums of no more terms than points, each of a few roundings of numbers that add up to the magnitude.
     const auto points = static_cast<double>(bound_.points_);
     const double lost = (points * 0x1p-51 + kTermRounding) * magnitude_;
+    // Where every point may serve as well as can be, ranges of fitness do not tell which direction matters.
+    const bool says_nothing = !(least + lost < bound_.weight_);
+    const double share = says_nothing ? 1.0 : kShareOfMovement;
     return {.upper = std::min(least + lost, bound_.weight_),
             .estimate = estimate_,
             .deepest = deepest_,
-            .spread = spread_ + kShareOfMovement * steepest_ * movement()};
+            .spread = spread_ + share * steepest_ * movement()};
   }
 
  private:
