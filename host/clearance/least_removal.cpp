@@ -19,6 +19,7 @@ namespace {
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr double widest_cone = 80.0;
 constexpr double largest_turn = 180.0;
+constexpr double largest_turn_of_way = 360.0;
 
 /// Ways of each round, the middle one besides.
 constexpr std::array<std::size_t, 4> ways_of_rounds{15, 12, 12, 12};
@@ -47,6 +48,9 @@ void check_family(const WaysIn& ways) {
   require_of_family(
       ways.turn_degrees >= 0.0 && ways.turn_degrees <= largest_turn,
       fmt::format("ways in: turns by {} degrees are not between 0 and {}", ways.turn_degrees, largest_turn));
+  require_of_family(std::abs(ways.middle.turn_degrees) + ways.turn_degrees <= largest_turn_of_way,
+                    fmt::format("ways in: turns by up to {} degrees are beyond {}",
+                                std::abs(ways.middle.turn_degrees) + ways.turn_degrees, largest_turn_of_way));
   require_of_family(ways.cone_degrees > 0.0 || ways.turn_degrees > 0.0,
                     "ways in: with neither a cone nor turns there is one way");
 }

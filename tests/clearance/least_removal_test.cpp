@@ -104,6 +104,7 @@ TEST(LeastRemoval, RefusesWhatIsNoFamily) {
   refused({middle, 0.0, 0.0}, "ways in: with neither a cone nor turns there is one way");
   refused({middle, 81.0, 0.0}, "ways in: a cone of 81 degrees is not between 0 and 80");
   refused({middle, 1.0, -1.0}, "ways in: turns by -1 degrees are not between 0 and 180");
+  refused({{{0.0, 0.0, 1.0}, 1.0, 300.0}, 1.0, 61.0}, "ways in: turns by up to 361 degrees are beyond 360");
   refused({{{0.0, 0.0, 0.0}, 1.0}, 1.0, 0.0}, "way in: its direction is not finite, or zero");
   refused({{{0.0, 0.0, 1.0}, 0.0}, 1.0, 0.0}, "way in: length 0 is not a number above 0");
 }
