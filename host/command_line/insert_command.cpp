@@ -3,9 +3,14 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
 #include <vector>
 #include <verisq/bone_region.hpp>
 #include <verisq/insertion.hpp>
+#include <verisq/least_removal.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/pose_file.hpp>
@@ -15,6 +20,7 @@
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/directed_digits.hpp"
 #include "host/command_line/direction_option.hpp"
+#include "host/command_line/finite_number.hpp"
 #include "host/command_line/insert_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
@@ -37,6 +43,9 @@ constexpr const char* closing_words =
     "With --along the implant moves in a straight line and ends where the implant's file, or --pose, has it. With\n"
     "--poses it moves from pose to pose, each applied after the poses of its primitives; between two of them the\n"
     "translation is linear, and the rotation turns at constant speed about a fixed axis by the smaller angle.\n"
+    "With --search-cone or --search-turn the path is the one that takes least bone away of some 50 ways, spread over\n"
+    "all directions and turns within those angles, then ever closer about the best one. What it takes away is proven,\n"
+    "not that there is no better one. --along and --turn with what is printed give the same path again.\n"
     "With --on triangles the deepest penetration of all that lies between the vertices is enclosed, too.\n"
     "With --cavity or --bone it is told how much bone is taken away, too: the volume of all that lies in the implant\n"
     "at some time of the path and is bone, which is outside of the cavity and inside the surface --within, or inside\n"
@@ -52,7 +61,9 @@ constexpr const char* closing_words =
     "  verisq insert --implant fitted.json --mesh femur.stl --along 0,0,-1 --length 120 -o removal.vtp\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --poses path.csv --tol 0.05 -o removal.csv --json\n"
     "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
-    "    --along 0,0,-1 --length 100 -o removal.vtp";
+    "    --along 0,0,-1 --length 100 -o removal.vtp\n"
+    "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
+    "    --along 0,0,-1 --length 100 --search-cone 15 --search-turn 20 -o removal.vtp";
 
 /// Where they contradict each other, or leave open where bone ends.
 void check_bone_options(const InsertArguments& arguments) {
@@ -62,14 +73,24 @@ void check_bone_options(const InsertArguments& arguments) {
     refuse("--volume-tol: nothing says where bone is: give --cavity or --bone");
 }
 
+bool is_searched(const InsertArguments& arguments) {
+  return arguments.search_cone || arguments.search_turn;
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
   if (arguments.poses.has_value() == arguments.along.has_value()) refuse("give either --poses or --along");
   if (arguments.along && !arguments.length) refuse("--along: give the --length of the way");
   if (arguments.poses && arguments.length) refuse("--length: only for --along, not for --poses");
+  if (!arguments.along && (arguments.turn || arguments.search_cone || arguments.search_turn))
+    refuse("--turn, --search-cone, --search-turn: only for --along, not for --poses");
+  if (is_searched(arguments) && !arguments.cavity && !arguments.bone)
+    refuse("--search-cone, --search-turn: nothing says where bone is: give --cavity or --bone");
   check_bone_options(arguments);
-  refuse_to_overwrite("-o", arguments.output,
-                      {arguments.implant, arguments.mesh, arguments.poses.value_or(""), arguments.within.value_or("")});
+  const std::vector<std::string> inputs{arguments.implant, arguments.mesh, arguments.poses.value_or(""),
+                                        arguments.within.value_or("")};
+  refuse_to_overwrite("-o", arguments.output, inputs);
+  command_line::check_usage(arguments.report, inputs);
 }
 
 std::vector<Pose> read_poses(const std::string& path) {
@@ -120,6 +141,44 @@ double least_volume_tolerance_of(const InsertArguments& arguments, const Model& 
   return arguments.volume_tolerance ? 0.0 : negligible_volume(implant);
 }
 
+WayIn given_way(const InsertArguments& arguments) {
+  return {*arguments.along, *arguments.length, arguments.turn.value_or(0.0)};
+}
+
+LeastRemoval searched_way(const InsertArguments& arguments, const Model& implant, const BoneRegion& bone) {
+  ProgressBar bar(!arguments.no_progress, "ways");
+  return least_removal({.middle = given_way(arguments),
+                        .cone_degrees = arguments.search_cone.value_or(0.0),
+                        .turn_degrees = arguments.search_turn.value_or(0.0)},
+                       turning_centre(implant), implant, bone,
+                       {.volume = {.relative_tolerance = volume_tolerance_of(arguments),
+                                   .tolerance = least_volume_tolerance_of(arguments, implant),
+                                   .interrupted = interrupted},
+                        .progress = [&](const LeastRemovalProgress& progress) {
+                          bar.update_state("least removed volume " + outward_digits(progress.least, 4),
+                                           static_cast<double>(progress.tried) / static_cast<double>(progress.ways));
+                        }});
+}
+
+/// In radians, about: for people.
+double angle_between(const Point& a, const Point& b) {
+  const double along = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const double across = std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+  return std::atan2(across, along);
+}
+
+/// Of the ways of the family the one that takes least away, and what that is.
+void search_way(const InsertArguments& arguments, const Model& implant, const BoneRegion& bone, InsertReport& report) {
+  const Stopwatch time;
+  report.search = searched_way(arguments, implant, bone);
+  report.way = report.search->way;
+  report.degrees_off = angle_between(*arguments.along, report.way->direction) * 180.0 / std::numbers::pi;
+  report.removed = report.search->removed;
+  report.volume_tolerance = volume_tolerance_of(arguments);
+  report.least_volume_tolerance = least_volume_tolerance_of(arguments, implant);
+  report.volume_seconds = time.seconds();
+}
+
 RemovedVolume removed_volume_of(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant,
                                 const BoneRegion& bone) {
   const double relative = volume_tolerance_of(arguments);
@@ -142,6 +201,26 @@ MeshClearance surface_along(std::span<const Pose> path, const Model& implant, co
                               {.tolerance = options.tolerance, .device = options.device, .interrupted = interrupted});
 }
 
+struct Inserted {
+  const Mesh& bone;
+  const Model& implant;
+  std::span<const Pose> path;
+  const Insertion& insertion;
+};
+
+void write_report(const InsertArguments& arguments, const Inserted& inserted, const InsertReport& report) {
+  const auto name = [](const std::string& file) { return std::filesystem::path(file).filename().string(); };
+  write(arguments.report, {.title = fmt::format("{}: way in of {}", name(arguments.mesh), name(arguments.implant)),
+                           .bone = inserted.bone,
+                           .rows = inserted.insertion.rows,
+                           .implant = inserted.implant,
+                           .units = inserted.implant.units,
+                           .summary = report_lines(report),
+                           .area_names = {},
+                           .area_of = {},
+                           .path = inserted.path});
+}
+
 /// The whole surface's penetration, and the volume, are as narrow as asked for.
 bool is_wide(const InsertReport& report) {
   return report.summary.wide > 0 ||
@@ -152,6 +231,27 @@ bool is_wide(const InsertReport& report) {
 ExitStatus status_of(const InsertReport& report) {
   if (report.interrupted()) return ExitStatus::interrupted;
   return is_wide(report) ? ExitStatus::unverified : ExitStatus::verified;
+}
+
+double parse_degrees(std::string_view option, const std::string& text, double most) {
+  const double degrees = parse_length(option, text);
+  if (degrees > most) refuse(fmt::format("{}: {} is above {}", option, text, most));
+  return degrees;
+}
+
+double parse_cone(std::string_view option, const std::string& text) {
+  return parse_degrees(option, text, 80.0);
+}
+
+double parse_search_turn(std::string_view option, const std::string& text) {
+  return parse_degrees(option, text, 180.0);
+}
+
+double parse_turn(std::string_view option, const std::string& text) {
+  const std::optional<double> degrees = finite_number(text);
+  if (!degrees || std::abs(*degrees) > 360.0)
+    refuse(fmt::format("{}: {} is not a number between -360 and 360", option, text));
+  return *degrees;
 }
 
 }  // namespace
@@ -166,6 +266,14 @@ void declare_insert(Options& options, InsertArguments& arguments) {
   options.add("--along", arguments.along, parse_direction, "x,y,z",
               "Instead of --poses: the direction of a straight way in");
   options.add("--length", arguments.length, parse_positive_length, "NUMBER", "Of the straight way, in model units");
+  options.add("--turn", arguments.turn, parse_turn, "DEGREES",
+              "By which the implant turns on the straight way, right-handed about its direction, through the middle of "
+              "the implant's bounding box (default 0)");
+  options.add("--search-cone", arguments.search_cone, parse_cone, "DEGREES",
+              "Of the ways whose direction is off --along by at most so much (80 at most), takes the one that removes "
+              "least bone of those tried; with --cavity or --bone");
+  options.add("--search-turn", arguments.search_turn, parse_search_turn, "DEGREES",
+              "The same for turns that differ from --turn by at most so much (180 at most)");
   options.add("--tol", arguments.tolerance, parse_positive_length, "NUMBER",
               fmt::format("Largest width of a verified enclosure, in model units, more than 0.\n"
                           "Default: {} times the radius of the implant's bounding sphere",
@@ -185,25 +293,32 @@ void declare_insert(Options& options, InsertArguments& arguments) {
               "Default: 0.02, or 1e-7 of the cube about the implant's bounding sphere");
   add_device(options, arguments.device);
   options.require("-o,--output", arguments.output, "FILE", map_explanation);
+  declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_insert(const InsertArguments& arguments) {
   check_usage(arguments);
-  std::vector<Pose> path;
-  if (arguments.along) path = straight_path({}, *arguments.along, *arguments.length, 1);
   const Model implant = read_model_at(arguments.pose, arguments.implant);
   const NamedMesh whole_bone{arguments.mesh, read_mesh(arguments.mesh)};
   const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);
   const Mesh bone = arguments.resection ? before_resection(whole_bone, *arguments.resection) : whole_bone.mesh;
   const bool on_triangles = arguments.on == MapElements::triangles;
+  if (arguments.report.any() && bone.triangles.empty())
+    refuse(fmt::format("{}: {}: has no triangles to draw", arguments.report.html.empty() ? "--png" : "--report",
+                       arguments.mesh));
   if (on_triangles && bone.triangles.empty()) refuse(fmt::format("--on triangles: {}: has none", arguments.mesh));
+  std::vector<Pose> path;
   if (arguments.poses) path = read_poses(*arguments.poses);
   watch_for_interruption();
   MapWriter writer(arguments.output, &bone);
 
   const Stopwatch time;
+  InsertReport report;
+  if (arguments.along) report.way = given_way(arguments);
+  if (is_searched(arguments)) search_way(arguments, implant, *region, report);
+  if (report.way) path = path_of(*report.way, turning_centre(implant));
   std::optional<ProgressBar> bar;  // begins at the first distances: compiling kernels is no part of the rate
   const auto points = static_cast<double>(bone.vertices.size());
   const InsertionOptions options{.tolerance = tolerance_of(arguments, implant),
@@ -216,13 +331,13 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   const Insertion insertion = smallest_distance_along(path, implant, bone.vertices, options);
   bar.reset();  // the line is cleared before anything else is said
 
-  InsertReport report = report_of(insertion);
+  count(insertion, report);
   if (on_triangles && !insertion.summary.interrupted) {
     const Stopwatch surface_time;
     report.surface = surface_along(path, implant, bone, options);
     report.surface_seconds = surface_time.seconds();
   }
-  if (region && !report.interrupted()) {
+  if (region && !report.removed && !report.interrupted()) {
     const Stopwatch volume_time;
     report.removed = removed_volume_of(arguments, path, implant, *region);
     report.volume_tolerance = volume_tolerance_of(arguments);
@@ -235,6 +350,11 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   report.tolerance = options.tolerance;
   report.seconds = time.seconds();
   tell_notice(insertion.summary.notice);
+  if (arguments.report.any() && !insertion.summary.interrupted) {
+    write_report(arguments, {.bone = bone, .implant = implant, .path = path, .insertion = insertion}, report);
+    report.page = arguments.report.html;
+    report.picture = arguments.report.png;
+  }
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   return status_of(report);
 }

@@ -10,6 +10,7 @@
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
+#include "host/command_line/report_files.hpp"
 
 namespace verisq::command_line {
 
@@ -21,6 +22,9 @@ struct InsertArguments {
   std::optional<std::string> poses;  ///< a file, or instead of it:
   std::optional<Point> along;        ///< a direction, with
   std::optional<double> length;
+  std::optional<double> turn;         ///< degrees about the direction, on the way
+  std::optional<double> search_cone;  ///< degrees: the best of the ways whose direction is so much off
+  std::optional<double> search_turn;  ///< degrees: and whose turn differs so much
   std::optional<double> tolerance;
   MapElements on = MapElements::vertices;  ///< triangles: of the whole surface, too
   bool cavity = false;                     ///< the mesh is that of a cavity
@@ -30,6 +34,7 @@ struct InsertArguments {
   std::optional<double> volume_tolerance;  ///< relative
   std::string device = "auto";
   std::string output;
+  ReportFiles report;
   bool json = false;
   bool no_progress = false;
 };

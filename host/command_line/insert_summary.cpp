@@ -1,7 +1,7 @@
 /// Counts, and the two forms of the summary.
 #include "host/command_line/insert_summary.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
@@ -44,10 +44,41 @@ std::string readable_volume(const InsertReport& report) {
          fmt::format("  cubes              {}, {:.3g} s\n", removed.cubes, report.volume_seconds);
 }
 
+std::string numbers(const Point& v) {
+  return fmt::format("{:.17g}, {:.17g}, {:.17g}", v[0], v[1], v[2]);
+}
+
+std::string readable_way(const InsertReport& report) {
+  if (!report.way) return {};
+  auto text = fmt::format("way in               along ({}), turning by {:.17g} degrees\n",
+                          numbers(report.way->direction), report.way->turn_degrees);
+  if (!report.search) return text;
+  const auto units = report.units.empty() ? std::string() : " " + report.units + "^3";
+  text += fmt::format("  off the given one  {:.4g} degrees\n", report.degrees_off);
+  text += fmt::format("  the given one      takes away {}{}\n", outward_digits(report.search->of_middle), units);
+  text += fmt::format("  best of            {} ways tried, {} of them proven worse\n", report.search->tried,
+                      report.search->worse);
+  return text;
+}
+
+std::optional<JsonObject> json_of_way(const InsertReport& report) {
+  if (!report.way) return std::nullopt;
+  return JsonObject{
+      {"direction", report.way->direction}, {"length", report.way->length}, {"turn_degrees", report.way->turn_degrees}};
+}
+
+std::optional<JsonObject> json_of_search(const InsertReport& report) {
+  if (!report.search) return std::nullopt;
+  return JsonObject{{"removed_volume_of_given", report.search->of_middle},
+                    {"degrees_off_given", report.degrees_off},
+                    {"tried", report.search->tried},
+                    {"proven_worse", report.search->worse}};
+}
+
 }  // namespace
 
-InsertReport report_of(const Insertion& insertion) {
-  InsertReport report{.summary = insertion.summary};
+void count(const Insertion& insertion, InsertReport& report) {
+  report.summary = insertion.summary;
   for (const MapResult& row : insertion.rows) {
     if (row.distance.hi < 0.0)
       ++report.proven_cut;
@@ -57,11 +88,11 @@ InsertReport report_of(const Insertion& insertion) {
       ++report.undecided;
   }
   report.deepest_penetration = penetration({report.summary.minimum_lo, report.summary.minimum_hi});
-  return report;
 }
 
 bool InsertReport::interrupted() const {
-  return summary.interrupted || (surface && surface->interrupted) || (removed && removed->interrupted);
+  return summary.interrupted || (surface && surface->interrupted) || (removed && removed->interrupted) ||
+         (search && search->interrupted);
 }
 
 std::string readable(const InsertReport& report) {
@@ -76,6 +107,7 @@ std::string readable(const InsertReport& report) {
   text += fmt::format("smallest distance    [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
   text += readable_surface(report);
   text += readable_volume(report);
+  text += readable_way(report);
   text += fmt::format("poses of the path    {}, and all between them\n", report.poses);
   text += fmt::format("device               {}\n", summary.device);
   text += fmt::format("tolerance            {:.3g}{}\n", report.tolerance, units);
@@ -86,7 +118,38 @@ std::string readable(const InsertReport& report) {
   text += fmt::format("time                 {:.3g} s (device {:.3g} s, host proofs {:.3g} s)\n", report.seconds,
                       summary.device_seconds, summary.host_seconds);
   text += fmt::format("map                  {}\n", report.output.empty() ? "not kept" : report.output);
+  if (!report.page.empty()) text += fmt::format("report               {}\n", report.page);
+  if (!report.picture.empty()) text += fmt::format("picture              {}\n", report.picture);
   return text;
+}
+
+std::vector<ReportLine> report_lines(const InsertReport& report) {
+  const auto units = report.units.empty() ? std::string() : " " + report.units;
+  std::vector<ReportLine> lines;
+  if (report.removed)
+    lines.push_back({"removed bone", outward_digits(report.removed->volume) + (units.empty() ? "" : units + "^3")});
+  const Enclosure& deepest = report.surface ? report.surface->smallest_distance
+                                            : Enclosure{report.summary.minimum_lo, report.summary.minimum_hi};
+  lines.push_back({report.surface ? "deepest penetration, whole surface" : "deepest penetration, vertices",
+                   outward_digits(penetration(deepest)) + units});
+  if (report.way) {
+    lines.push_back({"way in", fmt::format("along ({:.6g}), {:.6g}{} long, turning by {:.4g} degrees",
+                                           fmt::join(report.way->direction, ", "), report.way->length, units,
+                                           report.way->turn_degrees)});
+  }
+  if (report.search) {
+    lines.push_back({"  best of", fmt::format("{} ways tried, {} of them proven worse", report.search->tried,
+                                              report.search->worse)});
+    lines.push_back(
+        {"  the given one takes away", outward_digits(report.search->of_middle) + (units.empty() ? "" : units + "^3")});
+  }
+  lines.push_back({"vertices proven cut", fmt::format("{}", report.proven_cut)});
+  lines.push_back({"vertices proven untouched", fmt::format("{}", report.proven_untouched)});
+  lines.push_back({"undecided", fmt::format("{}", report.undecided)});
+  lines.push_back({"wide", fmt::format("{}", report.summary.wide)});
+  lines.push_back({"tolerance", fmt::format("{}", report.tolerance) + units});
+  lines.push_back({"device", report.summary.device});
+  return lines;
 }
 
 std::string json(const InsertReport& report) {
@@ -112,7 +175,7 @@ std::string json(const InsertReport& report) {
                       {"cubes", report.removed->cubes},
                       {"seconds", report.volume_seconds}};
   }
-  const JsonObject object{
+  JsonObject object{
       {"points", summary.points},
       {"proven_cut", report.proven_cut},
       {"proven_untouched", report.proven_untouched},
@@ -122,6 +185,8 @@ std::string json(const InsertReport& report) {
       {"whole_surface", surface},
       {"removed_volume", volume},
       {"removed_volume_proof", work},
+      {"way", json_of_way(report)},
+      {"way_search", json_of_search(report)},
       {"poses", report.poses},
       {"device_verified", summary.device_verified},
       {"host_verified", summary.host_verified},
@@ -137,6 +202,8 @@ std::string json(const InsertReport& report) {
       {"interrupted", report.interrupted()},
       {"output", report.output},
   };
+  if (!report.page.empty()) object.set("report", report.page);
+  if (!report.picture.empty()) object.set("png", report.picture);
   return object.text() + "\n";
 }
 

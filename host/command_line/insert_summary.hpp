@@ -4,14 +4,17 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 #include <verisq/insertion.hpp>
+#include <verisq/least_removal.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/removed_volume.hpp>
+#include <verisq/report.hpp>
 
 namespace verisq::command_line {
 
 struct InsertReport {
-  MapSummary summary;
+  MapSummary summary = {};
   std::uint64_t proven_cut = 0;        ///< points with hi < 0: the implant passes through them
   std::uint64_t proven_untouched = 0;  ///< points with lo >= 0: no point of its inside ever reaches them
   std::uint64_t undecided = 0;
@@ -27,15 +30,23 @@ struct InsertReport {
   double volume_tolerance = 0.0;              ///< of the volume's lower end
   double least_volume_tolerance = 0.0;        ///< in cubic units: so wide it may be, however small the volume is
   double volume_seconds = 0.0;                ///< wall time of the volume
+  std::optional<WayIn> way = {};              ///< of paths that are not given pose by pose
+  std::optional<LeastRemoval> search = {};    ///< of that way among others, where asked for
+  std::string page = {};                      ///< the report's file; empty when not written
+  std::string picture = {};
+  double degrees_off = 0.0;  ///< its direction of the one that was given, about
 
   /// Whatever of it.
   [[nodiscard]] bool interrupted() const;
 };
 
-/// Counts the rows; the rest of the report is left to the caller.
-[[nodiscard]] InsertReport report_of(const Insertion& insertion);
+/// Counts the rows; the rest of the report is the caller's.
+void count(const Insertion& insertion, InsertReport& report);
 
 [[nodiscard]] std::string readable(const InsertReport& report);
+
+/// What of it a reader of the page wants to know.
+[[nodiscard]] std::vector<ReportLine> report_lines(const InsertReport& report);
 
 /// One line. JSON has no infinity: an unbounded end of an enclosure is null.
 [[nodiscard]] std::string json(const InsertReport& report);

@@ -57,8 +57,8 @@ constexpr const char* closing_words =
     "self-intersections, the volume (negative where normals point inward), and the largest distance of an input point\n"
     "or the thickness of the wall around the canal are reported, in floating point: no enclosures.\n"
     "\n"
-    "Exit status: 0 closed (with --resection but for one rim), manifold and oriented; 3 written, but not so; 2 bad\n"
-    "usage or input.\n"
+    "Exit status: 0 closed (with --resection but for one rim), manifold and oriented, with 90 % of the volume of a\n"
+    "label's voxels; 3 written, but not so; 2 bad usage or input.\n"
     "\n"
     "Examples:\n"
     "  verisq surface --points cavity.csv --smooth 5 --inward -o cavity.ply\n"
@@ -68,6 +68,8 @@ constexpr const char* closing_words =
 
 /// Smooths away the steps between voxels, which are longer than a Gaussian of less than a voxel reaches.
 constexpr int rounds_of_volumes = 20;
+/// A share of the voxels' volume. Of a femur's cortex in voxels of 0.8 mm 0.1 % is lost.
+constexpr double most_volume_lost = 0.1;
 /// Of triangles, beside what was sampled: sides of a cube as large as a voxel, or the distance of a canal's samples.
 constexpr double edge_of_samples = 1.5;
 
@@ -247,6 +249,25 @@ void tell_what_differs(const Prepared& input, const PreparedSurface& surface) {
     tell(fmt::format("--resection: {} smaller parts are left out", surface.parts_left_out));
 }
 
+/// How much smaller the surface's volume is than that of the label's voxels, as a share of that; nothing where the
+/// surface is not all of that label's.
+std::optional<double> volume_lost(const Prepared& input, const SurfaceCheck& check, const SurfaceOptions& options) {
+  if (!input.label || input.canal || options.opening || !check.topology.closed()) return std::nullopt;
+  const double voxels = static_cast<double>(input.label->surface.voxels) * input.label->voxel_volume;
+  return 1.0 - std::abs(check.volume) / voxels;
+}
+
+/// Says so, and returns true, where more is lost than a surface of fine voxels ever loses.
+bool is_hollowed_out(const Prepared& input, const SurfaceCheck& check, const SurfaceOptions& options) {
+  const std::optional<double> lost = volume_lost(input, check, options);
+  if (!lost || *lost <= most_volume_lost) return false;
+  tell(
+      fmt::format("label {}: the surface has lost {:.0f} % of the volume of its voxels, more than {:.0f} %: they are "
+                  "too coarse for what is thin, or parts are left out",
+                  input.label->label, 100.0 * *lost, 100.0 * most_volume_lost));
+  return true;
+}
+
 bool is_as_asked(const SurfaceCheck& check, const SurfaceOptions& options) {
   const MeshTopology& topology = check.topology;
   if (!options.opening || topology.closed()) return topology.bounds_solid();
@@ -279,6 +300,7 @@ ExitStatus run_surface(const SurfaceArguments& arguments) {
 
   tell_what_differs(input, surface);
   explain(check, options, arguments.output);
+  const bool hollowed_out = is_hollowed_out(input, check, options);
   const SurfaceReport report{.surface = surface,
                              .check = check,
                              .options = options,
@@ -288,7 +310,7 @@ ExitStatus run_surface(const SurfaceArguments& arguments) {
                              .output = arguments.output,
                              .seconds = time.seconds()};
   fmt::print("{}", arguments.json ? json(report) : readable(report));
-  return is_as_asked(check, options) ? ExitStatus::verified : ExitStatus::unverified;
+  return is_as_asked(check, options) && !hollowed_out ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 }  // namespace verisq::command_line

@@ -92,7 +92,8 @@ ContainmentProof prove_containment(const Model& model, const Mesh& mesh, Contain
     search.convex.push_back(!is_bent(primitive));
   }
   const bool within = containment == Containment::within;
-  const verify::MeshSide side = verify::mesh_side(mesh, within ? verify::Side::outside : verify::Side::inside, search);
+  const verify::MeshSide side =
+      verify::mesh_side(mesh, within ? verify::SolidSide::outside : verify::SolidSide::inside, search);
   ContainmentProof proof{.triangles_proven = side.proven,
                          .triangles_refuted = side.refuted,
                          .triangles_undecided = side.undecided,

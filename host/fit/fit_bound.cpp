@@ -181,7 +181,8 @@ class BranchAndBound {
     Eigen::Index widest = 0;
     result.spread.maxCoeff(&widest);
     cell.widest = static_cast<std::uint8_t>(widest);
-    if (cell.bound <= enough_ || cell.level[cell.widest] >= kMostDivisions) {
+    const bool is_pose = !(result.spread[widest] > 0.0);  // nothing is left to divide
+    if (cell.bound <= enough_ || is_pose || cell.level[cell.widest] >= kMostDivisions) {
       closed_ = std::max(closed_, cell.bound);
       return;
     }

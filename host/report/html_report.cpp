@@ -13,6 +13,7 @@
 #include "host/mesh/extent.hpp"
 #include "host/report/base64.hpp"
 #include "host/report/model_surface.hpp"
+#include "host/report/seated_implant.hpp"
 #include "host/report/view.hpp"
 #include "report/page_template.hpp"
 
@@ -54,6 +55,14 @@ std::string column(std::span<const MapResult> rows, const Part& part) {
   return text_of(std::move(numbers));
 }
 
+/// As the poses are: about the files' origin.
+Json path(std::span<const Pose> poses) {
+  if (poses.empty()) return nullptr;
+  Json path = Json::array();
+  for (const Pose& pose : poses) path.push_back({{"translation", pose.translation}, {"quaternion", pose.quaternion}});
+  return path;
+}
+
 Json areas(const Report& report) {
   if (report.area_names.empty()) return nullptr;
   return {{"names", report.area_names},
@@ -63,7 +72,7 @@ Json areas(const Report& report) {
 Json data_of(const Report& report) {
   const Point centre = extent_of(report.bone.vertices).centre();
   const Mesh implant = report::model_surface(report.implant);
-  const Eigen::Vector3d up = report::upright(report.bone, implant, report.up);
+  const Eigen::Vector3d up = report::upright(report.bone, report::seated_surface(report), report.up);
   Json summary = Json::array();
   for (const ReportLine& line : report.summary) summary.push_back({{"label", line.label}, {"value", line.value}});
   return {
@@ -82,6 +91,7 @@ Json data_of(const Report& report) {
       {"status",
        column<std::uint8_t>(report.rows, [](const MapResult& row) { return static_cast<std::uint8_t>(row.status); })},
       {"areas", areas(report)},
+      {"path", path(report.path)},
   };
 }
 

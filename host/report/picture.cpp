@@ -11,8 +11,8 @@
 
 #include "host/report/bone_panel.hpp"
 #include "host/report/drawing.hpp"
-#include "host/report/model_surface.hpp"
 #include "host/report/projection.hpp"
+#include "host/report/seated_implant.hpp"
 
 namespace verisq {
 namespace {
@@ -60,7 +60,7 @@ std::vector<float> values_of(std::span<const MapResult> rows, const ColourScale&
 }
 
 void draw_bone(Drawing& drawing, const Report& report, const ColourScale& scale, const Layout& layout) {
-  const Mesh implant = report::model_surface(report.implant);
+  const Mesh implant = report::seated_surface(report);
   const report::View view = report::broad_view(report.bone, implant, report::upright(report.bone, implant, report.up));
   constexpr int side = report::samples_a_pixel_side;
   const auto raster = report::fitted(view, report.bone, implant, side * layout.panel_width, side * layout.panel_height,
@@ -90,7 +90,8 @@ double draw_colour_bar(Drawing& drawing, const Report& report, const ColourScale
   const Drawing::Type plain{18.0 * unit, ink};
   const Drawing::Type faint{16.0 * unit, faint_ink};
   double y = layout.panel_top + 18.0 * unit;
-  drawing.write(layout.legend_left, y, layout.legend_width, "distance to the " + report.solid_name, heading);
+  drawing.write(layout.legend_left, y, layout.legend_width,
+                (report.path.empty() ? "distance to the " : "smallest distance to the ") + report.solid_name, heading);
   y += 26.0 * unit;
   drawing.write(layout.legend_left, y, layout.legend_width,
                 report.units.empty() ? "proven lower bound" : "proven lower bound, in " + report.units, faint);

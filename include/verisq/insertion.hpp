@@ -17,6 +17,21 @@ namespace verisq {
 [[nodiscard]] std::vector<Pose> straight_path(const Pose& last, const Point& direction, double length,
                                               std::size_t steps);
 
+/// A way of `length` along the direction into the pose where the implant's file has it, on which the implant turns
+/// about the direction (right-handed, through a point that is said elsewhere) at constant speed.
+struct WayIn {
+  Point direction;  ///< not zero
+  double length;    ///< > 0
+  double turn_degrees = 0.0;
+};
+
+/// Poses so close to each other that the way hardly leaves the screw about an axis through `centre`: what is between
+/// them is as said below. A way without a turn has two. Throws Error(input) for what is not finite or out of range.
+[[nodiscard]] std::vector<Pose> path_of(const WayIn& way, const Point& centre);
+
+/// The middle of the box that bounds the implant: about which fits turn it, and ways in do.
+[[nodiscard]] Point turning_centre(const Model& implant);
+
 /// Between two poses of a path the translation is linear in time and the rotation turns about a fixed axis at constant
 /// speed, by the smaller angle (of opposite orientations either way).
 struct InsertionOptions {

@@ -31,6 +31,7 @@ struct Report {
   std::vector<std::string> area_names;     ///< empty: no areas
   std::span<const std::uint32_t> area_of;  ///< one a vertex where there are areas
   std::string solid_name = "implant";      ///< what `implant` is called
+  std::span<const Pose> path = {};         ///< by which the implant came: rows are of all of it, the page has a slider
   std::optional<double> range = {};        ///< colours end at this distance, > 0; default as `default_range` says
   std::optional<Point> up = {};            ///< what pictures have on top, not zero; default: the bone's long axis, at
                                            ///< the end that is the implant's

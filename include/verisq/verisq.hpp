@@ -23,6 +23,7 @@
 #include <verisq/insertion.hpp>
 #include <verisq/label_volume.hpp>
 #include <verisq/landmark_file.hpp>
+#include <verisq/least_removal.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
 #include <verisq/map_result.hpp>

@@ -56,6 +56,7 @@ export function decodeReport(text) {
     lo: perVertex(report.lo, Float64Array, "lo"),
     hi: perVertex(report.hi, Float64Array, "hi"),
     status: perVertex(report.status, Uint8Array, "status"),
+    path: report.path ?? null,
     areas: report.areas && { names: report.areas.names, of: perVertex(report.areas.of, Uint32Array, "areas.of") },
   };
 }

@@ -61,9 +61,10 @@ export function fillFacts(list, facts, { count, units }) {
   );
 }
 
-export function statement({ count, units, solidName }) {
+export function statement({ count, units, solidName, path }) {
   return (
-    `For each of the ${countText(count)} vertices of the bone, the exact signed distance to the ${solidName} ` +
+    `For each of the ${countText(count)} vertices of the bone, the exact ${path ? "smallest " : ""}signed distance to ` +
+    `the ${solidName} ${path ? "along its whole way in " : ""}` +
     `(positive outside, negative inside${units ? `, in ${units}` : ""}) is proven to lie in the vertex's interval ` +
     "[lo, hi]; colours between vertices are interpolated and prove nothing."
   );

@@ -7,6 +7,7 @@ import { byId, element, radioButtons } from "./elements.js";
 import { factsOf, fillFacts, statement } from "./facts.js";
 import { Histogram } from "./histogram.js";
 import { fullDescription, shortDescription } from "./inspector.js";
+import { poseAlong } from "./path.js";
 import { Picker } from "./picking.js";
 import { quantitiesOf } from "./quantities.js";
 import { BoneScene, graphicsContext } from "./scene.js";
@@ -90,7 +91,16 @@ class Page {
     );
     byId("section-place").addEventListener("input", () => this.cut());
     byId("section-other-side").addEventListener("change", () => this.cut());
+    byId("way").hidden = !this.report.path;
+    byId("way-place").addEventListener("input", ({ target }) => this.placeImplant(Number(target.value)));
+    if (this.report.path) this.placeImplant(1);
     byId("implant-shown").addEventListener("change", ({ target }) => this.scene?.showImplant(target.checked));
+  }
+
+  // At a share of its way in.
+  placeImplant(share) {
+    this.scene?.placeImplant(poseAlong(this.report.path, share), this.report.centre);
+    byId("way-reading").textContent = share === 1 ? "seated" : `${Math.floor(100 * share)} %`;
   }
 
   showQuantity(id) {

@@ -74,7 +74,7 @@ export function graphicsContext(canvas) {
 }
 
 export class BoneScene {
-  constructor(canvas, context, { bone, implant }) {
+  constructor(canvas, context, { bone, implant, path }) {
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, context });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
@@ -85,7 +85,10 @@ export class BoneScene {
     this.rings = { pinned: ring(22, 1), hovered: ring(14, 0.85) };
     this.scene.add(this.bone, ...this.implant, ...Object.values(this.rings));
     this.box = this.bone.geometry.boundingBox;
-    this.sphere = sphereAround(this.box.clone().union(this.implant[0].geometry.boundingBox), [bone, implant]);
+    // An implant on its way is where the path has it, not where its own file does.
+    this.sphere = path
+      ? sphereAround(this.box, [bone])
+      : sphereAround(this.box.clone().union(this.implant[0].geometry.boundingBox), [bone, implant]);
     this.outwards = pointsOutwards(bone) ? 1 : -1;
     this.onDraw = () => {};
     this.isDue = false;
@@ -148,6 +151,17 @@ export class BoneScene {
   isCutAway(point) {
     const { x, y, z, w } = this.bone.material.uniforms.cut.value;
     return x * point.x + y * point.y + z * point.z > w;
+  }
+
+  // Moves the implant, which is drawn about `centre`, by a pose about the origin of the files.
+  placeImplant({ translation, quaternion }, centre) {
+    const about = new Vector3(...centre);
+    const place = about.clone().applyQuaternion(quaternion).sub(about).add(translation);
+    for (const mesh of this.implant) {
+      mesh.position.copy(place);
+      mesh.quaternion.copy(quaternion);
+    }
+    this.drawSoon();
   }
 
   showImplant(isShown) {

@@ -1,4 +1,5 @@
 /// `verisq insert` as its user meets it: maps, summaries, messages and exit status.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -90,6 +91,27 @@ TEST_F(InsertCommand, PrintsJson) {
   EXPECT_EQ(object["poses"], 2);
   EXPECT_EQ(object["interrupted"], false);
   EXPECT_TRUE(std::filesystem::exists(path("removal.ply")));
+}
+
+TEST_F(InsertCommand, ShowsTheWayOnAPage) {
+  const Outcome outcome = insert_along(
+      {"-o", path("removal.csv"), "--report", path("way.html"), "--png", path("way.png"), "--turn", "2", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["report"], path("way.html"));
+  EXPECT_TRUE(std::filesystem::exists(path("way.png")));
+  std::stringstream page;
+  page << std::ifstream(path("way.html")).rdbuf();
+  const std::string begin = R"(<script type="application/json" id="verisq-report">)";
+  const auto at = page.str().find(begin) + begin.size();
+  const auto data = nlohmann::json::parse(page.str().substr(at, page.str().find("</script>", at) - at));
+  ASSERT_EQ(data["path"].size(), 3U);  // a degree apart
+  EXPECT_EQ(data["path"][0]["translation"], nlohmann::json::array({0.0, 0.0, 10.0}));
+  EXPECT_EQ(data["path"][2]["quaternion"], nlohmann::json::array({1.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(data["summary"][0]["label"], "deepest penetration, vertices");
+  const std::string points = write("points.off", "OFF\n1 0 0\n0 0 0\n");
+  expect_refused(run({"insert", "--implant", ball(), "--mesh", points, "--along", "0,0,1", "--length", "1", "-o",
+                      path("removal.csv"), "--report", path("way.html")}),
+                 {"--report", "points.off", "has no triangles to draw"});
 }
 
 TEST_F(InsertCommand, FollowsTheFileOfPoses) {
@@ -189,7 +211,46 @@ TEST_F(RemovedBone, IsToldOfACavityUpToAResectionOrAnOuterSurface) {
   }
 }
 
+/// Beside the box the ball takes nothing away of it.
+TEST_F(RemovedBone, IsLessOnTheBestOfManyWays) {
+  const std::string wall = write("box.off", box_up_to(3.0));
+  const Arguments here{"--bone", "--resection", "-1.5,0,0,1,0,0", "--volume-tol", "0.1", "--json"};
+  Arguments searched = here;
+  searched.insert(searched.end(), {"--search-cone", "30"});
+  const Outcome straight = insert_into(wall, here);
+  const Outcome best = insert_into(wall, searched);
+  EXPECT_EQ(best.status, 0) << best.err;
+  const auto given = nlohmann::json::parse(straight.out);
+  const auto object = nlohmann::json::parse(best.out);
+  EXPECT_EQ(given["way_search"], nullptr);
+  EXPECT_EQ(given["way"]["turn_degrees"], 0.0);
+  EXPECT_LT(object["removed_volume"]["hi"].get<double>(), given["removed_volume"]["lo"].get<double>());
+  EXPECT_LE(object["way_search"]["removed_volume_of_given"]["lo"].get<double>(),
+            given["removed_volume"]["hi"].get<double>());
+  EXPECT_GT(object["way_search"]["proven_worse"].get<int>(), 0);
+  EXPECT_GT(object["way_search"]["degrees_off_given"].get<double>(), 5.0);
+  // Away from the bone, which lies towards -x.
+  const auto direction = object["way"]["direction"].get<std::vector<double>>();
+  EXPECT_LT(direction[0], 0.0);
+  // The same way again, told by its numbers.
+  const Outcome again = run(
+      {"insert",       "--implant",   ball(),
+       "--mesh",       wall,          "--device",
+       "host",         "--along",     fmt::format("{:.17g},{:.17g},{:.17g}", direction[0], direction[1], direction[2]),
+       "--length",     "10",          "--tol",
+       "0.1",          "-o",          path("again.csv"),
+       "--bone",       "--resection", "-1.5,0,0,1,0,0",
+       "--volume-tol", "0.1",         "--json"});
+  EXPECT_EQ(nlohmann::json::parse(again.out)["removed_volume"], object["removed_volume"]);
+}
+
 TEST_F(RemovedBone, RefusesWhatHasNoMeaning) {
+  const std::string bone = write("bone.off", box_up_to(3.0));
+  expect_refused(insert_into(bone, {"--search-cone", "9"}), {"--search-cone", "nothing says where bone is"});
+  expect_refused(insert_into(bone, {"--bone", "--search-cone", "81"}), {"--search-cone: 81 is above 80"});
+  expect_refused(insert_into(bone, {"--bone", "--turn", "361"}), {"--turn: 361 is not a number between"});
+  expect_refused(insert({"--poses", "p.csv", "--turn", "3", "-o", path("removal.csv")}),
+                 {"--turn", "only for --along"});
   const std::string box = write("box.off", box_up_to(3.0));
   expect_refused(insert_into(box, {"--bone", "--cavity"}), {"give only one of --cavity and --bone"});
   expect_refused(insert_into(box, {"--cavity"}), {"nothing says where the bone around it ends"});

@@ -152,6 +152,16 @@ TEST_F(SurfaceCommand, RefusesBadUsage) {
   EXPECT_EQ(surface({"--points", points}).status, 2);
 }
 
+/// 19 voxels along each axis.
+std::string volume_of(const std::vector<int>& labels) {
+  const NrrdFile file{.sizes = "19 19 19",
+                      .space = "RAS",
+                      .directions = "(0.5,0,0) (0,0.5,0) (0,0,0.5)",
+                      .origin = "(15.5,15.5,15.5)",
+                      .encoding = "gzip"};
+  return file.header() + gzipped(volume_bytes<std::int16_t>(labels));
+}
+
 /// Label 4 within a ball of 6 about the middle, label 9 in one more voxel.
 std::string ball_of_voxels() {
   std::vector<int> labels;
@@ -159,12 +169,20 @@ std::string ball_of_voxels() {
     for (int j = -9; j <= 9; ++j)
       for (int i = -9; i <= 9; ++i) labels.push_back(i * i + j * j + k * k <= 36 ? 4 : 0);
   labels.front() = 9;
-  const NrrdFile file{.sizes = "19 19 19",
-                      .space = "RAS",
-                      .directions = "(0.5,0,0) (0,0.5,0) (0,0,0.5)",
-                      .origin = "(15.5,15.5,15.5)",
-                      .encoding = "gzip"};
-  return file.header() + gzipped(volume_bytes<std::int16_t>(labels));
+  return volume_of(labels);
+}
+
+/// A plate, one voxel thick at its rim, two elsewhere.
+std::string plate_of_voxels() {
+  std::vector<int> labels;
+  for (int k = -9; k <= 9; ++k)
+    for (int j = -9; j <= 9; ++j)
+      for (int i = -9; i <= 9; ++i) {
+        const bool inner = std::abs(i) <= 4 && std::abs(j) <= 4;
+        const bool plate = std::abs(i) <= 7 && std::abs(j) <= 7 && (k == 0 || (inner && k == 1));
+        labels.push_back(plate ? 1 : 0);
+      }
+  return volume_of(labels);
 }
 
 TEST_F(SurfaceCommand, MakesTheSurfaceOfALabel) {
@@ -186,6 +204,18 @@ TEST_F(SurfaceCommand, MakesTheSurfaceOfALabel) {
     for (const Point& x : read_mesh(path("out.ply")).vertices)
       EXPECT_NEAR(std::hypot(x[0] - sign * 20.0, x[1] - sign * 20.0, x[2] - 20.0), 3.0, 0.25);
   }
+}
+
+TEST_F(SurfaceCommand, SaysThatVoxelsAreTooCoarseForAThinLabel) {
+  const std::string volume = write("plate.nrrd", plate_of_voxels());
+  const Outcome outcome = surface({"--volume", volume, "-o", path("out.ply"), "--json"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("verisq: label 1: the surface has lost "));
+  EXPECT_THAT(outcome.err, HasSubstr(" % of the volume of its voxels, more than 10 %: they are too coarse"));
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_TRUE(json["closed"].get<bool>());
+  EXPECT_LT(std::abs(json["volume"].get<double>()),
+            0.9 * json["voxels"].get<double>() * json["voxel_volume"].get<double>());
 }
 
 TEST_F(SurfaceCommand, MakesACanalThatAFitTakesAtOnce) {

@@ -200,6 +200,37 @@ TEST(FitBound, ProvesAPlantedFitAndHoldsForSampledPoses) {
   EXPECT_GT(feasible, 5);
 }
 
+/// At first every point may serve as well as can be, so that ranges of fitness do not tell which direction matters.
+TEST(FitBound, DividesWideRangesOfFewPoints) {
+  const Model implant = small_hook();
+  const Cavity cavity = testing::offset_cavity(implant, kPlay, 12);
+  FitBoundOptions how = options(cementless(2.0, 0.0), 12.0, 12.0);
+  how.range.start = {};
+  how.penetration_limit = 0.0;
+  how.known = value(how.fitness, kPlay) * static_cast<double>(cavity.points.size());
+  int rounds = 0;
+  how.progress = [&rounds](const FitBoundProgress&) { ++rounds; };
+  how.out_of_time = [&rounds] { return rounds >= 60; };
+  const UncertainModel exact = implant;
+  const FitBound bound = bound_fit({&exact, 1}, cavity, how);
+  EXPECT_TRUE(bound.reached) << bound.boxes;
+  EXPECT_GE(bound.upper, how.known);
+}
+
+TEST(FitBound, OfOnePoseIsItsObjective) {
+  const Model implant = small_hook();
+  const Cavity cavity = testing::offset_cavity(implant, kPlay, 12);
+  FitBoundOptions how = options(cementless(2.0, 0.0), 0.0, 0.0);
+  how.range.start = {};
+  how.penetration_limit = 0.0;
+  const UncertainModel exact = implant;
+  const FitBound bound = bound_fit({&exact, 1}, cavity, how);
+  EXPECT_EQ(bound.boxes, 1U);
+  const double objective = value(how.fitness, kPlay) * static_cast<double>(cavity.points.size());
+  EXPECT_GE(bound.upper, objective * (1.0 - 1e-9));
+  EXPECT_LE(bound.upper, objective * 1.05);
+}
+
 TEST(FitBound, SaysThatNoPoseKeepsTheLimit) {
   Cavity cavity = testing::offset_cavity(small_hook(), kPlay, 10);
   cavity.points.push_back({0.0, 0.0, 0.0});  // in the arm, wherever it is moved

@@ -29,7 +29,7 @@ enum class Finding : std::uint8_t { open, settled, astray };
 /// Some of the solids: pieces are settled by any of them.
 class SidePieces {
  public:
-  SidePieces(const Mesh& mesh, Side side, const SideSearch& search, std::span<const std::size_t> solids,
+  SidePieces(const Mesh& mesh, SolidSide side, const SideSearch& search, std::span<const std::size_t> solids,
              MeshSide& found)
       : mesh_(mesh), side_(side), search_(search), solids_(solids), found_(found), states_(mesh.triangles.size()) {}
 
@@ -72,12 +72,13 @@ class SidePieces {
       least_low = std::min(least_low, row.lo);
       least_high = std::min(least_high, row.hi);
     }
-    return side_ == Side::outside ? -least_low : least_high;
+    return side_ == SolidSide::outside ? -least_low : least_high;
   }
 
   /// Proven to be on the wrong side.
   [[nodiscard]] bool is_astray(std::span<const Enclosure> rows) const {
-    if (side_ == Side::outside) return std::ranges::any_of(rows, [](const Enclosure& row) { return row.hi < 0.0; });
+    if (side_ == SolidSide::outside)
+      return std::ranges::any_of(rows, [](const Enclosure& row) { return row.hi < 0.0; });
     return std::ranges::all_of(rows, [](const Enclosure& row) { return row.lo > 0.0; });
   }
 
@@ -125,7 +126,7 @@ class SidePieces {
       const bool inside = std::ranges::any_of(corners, [&](const Enclosure& row) { return row.hi < -longest; });
       const bool between = search_.convex[solids_[k]] &&
                            std::ranges::all_of(corners, [](const Enclosure& row) { return row.hi <= 0.0; });
-      if (side_ == Side::outside ? outside : inside || between) return true;
+      if (side_ == SolidSide::outside ? outside : inside || between) return true;
     }
     return false;
   }
@@ -155,7 +156,7 @@ class SidePieces {
     const PieceShape shape = shape_of(piece.corners, displacement_of(piece.triangle));
     for (std::size_t k = 0; k < solids_.size(); ++k) {
       const Enclosure& at_centre = piece.at_centre[k];
-      if (side_ == Side::outside ? !(at_centre.lo > 0.0) : !(at_centre.hi < 0.0)) continue;
+      if (side_ == SolidSide::outside ? !(at_centre.lo > 0.0) : !(at_centre.hi < 0.0)) continue;
       const TrianglePiece of_solid{
           .corners = piece.corners,
           .triangle = piece.triangle,
@@ -232,7 +233,7 @@ class SidePieces {
   }
 
   const Mesh& mesh_;
-  Side side_;
+  SolidSide side_;
   const SideSearch& search_;
   std::span<const std::size_t> solids_;
   MeshSide& found_;
@@ -249,12 +250,12 @@ Finding worse(Finding a, Finding b) {
 
 }  // namespace
 
-MeshSide mesh_side(const Mesh& mesh, Side side, const SideSearch& search) {
+MeshSide mesh_side(const Mesh& mesh, SolidSide side, const SideSearch& search) {
   MeshSide found;
   std::vector<std::size_t> solids(search.to_solids.size());
   for (std::size_t k = 0; k < solids.size(); ++k) solids[k] = k;
   // Outside of all means outside of each; inside means inside of any.
-  const std::size_t at_once = side == Side::outside ? 1 : solids.size();
+  const std::size_t at_once = side == SolidSide::outside ? 1 : solids.size();
   std::vector<Finding> states(mesh.triangles.size(), Finding::settled);
   for (std::size_t k = 0; k < solids.size(); k += at_once) {
     const std::vector<Finding> own = SidePieces(mesh, side, search, std::span(solids).subspan(k, at_once), found)();

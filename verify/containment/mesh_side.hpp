@@ -14,7 +14,7 @@
 
 namespace verisq::verify {
 
-enum class Side : std::uint8_t {
+enum class SolidSide : std::uint8_t {
   outside,  ///< no point of the triangle lies in the interior of any of the solids
   inside,   ///< every point of the triangle lies in one of the solids
 };
@@ -45,6 +45,6 @@ struct MeshSide {
 };
 
 /// Precondition: the mesh has triangles, all coordinates are finite.
-[[nodiscard]] MeshSide mesh_side(const Mesh& mesh, Side side, const SideSearch& search);
+[[nodiscard]] MeshSide mesh_side(const Mesh& mesh, SolidSide side, const SideSearch& search);
 
 }  // namespace verisq::verify

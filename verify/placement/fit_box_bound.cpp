@@ -24,6 +24,10 @@ constexpr std::ptrdiff_t kMostConstraints = 32;
 constexpr double kClusterByReach = 0.5;
 constexpr double kClusterByDistance = 0.2;
 
+/// By which share of what moves the points, in parts of their steepest fitness, directions are compared where ranges of
+/// fitness say something already: next to nothing.
+constexpr double kShareOfMovement = 1e-6;
+
 /// Σ λ c + Σ half |objective + Σ λ a|, rounded up: what no δ of the box that keeps the constraints exceeds.
 double dual_value(const PoseParameters& objective, const PoseParameters& half,
                   std::span<const LinearConstraint> constraints, std::span<const double> multipliers) {
@@ -75,11 +79,24 @@ class FitBoxBound::Sum {
     // Sums of no more terms than points, each of a few roundings of numbers that add up to the magnitude.
     const auto points = static_cast<double>(bound_.points_);
     const double lost = (points * 0x1p-51 + kTermRounding) * magnitude_;
-    return {
-        .upper = std::min(least + lost, bound_.weight_), .estimate = estimate_, .deepest = deepest_, .spread = spread_};
+    // Where every point may serve as well as can be, ranges of fitness do not tell which direction matters.
+    const bool says_nothing = !(least + lost < bound_.weight_);
+    const double share = says_nothing ? 1.0 : kShareOfMovement;
+    return {.upper = std::min(least + lost, bound_.weight_),
+            .estimate = estimate_,
+            .deepest = deepest_,
+            .spread = spread_ + share * steepest_ * movement()};
   }
 
  private:
+  /// By how far each direction moves the points, weighted, at most and about.
+  [[nodiscard]] PoseParameters movement() const {
+    PoseParameters movement = motion_.half();
+    movement.head<3>() *= bound_.weight_;
+    movement.tail<3>() *= arms_;
+    return movement;
+  }
+
   /// From the root, the children of those that `visit` returns true for.
   template <typename Visit>
   void for_clusters(const Visit& visit) {
@@ -146,9 +163,10 @@ class FitBoxBound::Sum {
     }
     constant_ += cluster.weight * line.value;
     slope_ += cluster.weight * line.slope * by_pose;
+    arms_ += cluster.weight * (place.arm.norm() + cluster.radius);
     magnitude_ += cluster.weight * (1.0 + std::abs(line.slope) * (half + cluster.radius));
     // What the range of distances costs, shared by the directions that make it.
-    spread_ += cluster.weight * (by_range - at_centre) / half * shares;
+    if (half > 0.0) spread_ += cluster.weight * (by_range - at_centre) / half * shares;
     return false;
   }
 
@@ -191,6 +209,7 @@ class FitBoxBound::Sum {
   PoseParameters slope_ = PoseParameters::Zero();
   double magnitude_ = 0.0;
   double estimate_ = 0.0;
+  double arms_ = 0.0;  ///< weighted lengths from where the implant turns
   double deepest_ = 0.0;
   PoseParameters spread_ = PoseParameters::Zero();
   std::vector<LinearConstraint> constraints_;
