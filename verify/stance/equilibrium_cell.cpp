@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "verify/stance/acceleration_cell.hpp"
+#include "verify/stance/box_division.hpp"
 #include "verify/stance/equilibrium_location.hpp"
 
 namespace verisq::stance {

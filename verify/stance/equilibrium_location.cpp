@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "verify/stance/acceleration_cell.hpp"
+#include "verify/stance/box_division.hpp"
 
 namespace verisq::stance {
 namespace {
