@@ -12,11 +12,12 @@
 namespace verisq::stance {
 
 /// The state, over one step, as a function of t in [-1, 1] and the deviations d in [-1, 1] of the parameters:
-/// sum of state.col(i) t^i + sum over k of d_k sum of by_deviation[k].col(i) t^i. Its numbers are exact.
+/// sum of state.col(i) t^i, with by_deviation[k] times d_k and by_pair times d_k d_l likewise. Its numbers are exact.
 struct MotionPolynomial {
   double from, to;  ///< s
   Eigen::MatrixXd state;
   std::vector<Eigen::MatrixXd> by_deviation;
+  std::vector<Eigen::MatrixXd> by_pair;  ///< k >= l, in the order (0, 0), (1, 0), (1, 1), (2, 0) and so on
 };
 
 /// Where a step starts.
@@ -24,12 +25,14 @@ struct ApproximateState {
   double time;
   Eigen::VectorXd state;
   Eigen::MatrixXd by_deviation;  ///< a column each
+  Eigen::MatrixXd by_pair;
 };
 
 /// Rates and their derivatives at one state, deviations 0.
 struct ApproximateRates {
   Eigen::VectorXd rates;
   Eigen::MatrixXd by_state, by_deviation;
+  Eigen::MatrixXd inverse_mass;
 };
 
 namespace collocation_details {
@@ -86,6 +89,7 @@ template <class System>
     columns.topRows(m) = -mass.solve(Eigen::MatrixXd(columns.topRows(m)));
     return columns;
   };
+  result.inverse_mass = mass.inverse();
   result.by_state = solved(0, n);
   result.by_deviation = solved(n + m, deviations);
   return result;
@@ -112,9 +116,14 @@ class RadauRule {
         integrals_(l, 0) -= c * ((i + 1) % 2 == 0 ? 1.0 : -1.0);
       }
     }
+    weights_.resize(stages, stages);
+    for (Eigen::Index j = 0; j < stages; ++j)
+      weights_.row(j) = (integrals_ * powers(nodes_[j])).transpose();
   }
 
   [[nodiscard]] double node(Eigen::Index j) const { return nodes_[j]; }
+  /// (j, l): the integral of l_l from -1 to node j.
+  [[nodiscard]] const Eigen::MatrixXd& weights() const { return weights_; }
   /// Row l: the coefficients of the integral of l_l from -1.
   [[nodiscard]] const Eigen::MatrixXd& integrals() const { return integrals_; }
   [[nodiscard]] static Eigen::VectorXd powers(double t) {
@@ -125,7 +134,7 @@ class RadauRule {
 
  private:
   Eigen::Matrix<double, stages, 1> nodes_;
-  Eigen::MatrixXd integrals_;
+  Eigen::MatrixXd integrals_, weights_;
 };
 
 /// Nothing where Newton's method does not converge.
@@ -140,22 +149,19 @@ template <class System>
   const double half = 0.5 * (to - start.time);
   const double within = 0.5 * (start.time + to);
   Eigen::MatrixXd rates = first_rates.replicate(1, stages);
-  Eigen::MatrixXd weights(stages, stages);  // (j, l): the integral of l_l up to node j
-  for (Eigen::Index j = 0; j < stages; ++j) weights.row(j) = (rule.integrals() * RadauRule::powers(rule.node(j))).transpose();
-
   Eigen::MatrixXd newton(n * stages, n * stages);
   Eigen::MatrixXd by_deviation(n * stages, start.by_deviation.cols());
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     Eigen::VectorXd missing(n * stages);
     newton.setIdentity();
     for (Eigen::Index j = 0; j < stages; ++j) {
-      const Eigen::VectorXd state = start.state + half * rates * weights.row(j).transpose();
+      const Eigen::VectorXd state = start.state + half * rates * rule.weights().row(j).transpose();
       if (!state.allFinite()) return std::nullopt;
       const double time = start.time + half * (rule.node(j) + 1.0);
       const ApproximateRates at = approximate_derivatives(system, state, time, within);
       missing.segment(n * j, n) = at.rates - rates.col(j);
       for (Eigen::Index l = 0; l < stages; ++l)
-        newton.block(n * j, n * l, n, n) -= half * weights(j, l) * at.by_state;
+        newton.block(n * j, n * l, n, n) -= half * rule.weights()(j, l) * at.by_state;
       by_deviation.middleRows(n * j, n) = at.by_state * start.by_deviation + at.by_deviation;
     }
     const Eigen::PartialPivLU<Eigen::MatrixXd> solver(newton);
@@ -165,7 +171,7 @@ template <class System>
     const double size = half * change.lpNorm<Eigen::Infinity>();
     if (size > converged * (1.0 + start.state.lpNorm<Eigen::Infinity>())) continue;
 
-    MotionPolynomial result{start.time, to, half * rates * rule.integrals(), {}};
+    MotionPolynomial result{start.time, to, half * rates * rule.integrals(), {}, {}};
     result.state.col(0) += start.state;
     const Eigen::MatrixXd slopes = solver.solve(by_deviation);
     for (Eigen::Index k = 0; k < slopes.cols(); ++k) {
@@ -180,10 +186,12 @@ template <class System>
 
 /// At its end.
 [[nodiscard]] inline ApproximateState end_of(const MotionPolynomial& step) {
-  ApproximateState end{step.to, step.state.rowwise().sum(), Eigen::MatrixXd(step.state.rows(), step.by_deviation.size())};
-  for (std::size_t k = 0; k < step.by_deviation.size(); ++k)
-    end.by_deviation.col(static_cast<Eigen::Index>(k)) = step.by_deviation[k].rowwise().sum();
-  return end;
+  const auto sums = [&](const std::vector<Eigen::MatrixXd>& parts) {
+    Eigen::MatrixXd result(step.state.rows(), static_cast<Eigen::Index>(parts.size()));
+    for (std::size_t k = 0; k < parts.size(); ++k) result.col(static_cast<Eigen::Index>(k)) = parts[k].rowwise().sum();
+    return result;
+  };
+  return {step.to, step.state.rowwise().sum(), sums(step.by_deviation), sums(step.by_pair)};
 }
 
 }  // namespace verisq::stance

@@ -37,6 +37,18 @@ ControlledMotion::ControlledMotion(const SagittalModel& model, std::vector<Inter
   }
 }
 
+Eigen::MatrixXd ControlledMotion::tether() const {
+  constexpr double frequency = 10.0;  // 1/s
+  const auto n = static_cast<Eigen::Index>(size());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t j = 0; j < joints(); ++j) {
+    const auto velocity = static_cast<Eigen::Index>(j);
+    result(velocity, static_cast<Eigen::Index>(position(j))) = -frequency * frequency;
+    result(velocity, velocity) = -frequency;
+  }
+  return result;
+}
+
 std::vector<double> ControlledMotion::breaks() const {
   if (!push_) return {};
   return {push_->start, push_->start + push_->duration};

@@ -119,6 +119,10 @@ class ControlledMotion {
   /// Times at which the equations have kinks whatever the state: steps end there.
   [[nodiscard]] std::vector<double> breaks() const;
 
+  /// To the matrix of a linearisation: a spring and a damper at each joint, of about the frequency of standing. It holds
+  /// what nothing else holds, in the choice of modes only.
+  [[nodiscard]] Eigen::MatrixXd tether() const;
+
   /// `within` is a time between the same breaks as all of `time`.
   template <class T>
   [[nodiscard]] MotionTerms<T> evaluate(std::span<const T> state, std::span<const T> acceleration, const T& time,
@@ -171,6 +175,7 @@ template <class T>
   const T stiffness(cylinder.bristle_stiffness);
   const T damping(cylinder.bristle_damping);
   const T elastic = stiffness * bristle;
+  if (is_zero(normal)) return {normal, T(0), -elastic / damping};  // in flight
   const T trial = elastic + damping * slip;
   const T limit = friction_coefficient(friction, slip) * normal;
   // Sticks: s' = u, exactly. Else s' is what makes the limited force k_t s + c_t s'. Equal where both hold.

@@ -49,7 +49,9 @@ template <class Model>
   const Interval factor = derivative ? Interval(1) / half : Interval(1);
   Model result = Model::of_time(coefficients<Model>(step.state, row, factor, derivative));
   for (std::size_t k = 0; k < step.by_deviation.size(); ++k)
-    result.set_row(k + 1, coefficients<Model>(step.by_deviation[k], row, factor, derivative));
+    result.add_row(1, k, coefficients<Model>(step.by_deviation[k], row, factor, derivative));
+  for (std::size_t k = 0; k < step.by_pair.size(); ++k)
+    result.add_row(2, k, coefficients<Model>(step.by_pair[k], row, factor, derivative));
   return result;
 }
 
@@ -102,7 +104,7 @@ class InverseMass {
     Eigen::MatrixXd middle(m, m);
     for (Eigen::Index j = 0; j < m; ++j) {
       for (Eigen::Index i = 0; i < m; ++i) {
-        const Interval& c = columns[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)].rows()[0][0];
+        const Interval& c = columns[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)].constant();
         middle(i, j) = 0.5 * c.lower() + 0.5 * c.upper();
       }
     }
@@ -122,7 +124,6 @@ class InverseMass {
     const Interval norm(sums.maxCoeff());
     if (!(norm.upper() < 0.5)) throw std::domain_error("mass matrix: not proven to be regular");
     rest_ = (norm * norm * norm / (Interval(1) - norm)).upper();
-    first_order_ = (norm / (Interval(1) - norm)).upper();
   }
 
   /// M^-1 v.
@@ -143,9 +144,22 @@ class InverseMass {
   /// The same for small v: what E adds is bounded, not followed.
   [[nodiscard]] std::vector<DefectModel> times_small(const std::vector<DefectModel>& v) const {
     std::vector<DefectModel> near = product(approximate_, v);
+    const auto m = static_cast<Eigen::Index>(near.size());
+    IntervalVector sizes(m);
     Interval total(0);
-    for (const DefectModel& x : near) total += Interval(x.size());
-    for (DefectModel& x : near) x.widen((total * Interval(first_order_)).upper());
+    for (Eigen::Index i = 0; i < m; ++i) {
+      sizes[i] = Interval(near[static_cast<std::size_t>(i)].size());
+      total += sizes[i];
+    }
+    IntervalMatrix defects(m, m);
+    for (Eigen::Index j = 0; j < m; ++j) {
+      for (Eigen::Index i = 0; i < m; ++i)
+        defects(i, j) = Interval(defect_[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)].size());
+    }
+    const IntervalVector once = stance::product(defects, sizes);
+    const IntervalVector twice = stance::product(defects, once);
+    for (Eigen::Index i = 0; i < m; ++i)
+      near[static_cast<std::size_t>(i)].widen((once[i] + twice[i] + total * Interval(rest_)).upper());
     return near;
   }
 
@@ -161,7 +175,7 @@ class InverseMass {
 
   Eigen::MatrixXd approximate_;
   Columns<SlopeModel> defect_;  ///< E
-  double rest_, first_order_;
+  double rest_;
 };
 
 /// T^-1 d, block by block: lengths from above.

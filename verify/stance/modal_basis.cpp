@@ -10,10 +10,6 @@ namespace {
 
 using verify::Interval;
 
-/// Where eigenvectors nearly coincide, as those of a body in free flight, no change of coordinates helps: other modes
-/// do, of a system nearby, in which what is left acts as a coupling.
-constexpr double worst_condition = 1e7;
-
 Interval length(const IntervalVector& v) {
   if (v.size() == 1) return abs(v[0]);
   Interval sum(0);
@@ -65,14 +61,10 @@ double condition(const Eigen::MatrixXd& matrix) {
 
 }  // namespace
 
-ModalBasis modal_basis(const Eigen::MatrixXd& jacobian) {
+ModalBasis modal_basis(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& tether) {
+  constexpr double worst_condition = 1e6;
   Modes modes = modes_of(jacobian);
-  for (double shift = 1.0; !(condition(modes.matrix) < worst_condition) && shift < 1e4; shift *= 10.0) {
-    Eigen::MatrixXd apart = jacobian;
-    for (Eigen::Index i = 0; i < apart.rows(); ++i)
-      apart(i, i) -= shift * (1.0 + static_cast<double>(i) / static_cast<double>(apart.rows()));
-    modes = modes_of(apart);
-  }
+  if (!(condition(modes.matrix) < worst_condition)) modes = modes_of(jacobian + tether);
   const Eigen::MatrixXd inverse = modes.matrix.partialPivLu().inverse();
   if (!inverse.allFinite()) throw std::domain_error("modal basis: singular");
   // (V T)^-1 = I + G + G^2 + ... for G = I - V T, in the norm of row sums; every entry is at most that norm.

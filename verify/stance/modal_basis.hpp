@@ -22,9 +22,10 @@ struct ModalBasis {
   [[nodiscard]] Eigen::Index count() const { return static_cast<Eigen::Index>(blocks.size()); }
 };
 
-/// Eigenvectors, scaled so that components of a state are about 1 where its own scale is. Throws std::domain_error
+/// Of eigenvectors, of length 1. Where they nearly coincide, as those of a body in free flight do, whose velocity does
+/// not depend on its place, those of jacobian + tether: what is left then acts as a coupling. Throws std::domain_error
 /// where the regularity of the modes is not proven.
-[[nodiscard]] ModalBasis modal_basis(const Eigen::MatrixXd& jacobian);
+[[nodiscard]] ModalBasis modal_basis(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& tether);
 
 /// From above: what lengths of the blocks of y can be of the components of e = T y; and the other way.
 [[nodiscard]] Eigen::VectorXd components_of(const ModalBasis& basis, const Eigen::VectorXd& lengths);

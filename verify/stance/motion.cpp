@@ -9,7 +9,7 @@
 #include <verisq/stance_motion.hpp>
 
 #include "verify/stance/controlled_motion.hpp"
-#include "verify/stance/error_bound.hpp"
+#include "verify/stance/second_order.hpp"
 
 namespace verisq::stance {
 namespace {
@@ -86,14 +86,16 @@ class Simulation {
   void begin() {
     const std::vector<Interval> start = start_of(system_, options_.lift);
     const auto n = static_cast<Eigen::Index>(start.size());
-    at_ = {0.0, Eigen::VectorXd(n), Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(system_.deviations()))};
+    const auto deviations = static_cast<Eigen::Index>(system_.deviations());
+    at_ = {0.0, Eigen::VectorXd(n), Eigen::MatrixXd::Zero(n, deviations),
+           Eigen::MatrixXd::Zero(n, deviations * (deviations + 1) / 2)};
     IntervalVector error(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       const Interval& x = start[static_cast<std::size_t>(i)];
       at_.state[i] = 0.5 * x.lower() + 0.5 * x.upper();
       error[i] = x - Interval(at_.state[i]);
     }
-    const ModalBasis basis = modal_basis(approximate_derivatives(system_, at_.state, 0.0, 0.0).by_state);
+    const ModalBasis basis = modal_basis(approximate_derivatives(system_, at_.state, 0.0, 0.0).by_state, system_.tether());
     bound_ = {basis, lengths_of(basis, error)};
     for (std::size_t j = 0; j < system_.joints(); ++j) {
       const Interval& position = start[system_.position(j)];
@@ -120,20 +122,21 @@ class Simulation {
   [[nodiscard]] bool attempt(double to) {
     const double length = to - at_.time;
     const double within = 0.5 * (at_.time + to);
-    const auto step = collocation_step(system_, rule_, at_, to, approximate_rates(system_, at_.state, at_.time, within));
+    auto step = collocation_step(system_, rule_, at_, to, approximate_rates(system_, at_.state, at_.time, within));
     if (!step) {
       length_ = 0.25 * length;
       return false;
     }
     const Eigen::MatrixXd jacobian =
         approximate_derivatives(system_, Eigen::VectorXd(step->state.col(0)), within, within).by_state;
-    const ModalBasis fresh = modal_basis(jacobian);
+    const ModalBasis fresh = modal_basis(jacobian, system_.tether());
     const double error = estimated_error(*step, fresh, jacobian) / (tolerance_ * length + 1e-3 * tolerance_);
     const double factor = std::clamp(0.85 * std::pow(error, -1.0 / 6.0), 0.1, 4.0);
     if (error > 1.0 && length > 1e-9) {
       length_ = factor * length;
       return false;
     }
+    add_second_order(system_, rule_, at_, *step);
     const ErrorBound start = in_better_basis(fresh, jacobian);
     const auto bounded = bounded_step(system_, *step, start);
     if (!bounded) {
@@ -212,16 +215,15 @@ class Simulation {
   void account_for_rounding(const MotionPolynomial& step) {
     IntervalVector jump(at_.state.size());
     for (Eigen::Index i = 0; i < jump.size(); ++i) {
-      Interval end(0);
-      for (const double c : step.state.row(i)) end += Interval(c);
-      jump[i] = end - Interval(at_.state[i]);
-      for (std::size_t k = 0; k < step.by_deviation.size(); ++k) {
-        Interval slope(0);
-        for (const double c : step.by_deviation[k].row(i)) slope += Interval(c);
-        const double size =
-            stance::magnitude(slope - Interval(at_.by_deviation(i, static_cast<Eigen::Index>(k))));
-        jump[i] += Interval(-size, size);
-      }
+      jump[i] = sum_of(step.state, i) - Interval(at_.state[i]);
+      const auto add = [&](const std::vector<Eigen::MatrixXd>& parts, const Eigen::MatrixXd& after) {
+        for (std::size_t k = 0; k < parts.size(); ++k) {
+          const double size = stance::magnitude(sum_of(parts[k], i) - Interval(after(i, static_cast<Eigen::Index>(k))));
+          jump[i] += Interval(-size, size);
+        }
+      };
+      add(step.by_deviation, at_.by_deviation);
+      add(step.by_pair, at_.by_pair);
     }
     const Eigen::VectorXd lengths = lengths_of(bound_.basis, jump);
     for (Eigen::Index b = 0; b < lengths.size(); ++b)
@@ -246,14 +248,17 @@ class Simulation {
     result_.reached = step.to;
   }
 
+  static Interval sum_of(const Eigen::MatrixXd& polynomial, Eigen::Index row) {
+    Interval sum(0);
+    for (const double c : polynomial.row(row)) sum += Interval(c);
+    return sum;
+  }
+
   static Enclosure at_end(const MotionPolynomial& step, const BoundedStep& bounded, std::size_t component) {
     const auto i = static_cast<Eigen::Index>(component);
-    Interval sum(0);
-    for (const double c : step.state.row(i)) sum += Interval(c);
-    for (const Eigen::MatrixXd& part : step.by_deviation) {
-      Interval slope(0);
-      for (const double c : part.row(i)) slope += Interval(c);
-      sum += slope * Interval(-1.0, 1.0);
+    Interval sum = sum_of(step.state, i);
+    for (const std::vector<Eigen::MatrixXd>* parts : {&step.by_deviation, &step.by_pair}) {
+      for (const Eigen::MatrixXd& part : *parts) sum += sum_of(part, i) * Interval(-1.0, 1.0);
     }
     return around(sum, bounded.end_errors[i]);
   }
