@@ -94,8 +94,8 @@ template <class Model>
   return result;
 }
 
-/// M^-1 = (I + E + E^2 + R) B for a point B near the inverse and E = I - B M: with the norm |E| < 1 of row sums, every
-/// entry of R is at most |E|^3 / (1 - |E|).
+/// M^-1 = (I + E + E^2 + ...) B for a point B near the inverse and E = I - B M, where the sum converges: where the norm
+/// of row sums of S^-1 |E| S is below 1 for the scales S, those of the joints' accelerations.
 class InverseMass {
  public:
   /// `columns` are those of M.
@@ -110,7 +110,9 @@ class InverseMass {
     }
     approximate_ = middle.partialPivLu().inverse();
     if (!approximate_.allFinite()) throw std::domain_error("mass matrix: singular");
-    Eigen::VectorXd sums = Eigen::VectorXd::Zero(m);
+    scales_ = approximate_.diagonal().cwiseAbs().cwiseSqrt().array() + 1e-100;
+    sizes_.resize(m, m);
+    IntervalVector sums = IntervalVector::Zero(m);
     for (Eigen::Index j = 0; j < m; ++j) {
       std::vector<SlopeModel> column = columns[static_cast<std::size_t>(j)];
       column.resize(static_cast<std::size_t>(m));
@@ -118,25 +120,24 @@ class InverseMass {
       for (Eigen::Index i = 0; i < m; ++i) {
         SlopeModel& e = defect_.back()[static_cast<std::size_t>(i)];
         e = SlopeModel(i == j ? 1 : 0) - e;
-        sums[i] = (Interval(sums[i]) + Interval(e.size())).upper();
+        sizes_(i, j) = Interval(e.size());
+        sums[i] += sizes_(i, j) * Interval(scales_[j]) / Interval(scales_[i]);
       }
     }
-    const Interval norm(sums.maxCoeff());
-    if (!(norm.upper() < 0.5)) throw std::domain_error("mass matrix: not proven to be regular");
-    rest_ = (norm * norm * norm / (Interval(1) - norm)).upper();
+    for (const Interval& sum : sums) norm_ = std::max(norm_, sum.upper());
+    if (!(norm_ < 0.5)) throw std::domain_error("mass matrix: not proven to be regular");
   }
 
-  /// M^-1 v.
+  /// M^-1 v: two terms are followed, the others bounded.
   [[nodiscard]] std::vector<SlopeModel> times(const std::vector<SlopeModel>& v) const {
     const std::vector<SlopeModel> near = product(approximate_, v);
     const std::vector<SlopeModel> once = by_defect(near);
     const std::vector<SlopeModel> twice = by_defect(once);
-    Interval total(0);
-    for (const SlopeModel& x : near) total += Interval(x.size());
+    const IntervalVector rest = after(sizes(twice));
     std::vector<SlopeModel> result;
     for (std::size_t i = 0; i < near.size(); ++i) {
       result.push_back(near[i] + once[i] + twice[i]);
-      result.back().widen((total * Interval(rest_)).upper());
+      result.back().widen(rest[static_cast<Eigen::Index>(i)].upper());
     }
     return result;
   }
@@ -144,26 +145,36 @@ class InverseMass {
   /// The same for small v: what E adds is bounded, not followed.
   [[nodiscard]] std::vector<DefectModel> times_small(const std::vector<DefectModel>& v) const {
     std::vector<DefectModel> near = product(approximate_, v);
-    const auto m = static_cast<Eigen::Index>(near.size());
-    IntervalVector sizes(m);
-    Interval total(0);
-    for (Eigen::Index i = 0; i < m; ++i) {
-      sizes[i] = Interval(near[static_cast<std::size_t>(i)].size());
-      total += sizes[i];
-    }
-    IntervalMatrix defects(m, m);
-    for (Eigen::Index j = 0; j < m; ++j) {
-      for (Eigen::Index i = 0; i < m; ++i)
-        defects(i, j) = Interval(defect_[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)].size());
-    }
-    const IntervalVector once = stance::product(defects, sizes);
-    const IntervalVector twice = stance::product(defects, once);
-    for (Eigen::Index i = 0; i < m; ++i)
-      near[static_cast<std::size_t>(i)].widen((once[i] + twice[i] + total * Interval(rest_)).upper());
+    const IntervalVector rest = after(sizes(near));
+    for (std::size_t i = 0; i < near.size(); ++i) near[i].widen(rest[static_cast<Eigen::Index>(i)].upper());
     return near;
   }
 
  private:
+  template <class Model>
+  [[nodiscard]] static IntervalVector sizes(const std::vector<Model>& v) {
+    IntervalVector result(static_cast<Eigen::Index>(v.size()));
+    for (Eigen::Index i = 0; i < result.size(); ++i) result[i] = Interval(v[static_cast<std::size_t>(i)].size());
+    return result;
+  }
+
+  /// Bounds |E v| + |E^2 v| + ... for |v| <= sizes: three terms entry by entry, of the others the scaled norm.
+  [[nodiscard]] IntervalVector after(const IntervalVector& sizes) const {
+    constexpr int terms = 3;
+    IntervalVector term = sizes;
+    IntervalVector sum = IntervalVector::Zero(sizes.size());
+    for (int k = 0; k < terms; ++k) {
+      term = stance::product(sizes_, term);
+      sum += term;
+    }
+    double largest = 0.0;
+    for (Eigen::Index i = 0; i < term.size(); ++i)
+      largest = std::max(largest, (term[i] / Interval(scales_[i])).upper());
+    const Interval tail = Interval(largest) * Interval(norm_) / (Interval(1) - Interval(norm_));
+    for (Eigen::Index i = 0; i < sum.size(); ++i) sum[i] += tail * Interval(scales_[i]);
+    return sum;
+  }
+
   [[nodiscard]] std::vector<SlopeModel> by_defect(const std::vector<SlopeModel>& v) const {
     std::vector<SlopeModel> result(v.size());
     for (std::size_t j = 0; j < v.size(); ++j) {
@@ -173,9 +184,11 @@ class InverseMass {
     return result;
   }
 
-  Eigen::MatrixXd approximate_;
-  Columns<SlopeModel> defect_;  ///< E
-  double rest_;
+  Eigen::MatrixXd approximate_;  ///< B
+  Eigen::VectorXd scales_;       ///< S; any positive numbers are sound
+  Columns<SlopeModel> defect_;   ///< E
+  IntervalMatrix sizes_;         ///< |E|
+  double norm_ = 0.0;
 };
 
 /// T^-1 d, block by block: lengths from above.
@@ -205,7 +218,6 @@ class InverseMass {
   std::vector<std::vector<SlopeModel>> left;  // columns of V J
   for (const std::vector<SlopeModel>& column : jacobian) left.push_back(product(basis.inverse, column));
   IntervalMatrix whole(n, n);
-  IntervalMatrix constant(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     std::vector<SlopeModel> row;
     for (const std::vector<SlopeModel>& column : left) row.push_back(column[static_cast<std::size_t>(i)]);

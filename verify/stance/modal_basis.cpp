@@ -81,6 +81,12 @@ ModalBasis modal_basis(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& t
   return {modes.matrix, inverse, (Interval(norm) / (Interval(1) - Interval(norm))).upper(), modes.blocks};
 }
 
+ModalBasis plain_basis(Eigen::Index size) {
+  ModalBasis basis{Eigen::MatrixXd::Identity(size, size), Eigen::MatrixXd::Identity(size, size), 0.0, {}};
+  for (Eigen::Index i = 0; i < size; ++i) basis.blocks.push_back({i, 1});
+  return basis;
+}
+
 Eigen::VectorXd components_of(const ModalBasis& basis, const Eigen::VectorXd& lengths) {
   // |e_i| <= sum over the blocks of |T_iB| |y_B|, by Cauchy and Schwarz.
   Eigen::VectorXd result(basis.modes.rows());

@@ -27,6 +27,9 @@ struct ModalBasis {
 /// where the regularity of the modes is not proven.
 [[nodiscard]] ModalBasis modal_basis(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& tether);
 
+/// y = e: for the moment at which the modes change.
+[[nodiscard]] ModalBasis plain_basis(Eigen::Index size);
+
 /// From above: what lengths of the blocks of y can be of the components of e = T y; and the other way.
 [[nodiscard]] Eigen::VectorXd components_of(const ModalBasis& basis, const Eigen::VectorXd& lengths);
 [[nodiscard]] Eigen::VectorXd lengths_of(const ModalBasis& basis, const IntervalVector& components);

@@ -120,6 +120,7 @@ class Simulation {
   }
 
   [[nodiscard]] bool attempt(double to) {
+    constexpr double short_step = 1e-5;
     const double length = to - at_.time;
     const double within = 0.5 * (at_.time + to);
     auto step = collocation_step(system_, rule_, at_, to, approximate_rates(system_, at_.state, at_.time, within));
@@ -137,8 +138,12 @@ class Simulation {
       return false;
     }
     add_second_order(system_, rule_, at_, *step);
-    const ErrorBound start = in_better_basis(fresh, jacobian);
-    const auto bounded = bounded_step(system_, *step, start);
+    auto bounded = bounded_step(system_, *step, in_better_basis(fresh, jacobian, length));
+    if (!bounded && length < short_step) {
+      // Where it is open whether a contact closes or slips, the modes of either are none of the other's.
+      const ModalBasis plain = plain_basis(at_.state.size());
+      bounded = bounded_step(system_, *step, {plain, lengths_in(plain, bound_.basis, bound_.lengths)});
+    }
     if (!bounded) {
       length_ = 0.25 * length;
       return false;
@@ -189,9 +194,10 @@ class Simulation {
   }
 
   /// Modes are kept as long as they serve: to change them costs a little each time.
-  [[nodiscard]] ErrorBound in_better_basis(const ModalBasis& fresh, const Eigen::MatrixXd& jacobian) const {
-    constexpr double worth = 2.0;  // 1/s
-    if (growth(bound_.basis, jacobian) <= growth(fresh, jacobian) + worth) return bound_;
+  [[nodiscard]] ErrorBound in_better_basis(const ModalBasis& fresh, const Eigen::MatrixXd& jacobian,
+                                           double length) const {
+    constexpr double worth = 0.02;  // of the error
+    if (length * (growth(bound_.basis, jacobian) - growth(fresh, jacobian)) <= worth) return bound_;
     return {fresh, lengths_in(fresh, bound_.basis, bound_.lengths)};
   }
 
