@@ -16,12 +16,15 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/number_list.hpp"
+#include "host/command_line/overwriting.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stance_summary.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/whole_number.hpp"
+#include "host/files/output_file.hpp"
+#include "host/stance/motion_table.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -35,14 +38,16 @@ constexpr const char* closing_words =
     "are rounded outward. The model's format: docs/stance.md.\n"
     "\n"
     "The wrench is that of gravity and the applied force alone, at rest; in the accelerations the body falls freely,\n"
-    "legs hanging. --bounce drops one cylinder alone, with nobody standing on it. In --equilibrium the body stands on\n"
+    "legs hanging. --simulate: it moves, everything acts.\n"
+    "--bounce drops one cylinder alone, with nobody standing on it. In --equilibrium the body stands on\n"
     "its cylinders, at rest; that it stays there when it is pushed is not said. Each result says below it what acts "
     "in\n"
     "it, what does not, and which parameters have no effect on it.\n"
     "\n"
     "Exit status: 0 all is proven; 1 a sample escapes from an enclosure, which is a defect, or the program failed; 2 "
     "bad\n"
-    "usage or input; 3 something stayed unproven (an infinite end), or not all of the box is proven to stand, or a\n"
+    "usage or input; 3 something stayed unproven (an infinite end), or not all of the box is proven to stand, or the\n"
+    "motion is open before its end, or a\n"
     "cell of --report differs; 130 interrupted by Ctrl-C, with what was proven so far.\n"
     "\n"
     "Examples:\n"
@@ -50,6 +55,7 @@ constexpr const char* closing_words =
     "  verisq stance stance.xml --uncertain mp,px,Fx --sensitivities\n"
     "  verisq stance stance.xml --uncertain mp,px --accelerations --monte-carlo 100000\n"
     "  verisq stance standing.xml --uncertain mp,px --equilibrium held\n"
+    "  verisq stance standing.xml --uncertain none --simulate 1 --push 50,0.05,0.2 --csv motion.csv --plot motion.svg\n"
     "  verisq stance stance.xml --report";
 
 constexpr double default_drop_height = 0.01;  // m
@@ -60,9 +66,17 @@ void check_usage(const StanceArguments& arguments) {
   if (arguments.cells && !arguments.accelerations && !arguments.equilibrium)
     refuse("--cells: give --accelerations or --equilibrium, too");
   if (arguments.drop_height && !arguments.bounce) refuse("--drop-height: give --bounce, too");
+  if (!arguments.simulate) {
+    if (arguments.lift) refuse("--lift: give --simulate, too");
+    if (arguments.push) refuse("--push: give --simulate, too");
+    if (!arguments.csv.empty()) refuse("--csv: give --simulate, too");
+    if (!arguments.plot.empty()) refuse("--plot: give --simulate, too");
+  }
+  refuse_to_overwrite("--csv", arguments.csv, {arguments.model});
+  refuse_to_overwrite("--plot", arguments.plot, {arguments.model, arguments.csv});
   const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
                      arguments.monte_carlo || arguments.bounce || arguments.equilibrium || arguments.within ||
-                     !arguments.ranges.empty();
+                     arguments.simulate || !arguments.ranges.empty();
   if (arguments.report && other) refuse("--report: chooses parameters and mode itself; give --json at most");
 }
 
@@ -88,6 +102,20 @@ ParameterRange parse_range(std::string_view option, const std::string& text) {
   const std::vector<double> ends = parse_numbers(option, text.substr(equals + 1), "LO,HI");
   if (ends[0] > ends[1]) refuse(fmt::format("{}: in {} the first number is the larger one", option, text));
   return {text.substr(0, equals), {ends[0], ends[1]}};
+}
+
+Push parse_push(std::string_view option, const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(option, text, "FORCE,START,DURATION");
+  if (numbers[1] < 0.0) refuse(fmt::format("{}: in {} the start is before 0", option, text));
+  if (!(numbers[2] > 0.0)) refuse(fmt::format("{}: in {} the duration is not above 0", option, text));
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+void write_file(const std::string& name, const std::string& text) {
+  if (name.empty()) return;
+  OutputFile file{name};
+  file.write(text);
+  file.finish();
 }
 
 [[noreturn]] void report_escape(const Model& model, const std::string& component, const Enclosure& claimed,
@@ -133,6 +161,7 @@ class Analysis {
       if (arguments_.sensitivities) enclose_sensitivities();
       if (arguments_.accelerations) enclose_accelerations();
       if (arguments_.equilibrium) enclose_equilibrium();
+      if (arguments_.simulate) enclose_motion();
       if (summary_.drop) summary_.bounce = bounce(*summary_.drop, {.interrupted = interrupted});
     }
     summary_.seconds = time.seconds();
@@ -198,6 +227,18 @@ class Analysis {
     summary_.equilibrium = equilibrium(summary_.model, summary_.uncertain, options);
   }
 
+  void enclose_motion() {
+    summary_.motion_scope = motion_scope(summary_.model);
+    ProgressBar bar(!arguments_.no_progress, "%");
+    MotionOptions options{.duration = *arguments_.simulate, .lift = arguments_.lift.value_or(0.0)};
+    options.push = arguments_.push;
+    options.interrupted = interrupted;
+    options.progress = [&](double fraction) { bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction); };
+    summary_.motion = simulate(summary_.model, summary_.uncertain, options);
+    write_file(arguments_.csv, motion_table(*summary_.motion));
+    write_file(arguments_.plot, motion_picture(*summary_.motion));
+  }
+
   /// Nothing unless --monte-carlo asks for it.
   [[nodiscard]] std::optional<Samples> check(const Sampled& sampled, const std::vector<std::string>& names) const {
     if (!arguments_.monte_carlo) return std::nullopt;
@@ -233,7 +274,7 @@ bool all_proven(const StanceSummary& summary) {
   const auto finite = [](const auto& enclosures) { return std::ranges::all_of(enclosures, is_finite); };
   return (!summary.paper || summary.paper->all_explained()) && (!summary.wrench || finite(*summary.wrench)) &&
          std::ranges::all_of(summary.sensitivities, finite) && finite(summary.accelerations) &&
-         (!summary.equilibrium || summary.equilibrium->stands == 1.0) &&
+         (!summary.equilibrium || summary.equilibrium->stands == 1.0) && (!summary.motion || summary.motion->proven) &&
          (!summary.bounce || is_proven(*summary.bounce));
 }
 
@@ -254,6 +295,15 @@ void declare_stance(Options& options, StanceArguments& arguments) {
               "JOINTS",
               "Also where the body stands still on its cylinders: with its joints held where the file has them, or\n"
               "turned from there as the proportional gains alone allow");
+  options.add("--simulate", arguments.simulate, parse_positive_length, "SECONDS",
+              "Also how the body moves in its sagittal plane, from its nominal equilibrium on, for so long");
+  options.add("--lift", arguments.lift, parse_length, "NUMBER",
+              "With --simulate: let it go so far above the equilibrium, in m");
+  options.add(
+      "--push", arguments.push, parse_push, "FORCE,START,DURATION",
+      "With --simulate: a force along x (N, s, s) on the reference point, FORCE sin^2(pi (t - START)/DURATION)");
+  options.add("--csv", arguments.csv, "FILE", "With --simulate: enclosures over time, as a table");
+  options.add("--plot", arguments.plot, "FILE", "With --simulate: the enclosures over time as a picture (SVG)");
   options.add_each("--range", arguments.ranges, parse_range, "NAME=LO,HI",
                    "A part of a parameter's range instead of the file's; may be repeated");
   options.add("--within", arguments.within, parse_positive_length, "PERCENT",

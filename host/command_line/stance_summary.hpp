@@ -8,6 +8,7 @@
 #include <verisq/stance_bounce.hpp>
 #include <verisq/stance_choice.hpp>
 #include <verisq/stance_equilibrium.hpp>
+#include <verisq/stance_motion.hpp>
 
 #include "host/stance/stance_report.hpp"
 #include "host/stance/stance_samples.hpp"
@@ -32,6 +33,8 @@ struct StanceSummary {
   stance::JointControl control = stance::JointControl::held;
   std::optional<stance::Equilibrium> equilibrium;
   stance::Scope equilibrium_scope;
+  std::optional<stance::Motion> motion;
+  stance::Scope motion_scope;
   std::optional<stance::PaperReport> paper;
   std::string dropped;  ///< the cylinder that bounces
   std::optional<stance::Drop> drop;

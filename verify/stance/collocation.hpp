@@ -39,7 +39,10 @@ namespace collocation_details {
 
 inline MotionPoint<double> point(const Eigen::VectorXd& state, const Eigen::VectorXd& acceleration, double time,
                                  double within, std::size_t deviations) {
-  return {{state.begin(), state.end()}, {acceleration.begin(), acceleration.end()}, time, within,
+  return {{state.begin(), state.end()},
+          {acceleration.begin(), acceleration.end()},
+          time,
+          within,
           std::vector<double>(deviations, 0.0)};
 }
 
@@ -79,8 +82,7 @@ template <class System>
   const auto deviations = static_cast<Eigen::Index>(system.deviations());
   ApproximateRates result;
   result.rates = approximate_rates(system, state, time, within);
-  const MotionPoint<double> at =
-      point(state, Eigen::VectorXd(result.rates.head(m)), time, within, system.deviations());
+  const MotionPoint<double> at = point(state, Eigen::VectorXd(result.rates.head(m)), time, within, system.deviations());
   const Eigen::MatrixXd all = matrix(
       partial_derivatives(system, at, 0, system.size() + system.implicit() + system.deviations()), system.size());
   const Eigen::PartialPivLU<Eigen::MatrixXd> mass(all.block(0, n, m, m));
@@ -117,8 +119,7 @@ class RadauRule {
       }
     }
     weights_.resize(stages, stages);
-    for (Eigen::Index j = 0; j < stages; ++j)
-      weights_.row(j) = (integrals_ * powers(nodes_[j])).transpose();
+    for (Eigen::Index j = 0; j < stages; ++j) weights_.row(j) = (integrals_ * powers(nodes_[j])).transpose();
   }
 
   [[nodiscard]] double node(Eigen::Index j) const { return nodes_[j]; }

@@ -62,7 +62,8 @@ std::optional<UpperSolution> upper_solution(const Eigen::MatrixXd& rate, const E
         const double off_start = rate.row(i).dot(lines.start) - rate(i, i) * lines.start[i] + forcing[i];
         const double off_end = rate.row(i).dot(lines.end) - rate(i, i) * lines.end[i] + forcing[i];
         const double more = (1.0 + slack);
-        const Line line = lowest_line(own, more * off_start + 1e-290, more * off_end + 1e-290, initial[i], length.upper());
+        const Line line =
+            lowest_line(own, more * off_start + 1e-290, more * off_end + 1e-290, initial[i], length.upper());
         const double change = std::fabs(line.end - lines.end[i]) + std::fabs(line.start - lines.start[i]);
         greatest_change = std::fmax(greatest_change, change / (line.end + line.start + 1e-290));
         lines.start[i] = line.start;

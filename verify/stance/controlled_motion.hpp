@@ -26,9 +26,9 @@ struct ContactForce {
 /// A value of everything in the equations.
 template <class T>
 struct MotionTerms {
-  std::vector<T> residual;                 ///< M v' + h - forces, one a joint: 0 for a motion
-  std::vector<T> rates;                    ///< of the state's other components, which depend on no rate
-  std::vector<ContactForce<T>> contacts;   ///< of one cylinder each
+  std::vector<T> residual;                ///< M v' + h - forces, one a joint: 0 for a motion
+  std::vector<T> rates;                   ///< of the state's other components, which depend on no rate
+  std::vector<ContactForce<T>> contacts;  ///< of one cylinder each
 };
 
 namespace motion_details {
@@ -119,8 +119,8 @@ class ControlledMotion {
   /// Times at which the equations have kinks whatever the state: steps end there.
   [[nodiscard]] std::vector<double> breaks() const;
 
-  /// To the matrix of a linearisation: a spring and a damper at each joint, of about the frequency of standing. It holds
-  /// what nothing else holds, in the choice of modes only.
+  /// To the matrix of a linearisation: a spring and a damper at each joint, of about the frequency of standing. It
+  /// holds what nothing else holds, in the choice of modes only.
   [[nodiscard]] Eigen::MatrixXd tether() const;
 
   /// `within` is a time between the same breaks as all of `time`.
@@ -163,8 +163,8 @@ namespace motion_details {
 /// point that is lowest.
 template <class T>
 [[nodiscard]] ContactForce<T> contact_force(const ContactCylinder& cylinder, const AffineDamping& damping_factor,
-                                            std::span<const T> parameters,
-                                            const T& height, const T& descent, const T& slip, const T& bristle) {
+                                            std::span<const T> parameters, const T& height, const T& descent,
+                                            const T& slip, const T& bristle) {
   const T penetration = value_of<T>(cylinder.radius, parameters) - height;
   const HuntCrossley<T> law{value_of<T>(cylinder.stiffness, parameters), cylinder.exponent,
                             damping_factor.of(value_of<T>(cylinder.normal_restitution, parameters)),
@@ -273,8 +273,8 @@ MotionTerms<T> ControlledMotion::evaluate(std::span<const T> state, std::span<co
     const PlanarVector<T> middle = m.turned(planar<T>(cylinder.centre, p));
     const PlanarVector<T> lever{middle.x, middle.y - value_of<T>(cylinder.radius, p)};
     const PlanarVector<T> velocity = m.velocity + m.angular_velocity * crossed(lever);
-    const ContactForce<T> force = contact_force<T>(cylinder, damping_[c], p, T(m.origin.y + middle.y), T(-velocity.y), velocity.x,
-                                                   state[bristle(c)]);
+    const ContactForce<T> force = contact_force<T>(cylinder, damping_[c], p, T(m.origin.y + middle.y), T(-velocity.y),
+                                                   velocity.x, state[bristle(c)]);
     const T copies(model_.bodies[i].copies);
     const PlanarVector<T> on_body{copies * force.friction, copies * force.normal};
     loads[i].force = loads[i].force - on_body;

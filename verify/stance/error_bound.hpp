@@ -258,10 +258,10 @@ struct ErrorInequality {
   Eigen::VectorXd forcing;
 };
 
-/// With w the state's first components' rates a as unknowns, M(w) a + h(w) = 0 for a motion and the approximation w^ has
-/// a residual R = M(w^) w^' + h(w^): the error e = w - w^ obeys M(w) e_a' = -R - D e, with D the slopes of
-/// M(w) w^' + h(w) in w between the two (w^' is the same number on both sides). Slopes of Lipschitz functions lie in the
-/// hull of their one-sided derivatives: nothing else happens at events.
+/// With w the state's first components' rates a as unknowns, M(w) a + h(w) = 0 for a motion and the approximation w^
+/// has a residual R = M(w^) w^' + h(w^): the error e = w - w^ obeys M(w) e_a' = -R - D e, with D the slopes of M(w) w^'
+/// + h(w) in w between the two (w^' is the same number on both sides). Slopes of Lipschitz functions lie in the hull of
+/// their one-sided derivatives: nothing else happens at events.
 template <class System>
 [[nodiscard]] ErrorInequality error_inequality(const System& system, const MotionPolynomial& step,
                                                const ModalBasis& basis, const Eigen::VectorXd& within) {
@@ -279,7 +279,8 @@ template <class System>
   }
 
   const MotionPoint<DefectModel> at = motion_point<DefectModel>(system, step, {});
-  const auto terms = system.template evaluate<DefectModel>(at.state, at.acceleration, at.time, at.within, at.deviations);
+  const auto terms =
+      system.template evaluate<DefectModel>(at.state, at.acceleration, at.time, at.within, at.deviations);
   std::vector<DefectModel> defect = inverse_mass.times_small(terms.residual);
   for (std::size_t i = m; i < n; ++i)
     defect.push_back(component<DefectModel>(step, static_cast<Eigen::Index>(i), true) - terms.rates[i - m]);
@@ -296,15 +297,14 @@ template <class System>
   const Interval length = Interval(step.to) - Interval(step.from);
   Eigen::VectorXd guess = inflation * start.lengths.array() + least;
   for (int attempt = 0; attempt < most_inflations; ++attempt) {
-    const ErrorInequality inequality =
-        error_inequality(system, step, start.basis, components_of(start.basis, guess));
+    const ErrorInequality inequality = error_inequality(system, step, start.basis, components_of(start.basis, guess));
     const auto bound = upper_solution(inequality.rate, inequality.forcing, start.lengths, length);
     if (!bound) return std::nullopt;
     const Eigen::VectorXd tube = bound->start.cwiseMax(bound->end);
     // The error is continuous and starts within the guess: as long as it is there it is in the tube, which is smaller.
     if ((tube.array() < guess.array()).all())
-      return BoundedStep{{start.basis, bound->end}, components_of(start.basis, tube),
-                         components_of(start.basis, bound->end)};
+      return BoundedStep{
+          {start.basis, bound->end}, components_of(start.basis, tube), components_of(start.basis, bound->end)};
     guess = guess.cwiseMax(Eigen::VectorXd(inflation * tube.array() + least));
   }
   return std::nullopt;

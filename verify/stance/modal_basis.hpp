@@ -35,7 +35,8 @@ struct ModalBasis {
 [[nodiscard]] Eigen::VectorXd lengths_of(const ModalBasis& basis, const IntervalVector& components);
 
 /// From above: the lengths in another basis.
-[[nodiscard]] Eigen::VectorXd lengths_in(const ModalBasis& basis, const ModalBasis& old, const Eigen::VectorXd& lengths);
+[[nodiscard]] Eigen::VectorXd lengths_in(const ModalBasis& basis, const ModalBasis& old,
+                                         const Eigen::VectorXd& lengths);
 
 /// From above: the spectral norm of a matrix of at most 2 rows and columns, and its logarithmic norm if it is square.
 [[nodiscard]] double spectral_norm(const IntervalMatrix& matrix);

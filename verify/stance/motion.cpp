@@ -1,9 +1,10 @@
 /// The motion from the equilibrium on: approximate steps, each of which is then enclosed.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fmt/format.h>
 #include <verisq/error.hpp>
 #include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_motion.hpp>
@@ -95,7 +96,8 @@ class Simulation {
       at_.state[i] = 0.5 * x.lower() + 0.5 * x.upper();
       error[i] = x - Interval(at_.state[i]);
     }
-    const ModalBasis basis = modal_basis(approximate_derivatives(system_, at_.state, 0.0, 0.0).by_state, system_.tether());
+    const ModalBasis basis =
+        modal_basis(approximate_derivatives(system_, at_.state, 0.0, 0.0).by_state, system_.tether());
     bound_ = {basis, lengths_of(basis, error)};
     for (std::size_t j = 0; j < system_.joints(); ++j) {
       const Interval& position = start[system_.position(j)];
@@ -181,7 +183,8 @@ class Simulation {
       const ApproximateRates rates = approximate_derivatives(system_, state, time, within);
       Eigen::VectorXd sum = (basis.inverse * (step.state * slopes - rates.rates)).cwiseAbs();
       for (std::size_t k = 0; k < step.by_deviation.size(); ++k) {
-        const Eigen::VectorXd defect = step.by_deviation[k] * slopes - rates.by_state * (step.by_deviation[k] * powers) -
+        const Eigen::VectorXd defect = step.by_deviation[k] * slopes -
+                                       rates.by_state * (step.by_deviation[k] * powers) -
                                        rates.by_deviation.col(static_cast<Eigen::Index>(k));
         sum += (basis.inverse * defect).cwiseAbs();
       }
@@ -209,8 +212,7 @@ class Simulation {
       const ModalBasis::Block& row = basis.blocks[static_cast<std::size_t>(a)];
       for (Eigen::Index b = 0; b < basis.count(); ++b) {
         const ModalBasis::Block& column = basis.blocks[static_cast<std::size_t>(b)];
-        const IntervalMatrix part =
-            modal.block(row.first, column.first, row.size, column.size).cast<Interval>();
+        const IntervalMatrix part = modal.block(row.first, column.first, row.size, column.size).cast<Interval>();
         rates(a, b) = a == b ? logarithmic_norm(part) : spectral_norm(part);
       }
     }

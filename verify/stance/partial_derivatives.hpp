@@ -9,7 +9,8 @@
 
 namespace verisq::stance {
 
-/// M(state) a + ... = 0 for the rates a of the first `implicit()` components of the state, explicit rates of the others:
+/// M(state) a + ... = 0 for the rates a of the first `implicit()` components of the state, explicit rates of the
+/// others:
 ///   std::size_t size() const, implicit() const, deviations() const;
 ///   template <class T> auto evaluate(std::span<const T> state, std::span<const T> a, const T& time, double within,
 ///                                    std::span<const T> deviations) const;  // .residual, .rates

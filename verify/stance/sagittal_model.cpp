@@ -24,10 +24,12 @@ std::string common_name(const std::string& a, const std::string& b) {
 
 class Pairing {
  public:
-  Pairing(const Model& model, UncertainSet uncertain) : model_(model), uncertain_(uncertain), result_{model, {}, {}, {}} {}
+  Pairing(const Model& model, UncertainSet uncertain)
+      : model_(model), uncertain_(uncertain), result_{model, {}, {}, {}} {}
 
   [[nodiscard]] SagittalModel run() {
-    if (model_.bodies.empty() || model_.cylinders.empty()) refuse_motion("a model needs bodies and cylinders to stand on");
+    if (model_.bodies.empty() || model_.cylinders.empty())
+      refuse_motion("a model needs bodies and cylinders to stand on");
     place_.resize(model_.bodies.size());
     for (std::uint32_t i = 0; i < model_.bodies.size(); ++i) {
       if (!place_[i]) add_body(i);
@@ -145,9 +147,12 @@ class Pairing {
   [[nodiscard]] SagittalJoint joint_at(std::uint32_t body, std::size_t joint, double copies) const {
     const Controller controller = controller_of(body, joint);
     const Joint& of_model = model_.bodies[body].joints[joint];
-    return {model_.bodies[body].name + " " + of_model.name, of_model.position,
-            copies * controller.proportional,               copies * controller.integral,
-            copies * controller.derivative,                 {index_of(body, joint)}};
+    return {model_.bodies[body].name + " " + of_model.name,
+            of_model.position,
+            copies * controller.proportional,
+            copies * controller.integral,
+            copies * controller.derivative,
+            {index_of(body, joint)}};
   }
 
   void add_root(SagittalBody& root) {
@@ -187,7 +192,8 @@ class Pairing {
     const SagittalBody& body = result_.bodies[*place_[cylinder.body]];
     if (std::abs(cylinder.axis[2]) != 1.0 || cylinder.axis[0] != 0.0 || cylinder.axis[1] != 0.0 ||
         !is_certain(cylinder.centre[2], 0.0))
-      refuse_motion(fmt::format("the cylinder {} must lie along z with its middle in the plane of its body", cylinder.name));
+      refuse_motion(
+          fmt::format("the cylinder {} must lie along z with its middle in the plane of its body", cylinder.name));
     if (!(cylinder.bristle_stiffness > 0.0) || !(cylinder.bristle_damping > 0.0))
       refuse_motion(fmt::format("the cylinder {} needs bristle_stiffness and bristle_damping", cylinder.name));
     if (body.body != cylinder.body) {
@@ -218,8 +224,8 @@ class Pairing {
       if (other.body != cylinder.body && image == nullptr) image = &other;
     }
     if (image == nullptr || balance != 0)
-      refuse_motion(fmt::format("the cylinder {} has no mirror image: the same on the other side",
-                                model_.cylinders[index].name));
+      refuse_motion(
+          fmt::format("the cylinder {} has no mirror image: the same on the other side", model_.cylinders[index].name));
     return *image;
   }
 
@@ -231,8 +237,7 @@ class Pairing {
   }
 
   void check_applied() const {
-    if (!is_certain(model_.applied.force[2], 0.0))
-      refuse_motion("the applied force's z must be 0 and not uncertain");
+    if (!is_certain(model_.applied.force[2], 0.0)) refuse_motion("the applied force's z must be 0 and not uncertain");
   }
 
   const Model& model_;

@@ -21,10 +21,10 @@ struct SagittalJoint {
 
 /// One body in the plane of symmetry, or a pair beside it that moves alike and counts twice.
 struct SagittalBody {
-  std::uint32_t body;                      ///< of the model, the first of a pair
-  std::optional<std::size_t> parent;       ///< index in SagittalModel::bodies
-  double copies;                           ///< 1 or 2
-  std::optional<std::size_t> joint = {};   ///< that turns it, index in SagittalModel::joints
+  std::uint32_t body;                     ///< of the model, the first of a pair
+  std::optional<std::size_t> parent;      ///< index in SagittalModel::bodies
+  double copies;                          ///< 1 or 2
+  std::optional<std::size_t> joint = {};  ///< that turns it, index in SagittalModel::joints
 };
 
 struct SagittalContact {
@@ -43,8 +43,8 @@ struct SagittalModel {
 
 /// A motion that starts symmetric, at rest in all joints across the plane, stays so, by uniqueness: the mirror image of
 /// a solution is one. Each leg must lie in a plane of its own, or forces would turn it out of it. Throws Error(input)
-/// for a model, or a parameter of the uncertain set, that is not mirror-symmetric in this sense, and for joints that the
-/// plane does not have. The model must outlive the result.
+/// for a model, or a parameter of the uncertain set, that is not mirror-symmetric in this sense, and for joints that
+/// the plane does not have. The model must outlive the result.
 [[nodiscard]] SagittalModel sagittal_model(const Model& model, UncertainSet uncertain);
 
 }  // namespace verisq::stance

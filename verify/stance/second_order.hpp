@@ -1,5 +1,5 @@
-/// The terms of second order in the parameters' deviations of an approximate motion: what the residual of the first order
-/// leaves, integrated. Nothing here has to be right.
+/// The terms of second order in the parameters' deviations of an approximate motion: what the residual of the first
+/// order leaves, integrated. Nothing here has to be right.
 #pragma once
 
 #include "verify/stance/error_bound.hpp"
@@ -38,8 +38,8 @@ void add_second_order(const System& system, const RadauRule& rule, const Approxi
   Eigen::MatrixXd forcing(n * stages, static_cast<Eigen::Index>(pairs));
   for (Eigen::Index j = 0; j < stages; ++j) {
     const double t = rule.node(j);
-    const ApproximateRates at = approximate_derivatives(
-        system, Eigen::VectorXd(step.state * RadauRule::powers(t)), within + half * t, within);
+    const ApproximateRates at =
+        approximate_derivatives(system, Eigen::VectorXd(step.state * RadauRule::powers(t)), within + half * t, within);
     Eigen::MatrixXd terms(n, static_cast<Eigen::Index>(pairs));
     for (Eigen::Index k = 0; k < terms.cols(); ++k) {
       for (Eigen::Index i = 0; i < n; ++i) {

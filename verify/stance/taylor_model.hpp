@@ -28,8 +28,8 @@ class TaylorModel {
   static constexpr std::size_t orders = 3;  ///< in deviations: 0, 1, 2
 
   TaylorModel() : TaylorModel(Interval(0)) {}
-  TaylorModel(double constant) : TaylorModel(Interval(constant)) {}  // NOLINT(google-explicit-constructor): exact
-  TaylorModel(int constant) : TaylorModel(Interval(constant)) {}     // NOLINT(google-explicit-constructor): exact
+  TaylorModel(double constant) : TaylorModel(Interval(constant)) {}     // NOLINT(google-explicit-constructor): exact
+  TaylorModel(int constant) : TaylorModel(Interval(constant)) {}        // NOLINT(google-explicit-constructor): exact
   TaylorModel(const Interval& constant) { rows_[0][0][0] = constant; }  // NOLINT(google-explicit-constructor)
 
   /// Precondition: at most row_size coefficients; of the rest the remainder takes care.
@@ -67,18 +67,14 @@ class TaylorModel {
   }
 
   /// Adds numbers of at most this size.
-  void widen(double radius) {
-    remainder_ = upward(remainder_ + radius);
-  }
+  void widen(double radius) { remainder_ = upward(remainder_ + radius); }
 
   /// Coefficients of the powers of t by a product of `order` deviations: with pair_index for two.
   [[nodiscard]] const std::vector<Row>& rows(std::size_t order) const { return rows_[order]; }
   [[nodiscard]] const Interval& constant() const { return rows_[0][0][0]; }
 
   /// Contains all values.
-  [[nodiscard]] Interval range() const {
-    return constant() + symmetric(size_without_constant());
-  }
+  [[nodiscard]] Interval range() const { return constant() + symmetric(size_without_constant()); }
 
   /// From above, of the absolute values.
   [[nodiscard]] double size() const { return size_of(range()); }
@@ -120,18 +116,21 @@ class TaylorModel {
     const Interval c = a.constant();
     const Interval s0 = sin(c);
     const Interval c0 = cos(c);
-    return composed(a, {s0, c0, -s0, -c0}, [] { return 1.0; }, [&] { return sin(a.range()); });
+    return composed(
+        a, {s0, c0, -s0, -c0}, [] { return 1.0; }, [&] { return sin(a.range()); });
   }
   friend TaylorModel cos(const TaylorModel& a) {
     const Interval c = a.constant();
     const Interval s0 = sin(c);
     const Interval c0 = cos(c);
-    return composed(a, {c0, -s0, -c0, s0}, [] { return 1.0; }, [&] { return cos(a.range()); });
+    return composed(
+        a, {c0, -s0, -c0, s0}, [] { return 1.0; }, [&] { return cos(a.range()); });
   }
   friend TaylorModel exp(const TaylorModel& a) {
     const Interval e0 = exp(a.constant());
     const Interval whole = exp(a.range());
-    return composed(a, {e0, e0, e0, e0}, [&] { return size_of(whole); }, [&] { return whole; });
+    return composed(
+        a, {e0, e0, e0, e0}, [&] { return size_of(whole); }, [&] { return whole; });
   }
   friend TaylorModel log(const TaylorModel& a) { return TaylorModel::within(log(a.range())); }
   /// Of the part that is not negative.
@@ -309,8 +308,7 @@ class TaylorModel {
     double left_out = beyond(p[0], q[0]) + beyond(p[0], q[1]) + beyond(p[1], q[0]);
     left_out += beyond(p[0], q[2]) + beyond(p[1], q[1]) + beyond(p[2], q[0]);
     left_out += total(p[1]) * total(q[2]) + total(p[2]) * total(q[1]) + total(p[2]) * total(q[2]);
-    result.remainder_ =
-        upward(left_out + size_a * b.remainder_ + size_b * a.remainder_ + a.remainder_ * b.remainder_);
+    result.remainder_ = upward(left_out + size_a * b.remainder_ + size_b * a.remainder_ + a.remainder_ * b.remainder_);
     return result;
   }
 
