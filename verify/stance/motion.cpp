@@ -69,7 +69,7 @@ class Simulation {
     breaks_ = system_.breaks();
     std::erase_if(breaks_, [&](double time) { return time <= 0.0 || time >= options.duration; });
     breaks_.push_back(options.duration);
-    tolerance_ = system_.deviations() > 0 ? 1e-7 : 1e-9;
+    tolerance_ = system_.deviations() > 0 ? 1e-7 : 1e-11;
   }
 
   [[nodiscard]] Motion run() {
