@@ -22,11 +22,11 @@ void add_enclosures(std::string& row, const std::vector<Enclosure>& enclosures) 
   for (const Enclosure& e : enclosures) fmt::format_to(std::back_inserter(row), ",{},{}", e.lo, e.hi);
 }
 
-using Quantity = std::function<Enclosure(const MotionSlab&)>;
+using PlottedQuantity = std::function<Enclosure(const MotionSlab&)>;
 
 struct Panel {
   std::string title;
-  Quantity of;
+  PlottedQuantity of;
 };
 
 constexpr double width = 900.0;
