@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <verisq/error.hpp>
 #include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_motion.hpp>
@@ -23,11 +21,6 @@ Enclosure around(const Interval& a, double error) {
   const Interval wide = a + Interval(-error, error);
   return {wide.lower(), wide.upper()};
 }
-
-/// Where it starts, in a box.
-struct Start {
-  std::vector<Interval> state;
-};
 
 /// The equilibrium of the nominal parameters.
 std::vector<Interval> start_of(const ControlledMotion& system, double lift) {
@@ -115,7 +108,7 @@ class Simulation {
     if (to > next - nearly) to = next;
     try {
       if (attempt(to)) return;
-    } catch (const std::domain_error& error) {
+    } catch (const std::domain_error&) {  // a form that has no value there
       length_ = 0.25 * (to - at_.time);
     }
     if (length_ < shortest) result_.open = "the enclosure grows too fast to be followed";
@@ -155,10 +148,6 @@ class Simulation {
     at_ = end_of(*step);
     account_for_rounding(*step);
     length_ = std::min(factor * length, 0.02);
-    if (std::getenv("DEBUG_MOTION"))
-      std::fprintf(stderr, "t %.9f h %.3e est %.2e err %.3e  E %.3e len %.3e\n", to, length, error,
-                   bounded->end_errors.segment(7, 7).maxCoeff(), bounded->errors.segment(7, 7).maxCoeff(),
-                   bound_.lengths.maxCoeff());
     return true;
   }
 
