@@ -15,12 +15,16 @@
 #include "host/command_line/choice.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
+#include "host/command_line/number_list.hpp"
+#include "host/command_line/overwriting.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stance_summary.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/whole_number.hpp"
+#include "host/files/output_file.hpp"
+#include "host/stance/motion_table.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -34,15 +38,15 @@ constexpr const char* closing_words =
     "are rounded outward. The model's format: docs/stance.md.\n"
     "\n"
     "The wrench is that of gravity and the applied force alone, at rest; in the accelerations the body falls freely,\n"
-    "legs hanging. --bounce drops one cylinder alone, with nobody standing on it. In --equilibrium forces balance on\n"
-    "the cylinders, at rest: whether the body stays there or topples is what --stability says. Each result says below\n"
-    "it what acts in it, what does not, and which parameters have no effect on it.\n"
+    "legs hanging. In --equilibrium forces balance on the cylinders, at rest: whether the body stays there or topples\n"
+    "is what --stability says. In --simulate all of it acts, and the body moves in its sagittal plane. --bounce drops\n"
+    "one cylinder alone, with nobody standing on it. Each result says below it what acts in it, what does not, and\n"
+    "which parameters have no effect on it.\n"
     "\n"
-    "Exit status: 0 all is proven; 1 a sample escapes from an enclosure, which is a defect, or the program failed; 2 "
-    "bad\n"
-    "usage or input; 3 something stayed unproven (an infinite end), or not all of the box is proven to have an\n"
-    "equilibrium, or to be stable, or a cell of --report differs; 130 interrupted by Ctrl-C, with what was proven so "
-    "far.\n"
+    "Exit status: 0 all is proven; 1 a sample escapes from an enclosure, which is a defect, or the program failed;\n"
+    "2 bad usage or input; 3 something stayed unproven (an infinite end), or not all of the box is proven to have an\n"
+    "equilibrium, or to be stable, or the motion is open before its end, or a cell of --report differs; 130\n"
+    "interrupted by Ctrl-C, with what was proven so far.\n"
     "\n"
     "Examples:\n"
     "  verisq stance stance.xml --monte-carlo 1000000\n"
@@ -50,6 +54,7 @@ constexpr const char* closing_words =
     "  verisq stance stance.xml --accelerations --monte-carlo 100000\n"
     "  verisq stance standing.xml --uncertain mp,px --equilibrium held\n"
     "  verisq stance standing.xml --uncertain mp,px --within 1 --stability held\n"
+    "  verisq stance standing.xml --uncertain none --simulate 1 --push 50,0.05,0.2 --csv motion.csv --plot motion.svg\n"
     "  verisq stance stance.xml --report";
 
 constexpr double default_drop_height = 0.01;  // m
@@ -60,9 +65,17 @@ void check_usage(const StanceArguments& arguments) {
   if (arguments.cells && !arguments.accelerations && !arguments.equilibrium && !arguments.stability)
     refuse("--cells: give --accelerations, --equilibrium or --stability, too");
   if (arguments.drop_height && !arguments.bounce) refuse("--drop-height: give --bounce, too");
+  if (!arguments.simulate) {
+    if (arguments.lift) refuse("--lift: give --simulate, too");
+    if (arguments.push) refuse("--push: give --simulate, too");
+    if (!arguments.csv.empty()) refuse("--csv: give --simulate, too");
+    if (!arguments.plot.empty()) refuse("--plot: give --simulate, too");
+  }
+  refuse_to_overwrite("--csv", arguments.csv, {arguments.model});
+  refuse_to_overwrite("--plot", arguments.plot, {arguments.model, arguments.csv});
   const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
                      arguments.monte_carlo || arguments.bounce || arguments.equilibrium || arguments.stability ||
-                     arguments.within || !arguments.ranges.empty();
+                     arguments.within || arguments.simulate || !arguments.ranges.empty();
   if (arguments.report && other) refuse("--report: chooses parameters and mode itself; give --json at most");
 }
 
@@ -80,6 +93,20 @@ std::vector<std::string> split(const std::string& list) {
 std::vector<std::uint32_t> parse_uncertain(const std::string& list, const Model& model) {
   if (list == "none") return {};
   return list == "all" ? uncertain_parameters(model) : uncertain_parameters(model, split(list));
+}
+
+Push parse_push(std::string_view option, const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(option, text, "FORCE,START,DURATION");
+  if (numbers[1] < 0.0) refuse(fmt::format("{}: in {} the start is before 0", option, text));
+  if (!(numbers[2] > 0.0)) refuse(fmt::format("{}: in {} the duration is not above 0", option, text));
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+void write_file(const std::string& name, const std::string& text) {
+  if (name.empty()) return;
+  OutputFile file{name};
+  file.write(text);
+  file.finish();
 }
 
 [[noreturn]] void report_escape(const Model& model, const std::string& component, const Enclosure& claimed,
@@ -125,6 +152,7 @@ class Analysis {
       if (arguments_.accelerations) enclose_accelerations();
       if (arguments_.equilibrium) enclose_equilibrium();
       if (arguments_.stability) decide_stability();
+      if (arguments_.simulate) enclose_motion();
       if (summary_.drop) summary_.bounce = bounce(*summary_.drop, {.interrupted = interrupted});
     }
     summary_.seconds = time.seconds();
@@ -200,6 +228,18 @@ class Analysis {
     summary_.stability = stability(summary_.model, summary_.uncertain, options);
   }
 
+  void enclose_motion() {
+    summary_.motion_scope = motion_scope(summary_.model);
+    ProgressBar bar(!arguments_.no_progress, "%");
+    MotionOptions options{.duration = *arguments_.simulate, .lift = arguments_.lift.value_or(0.0)};
+    options.push = arguments_.push;
+    options.interrupted = interrupted;
+    options.progress = [&](double fraction) { bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction); };
+    summary_.motion = simulate(summary_.model, summary_.uncertain, options);
+    write_file(arguments_.csv, motion_table(*summary_.motion));
+    write_file(arguments_.plot, motion_picture(*summary_.motion));
+  }
+
   /// Nothing unless --monte-carlo asks for it.
   [[nodiscard]] std::optional<Samples> check(const Sampled& sampled, const std::vector<std::string>& names) const {
     if (!arguments_.monte_carlo) return std::nullopt;
@@ -236,7 +276,8 @@ bool all_proven(const StanceSummary& summary) {
   return (!summary.paper || summary.paper->all_explained()) && (!summary.wrench || finite(*summary.wrench)) &&
          std::ranges::all_of(summary.sensitivities, finite) && finite(summary.accelerations) &&
          (!summary.equilibrium || summary.equilibrium->stands == 1.0) &&
-         (!summary.stability || summary.stability->stable == 1.0) && (!summary.bounce || is_proven(*summary.bounce));
+         (!summary.stability || summary.stability->stable == 1.0) && (!summary.motion || summary.motion->proven) &&
+         (!summary.bounce || is_proven(*summary.bounce));
 }
 
 }  // namespace
@@ -261,6 +302,15 @@ void declare_stance(Options& options, StanceArguments& arguments) {
               "JOINTS",
               "Also whether small disturbances of that equilibrium die out: with the whole controllers acting (held),\n"
               "or without their integral parts (proportional)");
+  options.add("--simulate", arguments.simulate, parse_positive_length, "SECONDS",
+              "Also how the body moves in its sagittal plane, from its nominal equilibrium on, for so long");
+  options.add("--lift", arguments.lift, parse_length, "NUMBER",
+              "With --simulate: let it go so far above the equilibrium, in m");
+  options.add(
+      "--push", arguments.push, parse_push, "FORCE,START,DURATION",
+      "With --simulate: a force along x (N, s, s) on the reference point, FORCE sin^2(pi (t - START)/DURATION)");
+  options.add("--csv", arguments.csv, "FILE", "With --simulate: enclosures over time, as a table");
+  options.add("--plot", arguments.plot, "FILE", "With --simulate: the enclosures over time as a picture (SVG)");
   options.add_each("--range", arguments.ranges, parse_named_range, "NAME=LO,HI",
                    "A part of a parameter's range instead of the file's; may be repeated");
   options.add("--within", arguments.within, parse_positive_length, "PERCENT",

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 #include <verisq/stance_equilibrium.hpp>
+#include <verisq/stance_motion.hpp>
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/named_range.hpp"
@@ -25,6 +26,10 @@ struct StanceArguments {
   std::optional<stance::JointControl> equilibrium;
   std::optional<stance::JointControl> stability;
   std::optional<std::uint32_t> cells;
+  std::optional<double> simulate;  ///< in s
+  std::optional<double> lift;      ///< in m
+  std::optional<stance::Push> push;
+  std::string csv, plot;
   std::optional<std::uint64_t> monte_carlo;
   bool report = false;
   std::optional<std::string> bounce;

@@ -202,6 +202,26 @@ std::string stability_text(const StanceSummary& summary) {
   return text + scope_text(summary.stability_scope);
 }
 
+std::string motion_text(const StanceSummary& summary) {
+  const Motion& motion = *summary.motion;
+  std::string text = fmt::format("\nmotion in the sagittal plane, proven from 0 to {} s{}\n",
+                                 lower_digits(motion.reached), motion.proven ? "" : "; from there on OPEN");
+  if (!motion.open.empty()) text += fmt::format("  open: {}\n", motion.open);
+  text += fmt::format("  then{:<28}{:<34}{}\n", "", "position, m or rad", "velocity, m/s or rad/s");
+  for (std::size_t j = 0; j < motion.joints.size(); ++j)
+    text += fmt::format("  {:<32}{:<34}{}\n", motion.joints[j], outward_digits(motion.positions[j]),
+                        outward_digits(motion.velocities[j]));
+  for (std::size_t c = 0; c < motion.contacts.size(); ++c) {
+    Enclosure all = motion.slabs.empty() ? Enclosure{0.0, infinity} : motion.slabs.front().contacts[c].normal;
+    for (const MotionSlab& slab : motion.slabs) {
+      all.lo = std::min(all.lo, slab.contacts[c].normal.lo);
+      all.hi = std::max(all.hi, slab.contacts[c].normal.hi);
+    }
+    text += fmt::format("  force on each {:<18}N  within {} all the while\n", motion.contacts[c], outward_digits(all));
+  }
+  return text + scope_text(summary.motion_scope);
+}
+
 std::string reconstructed_text(const Cell& cell) {
   if (cell.reconstructed.empty()) return "";
   return fmt::format(" (reconstructed: {})", fmt::join(cell.reconstructed, ", "));
@@ -379,6 +399,23 @@ JsonObject json_of_equilibrium(const StanceSummary& summary) {
   return object;
 }
 
+JsonObject json_of_motion(const StanceSummary& summary) {
+  const Motion& motion = *summary.motion;
+  JsonObject positions;
+  JsonObject velocities;
+  for (std::size_t j = 0; j < motion.joints.size(); ++j) {
+    positions.set(motion.joints[j], motion.positions[j]);
+    velocities.set(motion.joints[j], motion.velocities[j]);
+  }
+  return {{"reached", motion.reached},
+          {"proven", motion.proven},
+          {"open", motion.open},
+          {"steps", static_cast<double>(motion.slabs.size())},
+          {"positions", positions},
+          {"velocities", velocities},
+          {"scope", json_of(summary.motion_scope)}};
+}
+
 JsonObject json_of(const PaperReport& report) {
   JsonValue::Array tables;
   for (const PaperTable& table : report.tables) {
@@ -445,6 +482,7 @@ std::string readable(const StanceSummary& summary) {
   if (!summary.accelerations.empty()) text += accelerations_text(summary);
   if (summary.equilibrium) text += equilibrium_text(summary);
   if (summary.stability) text += stability_text(summary);
+  if (summary.motion) text += motion_text(summary);
   if (summary.bounce) text += bounce_text(summary);
   text += "\n";
   for (const std::string& note : notes(summary.model)) text += fmt::format("note: {}\n", note);
@@ -473,6 +511,7 @@ std::string json(const StanceSummary& summary) {
   if (summary.acceleration_samples) object.set("acceleration_samples", summary.acceleration_samples->count);
   if (summary.equilibrium) object.set("equilibrium", json_of_equilibrium(summary));
   if (summary.stability) object.set("stability", json_of_stability(summary));
+  if (summary.motion) object.set("motion", json_of_motion(summary));
   if (summary.bounce)
     object.set("bounce", json_of(*summary.bounce, summary.dropped, *summary.drop, summary.bounce_scope));
   object.set("notes", notes(summary.model));

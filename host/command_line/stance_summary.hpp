@@ -8,6 +8,7 @@
 #include <verisq/stance_bounce.hpp>
 #include <verisq/stance_choice.hpp>
 #include <verisq/stance_equilibrium.hpp>
+#include <verisq/stance_motion.hpp>
 #include <verisq/stance_stability.hpp>
 
 #include "host/stance/stance_report.hpp"
@@ -36,6 +37,8 @@ struct StanceSummary {
   stance::JointControl stability_control = stance::JointControl::held;
   std::optional<stance::Stability> stability;
   stance::Scope stability_scope;
+  std::optional<stance::Motion> motion;
+  stance::Scope motion_scope;
   std::optional<stance::PaperReport> paper;
   std::string dropped;  ///< the cylinder that bounces
   std::optional<stance::Drop> drop;

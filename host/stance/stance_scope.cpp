@@ -123,6 +123,34 @@ Scope stability_scope(const Model& model, JointControl control) {
       std::move(acts), std::move(idle), without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
 }
 
+Scope motion_scope(const Model& model) {
+  Indices active;
+  const auto planar = [&](const QuantityVector& v) {
+    insert(active, v[0]);
+    insert(active, v[1]);
+  };
+  planar(model.applied.force);
+  insert(active, model.applied.frequency);
+  for (const Body& body : model.bodies) {
+    planar(body.offset);
+    insert(active, body.mass);
+    planar(body.centre_of_mass);
+    insert(active, body.inertia[2]);
+  }
+  for (const ContactCylinder& cylinder : model.cylinders) {
+    planar(cylinder.centre);
+    for (const Quantity* quantity :
+         {&cylinder.radius, &cylinder.stiffness, &cylinder.impact_velocity, &cylinder.normal_restitution,
+          &cylinder.static_friction, &cylinder.dynamic_friction})
+      insert(active, *quantity);
+  }
+  return {"the body moves in its sagittal plane, both legs alike, from its nominal equilibrium on",
+          {"gravity", "inertia", "contact with its damping", "friction with bristles", "controller", "applied force",
+           "push"},
+          {"motion out of the sagittal plane", "tangential restitution"},
+          without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
+}
+
 Scope bounce_scope(const Model& model, const ContactCylinder& cylinder) {
   const std::string& body = model.bodies[cylinder.body].name;
   Indices active;

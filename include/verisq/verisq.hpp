@@ -57,6 +57,7 @@
 #include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_file.hpp>
 #include <verisq/stance_model.hpp>
+#include <verisq/stance_motion.hpp>
 #include <verisq/stance_stability.hpp>
 #include <verisq/triangle_distance.hpp>
 #include <verisq/triangle_search.hpp>

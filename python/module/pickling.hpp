@@ -39,7 +39,7 @@ concept HasMembers = (member_count<T> != 0);
 template <HasMembers T>
 auto members(const T& value) {
   constexpr std::size_t count = member_count<T>;
-  static_assert(count <= 14);
+  static_assert(count <= 16);
   if constexpr (count == 1) {
     const auto& [a] = value;
     return std::tie(a);
@@ -79,9 +79,15 @@ auto members(const T& value) {
   } else if constexpr (count == 13) {
     const auto& [a, b, c, d, e, f, g, h, i, j, k, l, m] = value;
     return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m);
-  } else {
+  } else if constexpr (count == 14) {
     const auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n] = value;
     return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n);
+  } else if constexpr (count == 15) {
+    const auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o);
+  } else {
+    const auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p);
   }
 }
 

@@ -10,8 +10,11 @@
 
 namespace verisq::stance {
 
+/// Of scalars that know the hull of two branches.
 template <class T>
-concept PlainScalar = std::same_as<T, double> || std::same_as<T, Interval>;
+inline constexpr bool has_kinks = std::same_as<T, double> || std::same_as<T, Interval>;
+template <class T>
+concept PlainScalar = has_kinks<T>;
 
 /// Over intervals, `value` contains all values over a box of the variables, and `partial[k]` contains all partial
 /// derivatives over that box: at a kink the hull of the one-sided ones, so that mean-value forms hold. Operations throw

@@ -1,0 +1,198 @@
+/// Approximate motions and their derivatives by parameters, as polynomials step by step: collocation at Radau's points
+/// (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5). Nothing here has to be right: what it leaves
+/// is enclosed afterwards.
+#pragma once
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <optional>
+
+#include "verify/stance/partial_derivatives.hpp"
+
+namespace verisq::stance {
+
+/// The state, over one step, as a function of t in [-1, 1] and the deviations d in [-1, 1] of the parameters:
+/// sum of state.col(i) t^i, with by_deviation[k] times d_k and by_pair times d_k d_l likewise. Its numbers are exact.
+struct MotionPolynomial {
+  double from, to;  ///< s
+  Eigen::MatrixXd state;
+  std::vector<Eigen::MatrixXd> by_deviation;
+  std::vector<Eigen::MatrixXd> by_pair;  ///< k >= l, in the order (0, 0), (1, 0), (1, 1), (2, 0) and so on
+};
+
+/// Where a step starts.
+struct ApproximateState {
+  double time;
+  Eigen::VectorXd state;
+  Eigen::MatrixXd by_deviation;  ///< a column each
+  Eigen::MatrixXd by_pair;
+};
+
+/// Rates and their derivatives at one state, deviations 0.
+struct ApproximateRates {
+  Eigen::VectorXd rates;
+  Eigen::MatrixXd by_state, by_deviation;
+  Eigen::MatrixXd inverse_mass;
+};
+
+namespace collocation_details {
+
+inline MotionPoint<double> point(const Eigen::VectorXd& state, const Eigen::VectorXd& acceleration, double time,
+                                 double within, std::size_t deviations) {
+  return {{state.begin(), state.end()},
+          {acceleration.begin(), acceleration.end()},
+          time,
+          within,
+          std::vector<double>(deviations, 0.0)};
+}
+
+inline Eigen::MatrixXd matrix(const Columns<double>& columns, std::size_t rows) {
+  Eigen::MatrixXd result(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    for (std::size_t i = 0; i < rows; ++i)
+      result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = columns[j][i];
+  }
+  return result;
+}
+
+}  // namespace collocation_details
+
+/// The rates alone.
+template <class System>
+[[nodiscard]] Eigen::VectorXd approximate_rates(const System& system, const Eigen::VectorXd& state, double time,
+                                                double within) {
+  using namespace collocation_details;
+  const auto m = static_cast<Eigen::Index>(system.implicit());
+  const MotionPoint<double> at = point(state, Eigen::VectorXd::Zero(m), time, within, system.deviations());
+  const auto terms = system.template evaluate<double>(at.state, at.acceleration, time, within, at.deviations);
+  const Eigen::MatrixXd mass =
+      matrix(partial_derivatives(system, at, system.size(), system.size() + system.implicit()), system.implicit());
+  Eigen::VectorXd result(state.size());
+  result.head(m) = -mass.partialPivLu().solve(Eigen::Map<const Eigen::VectorXd>(terms.residual.data(), m));
+  result.tail(state.size() - m) = Eigen::Map<const Eigen::VectorXd>(terms.rates.data(), state.size() - m);
+  return result;
+}
+
+template <class System>
+[[nodiscard]] ApproximateRates approximate_derivatives(const System& system, const Eigen::VectorXd& state, double time,
+                                                       double within) {
+  using namespace collocation_details;
+  const auto n = static_cast<Eigen::Index>(system.size());
+  const auto m = static_cast<Eigen::Index>(system.implicit());
+  const auto deviations = static_cast<Eigen::Index>(system.deviations());
+  ApproximateRates result;
+  result.rates = approximate_rates(system, state, time, within);
+  const MotionPoint<double> at = point(state, Eigen::VectorXd(result.rates.head(m)), time, within, system.deviations());
+  const Eigen::MatrixXd all = matrix(
+      partial_derivatives(system, at, 0, system.size() + system.implicit() + system.deviations()), system.size());
+  const Eigen::PartialPivLU<Eigen::MatrixXd> mass(all.block(0, n, m, m));
+  const auto solved = [&](Eigen::Index first, Eigen::Index count) {
+    Eigen::MatrixXd columns = all.middleCols(first, count);
+    columns.topRows(m) = -mass.solve(Eigen::MatrixXd(columns.topRows(m)));
+    return columns;
+  };
+  result.inverse_mass = mass.inverse();
+  result.by_state = solved(0, n);
+  result.by_deviation = solved(n + m, deviations);
+  return result;
+}
+
+/// Five stages: order 9 at the ends of steps.
+class RadauRule {
+ public:
+  static constexpr Eigen::Index stages = 5;
+
+  RadauRule() {
+    // The zeros of P_4 - P_5, Legendre's polynomials, by Newton's method; the last point is the end of the step.
+    nodes_ << -0.8857916077709646, -0.4463139727237523, 0.1671808647378336, 0.7204802713124389, 1.0;
+    Eigen::MatrixXd vandermonde(stages, stages);
+    for (Eigen::Index j = 0; j < stages; ++j) {
+      for (Eigen::Index i = 0; i < stages; ++i) vandermonde(j, i) = std::pow(nodes_[j], static_cast<double>(i));
+    }
+    const Eigen::MatrixXd lagrange = vandermonde.inverse();  // column l: the coefficients of l_l
+    integrals_ = Eigen::MatrixXd::Zero(stages, stages + 1);
+    for (Eigen::Index l = 0; l < stages; ++l) {
+      for (Eigen::Index i = 0; i < stages; ++i) {
+        const double c = lagrange(i, l) / static_cast<double>(i + 1);
+        integrals_(l, i + 1) += c;
+        integrals_(l, 0) -= c * ((i + 1) % 2 == 0 ? 1.0 : -1.0);
+      }
+    }
+    weights_.resize(stages, stages);
+    for (Eigen::Index j = 0; j < stages; ++j) weights_.row(j) = (integrals_ * powers(nodes_[j])).transpose();
+  }
+
+  [[nodiscard]] double node(Eigen::Index j) const { return nodes_[j]; }
+  /// (j, l): the integral of l_l from -1 to node j.
+  [[nodiscard]] const Eigen::MatrixXd& weights() const { return weights_; }
+  /// Row l: the coefficients of the integral of l_l from -1.
+  [[nodiscard]] const Eigen::MatrixXd& integrals() const { return integrals_; }
+  [[nodiscard]] static Eigen::VectorXd powers(double t) {
+    Eigen::VectorXd result(stages + 1);
+    for (Eigen::Index i = 0; i <= stages; ++i) result[i] = std::pow(t, static_cast<double>(i));
+    return result;
+  }
+
+ private:
+  Eigen::Matrix<double, stages, 1> nodes_;
+  Eigen::MatrixXd integrals_, weights_;
+};
+
+/// Nothing where Newton's method does not converge.
+template <class System>
+[[nodiscard]] std::optional<MotionPolynomial> collocation_step(const System& system, const RadauRule& rule,
+                                                               const ApproximateState& start, double to,
+                                                               const Eigen::VectorXd& first_rates) {
+  constexpr int most_iterations = 12;
+  constexpr double converged = 1e-14;
+  constexpr Eigen::Index stages = RadauRule::stages;
+  const auto n = start.state.size();
+  const double half = 0.5 * (to - start.time);
+  const double within = 0.5 * (start.time + to);
+  Eigen::MatrixXd rates = first_rates.replicate(1, stages);
+  Eigen::MatrixXd newton(n * stages, n * stages);
+  Eigen::MatrixXd by_deviation(n * stages, start.by_deviation.cols());
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    Eigen::VectorXd missing(n * stages);
+    newton.setIdentity();
+    for (Eigen::Index j = 0; j < stages; ++j) {
+      const Eigen::VectorXd state = start.state + half * rates * rule.weights().row(j).transpose();
+      if (!state.allFinite()) return std::nullopt;
+      const double time = start.time + half * (rule.node(j) + 1.0);
+      const ApproximateRates at = approximate_derivatives(system, state, time, within);
+      missing.segment(n * j, n) = at.rates - rates.col(j);
+      for (Eigen::Index l = 0; l < stages; ++l)
+        newton.block(n * j, n * l, n, n) -= half * rule.weights()(j, l) * at.by_state;
+      by_deviation.middleRows(n * j, n) = at.by_state * start.by_deviation + at.by_deviation;
+    }
+    const Eigen::PartialPivLU<Eigen::MatrixXd> solver(newton);
+    const Eigen::VectorXd change = solver.solve(missing);
+    if (!change.allFinite()) return std::nullopt;
+    for (Eigen::Index j = 0; j < stages; ++j) rates.col(j) += change.segment(n * j, n);
+    const double size = half * change.lpNorm<Eigen::Infinity>();
+    if (size > converged * (1.0 + start.state.lpNorm<Eigen::Infinity>())) continue;
+
+    MotionPolynomial result{start.time, to, half * rates * rule.integrals(), {}, {}};
+    result.state.col(0) += start.state;
+    const Eigen::MatrixXd slopes = solver.solve(by_deviation);
+    for (Eigen::Index k = 0; k < slopes.cols(); ++k) {
+      const Eigen::MatrixXd of_stages = slopes.col(k).reshaped(n, stages);
+      result.by_deviation.emplace_back(half * of_stages * rule.integrals());
+      result.by_deviation.back().col(0) += start.by_deviation.col(k);
+    }
+    return result;
+  }
+  return std::nullopt;
+}
+
+/// At its end.
+[[nodiscard]] inline ApproximateState end_of(const MotionPolynomial& step) {
+  const auto sums = [&](const std::vector<Eigen::MatrixXd>& parts) {
+    Eigen::MatrixXd result(step.state.rows(), static_cast<Eigen::Index>(parts.size()));
+    for (std::size_t k = 0; k < parts.size(); ++k) result.col(static_cast<Eigen::Index>(k)) = parts[k].rowwise().sum();
+    return result;
+  };
+  return {step.to, step.state.rowwise().sum(), sums(step.by_deviation), sums(step.by_pair)};
+}
+
+}  // namespace verisq::stance

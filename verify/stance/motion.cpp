@@ -1,0 +1,281 @@
+/// The motion from the equilibrium on: approximate steps, each of which is then enclosed.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <verisq/error.hpp>
+#include <verisq/stance_equilibrium.hpp>
+#include <verisq/stance_motion.hpp>
+
+#include "verify/stance/controlled_motion.hpp"
+#include "verify/stance/second_order.hpp"
+
+namespace verisq::stance {
+namespace {
+
+double magnitude_of(const Enclosure& a) {
+  return std::fmax(std::fabs(a.lo), std::fabs(a.hi));
+}
+
+Enclosure around(const Interval& a, double error) {
+  const Interval wide = a + Interval(-error, error);
+  return {wide.lower(), wide.upper()};
+}
+
+/// The equilibrium of the nominal parameters.
+std::vector<Interval> start_of(const ControlledMotion& system, double lift) {
+  const SagittalModel& sagittal = system.model();
+  const Equilibrium nominal = equilibrium(sagittal.model, {}, {.control = JointControl::held});
+  if (!nominal.standing || nominal.stands != 1.0)
+    throw Error(ErrorKind::input, "simulation: the nominal model is not proven to stand, which is where it starts");
+  std::vector<Interval> state(system.size(), Interval(0));
+  for (std::size_t j = 0; j < system.joints(); ++j) {
+    const Enclosure& position = nominal.standing->positions[sagittal.joints[j].joints.front()];
+    state[system.position(j)] = Interval(position.lo, position.hi);
+  }
+  constexpr std::size_t upward = 1;
+  state[system.position(upward)] += Interval(lift);
+  for (std::size_t j = 3; j < system.joints(); ++j) {
+    const SagittalJoint& joint = sagittal.joints[j];
+    const Enclosure& torque = nominal.standing->torques[joint.joints.front()];
+    if (joint.integral == 0.0 && magnitude_of(torque) > 0.0)
+      throw Error(ErrorKind::input,
+                  fmt::format("simulation: {} has no integral control, which is to hold it at first", joint.name));
+  }
+  for (std::size_t i = 0; i < system.integrals().size(); ++i) {
+    const SagittalJoint& joint = sagittal.joints[system.integrals()[i]];
+    const Enclosure& torque = nominal.standing->torques[joint.joints.front()];
+    const Interval alike(static_cast<double>(joint.joints.size()));
+    state[system.integral(i)] = -(alike * Interval(torque.lo, torque.hi) / Interval(joint.integral));
+  }
+  return state;
+}
+
+class Simulation {
+ public:
+  Simulation(const Model& model, UncertainSet uncertain, const MotionOptions& options)
+      : options_(options),
+        sagittal_(sagittal_model(model, uncertain)),
+        system_(sagittal_, parameter_box(model, uncertain), options.push) {
+    for (const SagittalJoint& joint : sagittal_.joints) result_.joints.push_back(joint.name);
+    for (const SagittalContact& contact : sagittal_.contacts) result_.contacts.push_back(contact.name);
+    breaks_ = system_.breaks();
+    std::erase_if(breaks_, [&](double time) { return time <= 0.0 || time >= options.duration; });
+    breaks_.push_back(options.duration);
+    tolerance_ = system_.deviations() > 0 ? 1e-7 : 1e-11;
+  }
+
+  [[nodiscard]] Motion run() {
+    begin();
+    while (result_.reached < options_.duration && result_.open.empty() && !result_.interrupted) {
+      advance();
+      if (options_.progress) options_.progress(result_.reached / options_.duration);
+      result_.interrupted = options_.interrupted && options_.interrupted();
+    }
+    result_.proven = result_.reached == options_.duration;
+    return std::move(result_);
+  }
+
+ private:
+  void begin() {
+    const std::vector<Interval> start = start_of(system_, options_.lift);
+    const auto n = static_cast<Eigen::Index>(start.size());
+    const auto deviations = static_cast<Eigen::Index>(system_.deviations());
+    at_ = {0.0, Eigen::VectorXd(n), Eigen::MatrixXd::Zero(n, deviations),
+           Eigen::MatrixXd::Zero(n, deviations * (deviations + 1) / 2)};
+    IntervalVector error(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Interval& x = start[static_cast<std::size_t>(i)];
+      at_.state[i] = 0.5 * x.lower() + 0.5 * x.upper();
+      error[i] = x - Interval(at_.state[i]);
+    }
+    const ModalBasis basis =
+        modal_basis(approximate_derivatives(system_, at_.state, 0.0, 0.0).by_state, system_.tether());
+    bound_ = {basis, lengths_of(basis, error)};
+    for (std::size_t j = 0; j < system_.joints(); ++j) {
+      const Interval& position = start[system_.position(j)];
+      result_.positions.push_back({position.lower(), position.upper()});
+      result_.velocities.push_back({0.0, 0.0});
+    }
+  }
+
+  /// One step, or a shorter length to try, or the end.
+  void advance() {
+    constexpr double shortest = 1e-10;
+    constexpr double nearly = 1e-9;
+    double to = at_.time + length_;
+    const double next = *std::ranges::upper_bound(breaks_, at_.time);
+    if (to > next - nearly) to = next;
+    try {
+      if (attempt(to)) return;
+    } catch (const std::domain_error&) {  // a form that has no value there
+      length_ = 0.25 * (to - at_.time);
+    }
+    if (length_ < shortest) result_.open = "the enclosure grows too fast to be followed";
+  }
+
+  [[nodiscard]] bool attempt(double to) {
+    constexpr double short_step = 1e-5;
+    const double length = to - at_.time;
+    const double within = 0.5 * (at_.time + to);
+    auto step = collocation_step(system_, rule_, at_, to, approximate_rates(system_, at_.state, at_.time, within));
+    if (!step) {
+      length_ = 0.25 * length;
+      return false;
+    }
+    const Eigen::MatrixXd jacobian =
+        approximate_derivatives(system_, Eigen::VectorXd(step->state.col(0)), within, within).by_state;
+    const ModalBasis fresh = modal_basis(jacobian, system_.tether());
+    const double error = estimated_error(*step, fresh, jacobian) / (tolerance_ * length + 1e-3 * tolerance_);
+    const double factor = std::clamp(0.85 * std::pow(error, -1.0 / 6.0), 0.1, 4.0);
+    if (error > 1.0 && length > 1e-9) {
+      length_ = factor * length;
+      return false;
+    }
+    add_second_order(system_, rule_, at_, *step);
+    auto bounded = bounded_step(system_, *step, in_better_basis(fresh, jacobian, length));
+    if (!bounded && length < short_step) {
+      // Where it is open whether a contact closes or slips, the modes of either are none of the other's.
+      const ModalBasis plain = plain_basis(at_.state.size());
+      bounded = bounded_step(system_, *step, {plain, lengths_in(plain, bound_.basis, bound_.lengths)});
+    }
+    if (!bounded) {
+      length_ = 0.25 * length;
+      return false;
+    }
+    record(*step, *bounded);
+    bound_ = bounded->end;
+    at_ = end_of(*step);
+    account_for_rounding(*step);
+    length_ = std::min(factor * length, 0.02);
+    return true;
+  }
+
+  /// What one step adds to the error of positions: only a guess, which chooses the length of the step.
+  [[nodiscard]] double estimated_error(const MotionPolynomial& step, const ModalBasis& basis,
+                                       const Eigen::MatrixXd& jacobian) const {
+    const double half = 0.5 * (step.to - step.from);
+    const double within = step.from + half;
+    const Eigen::MatrixXd modal = basis.inverse * jacobian * basis.modes;
+    Eigen::VectorXd greatest = Eigen::VectorXd::Zero(jacobian.rows());
+    for (const double t : {-1.0, -0.75, -0.2, 0.45, 0.9}) {
+      const Eigen::VectorXd powers = RadauRule::powers(t);
+      Eigen::VectorXd slopes = Eigen::VectorXd::Zero(powers.size());
+      for (Eigen::Index i = 1; i < powers.size(); ++i) slopes[i] = static_cast<double>(i) * powers[i - 1] / half;
+      const Eigen::VectorXd state = step.state * powers;
+      const double time = within + half * t;
+      if (step.by_deviation.empty()) {
+        const Eigen::VectorXd defect = step.state * slopes - approximate_rates(system_, state, time, within);
+        greatest = greatest.cwiseMax(Eigen::VectorXd((basis.inverse * defect).cwiseAbs()));
+        continue;
+      }
+      const ApproximateRates rates = approximate_derivatives(system_, state, time, within);
+      Eigen::VectorXd sum = (basis.inverse * (step.state * slopes - rates.rates)).cwiseAbs();
+      for (std::size_t k = 0; k < step.by_deviation.size(); ++k) {
+        const Eigen::VectorXd defect = step.by_deviation[k] * slopes -
+                                       rates.by_state * (step.by_deviation[k] * powers) -
+                                       rates.by_deviation.col(static_cast<Eigen::Index>(k));
+        sum += (basis.inverse * defect).cwiseAbs();
+      }
+      greatest = greatest.cwiseMax(sum);
+    }
+    for (Eigen::Index i = 0; i < greatest.size(); ++i)
+      greatest[i] *= std::min(2.0 * half, 1.0 / (std::fabs(modal(i, i)) + 1e-300));
+    const auto joints = static_cast<Eigen::Index>(system_.joints());
+    return (basis.modes.cwiseAbs() * greatest).segment(joints, joints).maxCoeff();
+  }
+
+  /// Modes are kept as long as they serve: to change them costs a little each time.
+  [[nodiscard]] ErrorBound in_better_basis(const ModalBasis& fresh, const Eigen::MatrixXd& jacobian,
+                                           double length) const {
+    constexpr double worth = 0.02;  // of the error
+    if (length * (growth(bound_.basis, jacobian) - growth(fresh, jacobian)) <= worth) return bound_;
+    return {fresh, lengths_in(fresh, bound_.basis, bound_.lengths)};
+  }
+
+  /// The greatest rate of growth that the comparison system has at one point: of blocks of one, an estimate.
+  [[nodiscard]] static double growth(const ModalBasis& basis, const Eigen::MatrixXd& jacobian) {
+    const Eigen::MatrixXd modal = basis.inverse * jacobian * basis.modes;
+    Eigen::MatrixXd rates(basis.count(), basis.count());
+    for (Eigen::Index a = 0; a < basis.count(); ++a) {
+      const ModalBasis::Block& row = basis.blocks[static_cast<std::size_t>(a)];
+      for (Eigen::Index b = 0; b < basis.count(); ++b) {
+        const ModalBasis::Block& column = basis.blocks[static_cast<std::size_t>(b)];
+        const IntervalMatrix part = modal.block(row.first, column.first, row.size, column.size).cast<Interval>();
+        rates(a, b) = a == b ? logarithmic_norm(part) : spectral_norm(part);
+      }
+    }
+    return rates.eigenvalues().real().maxCoeff();
+  }
+
+  /// The next polynomial starts where the last one ends, but for rounding.
+  void account_for_rounding(const MotionPolynomial& step) {
+    IntervalVector jump(at_.state.size());
+    for (Eigen::Index i = 0; i < jump.size(); ++i) {
+      jump[i] = sum_of(step.state, i) - Interval(at_.state[i]);
+      const auto add = [&](const std::vector<Eigen::MatrixXd>& parts, const Eigen::MatrixXd& after) {
+        for (std::size_t k = 0; k < parts.size(); ++k) {
+          const double size = stance::magnitude(sum_of(parts[k], i) - Interval(after(i, static_cast<Eigen::Index>(k))));
+          jump[i] += Interval(-size, size);
+        }
+      };
+      add(step.by_deviation, at_.by_deviation);
+      add(step.by_pair, at_.by_pair);
+    }
+    const Eigen::VectorXd lengths = lengths_of(bound_.basis, jump);
+    for (Eigen::Index b = 0; b < lengths.size(); ++b)
+      bound_.lengths[b] = (Interval(bound_.lengths[b]) + Interval(lengths[b])).upper();
+  }
+
+  void record(const MotionPolynomial& step, const BoundedStep& bounded) {
+    const MotionPoint<DefectModel> tube = motion_point<DefectModel>(system_, step, bounded.errors);
+    const auto terms =
+        system_.evaluate<DefectModel>(tube.state, tube.acceleration, tube.time, tube.within, tube.deviations);
+    MotionSlab slab{step.from, step.to, {}, {}, {}};
+    const auto enclosure = [](const DefectModel& model) { return around(model.range(), 0.0); };
+    for (std::size_t j = 0; j < system_.joints(); ++j) {
+      slab.positions.push_back(enclosure(tube.state[system_.position(j)]));
+      slab.velocities.push_back(enclosure(tube.state[j]));
+      result_.positions[j] = at_end(step, bounded, system_.position(j));
+      result_.velocities[j] = at_end(step, bounded, j);
+    }
+    for (const ContactForce<DefectModel>& contact : terms.contacts)
+      slab.contacts.push_back({enclosure(contact.normal), enclosure(contact.friction)});
+    result_.slabs.push_back(std::move(slab));
+    result_.reached = step.to;
+  }
+
+  static Interval sum_of(const Eigen::MatrixXd& polynomial, Eigen::Index row) {
+    Interval sum(0);
+    for (const double c : polynomial.row(row)) sum += Interval(c);
+    return sum;
+  }
+
+  static Enclosure at_end(const MotionPolynomial& step, const BoundedStep& bounded, std::size_t component) {
+    const auto i = static_cast<Eigen::Index>(component);
+    Interval sum = sum_of(step.state, i);
+    for (const std::vector<Eigen::MatrixXd>* parts : {&step.by_deviation, &step.by_pair}) {
+      for (const Eigen::MatrixXd& part : *parts) sum += sum_of(part, i) * Interval(-1.0, 1.0);
+    }
+    return around(sum, bounded.end_errors[i]);
+  }
+
+  const MotionOptions& options_;
+  SagittalModel sagittal_;
+  ControlledMotion system_;
+  RadauRule rule_;
+  double tolerance_;
+  std::vector<double> breaks_;
+  double length_ = 1e-4;
+  ApproximateState at_;
+  ErrorBound bound_;
+  Motion result_;
+};
+
+}  // namespace
+
+Motion simulate(const Model& model, UncertainSet uncertain, const MotionOptions& options) {
+  return Simulation(model, uncertain, options).run();
+}
+
+}  // namespace verisq::stance
