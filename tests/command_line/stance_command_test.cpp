@@ -352,7 +352,8 @@ TEST_F(StanceCommand, TellsHowTheBodyStands) {
   EXPECT_EQ(readable.status, 0) << readable.err;
   EXPECT_THAT(readable.out, testing::HasSubstr("proven to have an equilibrium on all cylinders: 100 % of the box\n"));
   EXPECT_THAT(readable.out, testing::HasSubstr("does NOT act: friction, which carries nothing"));
-  EXPECT_THAT(readable.out, testing::HasSubstr("whether it stays there or topples is NOT said here (--stability does)"));
+  EXPECT_THAT(readable.out,
+              testing::HasSubstr("whether it stays there or topples is NOT said here (--stability does)"));
   Arguments as_json = arguments;
   as_json.push_back("--json");
   const Json json = Json::parse(stance(as_json).out)["equilibrium"];
