@@ -372,6 +372,31 @@ TEST_F(StanceCommand, DoesNotSucceedWhereNotAllOfTheBoxStands) {
   EXPECT_THAT(outcome.out, testing::HasSubstr("proven to have an equilibrium on all cylinders: 0 % of the box\n"));
 }
 
+TEST_F(StanceCommand, TellsWhetherTheBodyStaysThere) {
+  const Arguments arguments{VERISQ_EXAMPLES "/standing.xml", "--uncertain", "none", "--stability", "held"};
+  const Outcome readable = stance(arguments);
+  EXPECT_EQ(readable.status, 0) << readable.err;
+  EXPECT_THAT(readable.out, testing::HasSubstr("proven stable, small disturbances die out: 100 % of the box\n"));
+  EXPECT_THAT(readable.out, testing::HasSubstr("how large a disturbance may be: NOT said"));
+  Arguments as_json = arguments;
+  as_json.push_back("--json");
+  const Json json = Json::parse(stance(as_json).out)["stability"];
+  EXPECT_EQ(json["stable"], 1.0);
+  EXPECT_LT(json["growth"]["hi"], 0.0);
+  EXPECT_EQ(json["eigenvalues"].size(), 72U);
+  EXPECT_EQ(json["cells"][0]["verdict"], "stable");
+}
+
+// Feet too soft: it would topple from its equilibrium.
+TEST_F(StanceCommand, DoesNotSucceedWhereTheBodyTopples) {
+  const std::string soft =
+      with(VERISQ_EXAMPLES "/standing.xml", {{R"(lower="90000" upper="110000")", R"(lower="14000" upper="16000")"}});
+  const Outcome outcome = stance({soft, "--uncertain", "none", "--equilibrium", "held", "--stability", "held"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.out, testing::HasSubstr("proven to have an equilibrium on all cylinders: 100 % of the box\n"));
+  EXPECT_THAT(outcome.out, testing::HasSubstr("proven unstable, some grow however small they are: 100 % of the box"));
+}
+
 TEST_F(StanceCommand, RefusesBadUsage) {
   const std::string model = example();
   expect_refused(
@@ -381,7 +406,7 @@ TEST_F(StanceCommand, RefusesBadUsage) {
   expect_refused({model, "--uncertain", "mp,mp"}, "--uncertain: mp twice");
   expect_refused({model, "--mode", "loose"}, "--mode: loose is not one of paper, tight");
   expect_refused({model, "--monte-carlo", "0"}, "--monte-carlo: 0 is not at least 1");
-  expect_refused({model, "--cells", "8"}, "--cells: give --accelerations or --equilibrium, too");
+  expect_refused({model, "--cells", "8"}, "--cells: give --accelerations, --equilibrium or --stability, too");
   expect_refused({model, "--accelerations", "--cells", "0"}, "--cells: 0 is not in 1 to 4096");
   expect_refused({model, "--report", "--mode", "paper"},
                  "--report: chooses parameters and mode itself; give --json at most");

@@ -215,6 +215,15 @@ class Standing(unittest.TestCase):
         self.assertGreater(found.least_penetration.lo, 0.0)
         self.assertEqual(found.cells[0]["verdict"], "stands")
 
+    def test_small_disturbances_die_out(self):
+        model = verisq.StanceModel.load(EXAMPLES / "standing.xml")
+        found = model.stability(uncertain=[])
+        self.assertEqual((found.stable, found.unstable, found.open), (1.0, 0.0, 0.0))
+        self.assertLess(found.growth.hi, 0.0)
+        self.assertEqual(sum(each["count"] for each in found.eigenvalues), 72)
+        self.assertEqual(pickle.loads(pickle.dumps(found)).growth, found.growth)
+        self.assertEqual(model.stability("proportional", uncertain=[]).cells[0]["verdict"], "stable")
+
     def test_what_cannot_stand_is_refused(self):
         model = verisq.StanceModel.load(EXAMPLES / "stance.xml")
         with self.assertRaisesRegex(verisq.Error, "friction alone could hold"):
