@@ -25,6 +25,7 @@
 #include "host/command_line/whole_number.hpp"
 #include "host/files/output_file.hpp"
 #include "host/stance/motion_table.hpp"
+#include "host/stance/parameter_map.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -71,6 +72,9 @@ void check_usage(const StanceArguments& arguments) {
     if (!arguments.csv.empty()) refuse("--csv: give --simulate, too");
     if (!arguments.plot.empty()) refuse("--plot: give --simulate, too");
   }
+  if (!arguments.parameter_map.empty() && arguments.equilibrium.has_value() == arguments.stability.has_value())
+    refuse("--parameter-map: give either --equilibrium or --stability, too");
+  refuse_to_overwrite("--parameter-map", arguments.parameter_map, {arguments.model, arguments.csv, arguments.plot});
   refuse_to_overwrite("--csv", arguments.csv, {arguments.model});
   refuse_to_overwrite("--plot", arguments.plot, {arguments.model, arguments.csv});
   const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
@@ -134,6 +138,10 @@ class Analysis {
     summary_.uncertain = parse_uncertain(arguments.uncertain.value_or("all"), summary_.model);
     if (arguments.within)
       summary_.model = narrowed_within(std::move(summary_.model), summary_.uncertain, *arguments.within);
+    if (!arguments.parameter_map.empty() && summary_.uncertain.size() != 2) {
+      refuse(fmt::format("--parameter-map: is of two uncertain parameters, not of {}: name them by --uncertain",
+                         summary_.uncertain.size()));
+    }
     if (!arguments.bounce) return;
     const ContactCylinder& cylinder = cylinder_of(summary_.model, *arguments.bounce);
     summary_.dropped = cylinder.name;
@@ -152,6 +160,7 @@ class Analysis {
       if (arguments_.accelerations) enclose_accelerations();
       if (arguments_.equilibrium) enclose_equilibrium();
       if (arguments_.stability) decide_stability();
+      if (!arguments_.parameter_map.empty()) draw_parameter_map();
       if (arguments_.simulate) enclose_motion();
       if (summary_.drop) summary_.bounce = bounce(*summary_.drop, {.interrupted = interrupted});
     }
@@ -216,6 +225,14 @@ class Analysis {
     if (arguments_.cells) options.cells = *arguments_.cells;
     options.progress = [&](double fraction) { bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction); };
     summary_.equilibrium = equilibrium(summary_.model, summary_.uncertain, options);
+  }
+
+  void draw_parameter_map() const {
+    const Parameter& across = summary_.model.parameters[summary_.uncertain[0]];
+    const Parameter& upward = summary_.model.parameters[summary_.uncertain[1]];
+    write_file(arguments_.parameter_map, summary_.equilibrium
+                                             ? parameter_map(summary_.equilibrium->cells, {across, upward})
+                                             : parameter_map(summary_.stability->cells, {across, upward}));
   }
 
   void decide_stability() {
@@ -302,6 +319,8 @@ void declare_stance(Options& options, StanceArguments& arguments) {
               "JOINTS",
               "Also whether small disturbances of that equilibrium die out: with the whole controllers acting (held),\n"
               "or without their integral parts (proportional)");
+  options.add("--parameter-map", arguments.parameter_map, "FILE",
+              "With --equilibrium or --stability and two uncertain parameters: their cells as a picture (SVG)");
   options.add("--simulate", arguments.simulate, parse_positive_length, "SECONDS",
               "Also how the body moves in its sagittal plane, from its nominal equilibrium on, for so long");
   options.add("--lift", arguments.lift, parse_length, "NUMBER",

@@ -25,6 +25,7 @@ struct StanceArguments {
   bool accelerations = false;
   std::optional<stance::JointControl> equilibrium;
   std::optional<stance::JointControl> stability;
+  std::string parameter_map;  ///< file; or empty
   std::optional<std::uint32_t> cells;
   std::optional<double> simulate;  ///< in s
   std::optional<double> lift;      ///< in m

@@ -8,6 +8,8 @@
 #include <functional>
 #include <iterator>
 
+#include "host/stance/svg_text.hpp"
+
 namespace verisq::stance {
 namespace {
 
@@ -50,7 +52,7 @@ std::string panel_text(const Motion& motion, const Panel& panel, double top) {
   std::string text = fmt::format(
       "<text x=\"{:.1f}\" y=\"{:.1f}\" font-weight=\"bold\">{}</text>\n"
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" stroke=\"#999\"/>\n",
-      left, top - 6.0, panel.title, left, top, width - left, panel_height);
+      left, top - 6.0, svg_text(panel.title), left, top, width - left, panel_height);
   for (const double value : {lowest, highest}) {
     text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{:.4g}</text>\n", left - 6.0,
                         y(value) + 4.0, value);

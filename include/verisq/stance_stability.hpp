@@ -64,8 +64,9 @@ struct StabilityOptions {
 /// Of the equilibria of `equilibrium`: by the eigenvalues of the linearised motion of all joints, with masses, inertia,
 /// gravity, the cylinders' Hunt-Crossley forces, bristles that stick, and the controllers. The bristles hold the feet
 /// where they are: the same body may stand elsewhere on the level ground, too. How large a disturbance may be is not
-/// said. Throws Error(input) as `equilibrium`, and for cylinders without bristles or static friction or, with `held`,
-/// joints without an integral part, which nothing would hold.
+/// said. Throws Error(input) as `equilibrium`, and for a root that cannot move along each of x, y and z, an applied
+/// force that varies with time, cylinders without bristles or static friction and, with `held`, joints without an
+/// integral part, which nothing would hold.
 [[nodiscard]] Stability stability(const Model& model, UncertainSet uncertain, const StabilityOptions& options);
 
 }  // namespace verisq::stance

@@ -22,7 +22,7 @@ Whole surfaces and solids
 Implants
     fit; map_along, straight_path, removed_volume for their way in
 Stance
-    StanceModel
+    StanceModel, Equilibrium, Stability, Bounce
 Femurs
     detect_femur, femur_features
 Devices and errors

@@ -397,7 +397,40 @@ TEST_F(StanceCommand, DoesNotSucceedWhereTheBodyTopples) {
   EXPECT_THAT(outcome.out, testing::HasSubstr("proven unstable, some grow however small they are: 100 % of the box"));
 }
 
+TEST_F(StanceCommand, DrawsWhatIsProvenOverTwoParameters) {
+  const Outcome outcome = stance({VERISQ_EXAMPLES "/standing.xml", "--uncertain", "mp,px", "--within", "1",
+                                  "--equilibrium", "held", "--parameter-map", (folder_.path() / "map.svg").string()});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  std::ostringstream picture;
+  picture << std::ifstream(folder_.path() / "map.svg").rdbuf();
+  EXPECT_THAT(picture.str(), testing::StartsWith("<svg "));
+  EXPECT_THAT(picture.str(), testing::HasSubstr(">mp, kg</text>"));
+  EXPECT_THAT(picture.str(), testing::HasSubstr("proven: in equilibrium on all cylinders"));
+}
+
+TEST_F(StanceCommand, FollowsAMotion) {
+  const Outcome outcome = stance({VERISQ_EXAMPLES "/standing.xml", "--uncertain", "none", "--simulate", "0.1", "--push",
+                                  "50,0.02,0.05", "--csv", (folder_.path() / "motion.csv").string(), "--plot",
+                                  (folder_.path() / "motion.svg").string(), "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out)["motion"];
+  EXPECT_EQ(json["proven"], true);
+  std::ifstream table(folder_.path() / "motion.csv");
+  std::string header;
+  std::getline(table, header);
+  EXPECT_THAT(header, testing::StartsWith("from,to,pelvis_tx_position_lo,pelvis_tx_position_hi"));
+  std::ostringstream picture;
+  picture << std::ifstream(folder_.path() / "motion.svg").rdbuf();
+  EXPECT_THAT(picture.str(), testing::HasSubstr("0 to 0.1 s: proven enclosures</text>"));
+}
+
 TEST_F(StanceCommand, RefusesBadUsage) {
+  expect_refused({example(), "--uncertain", "mp,px", "--parameter-map", "map.svg"},
+                 "--parameter-map: give either --equilibrium or --stability, too");
+  expect_refused(
+      {VERISQ_EXAMPLES "/standing.xml", "--uncertain", "mp", "--stability", "held", "--parameter-map", "m.svg"},
+      "--parameter-map: is of two uncertain parameters, not of 1: name them by --uncertain");
+  expect_refused({example(), "--push", "50,0,1"}, "--push: give --simulate, too");
   const std::string model = example();
   expect_refused(
       {model, "--uncertain", "mp,xy"},

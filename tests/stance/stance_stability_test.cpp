@@ -263,6 +263,13 @@ TEST(StandingStability, RefusesWhatNothingHolds) {
   Model smooth = standing();
   smooth.cylinders[0].static_friction = {0.0, {0.0, 0.0}, std::nullopt};
   EXPECT_EQ(message(smooth), "stability: cylinder right hindfoot may have no static friction, and slides then");
+  Model guided = standing();  // on a rail: another mechanism than one that may go anywhere
+  std::erase_if(guided.bodies.front().joints, [](const Joint& joint) { return joint.name == "tx"; });
+  EXPECT_EQ(message(guided), "stability: the root needs one translation along each of x, y and z");
+  Model shaken = standing();
+  shaken.applied.frequency = {3.0, {3.0, 3.0}, std::nullopt};
+  shaken.applied.force[1] = {-300.0, {-300.0, -300.0}, std::nullopt};
+  EXPECT_THAT(message(shaken), testing::HasSubstr("the applied force has a frequency"));
   Model loose = standing();
   loose.controllers[3].integral = 0.0;
   EXPECT_THAT(message(loose), testing::HasSubstr("no controller with an integral part holds joint rz of right tibia"));

@@ -29,9 +29,10 @@ MidpointRadius::MidpointRadius(const IntervalMatrix& intervals)
   for (Eigen::Index i = 0; i < intervals.rows(); ++i) {
     for (Eigen::Index j = 0; j < intervals.cols(); ++j) {
       const Interval& a = intervals(i, j);
-      const double middle = 0.5 * a.lower() + 0.5 * a.upper();
+      const bool thin = a.lower() == a.upper();  // halves of the least numbers are rounded
+      const double middle = thin ? a.lower() : 0.5 * a.lower() + 0.5 * a.upper();
       midpoint(i, j) = middle;
-      radius(i, j) = a.lower() == a.upper() ? 0.0 : above(std::fmax(a.upper() - middle, middle - a.lower()));
+      radius(i, j) = thin ? 0.0 : above(std::fmax(a.upper() - middle, middle - a.lower()));
     }
   }
 }

@@ -2,9 +2,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
 #include <verisq/error.hpp>
 #include <verisq/stance_stability.hpp>
@@ -18,31 +21,59 @@ namespace {
 
 using verify::Interval;
 
-void check_stability(const Model& model, JointControl control, UncertainSet uncertain) {
-  const std::vector<Interval> parameters = parameter_box(model, uncertain);
-  for (const ContactCylinder& cylinder : model.cylinders) {
-    if (!(value_of<Interval>(cylinder.static_friction, parameters).lower() > 0.0)) {
-      throw Error(ErrorKind::input,
-                  fmt::format("stability: cylinder {} may have no static friction, and slides then", cylinder.name));
-    }
-    if (cylinder.bristle_stiffness > 0.0) continue;
-    throw Error(ErrorKind::input, fmt::format("stability: cylinder {} has no bristle_stiffness and bristle_damping, "
-                                              "and nothing keeps it from sliding",
-                                              cylinder.name));
+[[noreturn]] void refuse_stability(const std::string& reason) {
+  throw Error(ErrorKind::input, "stability: " + reason);
+}
+
+/// The root's rotations are taken about the reference point instead of its origin: the same motions only where it may
+/// move every way.
+void check_root(const Body& root) {
+  std::array<int, 3> translations{};
+  for (const Joint& joint : root.joints) {
+    if (joint.kind == JointKind::translation) ++translations[joint.axis];
   }
-  if (control != JointControl::held) return;
+  if (translations != std::array{1, 1, 1}) refuse_stability("the root needs one translation along each of x, y and z");
+}
+
+/// What varies with time leaves nothing at rest.
+void check_applied_force(const AppliedForce& applied) {
+  const auto is_zero = [](const Quantity& quantity) { return quantity.range == Enclosure{0.0, 0.0}; };
+  if (!is_zero(applied.frequency) && !std::ranges::all_of(applied.force, is_zero))
+    refuse_stability("the applied force has a frequency, and nothing is at rest under it: it must be 0");
+}
+
+void check_cylinders(const Model& model, std::span<const Interval> parameters) {
+  for (const ContactCylinder& cylinder : model.cylinders) {
+    if (!(value_of<Interval>(cylinder.static_friction, parameters).lower() > 0.0))
+      refuse_stability(fmt::format("cylinder {} may have no static friction, and slides then", cylinder.name));
+    if (!(cylinder.bristle_stiffness > 0.0)) {
+      refuse_stability(
+          fmt::format("cylinder {} has no bristle_stiffness and bristle_damping, and nothing keeps it from sliding",
+                      cylinder.name));
+    }
+  }
+}
+
+void check_integral_parts(const Model& model) {
   std::vector<bool> holds(model.degrees_of_freedom(), false);
   for (const Controller& controller : model.controllers)
     holds[joint_index(model, controller.body, controller.joint)] = controller.integral > 0.0;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     for (std::size_t j = 0; j < model.bodies[i].joints.size(); ++j) {
       if (holds[joint_index(model, i, j)]) continue;
-      throw Error(ErrorKind::input,
-                  fmt::format("stability: no controller with an integral part holds joint {} of {} where the file has "
-                              "it; its equilibrium is that of --equilibrium proportional",
-                              model.bodies[i].joints[j].name, model.bodies[i].name));
+      refuse_stability(
+          fmt::format("no controller with an integral part holds joint {} of {} where the file has it; its "
+                      "equilibrium is that of proportional joints",
+                      model.bodies[i].joints[j].name, model.bodies[i].name));
     }
   }
+}
+
+void check_stability(const Model& model, JointControl control, UncertainSet uncertain) {
+  check_root(model.bodies.front());
+  check_applied_force(model.applied);
+  check_cylinders(model, parameter_box(model, uncertain));
+  if (control == JointControl::held) check_integral_parts(model);
 }
 
 struct Part : BoxPart {
