@@ -13,11 +13,13 @@
 #include <verisq/stance_file.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
+#include "verify/stance/taylor_model.hpp"
 
 namespace verisq::stance {
 namespace {
 
 using Plane = Eigen::Vector2d;
+using verify::Interval;
 
 Model standing_model() {
   return read_model(VERISQ_EXAMPLES "/standing.xml");
@@ -252,6 +254,23 @@ double widest(const std::vector<Enclosure>& enclosures) {
   return width;
 }
 
+/// What a model keeps of one kind of terms, at a time; all of its coefficients are narrow.
+double kept(const TaylorModel<1>& model, std::size_t order, std::size_t k, double t) {
+  if (k >= model.rows(order).size()) return 0.0;
+  const TaylorModel<1>::Row& row = model.rows(order)[k];
+  return row[0].lower() + t * row[1].lower();
+}
+
+/// And what it leaves out.
+double remainder_of(const TaylorModel<1>& model) {
+  double kept = 0.0;
+  for (std::size_t order = 0; order < TaylorModel<1>::orders; ++order) {
+    for (const TaylorModel<1>::Row& row : model.rows(order))
+      kept += std::fabs(row[0].lower()) + std::fabs(row[1].lower());
+  }
+  return 0.5 * (model.range().upper() - model.range().lower()) + std::fabs(model.constant().lower()) - kept;
+}
+
 /// Of the ordinary integration.
 constexpr double accuracy_of_runs = 1e-10;
 
@@ -289,7 +308,7 @@ TEST(StanceMotion, BodyLetGoAboveItsEquilibriumIsFollowed) {
 TEST(StanceMotion, UncertainParametersGiveTubesThatContainRuns) {
   Model model = standing_model();
   const std::vector<std::uint32_t> uncertain = four_of(model);
-  model = narrowed_within(std::move(model), uncertain, 0.25);
+  model = narrowed_within(std::move(model), uncertain, 1.0);
   const MotionOptions options{.duration = 0.05};
   const Motion motion = simulate(model, uncertain, options);
   ASSERT_TRUE(motion.proven) << motion.open;
@@ -306,6 +325,34 @@ TEST(StanceMotion, UncertainParametersGiveTubesThatContainRuns) {
     }
     expect_contained(model, parameters, options, motion, accuracy_of_runs);
   }
+}
+
+/// Every kind of term that the model keeps or leaves out, at corners and between.
+TEST(StanceMotion, TaylorModelsContainProductsOfErrors) {
+  using Model = TaylorModel<1>;
+  Model x = Model::of_time({Interval(2.0), Interval(0.25)});
+  x.add_row(1, 0, {Interval(0.5), Interval(-0.125)});
+  x.add_row(Model::of_errors, 0, {Interval(0.25)});
+  Model y = Model::of_time({Interval(-1.0), Interval(0.5)});
+  y.add_row(2, 0, {Interval(0.125)});
+  y.add_row(Model::of_errors, 1, {Interval(-0.5), Interval(0.25)});
+  const Model z = x * y - sin(x) + reciprocal(x);
+  for (const double t : {-1.0, 0.3, 1.0}) {
+    for (const double d : {-1.0, 0.6, 1.0}) {
+      for (const double a : {-1.0, 0.2, 1.0}) {
+        for (const double b : {-1.0, -0.7, 1.0}) {
+          const double u = 2.0 + 0.25 * t + (0.5 - 0.125 * t) * d + 0.25 * a;
+          const double v = -1.0 + 0.5 * t + 0.125 * d * d + (-0.5 + 0.25 * t) * b;
+          const double left_out = u * v - std::sin(u) + 1.0 / u -
+                                  (kept(z, 0, 0, t) + kept(z, 1, 0, t) * d + kept(z, 2, 0, t) * d * d +
+                                   kept(z, Model::of_errors, 0, t) * a + kept(z, Model::of_errors, 1, t) * b);
+          EXPECT_LE(std::fabs(left_out), remainder_of(z) + 1e-12) << t << ' ' << d << ' ' << a << ' ' << b;
+        }
+      }
+    }
+  }
+  // What both depend on in the same way cancels.
+  EXPECT_LE(Model(x - x).size(), 1e-12);
 }
 
 TEST(StanceMotion, WhereTheTubeGrowsTheAnswerEndsOpen) {

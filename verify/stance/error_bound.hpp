@@ -77,6 +77,29 @@ template <class Model, class System>
 
 namespace error_details {
 
+/// What is about the approximation: state i differs by the sum of shares(i, k) times the k-th error, from `first` on.
+inline void add_errors(MotionPoint<SlopeModel>& at, const IntervalMatrix& shares, std::size_t first) {
+  for (Eigen::Index i = 0; i < shares.rows(); ++i) {
+    SlopeModel& component = at.state[static_cast<std::size_t>(i)];
+    for (Eigen::Index k = 0; k < shares.cols(); ++k) {
+      if (!is_zero(shares(i, k)))
+        component.add_row(SlopeModel::of_errors, first + static_cast<std::size_t>(k), {shares(i, k)});
+    }
+  }
+}
+
+/// e = T y for |y_B| <= lengths, as T times these: the errors' first factor.
+[[nodiscard]] inline IntervalMatrix modal_shares(const ModalBasis& basis, const Eigen::VectorXd& lengths) {
+  IntervalMatrix result = basis.modes.cast<Interval>();
+  for (Eigen::Index b = 0; b < basis.count(); ++b) {
+    const ModalBasis::Block& block = basis.blocks[static_cast<std::size_t>(b)];
+    for (Eigen::Index k = block.first; k < block.first + block.size; ++k) {
+      for (Eigen::Index i = 0; i < result.rows(); ++i) result(i, k) *= Interval(lengths[b]);
+    }
+  }
+  return result;
+}
+
 template <class Model>
 [[nodiscard]] Model row_product(const Eigen::MatrixXd& matrix, Eigen::Index row, const std::vector<Model>& v) {
   Model sum;
@@ -251,8 +274,7 @@ class InverseMass {
 
 }  // namespace error_details
 
-/// The differential inequality of one step: |y_i|' <= sum of rate_ij |y_j| + forcing_i, as long as the error of each
-/// component is at most that of `within`.
+/// The differential inequality of one step: |y_i|' <= sum of rate_ij |y_j| + forcing_i, as long as |y_i| <= within_i.
 struct ErrorInequality {
   Eigen::MatrixXd rate;
   Eigen::VectorXd forcing;
@@ -260,18 +282,28 @@ struct ErrorInequality {
 
 /// With w the state's first components' rates a as unknowns, M(w) a + h(w) = 0 for a motion and the approximation w^
 /// has a residual R = M(w^) w^' + h(w^): the error e = w - w^ obeys M(w) e_a' = -R - D e, with D the slopes of M(w) w^'
-/// + h(w) in w between the two (w^' is the same number on both sides). Slopes of Lipschitz functions lie in the hull of
-/// their one-sided derivatives: nothing else happens at events.
+/// + h(w) in w between the two (w^' is the same number on both sides). D is the mean over the points w^ + s e, 0 < s <
+/// 1, of one-sided derivatives, which at almost each of them are those of the branches that hold there: nothing else
+/// happens at events. All of D at such a point depends on the same s e, and so cancels; M is taken elsewhere, at w, and
+/// depends on errors of its own, those of the components, which the state's other components need not have.
 template <class System>
 [[nodiscard]] ErrorInequality error_inequality(const System& system, const MotionPolynomial& step,
                                                const ModalBasis& basis, const Eigen::VectorXd& within) {
   using namespace error_details;
+  const Eigen::VectorXd components = components_of(basis, within);
   const std::size_t n = system.size();
   const std::size_t m = system.implicit();
-  const MotionPoint<SlopeModel> tube = motion_point<SlopeModel>(system, step, within);
-  Columns<SlopeModel> slopes = partial_derivatives(system, tube, 0, n + m);
-  const InverseMass inverse_mass(Columns<SlopeModel>(slopes.begin() + static_cast<std::ptrdiff_t>(n), slopes.end()));
-  slopes.resize(n);
+  // Without deviations errors are tiny but at events, where what is open is more than they are: following them costs.
+  const bool follows_errors = system.deviations() > 0;
+  MotionPoint<SlopeModel> between =
+      motion_point<SlopeModel>(system, step, follows_errors ? Eigen::VectorXd() : components);
+  MotionPoint<SlopeModel> moved = between;
+  if (follows_errors) {
+    add_errors(between, modal_shares(basis, within), 0);
+    add_errors(moved, IntervalMatrix(components.cast<Interval>().asDiagonal()), n);
+  }
+  const InverseMass inverse_mass(partial_derivatives(system, moved, n, n + m));
+  Columns<SlopeModel> slopes = partial_derivatives(system, between, 0, n);
   for (std::vector<SlopeModel>& column : slopes) {
     const std::vector<SlopeModel> accelerations =
         inverse_mass.times(std::vector<SlopeModel>(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(m)));
@@ -297,7 +329,7 @@ template <class System>
   const Interval length = Interval(step.to) - Interval(step.from);
   Eigen::VectorXd guess = inflation * start.lengths.array() + least;
   for (int attempt = 0; attempt < most_inflations; ++attempt) {
-    const ErrorInequality inequality = error_inequality(system, step, start.basis, components_of(start.basis, guess));
+    const ErrorInequality inequality = error_inequality(system, step, start.basis, guess);
     const auto bound = upper_solution(inequality.rate, inequality.forcing, start.lengths, length);
     if (!bound) return std::nullopt;
     const Eigen::VectorXd tube = bound->start.cwiseMax(bound->end);

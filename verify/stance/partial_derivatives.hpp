@@ -33,7 +33,7 @@ using Columns = std::vector<std::vector<T>>;
 template <class T, class System>
 [[nodiscard]] Columns<T> partial_derivatives(const System& system, const MotionPoint<T>& at, std::size_t first,
                                              std::size_t last) {
-  constexpr std::size_t at_once = 9;
+  constexpr std::size_t at_once = 10;
   using Variable = Dual<T, at_once>;
   Columns<T> columns;
   for (std::size_t begin = first; begin < last; begin += at_once) {

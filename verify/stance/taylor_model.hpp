@@ -12,12 +12,14 @@
 
 namespace verisq::stance {
 
-/// All functions f of (t, d) in [-1, 1]^(1 + n) with
+/// All functions f of (t, d, e) in [-1, 1]^(1 + n + m) with
 ///
-///     |f(t, d) - sum over i of t^i (c_i + sum over k of c_ki d_k + sum over l <= k of c_kli d_k d_l)| <= remainder
+///     |f(t, d, e) - sum over i of t^i (c_i + sum over k of c_ki d_k + sum over l <= k of c_kli d_k d_l
+///                                          + sum over k of b_ki e_k)| <= remainder
 ///
-/// for some numbers within the coefficients. Degrees: at most `Degree` in t, at most 2 in d; what an operation has of
-/// higher ones goes to the remainder. So dependence on parameters of first and second order cancels as numbers do.
+/// for some numbers within the coefficients. Degrees: at most `Degree` in t, at most 2 in the deviations d of
+/// parameters, 1 in the errors e, with no product of the two; what an operation has of others goes to the remainder. So
+/// dependence on parameters of first and second order cancels as numbers do, and on errors of first order.
 ///
 /// Where it is open which branch of a piecewise function holds, the result is the hull of both.
 template <std::size_t Degree>
@@ -25,7 +27,9 @@ class TaylorModel {
  public:
   static constexpr std::size_t row_size = Degree + 1;
   using Row = std::array<Interval, row_size>;
-  static constexpr std::size_t orders = 3;  ///< in deviations: 0, 1, 2
+  /// The kinds of terms: of order 0, 1 and 2 in deviations, and of order 1 in errors.
+  static constexpr std::size_t orders = 4;
+  static constexpr std::size_t of_errors = 3;
 
   TaylorModel() : TaylorModel(Interval(0)) {}
   TaylorModel(double constant) : TaylorModel(Interval(constant)) {}     // NOLINT(google-explicit-constructor): exact
@@ -51,8 +55,8 @@ class TaylorModel {
     return k < l ? pair_index(l, k) : k * (k + 1) / 2 + l;
   }
 
-  /// Adds sum of coefficients[i] t^i, times the k-th product of `order` deviations. Terms beyond the degree go to the
-  /// remainder.
+  /// Adds sum of coefficients[i] t^i, times the k-th product of `order` deviations, or the k-th error. Terms beyond the
+  /// degree go to the remainder.
   void add_row(std::size_t order, std::size_t k, const std::vector<Interval>& coefficients) {
     std::vector<Row>& rows = rows_[order];
     while (rows.size() <= k) rows.emplace_back(zero_row());
@@ -69,7 +73,7 @@ class TaylorModel {
   /// Adds numbers of at most this size.
   void widen(double radius) { remainder_ = upward(remainder_ + radius); }
 
-  /// Coefficients of the powers of t by a product of `order` deviations: with pair_index for two.
+  /// Coefficients of the powers of t by a product of `order` deviations, with pair_index for two, or by errors.
   [[nodiscard]] const std::vector<Row>& rows(std::size_t order) const { return rows_[order]; }
   [[nodiscard]] const Interval& constant() const { return rows_[0][0][0]; }
 
@@ -243,7 +247,7 @@ class TaylorModel {
 
   using Sizes = std::array<double, row_size>;
 
-  /// Of the coefficients of the powers of t, by the order in deviations.
+  /// Of the coefficients of the powers of t, by the kind of term.
   [[nodiscard]] std::array<Sizes, orders> sizes() const {
     std::array<Sizes, orders> result{};
     for (std::size_t order = 0; order < orders; ++order) {
@@ -300,14 +304,20 @@ class TaylorModel {
         add_product(pairs[index], a.rows_[1][k], b.rows_[1][l]);
       }
     }
-    // Bounded upward: |t|, |d_k| <= 1.
+    // Bounded upward: |t|, |d_k|, |e_k| <= 1.
     const std::array<Sizes, orders> p = a.sizes();
     const std::array<Sizes, orders> q = b.sizes();
-    const double size_a = total(p[0]) + total(p[1]) + total(p[2]);
-    const double size_b = total(q[0]) + total(q[1]) + total(q[2]);
+    const double deviations_a = total(p[1]) + total(p[2]);
+    const double deviations_b = total(q[1]) + total(q[2]);
+    const double errors_a = total(p[of_errors]);
+    const double errors_b = total(q[of_errors]);
+    const double size_a = total(p[0]) + deviations_a + errors_a;
+    const double size_b = total(q[0]) + deviations_b + errors_b;
     double left_out = beyond(p[0], q[0]) + beyond(p[0], q[1]) + beyond(p[1], q[0]);
     left_out += beyond(p[0], q[2]) + beyond(p[1], q[1]) + beyond(p[2], q[0]);
     left_out += total(p[1]) * total(q[2]) + total(p[2]) * total(q[1]) + total(p[2]) * total(q[2]);
+    left_out += beyond(p[0], q[of_errors]) + beyond(p[of_errors], q[0]);
+    left_out += errors_a * (deviations_b + errors_b) + deviations_a * errors_b;
     result.remainder_ = upward(left_out + size_a * b.remainder_ + size_b * a.remainder_ + a.remainder_ * b.remainder_);
     return result;
   }
@@ -358,7 +368,7 @@ class TaylorModel {
     return sum;
   }
 
-  std::array<std::vector<Row>, orders> rows_ = {std::vector<Row>{zero_row()}, {}, {}};
+  std::array<std::vector<Row>, orders> rows_ = {std::vector<Row>{zero_row()}, {}, {}, {}};
   double remainder_ = 0.0;
   bool constant_ = true;  ///< but for constant() all is 0: fewer operations
 };
