@@ -21,7 +21,6 @@ struct MotionOptions {
   double duration;    ///< s, above 0
   double lift = 0.0;  ///< m: how far above its equilibrium the body is let go
   std::optional<Push> push = {};
-  double widest = 1.0;  ///< m or rad: the answer ends where a position is not enclosed more tightly
   std::function<bool()> interrupted = {};
   std::function<void(double fraction)> progress = {};
 };

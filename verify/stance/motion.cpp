@@ -62,6 +62,12 @@ class Simulation {
     breaks_ = system_.breaks();
     std::erase_if(breaks_, [&](double time) { return time <= 0.0 || time >= options.duration; });
     breaks_.push_back(options.duration);
+    // Roundings of Taylor models' sizes are bounded for so many.
+    constexpr std::size_t most_deviations = 32;
+    if (system_.deviations() > most_deviations) {
+      throw Error(ErrorKind::input, fmt::format("simulation: {} uncertain parameters act, at most {} may",
+                                                system_.deviations(), most_deviations));
+    }
     tolerance_ = system_.deviations() > 0 ? 1e-7 : 1e-11;
   }
 
@@ -133,20 +139,20 @@ class Simulation {
       return false;
     }
     add_second_order(system_, rule_, at_, *step);
-    auto bounded = bounded_step(system_, *step, in_better_basis(fresh, jacobian, length));
+    const IntervalVector jump = missed(*step, -1.0);
+    auto bounded = bounded_step(system_, *step, widened(in_better_basis(fresh, jacobian, length), jump));
     if (!bounded && length < short_step) {
       // Where it is open whether a contact closes or slips, the modes of either are none of the other's.
       const ModalBasis plain = plain_basis(at_.state.size());
-      bounded = bounded_step(system_, *step, {plain, lengths_in(plain, bound_.basis, bound_.lengths)});
+      bounded = bounded_step(system_, *step, widened({plain, lengths_in(plain, bound_.basis, bound_.lengths)}, jump));
     }
     if (!bounded) {
       length_ = 0.25 * length;
       return false;
     }
     record(*step, *bounded);
-    bound_ = bounded->end;
     at_ = end_of(*step);
-    account_for_rounding(*step);
+    bound_ = widened(bounded->end, missed(*step, 1.0));
     length_ = std::min(factor * length, 0.02);
     return true;
   }
@@ -208,23 +214,29 @@ class Simulation {
     return rates.eigenvalues().real().maxCoeff();
   }
 
-  /// The next polynomial starts where the last one ends, but for rounding.
-  void account_for_rounding(const MotionPolynomial& step) {
+  /// By how much a polynomial misses, at its beginning (-1) or end (1), the numbers that two polynomials are to share:
+  /// rounding errors, and part of the error. For all deviations.
+  [[nodiscard]] IntervalVector missed(const MotionPolynomial& step, double end) const {
     IntervalVector jump(at_.state.size());
     for (Eigen::Index i = 0; i < jump.size(); ++i) {
-      jump[i] = sum_of(step.state, i) - Interval(at_.state[i]);
-      const auto add = [&](const std::vector<Eigen::MatrixXd>& parts, const Eigen::MatrixXd& after) {
+      jump[i] = value_at(step.state, i, end) - Interval(at_.state[i]);
+      const auto add = [&](const std::vector<Eigen::MatrixXd>& parts, const Eigen::MatrixXd& shared) {
         for (std::size_t k = 0; k < parts.size(); ++k) {
-          const double size = stance::magnitude(sum_of(parts[k], i) - Interval(after(i, static_cast<Eigen::Index>(k))));
-          jump[i] += Interval(-size, size);
+          const Interval difference = value_at(parts[k], i, end) - Interval(shared(i, static_cast<Eigen::Index>(k)));
+          jump[i] += difference * Interval(-1.0, 1.0);
         }
       };
       add(step.by_deviation, at_.by_deviation);
       add(step.by_pair, at_.by_pair);
     }
-    const Eigen::VectorXd lengths = lengths_of(bound_.basis, jump);
+    return jump;
+  }
+
+  [[nodiscard]] static ErrorBound widened(ErrorBound bound, const IntervalVector& jump) {
+    const Eigen::VectorXd lengths = lengths_of(bound.basis, jump);
     for (Eigen::Index b = 0; b < lengths.size(); ++b)
-      bound_.lengths[b] = (Interval(bound_.lengths[b]) + Interval(lengths[b])).upper();
+      bound.lengths[b] = (Interval(bound.lengths[b]) + Interval(lengths[b])).upper();
+    return bound;
   }
 
   void record(const MotionPolynomial& step, const BoundedStep& bounded) {
@@ -245,17 +257,18 @@ class Simulation {
     result_.reached = step.to;
   }
 
-  static Interval sum_of(const Eigen::MatrixXd& polynomial, Eigen::Index row) {
-    Interval sum(0);
-    for (const double c : polynomial.row(row)) sum += Interval(c);
-    return sum;
+  static Interval value_at(const Eigen::MatrixXd& polynomial, Eigen::Index row, double end) {
+    Interval value(0);
+    for (Eigen::Index power = 0; power < polynomial.cols(); ++power)
+      value += Interval(end < 0.0 && power % 2 == 1 ? -polynomial(row, power) : polynomial(row, power));
+    return value;
   }
 
   static Enclosure at_end(const MotionPolynomial& step, const BoundedStep& bounded, std::size_t component) {
     const auto i = static_cast<Eigen::Index>(component);
-    Interval sum = sum_of(step.state, i);
+    Interval sum = value_at(step.state, i, 1.0);
     for (const std::vector<Eigen::MatrixXd>* parts : {&step.by_deviation, &step.by_pair}) {
-      for (const Eigen::MatrixXd& part : *parts) sum += sum_of(part, i) * Interval(-1.0, 1.0);
+      for (const Eigen::MatrixXd& part : *parts) sum += value_at(part, i, 1.0) * Interval(-1.0, 1.0);
     }
     return around(sum, bounded.end_errors[i]);
   }

@@ -71,7 +71,10 @@ class TaylorModel {
   }
 
   /// Adds numbers of at most this size.
-  void widen(double radius) { remainder_ = upward(remainder_ + radius); }
+  void widen(double radius) {
+    remainder_ = upward(remainder_ + radius);
+    constant_ = constant_ && remainder_ == 0.0;
+  }
 
   /// Coefficients of the powers of t by a product of `order` deviations, with pair_index for two, or by errors.
   [[nodiscard]] const std::vector<Row>& rows(std::size_t order) const { return rows_[order]; }
@@ -205,7 +208,7 @@ class TaylorModel {
         }
       }
     }
-    result.remainder_ = upward(a.remainder_ * size_of(factor));
+    result.remainder_ = upward(product_of_sizes(a.remainder_, size_of(factor)));
     return result;
   }
 
@@ -219,10 +222,12 @@ class TaylorModel {
   }
 
   static double size_of(const Interval& a) { return std::max(std::fabs(a.lower()), std::fabs(a.upper())); }
+  /// Rounded; what would underflow is larger than it is.
+  static double product_of_sizes(double a, double b) { return a > 0.0 && b > 0.0 ? std::max(a * b, 0x1p-1000) : 0.0; }
   static Interval symmetric(double radius) { return {-radius, radius}; }
 
-  /// Sums and products of fewer than 2^12 numbers that are not negative, each operation within a factor of 1 + 2^-52 of
-  /// the exact result or, where it underflows, within 2^-1074: so the exact value is at most this.
+  /// Of a sum of `product_of_sizes`, by fewer than 2^13 operations in a row on numbers that are not negative, each
+  /// within a factor of 1 + 2^-52 of the exact result: so that is at most this.
   static double upward(double a) { return a > 0.0 ? a * (1.0 + 0x1p-38) + 0x1p-1000 : a; }
 
   [[nodiscard]] bool is_exactly_zero() const {
@@ -278,7 +283,7 @@ class TaylorModel {
     double sum = 0.0;
     for (std::size_t i = 1; i < row_size; ++i) {
       if (a[i] == 0.0) continue;
-      for (std::size_t j = row_size - i; j < row_size; ++j) sum += a[i] * b[j];
+      for (std::size_t j = row_size - i; j < row_size; ++j) sum += product_of_sizes(a[i], b[j]);
     }
     return sum;
   }
@@ -315,10 +320,12 @@ class TaylorModel {
     const double size_b = total(q[0]) + deviations_b + errors_b;
     double left_out = beyond(p[0], q[0]) + beyond(p[0], q[1]) + beyond(p[1], q[0]);
     left_out += beyond(p[0], q[2]) + beyond(p[1], q[1]) + beyond(p[2], q[0]);
-    left_out += total(p[1]) * total(q[2]) + total(p[2]) * total(q[1]) + total(p[2]) * total(q[2]);
+    left_out += product_of_sizes(total(p[1]), total(q[2])) + product_of_sizes(total(p[2]), total(q[1])) +
+                product_of_sizes(total(p[2]), total(q[2]));
     left_out += beyond(p[0], q[of_errors]) + beyond(p[of_errors], q[0]);
-    left_out += errors_a * (deviations_b + errors_b) + deviations_a * errors_b;
-    result.remainder_ = upward(left_out + size_a * b.remainder_ + size_b * a.remainder_ + a.remainder_ * b.remainder_);
+    left_out += product_of_sizes(errors_a, deviations_b + errors_b) + product_of_sizes(deviations_a, errors_b);
+    result.remainder_ = upward(left_out + product_of_sizes(size_a, b.remainder_) +
+                               product_of_sizes(size_b, a.remainder_) + product_of_sizes(a.remainder_, b.remainder_));
     return result;
   }
 
@@ -361,7 +368,7 @@ class TaylorModel {
     for (std::size_t j = coefficients.size() - 1; j-- > 0;) sum = sum * change + TaylorModel(coefficients[j]);
     const double radius = change.size_without_constant();
     double power = last;
-    for (std::size_t j = 0; j < coefficients.size(); ++j) power *= radius;
+    for (std::size_t j = 0; j < coefficients.size(); ++j) power = product_of_sizes(power, radius);
     sum.widen(upward(power));
     const double width = range.upper() - range.lower();
     if (!(2.0 * sum.size_without_constant() <= 2.0 * width + 0x1p-1000)) return TaylorModel::within(range);
