@@ -207,9 +207,9 @@ std::string motion_text(const StanceSummary& summary) {
   std::string text = fmt::format("\nmotion in the sagittal plane, proven from 0 to {} s{}\n",
                                  lower_digits(motion.reached), motion.proven ? "" : "; from there on OPEN");
   if (!motion.open.empty()) text += fmt::format("  open: {}\n", motion.open);
-  text += fmt::format("  then{:<28}{:<34}{}\n", "", "position, m or rad", "velocity, m/s or rad/s");
+  text += fmt::format("  then{:<28}{:<40}{}\n", "", "position, m or rad", "velocity, m/s or rad/s");
   for (std::size_t j = 0; j < motion.joints.size(); ++j)
-    text += fmt::format("  {:<32}{:<34}{}\n", motion.joints[j], outward_digits(motion.positions[j]),
+    text += fmt::format("  {:<32}{:<40}{}\n", motion.joints[j], outward_digits(motion.positions[j]),
                         outward_digits(motion.velocities[j]));
   for (std::size_t c = 0; c < motion.contacts.size(); ++c) {
     Enclosure all = motion.slabs.empty() ? Enclosure{0.0, infinity} : motion.slabs.front().contacts[c].normal;
