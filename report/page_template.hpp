@@ -1,4 +1,4 @@
-/// The page of an interactive report without its data; generated at build time from report/dist/page.html.
+/// The pages of interactive reports without their data; generated at build time from report/dist.
 #pragma once
 
 #include <string_view>
@@ -7,5 +7,8 @@ namespace verisq::report {
 
 /// ASCII. Has one line `<!--verisq-report-data-->`, in whose place the report goes (report/README.md says how).
 [[nodiscard]] std::string_view page_template();
+
+/// The same of `verisq stance`.
+[[nodiscard]] std::string_view stance_page_template();
 
 }  // namespace verisq::report

@@ -11,9 +11,9 @@
 #include <cmath>
 #include <map>
 
-#include "host/clearance/path_check.hpp"
 #include "host/maps/summary_count.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/placement/path_check.hpp"
 #include "verify/placement/rigid_path.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verisq/enclosure.hpp"

@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "host/errors/refusal.hpp"
 #include "host/mesh/eigen_points.hpp"
-#include "verisq/error.hpp"
 
 namespace verisq {
 namespace {
@@ -37,22 +37,16 @@ double fraction(double x) {
   return x - std::floor(x);
 }
 
-void require_of_family(bool holds, const std::string& message) {
-  if (!holds) throw Error(ErrorKind::input, message);
-}
-
 void check_family(const WaysIn& ways) {
-  require_of_family(
-      ways.cone_degrees >= 0.0 && ways.cone_degrees <= widest_cone,
-      fmt::format("ways in: a cone of {} degrees is not between 0 and {}", ways.cone_degrees, widest_cone));
-  require_of_family(
-      ways.turn_degrees >= 0.0 && ways.turn_degrees <= largest_turn,
-      fmt::format("ways in: turns by {} degrees are not between 0 and {}", ways.turn_degrees, largest_turn));
-  require_of_family(std::abs(ways.middle.turn_degrees) + ways.turn_degrees <= largest_turn_of_way,
-                    fmt::format("ways in: turns by up to {} degrees are beyond {}",
-                                std::abs(ways.middle.turn_degrees) + ways.turn_degrees, largest_turn_of_way));
-  require_of_family(ways.cone_degrees > 0.0 || ways.turn_degrees > 0.0,
-                    "ways in: with neither a cone nor turns there is one way");
+  if (!(ways.cone_degrees >= 0.0 && ways.cone_degrees <= widest_cone))
+    refuse(fmt::format("ways in: a cone of {} degrees is not between 0 and {}", ways.cone_degrees, widest_cone));
+  if (!(ways.turn_degrees >= 0.0 && ways.turn_degrees <= largest_turn))
+    refuse(fmt::format("ways in: turns by {} degrees are not between 0 and {}", ways.turn_degrees, largest_turn));
+  const double farthest = std::abs(ways.middle.turn_degrees) + ways.turn_degrees;
+  if (!(farthest <= largest_turn_of_way))
+    refuse(fmt::format("ways in: turns by up to {} degrees are beyond {}", farthest, largest_turn_of_way));
+  if (ways.cone_degrees == 0.0 && ways.turn_degrees == 0.0)
+    refuse("ways in: with neither a cone nor turns there is one way");
 }
 
 /// Off the axis by `angle`, in the direction of `azimuth` about it.

@@ -10,9 +10,9 @@
 #include <span>
 #include <utility>
 
-#include "host/clearance/path_check.hpp"
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/placement/path_check.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verisq/enclosure.hpp"

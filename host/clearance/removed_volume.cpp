@@ -11,11 +11,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "host/clearance/path_check.hpp"
 #include "host/mesh/extent.hpp"
 #include "host/mesh/rims.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/placement/path_check.hpp"
 #include "verify/sweep/clipped_cube.hpp"
 #include "verify/sweep/divided_surface.hpp"
 #include "verify/sweep/enclosed_path.hpp"

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <verisq/error.hpp>
 #include <verisq/insertion.hpp>
 
+#include "host/errors/refusal.hpp"
 #include "host/mesh/eigen_points.hpp"
 #include "verify/sets/bounding_box.hpp"
 
@@ -20,19 +20,15 @@ constexpr double degree = std::numbers::pi / 180.0;
 constexpr double degrees_of_a_step = 1.0;
 constexpr double most_degrees = 360.0;
 
-void require_of_way(bool holds, const std::string& message) {
-  if (!holds) throw Error(ErrorKind::input, message);
-}
-
 void check_way(const WayIn& way, const Point& centre) {
   const auto finite = [](double x) { return std::isfinite(x); };
-  require_of_way(std::ranges::all_of(way.direction, finite) && way.direction != Point{},
-                 "way in: its direction is not finite, or zero");
-  require_of_way(std::isfinite(way.length) && way.length > 0.0,
-                 fmt::format("way in: length {} is not a number above 0", way.length));
-  require_of_way(std::abs(way.turn_degrees) <= most_degrees,
-                 fmt::format("way in: a turn by {} degrees is beyond {}", way.turn_degrees, most_degrees));
-  require_of_way(std::ranges::all_of(centre, finite), "way in: the centre of its turn is not finite");
+  if (!std::ranges::all_of(way.direction, finite) || way.direction == Point{})
+    refuse("way in: its direction is not finite, or zero");
+  if (!(std::isfinite(way.length) && way.length > 0.0))
+    refuse(fmt::format("way in: length {} is not a number above 0", way.length));
+  if (!(std::abs(way.turn_degrees) <= most_degrees))
+    refuse(fmt::format("way in: a turn by {} degrees is beyond {}", way.turn_degrees, most_degrees));
+  if (!std::ranges::all_of(centre, finite)) refuse("way in: the centre of its turn is not finite");
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include "host/command_line/finite_number.hpp"
 #include "host/command_line/progress_bar.hpp"
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq::command_line {

@@ -13,20 +13,22 @@
 #include <verisq/map_file.hpp>
 #include <verisq/uncertain_model.hpp>
 
+#include "host/command_line/certificate_check.hpp"
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/element_words.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/posed_input.hpp"
 #include "host/command_line/progress_bar.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/status_consistency.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/triangle_stream.hpp"
+#include "host/errors/refusal.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "host/mesh/extent.hpp"
 #include "host/threads/parallel.hpp"
+#include "verify/proof/convex_union.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -44,8 +46,13 @@ constexpr const char* closing_words =
     "and host verified a row is not checked). \"Missing\": an interrupted or killed run left a part of a .csv, as\n"
     "OUT.partial or OUT.*.partial; a last row that is not whole does not count.\n"
     "\n"
-    "Exit status: 0 every row proved, nothing falsified or missing; 3 not so; 2 bad usage or input, also a whole map\n"
-    "with fewer or more rows than there are points or triangles; 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by\n"
+    "--certificate: a file that `verisq distance --certificate-file` wrote; give the --model of A, then that of B. "
+    "They\n"
+    "must be, byte for byte, the files that the answer is about.\n"
+    "\n"
+    "Exit status: 0 every row proved, nothing falsified or missing; 3 not so; 2 bad usage or input, also other models\n"
+    "than the certificate is about, and a whole map with fewer or more rows than there are points or triangles; 130 "
+    "interrupted by Ctrl-C, 143 by SIGTERM, 129 by\n"
     "SIGHUP (what was checked so far is printed).\n"
     "\n"
     "Examples:\n"
@@ -135,8 +142,9 @@ double radius_at_most(const UncertainModel& model) {
   for (const UncertainPrimitive& primitive : model.primitives) {
     const auto& [a1, a2, a3] = primitive.semi_axes;
     const double widening = 1.0 + std::abs(primitive.taper - 1.0) / (primitive.taper + 1.0);
-    // Of the corners of the box around any superquadric.
-    const double reach = std::hypot(widening * a1.hi, widening * a2.hi, a3.hi);
+    // Of the corners of the box around any superquadric; of a bent one as far across its axis and then along it.
+    const double across = std::hypot(widening * a1.hi, widening * a2.hi);
+    const double reach = primitive.bend ? across + a3.hi : std::hypot(across, a3.hi);
     for (const double sign : {-1.0, 1.0}) {
       const auto& t = primitive.translation;
       corners.push_back({t[0].lo + sign * reach, t[1].lo + sign * reach, t[2].lo + sign * reach});
@@ -212,27 +220,28 @@ ExitStatus status_of(const CheckReport& report) {
   return report.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
 }
 
-}  // namespace
-
-void declare_check(Options& options, CheckArguments& arguments) {
-  options.explain(fmt::format("{}  {} {}", closing_words, options.full_name(), example));
-  declare_inputs(options, arguments.inputs);
-  options.require("--map", arguments.map, "FILE", "The map, written with --certificates: .csv .vtp .csv.partial");
-  options.add("--point-radius", arguments.point_radius, parse_length, "NUMBER", "As the map was made with (default 0)");
-  add_json(options, arguments.json);
-  add_no_progress(options, arguments.no_progress);
+void refuse_what_only_maps_have(const CheckArguments& arguments) {
+  const auto refuse_option = [](const char* option) { refuse(fmt::format("{}: only with --map", option)); };
+  if (!arguments.inputs.mesh.empty()) refuse_option("--mesh");
+  if (!arguments.inputs.points.empty()) refuse_option("--points");
+  if (arguments.inputs.pose) refuse_option("--pose");
+  if (arguments.point_radius != 0.0) refuse_option("--point-radius");
 }
 
-ExitStatus run_check(const CheckArguments& arguments) {
+ExitStatus check_map_file(const CheckArguments& arguments) {
   check_usage(arguments.inputs);
   watch_for_interruption();
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
-  if (!is_union_of_convex(bracket(model).largest)) {
-    refuse(
-        fmt::format("{}: has no certificates to check, because of bends or csg other than the union of all primitives",
-                    arguments.inputs.model));
+  const Model largest = bracket(model).largest;
+  if (!verify::is_union(largest)) {
+    refuse(fmt::format("{}: has no certificates to check, because of csg other than the union of all primitives",
+                       arguments.inputs.model));
   }
   MapReader map(arguments.map);
+  if (map.elements() == MapElements::triangles && !is_union_of_convex(largest)) {
+    refuse(fmt::format("{}: triangles about bent solids, as in {}, have no certificates to check", arguments.map,
+                       arguments.inputs.model));
+  }
   const Checker checker(model, arguments.point_radius);
 
   std::optional<double> radius;
@@ -243,6 +252,34 @@ ExitStatus run_check(const CheckArguments& arguments) {
   report.units = model.units;
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   return status_of(report);
+}
+
+}  // namespace
+
+void declare_check(Options& options, CheckArguments& arguments) {
+  options.explain(fmt::format("{}  {} {}", closing_words, options.full_name(), example));
+  options.require_each(
+      "--model", arguments.models, "FILE",
+      "Model of posed superquadrics (verisq-model/1, JSON); of a --certificate each that it is about,\n"
+      "in its order");
+  declare_points(options, arguments.inputs);
+  options.add("--map", arguments.map, "FILE", "The map, written with --certificates: .csv .vtp .csv.partial");
+  options.add("--certificate", arguments.certificate, "FILE", "Instead of a map: a certificate file, .json");
+  options.add("--point-radius", arguments.point_radius, parse_length, "NUMBER", "As the map was made with (default 0)");
+  add_json(options, arguments.json);
+  add_no_progress(options, arguments.no_progress);
+}
+
+ExitStatus run_check(const CheckArguments& given) {
+  if (given.map.empty() == given.certificate.empty()) refuse("give either --map or --certificate");
+  if (!given.certificate.empty()) {
+    refuse_what_only_maps_have(given);
+    return run_certificate_check({given.certificate, given.models, given.json});
+  }
+  if (given.models.size() != 1) refuse("--model: give one, that of the --map");
+  CheckArguments arguments = given;
+  arguments.inputs.model = given.models.front();
+  return check_map_file(arguments);
 }
 
 }  // namespace verisq::command_line

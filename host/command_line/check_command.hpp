@@ -1,8 +1,9 @@
 /// `verisq check`, which is also the program `verisq-check`: proves a finished map again from the model, the points or
-/// triangles, and the certificates, without OpenCL.
+/// triangles, and the certificates, or the answer of a certificate file, without OpenCL.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
@@ -12,8 +13,10 @@ namespace verisq::command_line {
 
 /// As typed.
 struct CheckArguments {
-  InputArguments inputs;
-  std::string map;
+  std::vector<std::string> models;  ///< of a map one, of a certificate those that it is about, in its order
+  InputArguments inputs;            ///< all but the model
+  std::string map;                  ///< empty where `certificate` is given
+  std::string certificate;          ///< empty where `map` is given
   double point_radius = 0.0;
   bool json = false;
   bool no_progress = false;

@@ -14,35 +14,6 @@ double rows_per_second(const CheckReport& report) {
   return report.seconds > 0.0 ? static_cast<double>(report.rows()) / report.seconds : 0.0;
 }
 
-const char* name_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::proved: return "proved";
-    case Verdict::refuted: return "refuted";
-    case Verdict::unproved: break;
-  }
-  return "unproved";
-}
-
-/// Which end is wrong or open, and why.
-std::string reason(const CheckedRow& row) {
-  const auto& claimed = row.claimed;
-  const auto& proven = row.finding.proven;
-  if (row.finding.verdict == Verdict::refuted) {
-    if (claimed.lo > claimed.hi) return "lo is above hi: no number lies between them";
-    if (proven.lo > claimed.hi) return fmt::format("hi is wrong: the exact distance is at least {:.17g}", proven.lo);
-    return fmt::format("lo is wrong: the exact distance is at most {:.17g}", proven.hi);
-  }
-  const bool lo_open = proven.lo < claimed.lo;
-  const bool hi_open = proven.hi > claimed.hi;
-  if (lo_open && hi_open) return "the certificate proves neither lo nor hi";
-  return fmt::format("the certificate does not prove {}", lo_open ? "lo" : "hi");
-}
-
-/// 17 significant digits give back the same binary64.
-std::string digits_of(const Enclosure& enclosure) {
-  return fmt::format("[{:.17g}, {:.17g}]", enclosure.lo, enclosure.hi);
-}
-
 std::string digits_of(const Point& point) {
   return fmt::format("({:.17g}, {:.17g}, {:.17g})", point[0], point[1], point[2]);
 }
@@ -54,9 +25,9 @@ std::string digits_of(const Triangle& triangle) {
 std::string readable(const CheckedRow& row, MapElements elements) {
   const auto position = std::visit([](const auto& element) { return digits_of(element); }, row.element);
   auto text = fmt::format("first {} {}, index {}, at {}: {}\n", name_of(row.finding.verdict), singular(elements),
-                          row.index, position, reason(row));
-  text += fmt::format("  claimed            {}\n", digits_of(row.claimed));
-  text += fmt::format("  proven             {}\n", digits_of(row.finding.proven));
+                          row.index, position, reason(row.claimed, row.finding));
+  text += fmt::format("  claimed            {}\n", exact_text(row.claimed));
+  text += fmt::format("  proven             {}\n", exact_text(row.finding.proven));
   return text;
 }
 
@@ -79,10 +50,36 @@ JsonObject object_of(const CheckedRow& row, MapElements elements) {
           {singular(elements), std::visit([](const auto& element) { return JsonValue(element); }, row.element)},
           {"claimed", row.claimed},
           {"proven", row.finding.proven},
-          {"reason", reason(row)}};
+          {"reason", reason(row.claimed, row.finding)}};
 }
 
 }  // namespace
+
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::proved: return "proved";
+    case Verdict::refuted: return "refuted";
+    case Verdict::unproved: break;
+  }
+  return "unproved";
+}
+
+std::string reason(const Enclosure& claimed, const Finding& finding) {
+  const Enclosure& proven = finding.proven;
+  if (finding.verdict == Verdict::refuted) {
+    if (claimed.lo > claimed.hi) return "lo is above hi: no number lies between them";
+    if (proven.lo > claimed.hi) return fmt::format("hi is wrong: the exact distance is at least {:.17g}", proven.lo);
+    return fmt::format("lo is wrong: the exact distance is at most {:.17g}", proven.hi);
+  }
+  const bool lo_open = proven.lo < claimed.lo;
+  const bool hi_open = proven.hi > claimed.hi;
+  if (lo_open && hi_open) return "the certificate proves neither lo nor hi";
+  return fmt::format("the certificate does not prove {}", lo_open ? "lo" : "hi");
+}
+
+std::string exact_text(const Enclosure& enclosure) {
+  return fmt::format("[{:.17g}, {:.17g}]", enclosure.lo, enclosure.hi);
+}
 
 std::string readable(const CheckReport& report) {
   const auto units = report.units.empty() ? std::string() : " " + report.units;

@@ -36,6 +36,15 @@ struct CheckReport {
   [[nodiscard]] bool all_proved() const { return refuted + unproved + missing == 0 && !falsified; }
 };
 
+/// "proved", "refuted", "unproved".
+[[nodiscard]] const char* name_of(Verdict verdict);
+
+/// Which end is wrong or open, and why. Precondition: not proved.
+[[nodiscard]] std::string reason(const Enclosure& claimed, const Finding& finding);
+
+/// 17 significant digits give back the same binary64.
+[[nodiscard]] std::string exact_text(const Enclosure& enclosure);
+
 [[nodiscard]] std::string readable(const CheckReport& report);
 
 /// One line. JSON has no infinity: an unbounded end of an enclosure is null.

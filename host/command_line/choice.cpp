@@ -3,7 +3,7 @@
 
 #include <fmt/core.h>
 
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 

@@ -19,11 +19,11 @@
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/posed_input.hpp"
 #include "host/command_line/progress_bar.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/time_limit.hpp"
 #include "host/command_line/whole_number.hpp"
+#include "host/errors/refusal.hpp"
 #include "host/features/femur_regions.hpp"
 
 namespace verisq::command_line {

@@ -10,12 +10,14 @@
 #include <span>
 #include <string_view>
 #include <vector>
+#include <verisq/certificate_file.hpp>
 #include <verisq/closest_points.hpp>
 #include <verisq/map.hpp>
 #include <verisq/model_distance.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/command_line/common_units.hpp"
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/distance_search.hpp"
 #include "host/command_line/distance_summary.hpp"
@@ -27,9 +29,9 @@
 #include "host/command_line/peeked_stream.hpp"
 #include "host/command_line/pose_option.hpp"
 #include "host/command_line/pose_stream.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/time_limit.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -57,13 +59,21 @@ constexpr const char* closing_words =
     "  verisq distance stem.json cup.json\n"
     "  verisq distance stem.json cup.json --pose 0,0,12.5,1,0,0,0 --json\n"
     "  verisq distance bent_stem.json cup.json --tol 1e-3 --time-limit 10\n"
+    "  verisq distance stem.json cup.json --certificate-file proof.json\n"
     "  verisq distance stem.json cup.json --poses candidates.csv -o distances.csv";
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const DistanceArguments& arguments) {
+  if (arguments.certificate_file) {
+    if (arguments.poses) refuse("--certificate-file: distances for --poses have no certificates");
+    refuse_to_overwrite("--certificate-file", *arguments.certificate_file, {arguments.model_a, arguments.model_b});
+  }
   if (!arguments.poses) {
     if (arguments.output) refuse("-o: only for many poses: give their --poses");
     if (arguments.device) refuse("--device: only for many poses: give their --poses");
+    if (pose_uncertainty(arguments.pose_uncertainty)) {
+      refuse("--translation-error, --rotation-error: only for --poses");
+    }
     if (arguments.closest_points) refuse("--closest-points: of one pose they are printed: only for --poses");
     return;
   }
@@ -71,6 +81,9 @@ void check_usage(const DistanceArguments& arguments) {
   if (!arguments.output) refuse("--poses: give the file for their distances: -o");
   if (arguments.pose) refuse("give either --pose or --poses");
   if (arguments.certificate) refuse("--certificate: distances for --poses have none");
+  if (arguments.closest_points && pose_uncertainty(arguments.pose_uncertainty)) {
+    refuse("--closest-points: of exact places only, not with --translation-error or --rotation-error");
+  }
   refuse_to_overwrite("-o", *arguments.output, {arguments.model_a, arguments.model_b, *arguments.poses});
 }
 
@@ -81,6 +94,7 @@ void refuse_what_uncertain_models_lack(const DistanceArguments& arguments) {
   };
   if (arguments.poses) refuse_option("--poses");
   if (arguments.certificate) refuse_option("--certificate");
+  if (arguments.certificate_file) refuse_option("--certificate-file");
 }
 
 /// The models as large as they may be: exact ones themselves.
@@ -97,14 +111,7 @@ void refuse_what_searches_lack(const LargestModels& models, const DistanceArgume
   };
   if (arguments.poses) refuse_option("--poses");
   if (arguments.certificate) refuse_option("--certificate");
-}
-
-/// Lengths of two models can be compared only in one unit.
-std::string common_units(const UncertainModel& a, const UncertainModel& b, const DistanceArguments& arguments) {
-  if (!a.units.empty() && !b.units.empty() && a.units != b.units) {
-    refuse(fmt::format("{}: units {} differ from {} of {}", arguments.model_b, b.units, a.units, arguments.model_a));
-  }
-  return a.units.empty() ? b.units : a.units;
+  if (arguments.certificate_file) refuse_option("--certificate-file");
 }
 
 double tolerance_of(const DistanceArguments& arguments, const LargestModels& models) {
@@ -171,11 +178,13 @@ ExitStatus map_poses(const LargestModels& models, const std::string& units, doub
   PeekedStream peeked(stream);
   const MapOptions options{.tolerance = tolerance,
                            .device = device_for(peeked, arguments.device.value_or("auto")),
+                           .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty),
                            .interrupted = interrupted};
   MapRequest request{.elements = MapElements::poses,
                      .contents = arguments.closest_points ? MapContents::closest_points : MapContents::enclosures,
                      .output = *arguments.output,
                      .units = units,
+                     .place = options.pose_uncertainty ? described(*options.pose_uncertainty, units) : "",
                      .tolerance = tolerance,
                      .show_progress = !arguments.no_progress,
                      .json = arguments.json};
@@ -206,6 +215,7 @@ void declare_distance(Options& options, DistanceArguments& arguments) {
                    "For --poses: boxes that contain the closest points of both models, in the frame of A, and whether\n"
                    "they are unique (.csv, .npy); some milliseconds a pose");
   options.add("--device", arguments.device, "DEVICE", fmt::format("For --poses: {}", device_of_map_explanation));
+  add_pose_uncertainty(options, arguments.pose_uncertainty, "For --poses: B's");
   options.add("--tol", arguments.tolerance, parse_length, "T",
               fmt::format("Width up to which the enclosure is called verified, in model units; 0 asks for the tightest "
                           "(default: {} of the larger bounding radius)",
@@ -215,6 +225,8 @@ void declare_distance(Options& options, DistanceArguments& arguments) {
   options.add_flag("--json", arguments.json,
                    "Print one JSON object: the answer; for --poses, the summary. What is not bounded is null");
   options.add_flag("--certificate", arguments.certificate, "Print what proves the enclosure again");
+  options.add("--certificate-file", arguments.certificate_file, "FILE",
+              "Write the answer with what proves it, for `verisq check --certificate`: .json");
   add_no_progress(options, arguments.no_progress);
 }
 
@@ -223,7 +235,7 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
   const Pose pose = arguments.pose.value_or(Pose{});
   const UncertainModel a = read_uncertain_model(arguments.model_a);
   const UncertainModel b = read_uncertain_model(arguments.model_b);
-  const std::string units = common_units(a, b, arguments);
+  const std::string units = common_units(a, b, arguments.model_a, arguments.model_b);
   const bool exact = is_exact(a) && is_exact(b);
   if (!exact) refuse_what_uncertain_models_lack(arguments);
   const LargestModels models{bracket(a).largest, bracket(b).largest};
@@ -240,6 +252,13 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
                : certified_distance(a, b, models, pose, tolerance, arguments.time_limit);
   report.units = units;
   report.tolerance = tolerance;
+  if (arguments.certificate_file) {
+    write_answer(*arguments.certificate_file, {{subject_file(arguments.model_a), subject_file(arguments.model_b)},
+                                               units,
+                                               pose,
+                                               report.distance,
+                                               report.certificate.value()});
+  }
   if (!arguments.certificate) report.certificate.reset();
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (report.interrupted) return ExitStatus::interrupted;

@@ -7,6 +7,7 @@
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
+#include "host/command_line/pose_uncertainty_option.hpp"
 
 namespace verisq::command_line {
 
@@ -19,10 +20,12 @@ struct DistanceArguments {
   std::optional<std::string> output;  ///< of the distances for `poses`
   std::optional<std::string> device;  ///< for `poses`; "auto" when not given
   std::optional<double> tolerance;
-  std::optional<double> time_limit;  ///< in seconds
-  bool closest_points = false;       ///< for `poses`
+  std::optional<double> time_limit;           ///< in seconds
+  PoseUncertaintyArguments pose_uncertainty;  ///< for `poses`
+  bool closest_points = false;                ///< for `poses`
   bool json = false;
   bool certificate = false;
+  std::optional<std::string> certificate_file;
   bool no_progress = false;
 };
 

@@ -18,8 +18,8 @@
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/messages.hpp"
 #include "host/command_line/overwriting.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
+#include "host/errors/refusal.hpp"
 #include "host/features/drawn_axes.hpp"
 
 namespace verisq::command_line {

@@ -29,11 +29,11 @@
 #include "host/command_line/plane_option.hpp"
 #include "host/command_line/pose_option.hpp"
 #include "host/command_line/progress_bar.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/time_limit.hpp"
 #include "host/command_line/whole_number.hpp"
+#include "host/errors/refusal.hpp"
 #include "host/files/output_file.hpp"
 
 namespace verisq::command_line {

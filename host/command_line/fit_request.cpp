@@ -7,7 +7,7 @@
 #include <verisq/mesh_file.hpp>
 #include <verisq/model_file.hpp>
 
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {

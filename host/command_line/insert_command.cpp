@@ -29,9 +29,9 @@
 #include "host/command_line/plane_option.hpp"
 #include "host/command_line/posed_input.hpp"
 #include "host/command_line/progress_bar.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -91,16 +91,6 @@ void check_usage(const InsertArguments& arguments) {
                                         arguments.within.value_or("")};
   refuse_to_overwrite("-o", arguments.output, inputs);
   command_line::check_usage(arguments.report, inputs);
-}
-
-std::vector<Pose> read_poses(const std::string& path) {
-  PoseFile file(path);
-  std::vector<Pose> poses;
-  std::vector<Pose> chunk(1024);
-  while (const std::size_t count = file.read(chunk)) {
-    poses.insert(poses.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(count));
-  }
-  return poses;
 }
 
 double tolerance_of(const InsertArguments& arguments, const Model& implant) {

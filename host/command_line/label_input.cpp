@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {

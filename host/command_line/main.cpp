@@ -11,6 +11,7 @@
 #include "host/command_line/map_command.hpp"
 #include "host/command_line/mesh_command.hpp"
 #include "host/command_line/octree_command.hpp"
+#include "host/command_line/path_command.hpp"
 #include "host/command_line/recover_command.hpp"
 #include "host/command_line/run_program.hpp"
 #include "host/command_line/stance_command.hpp"
@@ -40,6 +41,8 @@ int main(int argc, char** argv) {
       command("insert", "Enclose how deep an implant cuts into the bone on its way in", declare_insert, run_insert),
       command("mesh", "Write a model's surface as a closed mesh, to a given deviation", declare_mesh, run_mesh),
       command("octree", "Prove cubes inside and outside a model, and enclose its volume", declare_octree, run_octree),
+      command("path", "Enclose the smallest distance of two models while one moves, and when they meet", declare_path,
+              run_path),
       command("recover", "Make a model of a point cloud or a mesh, without proof", declare_recover, run_recover),
       command("stance", "Enclose wrench, sensitivities and accelerations of a stance model with uncertain parameters",
               declare_stance, run_stance),

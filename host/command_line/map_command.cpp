@@ -23,10 +23,12 @@
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/peeked_stream.hpp"
 #include "host/command_line/posed_input.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/time_limit.hpp"
 #include "host/command_line/triangle_stream.hpp"
+#include "host/command_line/whole_number.hpp"
+#include "host/errors/refusal.hpp"
+#include "verify/proof/convex_union.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -40,6 +42,7 @@ constexpr const char* closing_words =
     "inside 2e-9 of the radius.\n"
     "Where the model gives intervals [lo, hi] for semi-axes, exponents or translations, or points have a radius, each\n"
     "row contains the distances of all that they allow: give a --tol above that uncertainty to call rows verified.\n"
+    "So it is where the model's place is known to a --translation-error and a --rotation-error, as of a tracked tool.\n"
     "At the --time-limit running searches end and no other begins: every row is written all the same, and the rest is\n"
     "valid, and wide. Ctrl-C, SIGTERM and SIGHUP keep the finished rows of a .csv or .npy under OUT.partial; a second\n"
     "Ctrl-C stops at once, and a killed run leaves them under OUT.*.partial.\n"
@@ -56,12 +59,18 @@ constexpr const char* closing_words =
     "  verisq map --model stem.json --mesh femur.off --on triangles -o clearance.vtp\n"
     "  verisq map --model stem.json --mesh femur.off --closest-points -o contacts.vtp\n"
     "  verisq map --model stem.json --points samples.npy --columns x,y,z,lo,hi -o distances.npy\n"
+    "  verisq map --model stem.json --mesh femur.off --translation-error 0.5 --rotation-error 0.5 --tol 4 -o "
+    "worst.csv\n"
     "  sample | verisq map --model stem.json --points - -o - | plot\n"
     "  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json";
 
 constexpr const char* depth_of_overlaps =
     "certificates prove a depth by one primitive alone, and where primitives overlap their union is deeper; the map "
     "without --certificates is tighter there";
+
+constexpr const char* depth_of_bends =
+    "certificates prove depths in bent primitives where the ball about the point is more curved than the surface, "
+    "exponents are at most 1 and there is no taper; the map without --certificates is tighter elsewhere";
 
 double tolerance_of(const MapArguments& arguments, const Model& largest) {
   return arguments.tolerance ? *arguments.tolerance
@@ -71,11 +80,12 @@ double tolerance_of(const MapArguments& arguments, const Model& largest) {
 /// The library refuses the same without naming file and option.
 void refuse_what_needs_convexity(const Model& model, const MapArguments& arguments) {
   if (is_union_of_convex(model)) return;
+  const bool has_certificates = verify::is_union(model) && arguments.on == MapElements::vertices;
   const auto refuse_option = [&](std::string_view option) {
     refuse(fmt::format("{}: {}: not supported for bends, nor for csg other than the union of all primitives", option,
                        arguments.inputs.model));
   };
-  if (arguments.certificates) refuse_option("--certificates");
+  if (arguments.certificates && !has_certificates) refuse_option("--certificates");
   if (arguments.method == Method::published) refuse_option("--method published");
 }
 
@@ -104,6 +114,9 @@ void check_closest_points(const MapArguments& arguments) {
   if (arguments.output.empty()) refuse("--closest-points: give the --output that has them");
   if (arguments.certificates) refuse("--closest-points: not with --certificates");
   if (arguments.point_radius > 0.0) refuse("--closest-points: of exact points only, not with --point-radius");
+  if (pose_uncertainty(arguments.pose_uncertainty)) {
+    refuse("--closest-points: of exact places only, not with --translation-error or --rotation-error");
+  }
   if (arguments.on == MapElements::triangles) refuse("--closest-points: of vertices or points, not --on triangles");
 }
 
@@ -128,7 +141,9 @@ void check_outputs(const MapArguments& arguments) {
   const std::vector<std::string> inputs{arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points};
   if (arguments.output.empty()) {
     if (!arguments.report.any()) refuse("give at least one of --output, --report, --png");
-    if (arguments.certificates) refuse("--certificates: give the --output that keeps them");
+    if (arguments.certificates && arguments.report.html.empty()) {
+      refuse("--certificates: give the --output or the --report that keeps them");
+    }
     if (arguments.format) refuse("--format: give the --output that has it");
     if (!arguments.columns.empty()) refuse("--columns: give the --output that has them");
   } else {
@@ -143,11 +158,28 @@ void check_outputs(const MapArguments& arguments) {
   }
 }
 
+void check_pose_uncertainty(const MapArguments& arguments) {
+  if (!pose_uncertainty(arguments.pose_uncertainty)) {
+    if (arguments.pose_divisions) refuse("--pose-divisions: give the --translation-error or --rotation-error");
+    return;
+  }
+  if (arguments.certificates) {
+    refuse("--certificates: of exact places only, not with --translation-error or --rotation-error");
+  }
+  if (arguments.tolerance && *arguments.tolerance == 0.0) {
+    refuse("--tol 0: not with --translation-error or --rotation-error, by which distances differ");
+  }
+  if (arguments.pose_divisions.value_or(1) > 1 && arguments.on == MapElements::triangles) {
+    refuse("--pose-divisions: of vertices or points, not --on triangles");
+  }
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const MapArguments& arguments) {
   check_usage(arguments.inputs);
   check_outputs(arguments);
   check_method(arguments);
+  check_pose_uncertainty(arguments);
   if (arguments.on == MapElements::triangles && arguments.inputs.mesh.empty()) {
     refuse("--on triangles: give their --mesh");
   }
@@ -169,12 +201,34 @@ std::vector<ReportLine> report_lines(const MapReport& report, const UncertainMod
         {"each vertex", fmt::format("any point within {}{} of the drawn one", arguments.point_radius, units)});
   }
   if (arguments.inputs.pose) lines.push_back({"the model", "moved by --pose"});
+  if (const auto bounds = pose_uncertainty(arguments.pose_uncertainty, arguments.inputs.pose)) {
+    lines.push_back({"the model", described(*bounds, model.units) + "; drawn where it is nominally"});
+  }
   if (!is_exact(model)) lines.push_back({"the model", "any within the intervals of its file; the largest is drawn"});
   return lines;
 }
 
 std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
+}
+
+/// For the page alone, which holds the model file's text: pipes cannot be read again.
+void refuse_what_cannot_be_read_again(const MapArguments& arguments) {
+  if (!arguments.certificates || arguments.report.html.empty()) return;
+  for (const std::string& file : {arguments.inputs.model, arguments.inputs.mesh}) {
+    if (std::filesystem::is_regular_file(file)) continue;
+    refuse(
+        fmt::format("--report with --certificates: {}: is no regular file, and the page must tell which it is", file));
+  }
+}
+
+std::optional<ReportProof> proof_of(const ShownRows& rows, const MapArguments& arguments) {
+  if (!arguments.certificates) return std::nullopt;
+  return ReportProof{.certificates = rows.certificates,
+                     .model_file = arguments.inputs.model,
+                     .mesh_file = arguments.inputs.mesh,
+                     .moved = arguments.inputs.pose.has_value(),
+                     .point_radius = arguments.point_radius};
 }
 
 /// Empty: as the name of the output says.
@@ -204,6 +258,7 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
                      .rows = stream.count(),
                      .report = arguments.report,
                      .units = model.units,
+                     .place = options.pose_uncertainty ? described(*options.pose_uncertainty, model.units) : "",
                      .tolerance = options.tolerance,
                      .show_progress = !arguments.no_progress,
                      .json = arguments.json};
@@ -215,20 +270,23 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
     };
   }
   // At a time limit there is another reason.
-  if (arguments.certificates && model.primitives.size() > 1 && !limit.given()) {
-    request.why_wide_inside = depth_of_overlaps;
+  if (arguments.certificates && !limit.given()) {
+    const bool bent = !is_union_of_convex(bracket(model).largest);
+    if (bent) request.why_wide_inside = depth_of_bends;
+    if (!bent && model.primitives.size() > 1) request.why_wide_inside = depth_of_overlaps;
   }
   if (arguments.report.any()) {
-    request.show = [&](std::span<const MapResult> rows, const MapReport& report) {
+    request.show = [&](const ShownRows& rows, const MapReport& report) {
       write(arguments.report, {.title = fmt::format("{}: distance to {}", file_name(arguments.inputs.mesh),
                                                     file_name(arguments.inputs.model)),
                                .bone = *stream.mesh(),
-                               .rows = rows,
+                               .rows = rows.results,
                                .implant = bracket(model).largest,
                                .units = model.units,
                                .summary = report_lines(report, model, arguments),
                                .area_names = {},
-                               .area_of = {}});
+                               .area_of = {},
+                               .proof = proof_of(rows, arguments)});
     };
   }
   return map_to_file(peeked, stream.mesh(), make_mapper, request);
@@ -245,6 +303,13 @@ void declare_map(Options& options, MapArguments& arguments) {
   add_tolerance(options, arguments.tolerance, "the model");
   options.add("--point-radius", arguments.point_radius, parse_length, "NUMBER",
               "Each vertex or point is any within this distance of the given one, in model units (default 0)");
+  add_pose_uncertainty(options, arguments.pose_uncertainty, "The model's");
+  options.add(
+      "--pose-divisions", arguments.pose_divisions, whole_number<unsigned>(1, 256), "NUMBER",
+      "Of vertices or points: divides the places where the model may see a point, up to so often along each\n"
+      "axis, for rows that are hardly wider than the distances differ. With 1 (default) they are so already outside\n"
+      "of primitives without bends and csg; near edges, deep inside, of bends and csg 16 makes them so, and asks for\n"
+      "some hundred distances a row");
   options.add("--time-limit", arguments.time_limit, parse_time_limit, "SECONDS",
               "Ends the map this long after its preparation: rows left open are valid, and wide (default: none)");
   options.add("--device", arguments.device, "DEVICE", device_of_map_explanation);
@@ -269,8 +334,10 @@ void declare_map(Options& options, MapArguments& arguments) {
   declare_report_files(options, arguments.report);
   options.add_flag(
       "--certificates", arguments.certificates,
-      "Write what proves each enclosure again, for `verisq check`: .csv .vtp. Points inside are proven by one\n"
-      "primitive alone: where primitives overlap, rows are wider than without, and may be wide");
+      "Write what proves each enclosure again, for `verisq check`: .csv .vtp; the page of --report then proves itself\n"
+      "again in any browser. Points inside are proven by one primitive alone: where primitives overlap, rows are "
+      "wider\n"
+      "than without, and may be wide. Of bent primitives rows of points, by the host, and not by the page");
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
@@ -281,12 +348,15 @@ ExitStatus run_map(const MapArguments& arguments) {
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
   const Model largest = bracket(model).largest;
   refuse_what_needs_convexity(largest, arguments);
+  refuse_what_cannot_be_read_again(arguments);
   refuse_what_needs_exact_numbers(model, arguments);
   MapOptions options{.tolerance = tolerance_of(arguments, largest),
                      .device = arguments.device,
                      .certificates = arguments.certificates,
                      .method = arguments.method,
                      .point_radius = arguments.point_radius,
+                     .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty, arguments.inputs.pose),
+                     .pose_divisions = arguments.pose_divisions.value_or(1),
                      .interrupted = interrupted};
   if (limit.given()) options.out_of_time = [&limit] { return limit.passed(); };
   const MapElements elements = arguments.on;

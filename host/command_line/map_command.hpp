@@ -10,6 +10,7 @@
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
 #include "host/command_line/point_stream.hpp"
+#include "host/command_line/pose_uncertainty_option.hpp"
 #include "host/command_line/report_files.hpp"
 
 namespace verisq::command_line {
@@ -20,6 +21,8 @@ struct MapArguments {
   MapElements on = MapElements::vertices;
   std::optional<double> tolerance;
   double point_radius = 0.0;
+  PoseUncertaintyArguments pose_uncertainty;
+  std::optional<unsigned> pose_divisions;
   std::optional<double> time_limit;  ///< in seconds
   std::string device = "auto";
   Method method = Method::duality;

@@ -27,6 +27,7 @@ std::string readable(const MapReport& report) {
   text += fmt::format("device             {}\n", summary.device);
   text += fmt::format("tolerance          {:.3g}{}{}\n", report.tolerance, units,
                       report.tolerance == 0.0 ? ": the tightest" : "");
+  if (!report.place.empty()) text += fmt::format("model              {}\n", report.place);
   if (summary.points > 0) {
     text += fmt::format("smallest distance  [{}, {}]{}\n", summary.minimum_lo, summary.minimum_hi, units);
     text += fmt::format("largest width      {}{}\n", upper_digits(summary.largest_width), units);
@@ -90,6 +91,7 @@ std::string json(const MapReport& report) {
       {"output", report.output},
   };
   if (summary.points > 0) object.set("smallest_distance", Enclosure{summary.minimum_lo, summary.minimum_hi});
+  if (!report.place.empty()) object.set("model_place", report.place);
   if (report.closest) {
     object.set("unique_closest_points", report.closest->unique);
     object.set("widest_closest_point", report.closest->widest_point);

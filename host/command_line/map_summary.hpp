@@ -19,6 +19,7 @@ struct MapReport {
   std::string output;    ///< the file that holds the map; empty when none was kept
   ReportFiles files;     ///< with its pictures; names are empty for those not written
   std::string units;     ///< of the model; empty when not given
+  std::string place;     ///< how well the model's is known; empty: exactly
   double tolerance;
   std::optional<ClosestPointSummary> closest;  ///< where closest points were asked for
   double preparation_seconds;  ///< wall time until the device was ready: kernels compiled, self-test passed

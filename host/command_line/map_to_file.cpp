@@ -45,7 +45,7 @@ ExitStatus status_of(const MapSummary& summary) {
 
 }  // namespace
 
-ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> rows, const MapSummary& summary,
+ExitStatus end_map(std::optional<MapWriter>& writer, const ShownRows& rows, const MapSummary& summary,
                    const std::optional<ClosestPointSummary>& closest, const MapRequest& request,
                    Clock::time_point start, Clock::time_point first_element) {
   const std::string written = end_file(writer, summary, request.output);
@@ -65,6 +65,7 @@ ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> 
                          .output = written,
                          .files = summary.interrupted ? ReportFiles{} : request.report,
                          .units = request.units,
+                         .place = request.place,
                          .tolerance = request.tolerance,
                          .closest = closest,
                          .preparation_seconds = seconds_between(start, first_element),

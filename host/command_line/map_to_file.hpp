@@ -23,6 +23,12 @@
 
 namespace verisq::command_line {
 
+/// All rows of a map that is shown.
+struct ShownRows {
+  std::vector<MapResult> results;
+  std::vector<Certificate> certificates;  ///< none, or one a row
+};
+
 struct MapRequest {
   MapElements elements;
   MapContents contents;
@@ -32,6 +38,7 @@ struct MapRequest {
   std::optional<std::uint64_t> rows = {};
   ReportFiles report = {};  ///< what `show` writes
   std::string units;        ///< of the model; empty when not given
+  std::string place = {};   ///< how well the model's is known; empty: exactly
   double tolerance;
   bool show_progress;
   bool json;                         ///< the form of the summary
@@ -41,14 +48,14 @@ struct MapRequest {
   /// Likewise of poses.
   std::function<std::vector<ClosestPoints>(std::span<const Pose>)> closest_pairs = {};
   /// Called at the end of a map that was not interrupted, with all its rows. Empty: none are kept in memory.
-  std::function<void(std::span<const MapResult>, const MapReport&)> show = {};
+  std::function<void(const ShownRows&, const MapReport&)> show = {};
 };
 
 using Clock = std::chrono::steady_clock;
 
 /// Ends the files, prints the summary and says how the map ended. The map began at `start`, its first element was asked
 /// for at `first_element`. `writer` is nothing where no file is asked for, `rows` are those for `request.show`.
-ExitStatus end_map(std::optional<MapWriter>& writer, std::span<const MapResult> rows, const MapSummary& summary,
+ExitStatus end_map(std::optional<MapWriter>& writer, const ShownRows& rows, const MapSummary& summary,
                    const std::optional<ClosestPointSummary>& closest, const MapRequest& request,
                    Clock::time_point start, Clock::time_point first_element);
 
@@ -107,7 +114,7 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
   std::optional<ReadAhead<Stream>> ahead;
   std::optional<WorkBehind<FinishedRows<Element>>> behind;
   if (writer) behind.emplace([&](const FinishedRows<Element>& rows) { append(*writer, rows); });
-  std::vector<MapResult> rows;
+  ShownRows rows;
   std::optional<ClosestPointSummary> closest;
   const auto start = Clock::now();
   auto mapper = make_mapper();
@@ -132,7 +139,10 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
       add_closest_points(finished, request, closest);
       behind->add(std::move(finished));
     }
-    if (request.show) rows.insert(rows.end(), results.begin(), results.end());
+    if (request.show) {
+      rows.results.insert(rows.results.end(), results.begin(), results.end());
+      rows.certificates.insert(rows.certificates.end(), certificates.begin(), certificates.end());
+    }
     done += elements.size();
     bar->update(done, ahead ? ahead->fraction(done) : stream.fraction(done));
   };

@@ -17,9 +17,9 @@
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/proven_deviation.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
+#include "host/errors/refusal.hpp"
 #include "host/files/words.hpp"
 
 namespace verisq::command_line {

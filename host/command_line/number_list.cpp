@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "host/command_line/finite_number.hpp"
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 

@@ -5,8 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/spelling.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -66,6 +66,7 @@ struct Options::Parser {
     const CLI::Option* option;
     std::string name;
     Reader read;
+    bool may_be_empty = false;  // CLI11 gives an empty text for an option without its value
   };
   struct Forwarding {
     const CLI::App* command;
@@ -75,9 +76,9 @@ struct Options::Parser {
   explicit Parser(const std::string& name, const std::string& description) : program(description, name) {}
 
   void read_all() const {
-    for (const auto& [option, name, read] : waiting) {
+    for (const auto& [option, name, read, may_be_empty] : waiting) {
       for (const std::string& text : option->results()) {
-        refuse_if_empty(name, text);
+        if (!may_be_empty) refuse_if_empty(name, text);
         read(text);
       }
     }
@@ -136,6 +137,14 @@ void Options::add_flag(const std::string& names, bool& given, const std::string&
   app_->add_flag(names, given, explanation);
 }
 
+void Options::add_flag_or_text(const std::string& names, OptionalText& value, const std::string& value_name,
+                               const std::string& explanation) {
+  CLI::Option* const option = app_->add_option(names, CLI::callback_t(), explanation);
+  option->option_text("[" + value_name + "]")->expected(0, 1);
+  const auto read = [&value](const std::string& text) { value = {true, text}; };
+  parser_->waiting.push_back({option, first_name(names), read, true});
+}
+
 void Options::take_all(std::vector<std::string>& arguments) {
   app_->prefix_command();
   app_->set_help_flag();
@@ -176,7 +185,7 @@ void Options::declare(const Declaration& declaration, Reader read) {
   option->type_name(declaration.value_name)->required(declaration.required);
   option->option_text(declaration.value_name + (declaration.required ? " REQUIRED" : ""));
   if (declaration.repeatable) option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(false);
-  parser_->waiting.push_back({option, first_name(declaration.names), std::move(read)});
+  parser_->waiting.push_back({option, first_name(declaration.names), std::move(read), false});
 }
 
 }  // namespace verisq::command_line

@@ -15,6 +15,12 @@ class App;
 
 namespace verisq::command_line {
 
+/// Of an option that may stand alone.
+struct OptionalText {
+  bool given = false;
+  std::string text = {};  ///< empty where it stands alone
+};
+
 /// A handle: copies declare for the same command. What an option fills must live until `parse` returns. An option's
 /// value may be a T or a std::optional<T>; it keeps what it has where the option is not given.
 ///
@@ -66,6 +72,11 @@ class Options {
                     const std::string& explanation);
 
   void add_flag(const std::string& names, bool& given, const std::string& explanation);
+
+  /// A flag whose next word may be a value: without dashes, and none that a positional argument still waits for. An
+  /// empty text is no value.
+  void add_flag_or_text(const std::string& names, OptionalText& value, const std::string& value_name,
+                        const std::string& explanation);
 
   /// Whatever follows the command goes into `arguments`, --help included; there are no other options.
   void take_all(std::vector<std::string>& arguments);

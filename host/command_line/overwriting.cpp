@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 

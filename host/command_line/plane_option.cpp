@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/command_line/number_list.hpp"
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 

@@ -6,13 +6,17 @@
 
 #include "host/command_line/file_fraction.hpp"
 #include "host/command_line/posed_input.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 
 void declare_inputs(Options& options, InputArguments& inputs) {
   require_model(options, "--model", inputs.model);
+  declare_points(options, inputs);
+}
+
+void declare_points(Options& options, InputArguments& inputs) {
   add_pose(options, inputs.pose);
   options.add("--mesh", inputs.mesh, "FILE", "Mesh whose vertices or triangles are meant: .stl .obj .ply .off");
   options.add("--points", inputs.points, "FILE",

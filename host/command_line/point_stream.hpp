@@ -24,6 +24,9 @@ struct InputArguments {
 /// Adds --model, --pose, --mesh and --points.
 void declare_inputs(Options& options, InputArguments& inputs);
 
+/// All but --model.
+void declare_points(Options& options, InputArguments& inputs);
+
 /// Throws Error(input) unless `inputs` has either a mesh or points.
 void check_usage(const InputArguments& inputs);
 

@@ -8,7 +8,7 @@
 #include <verisq/posed_model.hpp>
 
 #include "host/command_line/pose_option.hpp"
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {

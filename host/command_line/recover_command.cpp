@@ -20,10 +20,10 @@
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/proven_deviation.hpp"
 #include "host/command_line/recover_summary.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/whole_number.hpp"
+#include "host/errors/refusal.hpp"
 #include "host/files/output_file.hpp"
 
 namespace verisq::command_line {

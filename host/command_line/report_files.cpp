@@ -8,7 +8,7 @@
 #include "host/command_line/direction_option.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/overwriting.hpp"
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 #include "host/files/output_file.hpp"
 
 namespace verisq::command_line {

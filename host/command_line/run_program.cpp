@@ -13,8 +13,8 @@
 #include <verisq/version.hpp>
 
 #include "host/command_line/interruption.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/spelling.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {

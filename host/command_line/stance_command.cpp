@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <mutex>
 #include <verisq/error.hpp>
 #include <verisq/stance_choice.hpp>
@@ -18,11 +19,12 @@
 #include "host/command_line/number_list.hpp"
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/progress_bar.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
+#include "host/command_line/stance_page.hpp"
 #include "host/command_line/stance_summary.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/whole_number.hpp"
+#include "host/errors/refusal.hpp"
 #include "host/files/output_file.hpp"
 #include "host/stance/motion_table.hpp"
 #include "host/stance/parameter_map.hpp"
@@ -56,6 +58,8 @@ constexpr const char* closing_words =
     "  verisq stance standing.xml --uncertain mp,px --equilibrium held\n"
     "  verisq stance standing.xml --uncertain mp,px --within 1 --stability held\n"
     "  verisq stance standing.xml --uncertain none --simulate 1 --push 50,0.05,0.2 --csv motion.csv --plot motion.svg\n"
+    "  verisq stance standing.xml --uncertain mp,px --within 1 --equilibrium held --stability held --simulate 0.5\n"
+    "    --report standing.html\n"
     "  verisq stance stance.xml --report";
 
 constexpr double default_drop_height = 0.01;  // m
@@ -65,22 +69,46 @@ constexpr std::uint32_t most_cells = 4096;
 void check_usage(const StanceArguments& arguments) {
   if (arguments.cells && !arguments.accelerations && !arguments.equilibrium && !arguments.stability)
     refuse("--cells: give --accelerations, --equilibrium or --stability, too");
+  if (arguments.lift && arguments.drop) refuse("--drop: not with --lift, which begins elsewhere");
   if (arguments.drop_height && !arguments.bounce) refuse("--drop-height: give --bounce, too");
   if (!arguments.simulate) {
     if (arguments.lift) refuse("--lift: give --simulate, too");
+    if (arguments.drop) refuse("--drop: give --simulate, too");
     if (arguments.push) refuse("--push: give --simulate, too");
     if (!arguments.csv.empty()) refuse("--csv: give --simulate, too");
     if (!arguments.plot.empty()) refuse("--plot: give --simulate, too");
   }
   if (!arguments.parameter_map.empty() && arguments.equilibrium.has_value() == arguments.stability.has_value())
     refuse("--parameter-map: give either --equilibrium or --stability, too");
-  refuse_to_overwrite("--parameter-map", arguments.parameter_map, {arguments.model, arguments.csv, arguments.plot});
-  refuse_to_overwrite("--csv", arguments.csv, {arguments.model});
-  refuse_to_overwrite("--plot", arguments.plot, {arguments.model, arguments.csv});
   const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
                      arguments.monte_carlo || arguments.bounce || arguments.equilibrium || arguments.stability ||
                      arguments.within || arguments.simulate || !arguments.ranges.empty();
-  if (arguments.report && other) refuse("--report: chooses parameters and mode itself; give --json at most");
+  const bool page = !arguments.report.text.empty();
+  if (arguments.report.given && !page && other)
+    refuse("--report: chooses parameters and mode itself; give --json at most");
+  if (page && !arguments.equilibrium && !arguments.stability && !arguments.simulate)
+    refuse(fmt::format("--report {}: give --equilibrium, --stability or --simulate, which the page shows",
+                       arguments.report.text));
+  if (page && std::filesystem::path(arguments.report.text).extension() != ".html")
+    refuse(fmt::format("--report {}: its name must end in .html", arguments.report.text));
+}
+
+/// Known before all the work, not after it. Throws Error(input) where a file would overwrite another, Error(failure)
+/// where it cannot be written.
+void check_outputs(const StanceArguments& arguments) {
+  std::vector<std::string> others{arguments.model};
+  const auto check = [&](std::string_view option, const std::string& file) {
+    if (file.empty()) return;
+    refuse_to_overwrite(option, file, others);
+    if (std::ranges::find(others, file) != others.end())
+      refuse(fmt::format("{} {}: the same file twice", option, file));
+    others.push_back(file);
+    const OutputFile trial(file);  // leaves nothing behind
+  };
+  check("--parameter-map", arguments.parameter_map);
+  check("--csv", arguments.csv);
+  check("--plot", arguments.plot);
+  check("--report", arguments.report.text);
 }
 
 /// The words between commas.
@@ -152,7 +180,7 @@ class Analysis {
 
   [[nodiscard]] const StanceSummary& run() {
     const Stopwatch time;
-    if (arguments_.report) {
+    if (arguments_.report.given && arguments_.report.text.empty()) {
       compare();
     } else {
       enclose_wrench();
@@ -166,6 +194,7 @@ class Analysis {
     }
     summary_.seconds = time.seconds();
     summary_.interrupted = interrupted();
+    if (!arguments_.report.text.empty()) write_stance_page(arguments_.report.text, summary_);
     return summary_;
   }
 
@@ -217,14 +246,19 @@ class Analysis {
         check(sampled_accelerations_of(summary_.model, summary_.accelerations), joint_names(summary_.model));
   }
 
+  /// Of equilibria, and of their stability, which have the same. The bar must outlive them.
+  [[nodiscard]] EquilibriumOptions options_by_cells(JointControl control, ProgressBar& bar) const {
+    EquilibriumOptions options{.control = control, .interrupted = interrupted};
+    if (arguments_.cells) options.cells = *arguments_.cells;
+    options.progress = [&bar](double fraction) { bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction); };
+    return options;
+  }
+
   void enclose_equilibrium() {
     summary_.control = *arguments_.equilibrium;
     summary_.equilibrium_scope = equilibrium_scope(summary_.model, summary_.control);
     ProgressBar bar(!arguments_.no_progress, "%");
-    EquilibriumOptions options{.control = summary_.control, .interrupted = interrupted};
-    if (arguments_.cells) options.cells = *arguments_.cells;
-    options.progress = [&](double fraction) { bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction); };
-    summary_.equilibrium = equilibrium(summary_.model, summary_.uncertain, options);
+    summary_.equilibrium = equilibrium(summary_.model, summary_.uncertain, options_by_cells(summary_.control, bar));
   }
 
   void draw_parameter_map() const {
@@ -239,19 +273,19 @@ class Analysis {
     summary_.stability_control = *arguments_.stability;
     summary_.stability_scope = stability_scope(summary_.model, summary_.stability_control);
     ProgressBar bar(!arguments_.no_progress, "%");
-    StabilityOptions options{.control = summary_.stability_control, .interrupted = interrupted};
-    if (arguments_.cells) options.cells = *arguments_.cells;
-    options.progress = [&](double fraction) { bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction); };
-    summary_.stability = stability(summary_.model, summary_.uncertain, options);
+    summary_.stability =
+        stability(summary_.model, summary_.uncertain, options_by_cells(summary_.stability_control, bar));
   }
 
   void enclose_motion() {
-    summary_.motion_scope = motion_scope(summary_.model);
     ProgressBar bar(!arguments_.no_progress, "%");
-    MotionOptions options{.duration = *arguments_.simulate, .lift = arguments_.lift.value_or(0.0)};
+    MotionOptions options{
+        .duration = *arguments_.simulate, .lift = arguments_.lift.value_or(0.0), .drop = arguments_.drop};
     options.push = arguments_.push;
+    summary_.motion_scope = motion_scope(summary_.model, options);
     options.interrupted = interrupted;
     options.progress = [&](double fraction) { bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction); };
+    summary_.motion_duration = options.duration;
     summary_.motion = simulate(summary_.model, summary_.uncertain, options);
     write_file(arguments_.csv, motion_table(*summary_.motion));
     write_file(arguments_.plot, motion_picture(*summary_.motion));
@@ -323,6 +357,9 @@ void declare_stance(Options& options, StanceArguments& arguments) {
               "With --equilibrium or --stability and two uncertain parameters: their cells as a picture (SVG)");
   options.add("--simulate", arguments.simulate, parse_positive_length, "SECONDS",
               "Also how the body moves in its sagittal plane, from its nominal equilibrium on, for so long");
+  options.add(
+      "--drop", arguments.drop, parse_length, "NUMBER",
+      "With --simulate: let it go in the file's posture instead, its lowest sole so far above the ground, in m");
   options.add("--lift", arguments.lift, parse_length, "NUMBER",
               "With --simulate: let it go so far above the equilibrium, in m");
   options.add(
@@ -340,9 +377,10 @@ void declare_stance(Options& options, StanceArguments& arguments) {
   options.add("--monte-carlo", arguments.monte_carlo, whole_number<std::uint64_t>(1), "COUNT",
               "Sample the uncertain parameters, check that the enclosures contain all samples, and say how much\n"
               "of them the samples fill");
-  options.add_flag("--report", arguments.report,
-                   "Instead: Tables 2, 3 and 4 of the paper, cell by cell,\n"
-                   "with the constants that were reconstructed from these same tables");
+  options.add_flag_or_text("--report", arguments.report, "FILE",
+                           "With --equilibrium, --stability or --simulate: a page of them that any browser shows,\n"
+                           "without a network: .html. Without a file, instead: Tables 2, 3 and 4 of the paper, cell\n"
+                           "by cell, with the constants that were reconstructed from these same tables");
   options.add("--bounce", arguments.bounce, "CYLINDER",
               "Also drop this contact cylinder alone, with the mass of its body, and enclose its rebound; the mass,\n"
               "the normal restitution and the impact velocity take their ranges where they are uncertain");
@@ -354,6 +392,7 @@ void declare_stance(Options& options, StanceArguments& arguments) {
 
 ExitStatus run_stance(const StanceArguments& arguments) {
   check_usage(arguments);
+  check_outputs(arguments);
   watch_for_interruption();
   Analysis analysis(arguments);
   const StanceSummary& summary = analysis.run();

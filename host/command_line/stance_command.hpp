@@ -29,10 +29,11 @@ struct StanceArguments {
   std::optional<std::uint32_t> cells;
   std::optional<double> simulate;  ///< in s
   std::optional<double> lift;      ///< in m
+  std::optional<double> drop;      ///< in m
   std::optional<stance::Push> push;
   std::string csv, plot;
   std::optional<std::uint64_t> monte_carlo;
-  bool report = false;
+  OptionalText report;
   std::optional<std::string> bounce;
   std::optional<double> drop_height;  ///< in m
   bool json = false;

@@ -410,7 +410,7 @@ JsonObject json_of_motion(const StanceSummary& summary) {
   return {{"reached", motion.reached},
           {"proven", motion.proven},
           {"open", motion.open},
-          {"steps", static_cast<double>(motion.slabs.size())},
+          {"steps", motion.slabs.size()},
           {"positions", positions},
           {"velocities", velocities},
           {"scope", json_of(summary.motion_scope)}};
@@ -490,7 +490,7 @@ std::string readable(const StanceSummary& summary) {
   return stripped(text);
 }
 
-std::string json(const StanceSummary& summary) {
+JsonObject json_value(const StanceSummary& summary) {
   JsonValue::Array uncertain;
   for (const std::uint32_t i : summary.uncertain) uncertain.push_back(summary.model.parameters[i].name);
   JsonObject object{{"model", summary.file}, {"parameters", json_of_parameters(summary.model)}};
@@ -517,7 +517,11 @@ std::string json(const StanceSummary& summary) {
   object.set("notes", notes(summary.model));
   object.set("interrupted", summary.interrupted);
   object.set("seconds", summary.seconds);
-  return object.text() + "\n";
+  return object;
+}
+
+std::string json(const StanceSummary& summary) {
+  return json_value(summary).text() + "\n";
 }
 
 }  // namespace verisq::command_line

@@ -11,6 +11,7 @@
 #include <verisq/stance_motion.hpp>
 #include <verisq/stance_stability.hpp>
 
+#include "host/command_line/json_value.hpp"
 #include "host/stance/stance_report.hpp"
 #include "host/stance/stance_samples.hpp"
 #include "host/stance/stance_scope.hpp"
@@ -38,6 +39,7 @@ struct StanceSummary {
   std::optional<stance::Stability> stability;
   stance::Scope stability_scope;
   std::optional<stance::Motion> motion;
+  double motion_duration = 0.0;  ///< that was asked for, s
   stance::Scope motion_scope;
   std::optional<stance::PaperReport> paper;
   std::string dropped;  ///< the cylinder that bounces
@@ -57,7 +59,10 @@ struct StanceSummary {
 /// Ends of enclosures are rounded outward to the digits printed.
 [[nodiscard]] std::string readable(const StanceSummary& summary);
 
-/// One line; an infinite end is null.
+/// An infinite end is null.
+[[nodiscard]] JsonObject json_value(const StanceSummary& summary);
+
+/// The same as one line.
 [[nodiscard]] std::string json(const StanceSummary& summary);
 
 }  // namespace verisq::command_line

@@ -19,12 +19,12 @@
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/plane_option.hpp"
 #include "host/command_line/progress_bar.hpp"
-#include "host/command_line/refusal.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/surface_summary.hpp"
 #include "host/command_line/thickness_option.hpp"
 #include "host/command_line/whole_number.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <verisq/error.hpp>
 
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 

@@ -9,7 +9,7 @@
 
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/number_list.hpp"
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/core.h>
 
 #include "host/command_line/finite_number.hpp"
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <verisq/mesh_file.hpp>
 
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <system_error>
 
-#include "host/command_line/refusal.hpp"
+#include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
 namespace {

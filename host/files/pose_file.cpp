@@ -45,4 +45,14 @@ std::uint64_t PoseFile::bytes_total() const {
   return state_->rows.bytes_total();
 }
 
+std::vector<Pose> read_poses(const std::filesystem::path& path) {
+  PoseFile file(path);
+  std::vector<Pose> poses;
+  std::vector<Pose> chunk(1024);
+  while (const std::size_t count = file.read(chunk)) {
+    poses.insert(poses.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  return poses;
+}
+
 }  // namespace verisq

@@ -6,9 +6,12 @@
 #include "host/maps/bracket_map.hpp"
 #include "host/maps/exact_map.hpp"
 #include "host/maps/separate_columns.hpp"
+#include "host/maps/uncertain_pose_map.hpp"
+#include "verify/placement/displaced_point.hpp"
 #include "verify/proof/bracketed.hpp"
 #include "verify/proof/uncertain_distance.hpp"
 #include "verisq/error.hpp"
+#include "verisq/signed_distance.hpp"
 
 namespace verisq {
 namespace {
@@ -57,21 +60,64 @@ BracketedMap<Pose> maps_of(const Bracket& a, const Bracket& b, const MapOptions&
 }
 
 template <class Query>
-BracketMap<Query> map_of(const Bracket& models, const MapOptions& options) {
+BracketMap<Query> bracket_map_of(const Bracket& models, const MapOptions& options) {
   const MemberBounds bounds(models, options.point_radius);
   return {bounds, options, maps_of<Query>(models, of_one_end(bounds, options))};
 }
 
-BracketMap<Pose> map_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
+BracketMap<Pose> bracket_map_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
   const MemberBounds bounds(a, b);
   return {bounds, options, maps_of(a, b, of_one_end(bounds, options))};
+}
+
+void check_uncertain_pose(const MapOptions& options, bool divisible) {
+  if (!options.pose_uncertainty) return;
+  const auto refuse = [](const char* what) { throw Error(ErrorKind::input, fmt::format("uncertain poses: {}", what)); };
+  if (options.certificates) refuse("there are no certificates");
+  if (options.tolerance == 0.0) refuse("rows are never narrower than distances differ: the tolerance must be above 0");
+  if (options.pose_divisions == 0) refuse("the divisions must be at least 1");
+  if (options.pose_divisions > 1 && !divisible) refuse("places are divided for points alone");
+}
+
+/// At the nominal pose: distances to a small part of what the motions, which take the model as far as `reach`, leave.
+MapOptions at_nominal_pose(MapOptions options, double reach) {
+  constexpr double parts = 32.0;
+  if (options.pose_uncertainty)
+    options.tolerance = std::max(options.tolerance, reach) / (parts * options.pose_divisions);
+  return options;
+}
+
+double reach_of(const MapOptions& options, const Model& model) {
+  return options.pose_uncertainty ? verify::reach_of(*options.pose_uncertainty, model) : 0.0;
+}
+
+/// Of points, where the model is one that convexity says more of.
+template <class Query>
+std::optional<ConvexPoseRows> convex_rows_of(const Bracket& models, const MapOptions& options, double reach) {
+  if (!std::same_as<Query, Point> || !options.pose_uncertainty) return std::nullopt;
+  if (!MemberBounds(models, 0.0).exact() || !is_union_of_convex(models.largest)) return std::nullopt;
+  return ConvexPoseRows(models.largest, *options.pose_uncertainty, at_nominal_pose(options, reach));
+}
+
+template <class Query>
+UncertainPoseMap<Query> map_of(const Bracket& models, const MapOptions& options) {
+  check_uncertain_pose(options, std::same_as<Query, Point>);
+  const double reach = reach_of(options, models.largest);
+  return {options, reach, bracket_map_of<Query>(models, at_nominal_pose(options, reach)),
+          convex_rows_of<Query>(models, options, reach)};
+}
+
+UncertainPoseMap<Pose> map_of(const Bracket& a, const Bracket& b, const MapOptions& options) {
+  check_uncertain_pose(options, false);
+  const double reach = reach_of(options, b.largest);
+  return {options, reach, bracket_map_of(a, b, at_nominal_pose(options, reach))};
 }
 
 }  // namespace
 
 template <class Query>
 struct Mapper<Query>::State {
-  BracketMap<Query> map;
+  UncertainPoseMap<Query> map;
 };
 
 // clang 14 instantiates constructors whose constraints do not hold, too.

@@ -48,7 +48,7 @@ class PointProver {
       throw Error(ErrorKind::input, "the published method runs on the host alone and has no certificates");
     if (published_) verify::require_union_of_convex(model, "the published method");
     if (published_) verify::require_no_taper(model, "the published method");
-    if (certificates_) verify::require_union_of_convex(model, "certificates");
+    if (certificates_) verify::require_union(model, "certificates");
     refuse_empty(model, distance_, options.interrupted);
     if (!options.out_of_time) return;
     if (certificates_) {
@@ -123,6 +123,7 @@ std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions&
   std::string unsuited = device::why_not_in_cubes(model);
   if (unsuited.empty()) unsuited = device::why_not_compiled(model);
   if (!is_union_of_convex(model)) {
+    if (options.certificates) unsuited = "certificates of bent solids are the host's";
     const auto make_batch = [&](const device::Device& device) {
       return device::solid_batch(device, model, options.tolerance);
     };

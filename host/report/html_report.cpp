@@ -5,14 +5,14 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
 #include <vector>
 #include <verisq/report.hpp>
 
-#include "host/files/output_file.hpp"
 #include "host/mesh/extent.hpp"
-#include "host/report/base64.hpp"
+#include "host/report/column_text.hpp"
+#include "host/report/filled_page.hpp"
 #include "host/report/model_surface.hpp"
+#include "host/report/proof_data.hpp"
 #include "host/report/seated_implant.hpp"
 #include "host/report/view.hpp"
 #include "report/page_template.hpp"
@@ -21,14 +21,6 @@ namespace verisq {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-template <class Number>
-std::string text_of(std::vector<Number> numbers) {
-  if constexpr (sizeof(Number) > 1) {
-    std::ranges::transform(numbers, numbers.begin(), [](Number number) { return in_little_endian(number); });
-  }
-  return report::base64(std::as_bytes(std::span(numbers)));
-}
 
 /// To nearest; what is beyond the range of binary32 stops at its end.
 float to_binary32(double x) {
@@ -45,14 +37,15 @@ Json surface(const Mesh& mesh, const Point& centre) {
   std::vector<std::uint32_t> triangles;
   triangles.reserve(3 * mesh.triangles.size());
   for (const auto& triangle : mesh.triangles) triangles.insert(triangles.end(), triangle.begin(), triangle.end());
-  return {{"positions", text_of(std::move(positions))}, {"triangles", text_of(std::move(triangles))}};
+  return {{"positions", report::column_text(std::move(positions))},
+          {"triangles", report::column_text(std::move(triangles))}};
 }
 
 template <class Number, class Part>
 std::string column(std::span<const MapResult> rows, const Part& part) {
   std::vector<Number> numbers(rows.size());
   std::ranges::transform(rows, numbers.begin(), part);
-  return text_of(std::move(numbers));
+  return report::column_text(std::move(numbers));
 }
 
 /// As the poses are: about the files' origin.
@@ -66,7 +59,7 @@ Json path(std::span<const Pose> poses) {
 Json areas(const Report& report) {
   if (report.area_names.empty()) return nullptr;
   return {{"names", report.area_names},
-          {"of", text_of(std::vector<std::uint32_t>(report.area_of.begin(), report.area_of.end()))}};
+          {"of", report::column_text(std::vector<std::uint32_t>(report.area_of.begin(), report.area_of.end()))}};
 }
 
 Json data_of(const Report& report) {
@@ -92,36 +85,27 @@ Json data_of(const Report& report) {
        column<std::uint8_t>(report.rows, [](const MapResult& row) { return static_cast<std::uint8_t>(row.status); })},
       {"areas", areas(report)},
       {"path", path(report.path)},
+      {"proof", report::proof_data(report)},
   };
 }
 
-/// Writes JSON so that no text in it can end the script element around it or open another: in JSON these characters
-/// occur within texts alone. What is not ASCII is escaped, too; what is not UTF-8 is replaced.
-void write_for_html(OutputFile& file, const Json& json) {
-  const std::string text = json.dump(-1, ' ', true, Json::error_handler_t::replace);
-  std::string_view rest = text;
-  while (true) {
-    const std::size_t plain = rest.find_first_of("<>&");
-    file.write(rest.substr(0, plain));
-    if (plain == std::string_view::npos) return;
-    file.write(rest[plain] == '<' ? "\\u003c" : rest[plain] == '>' ? "\\u003e" : "\\u0026");
-    rest.remove_prefix(plain + 1);
-  }
+/// The page has its checker, of some 400 kB, between these, for pages with certificates alone.
+constexpr std::string_view prover_begins = "<!--verisq-prover-->";
+constexpr std::string_view prover_ends = "<!--/verisq-prover-->";
+
+std::string page_without_prover() {
+  const std::string_view page = report::page_template();
+  const std::size_t first = page.find(prover_begins);
+  const std::size_t last = page.find(prover_ends);
+  return std::string(page.substr(0, first)).append(page.substr(last + prover_ends.size()));
 }
 
 }  // namespace
 
 void write_html_report(const std::filesystem::path& path, const Report& report) {
-  constexpr std::string_view marker = "<!--verisq-report-data-->";
-  const std::string_view page = report::page_template();
-  const std::size_t place = page.find(marker);
-  OutputFile file(path);
-  file.write(page.substr(0, place));
-  file.write(R"(<script type="application/json" id="verisq-report">)");
-  write_for_html(file, data_of(report));
-  file.write("</script>");
-  file.write(page.substr(place + marker.size()));
-  file.finish();
+  const std::string page = report.proof ? std::string(report::page_template()) : page_without_prover();
+  // What is not ASCII is escaped; what is not UTF-8 is replaced.
+  report::write_filled_page(path, page, data_of(report).dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
 }  // namespace verisq

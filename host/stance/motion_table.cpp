@@ -110,18 +110,15 @@ std::string motion_picture(const Motion& motion) {
                       [c](const MotionSlab& slab) { return slab.contacts[c].normal; }});
   }
   const double height = gap + (panel_height + gap) * static_cast<double>(panels.size()) + 30.0;
-  std::string text = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\" "
-      "font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-      width + 20.0, height);
+  std::string text;
   double top = gap;
   for (const Panel& panel : panels) {
     if (!motion.slabs.empty()) text += panel_text(motion, panel, top);
     top += panel_height + gap;
   }
-  text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">0 to {:.6g} s: proven enclosures{}</text>\n</svg>\n", left,
-                      top - 10.0, motion.reached, motion.proven ? "" : "; from there on OPEN");
-  return text;
+  text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">0 to {:.6g} s: proven enclosures{}</text>\n", left, top - 10.0,
+                      motion.reached, motion.proven ? "" : "; from there on OPEN");
+  return svg_document(width + 20.0, height, text);
 }
 
 }  // namespace verisq::stance

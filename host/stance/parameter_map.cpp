@@ -107,11 +107,8 @@ template <class Cells, class Verdict>
 std::string map_of(const Cells& cells, const std::array<Parameter, 2>& axes, const std::array<Verdict, 3>& verdicts) {
   const Axis across = axis_of(cells, 0);
   const Axis upward = axis_of(cells, 1);
-  return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\" "
-             "font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-             map_left + map_side + 30.0, map_top + map_side + 110.0) +
-         rectangles(cells, across, upward) + axis_labels(across, upward, axes) + legend(verdicts) + "</svg>\n";
+  return svg_document(map_left + map_side + 30.0, map_top + map_side + 110.0,
+                      rectangles(cells, across, upward) + axis_labels(across, upward, axes) + legend(verdicts));
 }
 
 }  // namespace

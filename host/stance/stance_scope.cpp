@@ -123,7 +123,22 @@ Scope stability_scope(const Model& model, JointControl control) {
       std::move(acts), std::move(idle), without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
 }
 
-Scope motion_scope(const Model& model) {
+namespace {
+
+std::string beginning_of(const MotionOptions& options) {
+  if (options.drop) {
+    return fmt::format(
+        "let go at rest in the file's posture, its lowest sole {} m above the ground, the controllers' "
+        "integrals those of its nominal equilibrium",
+        *options.drop);
+  }
+  if (options.lift != 0.0) return fmt::format("let go at rest {} m above its nominal equilibrium", options.lift);
+  return "from its nominal equilibrium on";
+}
+
+}  // namespace
+
+Scope motion_scope(const Model& model, const MotionOptions& options) {
   Indices active;
   const auto planar = [&](const QuantityVector& v) {
     insert(active, v[0]);
@@ -144,7 +159,7 @@ Scope motion_scope(const Model& model) {
           &cylinder.static_friction, &cylinder.dynamic_friction})
       insert(active, *quantity);
   }
-  return {"the body moves in its sagittal plane, both legs alike, from its nominal equilibrium on",
+  return {"the body moves in its sagittal plane, both legs alike, " + beginning_of(options),
           {"gravity", "inertia", "contact with its damping", "friction with bristles", "controller", "applied force",
            "push"},
           {"motion out of the sagittal plane", "tangential restitution"},

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 #include <verisq/stance_equilibrium.hpp>
+#include <verisq/stance_motion.hpp>
 
 namespace verisq::stance {
 
@@ -23,7 +24,7 @@ struct Scope {
 
 [[nodiscard]] Scope stability_scope(const Model& model, JointControl control);
 /// Of the motion in the sagittal plane.
-[[nodiscard]] Scope motion_scope(const Model& model);
+[[nodiscard]] Scope motion_scope(const Model& model, const MotionOptions& options);
 
 /// Of the drop of one of the model's cylinders.
 [[nodiscard]] Scope bounce_scope(const Model& model, const ContactCylinder& cylinder);

@@ -1,5 +1,7 @@
-/// Names of a file as text of a picture.
+/// Pictures as SVG: the document, and names of a file as its text.
 #pragma once
+
+#include <fmt/core.h>
 
 #include <string>
 #include <string_view>
@@ -18,6 +20,14 @@ namespace verisq::stance {
     }
   }
   return text;
+}
+
+/// A white picture with these elements.
+[[nodiscard]] inline std::string svg_document(double width, double height, std::string_view elements) {
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\" "
+      "font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n{}</svg>\n",
+      width, height, elements);
 }
 
 }  // namespace verisq::stance

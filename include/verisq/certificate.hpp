@@ -11,10 +11,10 @@ namespace verisq {
 
 /// A vector v that bounds the signed distance of a point q to one primitive K, whatever v is: from below by
 /// (v·q - h(v)) / |v| with K's support function h, because K lies in the half-space {v·x <= h(v)}; from above by
-/// |q - b|, where b is the last point of K on the ray from K's centre (its
-/// focus, of a tapered one) through q - v. Both are tight where v points
-/// along the gradient of the distance and, for q outside, is as long as the distance: b is then the closest point.
-/// Given in the primitive's own frame, so that no rotation rounds it: in a flat solid the bound would feel that.
+/// |q - b|, where b is the last point of K on the ray from K's centre (its focus, of a tapered one) through q - v. Both
+/// are tight where v points along the gradient of the distance and, for q outside, is as long as the distance: b is
+/// then the closest point. Given in the primitive's own frame, so that no rotation rounds it: in a flat solid the bound
+/// would feel that. What it proves of a bent primitive Checker says.
 struct Normal {
   std::uint32_t primitive;  ///< index in Model::primitives
   std::array<double, 3> vector;

@@ -23,12 +23,16 @@ struct Finding {
 
 /// Of an uncertain model or point, the certificate of an enclosure proves two statements: its normals bound the
 /// distance to the largest (or inflated) model from below, with the escape if there is one, and that to the smallest
-/// from above, the first normal first; each normal proves what it can for either. Immutable after construction: safe to
-/// call from many threads.
+/// from above, the first normal first; each normal proves what it can for either. Of a primitive K bent by β
+/// (docs/mathematics.md §9) a normal v proves a lower end where |β(x) - q|² lies above its tangent plane at β⁻¹(q - v)
+/// for all x of K that are near enough, and the upper end |q - β(b)|, b being β⁻¹(q - v) scaled to K's surface; with
+/// hi < 0, that the ball of radius -hi lies inside, which is -hi along -v from q the nearest to the boundary. Immutable
+/// after construction: safe to call from many threads.
 class Checker {
  public:
   /// Each point is any within `point_radius` of the one given, each triangle any whose corners are. Precondition:
-  /// finite, at least 0. Throws Error(input) unless the model is_union_of_convex, and as `bracket`.
+  /// finite, at least 0. Throws Error(input) unless the model is the union of its primitives, and as `bracket`. Of bent
+  /// primitives (docs/mathematics.md §9) points alone.
   explicit Checker(const UncertainModel& model, double point_radius = 0.0);
   ~Checker();
   Checker(Checker&&) noexcept;
@@ -39,7 +43,8 @@ class Checker {
   /// vectors that are zero or not finite, prove nothing. Precondition: `point` is finite, `claimed` holds no NaN.
   [[nodiscard]] Finding operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate) const;
 
-  /// The same of the distance of a triangle, which is 0 where it meets the model. Precondition: finite corners.
+  /// The same of the distance of a triangle, which is 0 where it meets the model. Precondition: finite corners. Throws
+  /// Error(input) where a primitive is bent.
   [[nodiscard]] Finding operator()(const Triangle& triangle, const Enclosure& claimed,
                                    const Certificate& certificate) const;
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <verisq/certificate.hpp>
@@ -13,6 +14,7 @@
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
+#include <verisq/pose_uncertainty.hpp>
 #include <verisq/uncertain_model.hpp>
 
 namespace verisq {
@@ -41,6 +43,14 @@ struct MapOptions {
   /// Each point is any within this radius of the one given, each triangle any whose corners are; of poses 0.
   /// Precondition: finite, at least 0.
   double point_radius = 0.0;
+  /// The model may be moved by any of these; of poses model B, after each of them. Then each row encloses the distances
+  /// at all of these places, and the tolerance must be above 0: rows are never narrower than the distances differ. No
+  /// certificates. Preconditions as there.
+  std::optional<PoseUncertainty> pose_uncertainty = {};
+  /// Of points: into how many parts along each axis the places are divided at most where a point may stand as seen from
+  /// the model; rounded down to a power of two. 1 widens a row by as much as the motions move its point, which always
+  /// holds; from 16 on rows are little wider than the distances differ. Triangles and poses know 1 alone.
+  unsigned pose_divisions = 1;
   std::function<bool()> interrupted = [] { return false; };  ///< polled between chunks; true ends the map early
   /// A time limit: polled, also by several threads at once; once true, it must stay true. Running searches end then,
   /// and no other begins. What the device has not begun by then is not begun any more. Every row is delivered all the

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <vector>
+#include <verisq/checker.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 
@@ -32,5 +33,10 @@ struct PairCertificate {
 /// not have, and vectors and points that are not finite, prove nothing. Throws Error(input) unless both models are
 /// is_union_of_convex.
 [[nodiscard]] Enclosure prove(const Model& a, const Model& b, const Pose& pose, const PairCertificate& certificate);
+
+/// What that says of a claim about this distance: never `proved` of an enclosure that does not contain it. Throws
+/// likewise. Precondition: `claimed` holds no NaN.
+[[nodiscard]] Finding check(const Model& a, const Model& b, const Pose& pose, const Enclosure& claimed,
+                            const PairCertificate& certificate);
 
 }  // namespace verisq

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <vector>
 #include <verisq/model.hpp>
 
 namespace verisq {
@@ -29,5 +30,8 @@ class PoseFile {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// All poses of a file, in its order. Throws as PoseFile.
+[[nodiscard]] std::vector<Pose> read_poses(const std::filesystem::path& path);
 
 }  // namespace verisq

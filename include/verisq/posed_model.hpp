@@ -17,6 +17,9 @@ namespace verisq {
 /// translation is: a turned box of places is no box.
 [[nodiscard]] UncertainModel posed(const UncertainModel& model, const Pose& pose);
 
+/// A point moved likewise, each coordinate to nearest.
+[[nodiscard]] Point posed(const Point& point, const Pose& pose);
+
 /// Points that the model's file names, moved with it: each coordinate to nearest.
 [[nodiscard]] FemurLandmarks posed(const FemurLandmarks& landmarks, const Pose& pose);
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <vector>
+#include <verisq/certificate.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
@@ -18,6 +19,16 @@ namespace verisq {
 struct ReportLine {
   std::string label;
   std::string value;
+};
+
+/// What lets a page prove its rows again in the reader's browser: pages hold the model file's text, the vertices and
+/// the certificates, bit for bit. Spans must outlive the call.
+struct ReportProof {
+  std::span<const Certificate> certificates;  ///< one a row
+  std::filesystem::path model_file;           ///< as `implant` was read; a regular file
+  std::filesystem::path mesh_file;            ///< as `bone` was read; a regular file, of which the page has the SHA-256
+  bool moved = false;                         ///< the primitives stand where `implant` says, not where the file does
+  double point_radius = 0.0;                  ///< as that of `MapOptions`
 };
 
 /// What a report shows. Spans and references must outlive the call.
@@ -35,6 +46,7 @@ struct Report {
   std::optional<double> range = {};        ///< colours end at this distance, > 0; default as `default_range` says
   std::optional<Point> up = {};            ///< what pictures have on top, not zero; default: the bone's long axis, at
                                            ///< the end that is the implant's
+  std::optional<ReportProof> proof = {};   ///< of maps with certificates
 };
 
 /// Where colours end unless a report says it: at 3 mm, between which implants are judged, where `units` are mm, cm or m
@@ -42,8 +54,8 @@ struct Report {
 [[nodiscard]] double default_range(std::span<const MapResult> rows, std::string_view units);
 
 /// A self-contained `.html` (no network): the bone coloured by its proven distances, the implant, [lo, hi] where the
-/// pointer is, histogram, summary. Distances are kept as exact binary64. Throws Error(failure) when the file cannot be
-/// written.
+/// pointer is, histogram, summary. Distances are kept as exact binary64; with `proof` the page proves them again.
+/// Throws Error(failure) when the file cannot be written, Error(input) when one that `proof` names cannot be read.
 void write_html_report(const std::filesystem::path& path, const Report& report);
 
 /// A still picture `.png` of the bone coloured by the proven lower bound, the implant showing through, and the colour

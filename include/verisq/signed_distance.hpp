@@ -33,8 +33,8 @@ class SignedDistance {
 
   /// The same with what proves it: `Checker` proves the enclosure again from the certificate. The enclosure is what the
   /// certificate's binary64 numbers prove, which may be wider than the other's by their rounding; inside overlaps also
-  /// because the upper end is always proven by one primitive alone (as the obligation of `Bracket` asks). Throws
-  /// Error(input) unless the model is_union_of_convex.
+  /// because the upper end is always proven by one primitive alone (as the obligation of `Bracket` asks), and beside
+  /// bent ones where §9 proves nothing. Throws Error(input) unless the model is the union of its primitives.
   [[nodiscard]] CertifiedEnclosure certified(const Point& point, double tolerance) const;
 
   /// The same, interrupted as above.

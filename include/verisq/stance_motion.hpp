@@ -20,6 +20,9 @@ struct Push {
 struct MotionOptions {
   double duration;    ///< s, above 0
   double lift = 0.0;  ///< m: how far above its equilibrium the body is let go
+  /// m, not negative: instead it is let go in the file's posture, which need not be that of the equilibrium, the lowest
+  /// point of its cylinders so far above the ground, to rounding.
+  std::optional<double> drop = {};
   std::optional<Push> push = {};
   std::function<bool()> interrupted = {};
   std::function<void(double fraction)> progress = {};
@@ -52,9 +55,9 @@ struct Motion {
 };
 
 /// Starts at rest, bristles at 0, in the equilibrium of the nominal parameters with the joints held where the file has
-/// them, by the integrals, or lifted from there. Gravity, the applied force, the push, contact, friction and the
-/// controllers act. Throws Error(input) for a model that is not mirror-symmetric, has no such proven equilibrium, or
-/// whose controllers cannot hold it.
+/// them, by the integrals, or lifted from there, or dropped with these integrals. Gravity, the applied force, the push,
+/// contact, friction and the controllers act. Throws Error(input) for a model that is not mirror-symmetric, has no such
+/// proven equilibrium, or whose controllers cannot hold it.
 [[nodiscard]] Motion simulate(const Model& model, UncertainSet uncertain, const MotionOptions& options);
 
 }  // namespace verisq::stance

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <string_view>
 #include <vector>
 #include <verisq/stance_equilibrium.hpp>
@@ -52,14 +51,9 @@ struct Stability {
   bool interrupted = false;  ///< what was not looked at is open
 };
 
-struct StabilityOptions {
-  /// `held`: the PID controllers' integral parts hold the joints where the file has them, all their parts act on
-  /// disturbances. `proportional`: the integral parts are absent.
-  JointControl control = JointControl::held;
-  std::uint32_t cells = 16;  ///< the finest subdivision of each uncertain parameter's range, rounded up to a power of 2
-  std::function<bool()> interrupted = {};
-  std::function<void(double fraction)> progress = {};  ///< of the box's volume that is done
-};
+/// Where joints are `held`, the PID controllers' integral parts hold them where the file has them, and all their parts
+/// act on disturbances; where control is `proportional`, the integral parts are absent.
+using StabilityOptions = EquilibriumOptions;
 
 /// Of the equilibria of `equilibrium`: by the eigenvalues of the linearised motion of all joints, with masses, inertia,
 /// gravity, the cylinders' Hunt-Crossley forces, bristles that stick, and the controllers. The bristles hold the feet

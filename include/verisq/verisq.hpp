@@ -4,6 +4,7 @@
 #include <verisq/bone_region.hpp>
 #include <verisq/cavity.hpp>
 #include <verisq/certificate.hpp>
+#include <verisq/certificate_file.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
 #include <verisq/closest_point.hpp>
@@ -40,10 +41,12 @@
 #include <verisq/octree_cube.hpp>
 #include <verisq/octree_file.hpp>
 #include <verisq/pair_certificate.hpp>
+#include <verisq/path_distance.hpp>
 #include <verisq/plane.hpp>
 #include <verisq/plane_cut.hpp>
 #include <verisq/point_file.hpp>
 #include <verisq/pose_file.hpp>
+#include <verisq/pose_uncertainty.hpp>
 #include <verisq/posed_model.hpp>
 #include <verisq/published_method.hpp>
 #include <verisq/recovery.hpp>

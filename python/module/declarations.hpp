@@ -16,6 +16,7 @@ void declare_certificates(pybind11::module_& module);
 void declare_closest_points(pybind11::module_& module);
 void declare_closest_pairs(pybind11::module_& module);
 void declare_pairs(pybind11::module_& module);
+void declare_paths(pybind11::module_& module);
 void declare_deviations(pybind11::module_& module);
 void declare_recoveries(pybind11::module_& module);
 void declare_features(pybind11::module_& module);

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
@@ -24,6 +25,7 @@
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
 #include "python/module/python_closest_points.hpp"
 #include "python/module/python_map.hpp"
 #include "python/module/python_model.hpp"
@@ -68,6 +70,55 @@ struct Queries<Pose> : CopiedQueries<Pose> {
   explicit Queries(const py::handle& object) : CopiedQueries{poses(object, "poses")} {}
 };
 
+/// How well a model's place is known, as Python says it.
+struct PythonPoseUncertainty {
+  std::array<double, 3> translation;
+  double rotation;  ///< in degrees
+  Point centre;
+  unsigned divisions;
+
+  static constexpr std::size_t members = 4;
+
+  [[nodiscard]] bool operator==(const PythonPoseUncertainty&) const = default;
+  [[nodiscard]] PoseUncertainty bounds() const { return {translation, radians_up(rotation), centre}; }
+};
+
+using MaybeUncertain = std::optional<PythonPoseUncertainty>;
+
+PythonPoseUncertainty pose_uncertainty_of(const py::object& translation, double rotation, const Point& centre,
+                                          unsigned divisions) {
+  std::array<double, 3> each{};
+  if (py::isinstance<py::sequence>(translation) || py::isinstance<py::array>(translation)) {
+    each = translation.cast<std::array<double, 3>>();
+  } else {
+    each.fill(translation.cast<double>());
+  }
+  for (const double x : each) check_length(x, "translation");
+  check_length(rotation, "rotation");
+  if (rotation > 180.0) throw py::value_error("rotation: more than 180 degrees");
+  if (divisions == 0) throw py::value_error("divisions: must be at least 1");
+  return {each, rotation, centre, divisions};
+}
+
+void declare_pose_uncertainty(py::module_& module) {
+  py::class_<PythonPoseUncertainty>(
+      module, "PoseUncertainty",
+      "PoseUncertainty(translation=0.0, rotation=0.0, centre=(0, 0, 0), divisions=1)\n\n"
+      "How well the place of a model is known, as of a tracked tool: it may be moved by up to `translation` along "
+      "each\n"
+      "axis (one length or three, in model units), and turned about any axis through `centre` by up to `rotation`\n"
+      "degrees. divisions: of maps of points, how finely the places are divided where convexity does not tell the\n"
+      "distances (bends, csg, edges, deep inside): 16 makes rows hardly wider than distances differ.\n\n"
+      "Raises ValueError for negative numbers and more than 180 degrees.")
+      .def(py::init(&pose_uncertainty_of), py::arg("translation") = 0.0, py::arg("rotation") = 0.0,
+           py::arg("centre") = Point{}, py::arg("divisions") = 1)
+      .def_property_readonly("translation", [](const PythonPoseUncertainty& self) { return self.translation; })
+      .def_readonly("rotation", &PythonPoseUncertainty::rotation)
+      .def_property_readonly("centre", [](const PythonPoseUncertainty& self) { return self.centre; })
+      .def_readonly("divisions", &PythonPoseUncertainty::divisions)
+      .def(pickled<PythonPoseUncertainty>());
+}
+
 /// What all maps are told.
 struct Settings {
   double tolerance;
@@ -75,6 +126,7 @@ struct Settings {
   bool certificates = false;
   double point_radius = 0.0;
   std::optional<double> time_limit = {};  ///< seconds, of each call
+  std::optional<PythonPoseUncertainty> pose_uncertainty = {};
 
   [[nodiscard]] bool operator==(const Settings&) const = default;
 };
@@ -150,6 +202,10 @@ class PythonMapper {
                        .certificates = settings_.certificates,
                        .point_radius = settings_.point_radius,
                        .interrupted = interruption_.poll()};
+    if (settings_.pose_uncertainty) {
+      options.pose_uncertainty = settings_.pose_uncertainty->bounds();
+      options.pose_divisions = settings_.pose_uncertainty->divisions;
+    }
     if (settings_.time_limit) options.out_of_time = [this] { return Clock::now().time_since_epoch() >= end_.load(); };
     return options;
   }
@@ -203,10 +259,11 @@ class PythonPointMapper : public PythonMapper<Point> {
 };
 
 Settings settings_of(double radius, const std::optional<double>& tolerance, const std::string& device,
-                     bool certificates, double point_radius, const std::optional<double>& time_limit = {}) {
+                     bool certificates, double point_radius, const MaybeUncertain& pose_uncertainty,
+                     const std::optional<double>& time_limit = {}) {
   check_length(point_radius, "point_radius");
   check_time_limit(time_limit);
-  return {tolerance_or_default(tolerance, radius), device, certificates, point_radius, time_limit};
+  return {tolerance_or_default(tolerance, radius), device, certificates, point_radius, time_limit, pose_uncertainty};
 }
 
 template <class Query>
@@ -220,9 +277,10 @@ std::unique_ptr<PythonMapper<Pose>> mapper(const PythonModel& a, const PythonMod
 }
 
 Settings settings_of(const PythonModel& a, const PythonModel& b, const std::optional<double>& tolerance,
-                     const std::string& device) {
+                     const std::string& device, const MaybeUncertain& pose_uncertainty) {
   check_units(a, b);
-  return settings_of(std::max(a.bounding_radius(), b.bounding_radius()), tolerance, device, false, 0.0);
+  return settings_of(std::max(a.bounding_radius(), b.bounding_radius()), tolerance, device, false, 0.0,
+                     pose_uncertainty);
 }
 
 std::string device_for(std::size_t rows, const std::string& device) {
@@ -267,10 +325,10 @@ class LastMapper {
 template <class Query>
 PythonMap map(const PythonModel& model, const py::handle& object, const std::optional<double>& tolerance,
               const std::string& device, double point_radius, const std::optional<double>& time_limit,
-              bool certificates) {
+              bool certificates, const MaybeUncertain& pose_uncertainty) {
   const Queries<Query> queries(object);
   const Settings settings = settings_of(model.bounding_radius(), tolerance, device_for(queries.size(), device),
-                                        certificates, point_radius, time_limit);
+                                        certificates, point_radius, pose_uncertainty, time_limit);
   if (settings.device == "host") return (*mapper<Query>(model, settings))(queries);
   auto& last = LastMapper<Query>::instance();
   auto ready = last.take(model, settings);
@@ -281,9 +339,11 @@ PythonMap map(const PythonModel& model, const py::handle& object, const std::opt
 }
 
 PythonMap map_of_poses(const PythonModel& a, const PythonModel& b, const py::handle& object,
-                       const std::optional<double>& tolerance, const std::string& device) {
+                       const std::optional<double>& tolerance, const std::string& device,
+                       const MaybeUncertain& pose_uncertainty) {
   const Queries<Pose> queries(object);
-  return (*mapper(a, b, settings_of(a, b, tolerance, device_for(queries.size(), device))))(queries);
+  const Settings settings = settings_of(a, b, tolerance, device_for(queries.size(), device), pose_uncertainty);
+  return (*mapper(a, b, settings))(queries);
 }
 
 template <class Query>
@@ -297,12 +357,12 @@ py::class_<Class> declare_mapper(py::module_& module, const char* name, const ch
   py::class_<Class> declared(module, name, explanation);
   declared
       .def(py::init([](const PythonModel& model, const std::optional<double>& tolerance, const std::string& device,
-                       double point_radius, bool certificates) {
-             return std::make_unique<Class>(
-                 model, settings_of(model.bounding_radius(), tolerance, device, certificates, point_radius));
+                       double point_radius, bool certificates, const MaybeUncertain& pose_uncertainty) {
+             return std::make_unique<Class>(model, settings_of(model.bounding_radius(), tolerance, device, certificates,
+                                                               point_radius, pose_uncertainty));
            }),
            py::arg("model"), py::kw_only(), py::arg("tolerance") = py::none(), py::arg("device") = "auto",
-           py::arg("point_radius") = 0.0, py::arg("certificates") = false)
+           py::arg("point_radius") = 0.0, py::arg("certificates") = false, py::arg("pose_uncertainty") = py::none())
       .def(
           "__call__", [](Class& self, const py::handle& object) { return call<Query>(self, object); },
           py::arg(queries));
@@ -313,15 +373,17 @@ template <class Query>
 void declare_map(py::module_& module, const char* name, const char* queries, const char* explanation) {
   module.def(name, map<Query>, py::arg("model"), py::arg(queries), py::kw_only(), py::arg("tolerance") = py::none(),
              py::arg("device") = "auto", py::arg("point_radius") = 0.0, py::arg("time_limit") = py::none(),
-             py::arg("certificates") = false, explanation);
+             py::arg("certificates") = false, py::arg("pose_uncertainty") = py::none(), explanation);
 }
 
 }  // namespace
 
 void declare_maps(py::module_& module) {
+  declare_pose_uncertainty(module);
   declare_mapper<PythonPointMapper, Point>(
       module, "Mapper",
-      "Mapper(model, *, tolerance=None, device=\"auto\", point_radius=0.0, certificates=False)\n\n"
+      "Mapper(model, *, tolerance=None, device=\"auto\", point_radius=0.0, certificates=False,\n"
+      "    pose_uncertainty=None)\n\n"
       "A model made ready for maps of points: device chosen and tested, kernels compiled. Called with points, as "
       "map()\n"
       "takes them, it returns a Map. Many maps of one model pay for that once. Calls of several threads wait for each\n"
@@ -334,20 +396,24 @@ void declare_maps(py::module_& module) {
   declare_mapper<PythonMapper<Triangle>, Triangle>(
       module, "TriangleMapper",
       "TriangleMapper(model, *, tolerance=None, device=\"auto\", point_radius=0.0, "
-      "certificates=False)\n\n"
+      "certificates=False,\n"
+      "    pose_uncertainty=None)\n\n"
       "The same for maps of triangles: called with an array of shape (N, 3, 3).",
       "triangles");
   py::class_<PythonMapper<Pose>>(module, "PoseMapper",
-                                 "PoseMapper(a, b, *, tolerance=None, device=\"auto\")\n\n"
+                                 "PoseMapper(a, b, *, tolerance=None, device=\"auto\", pose_uncertainty=None)\n\n"
                                  "Two models made ready for maps of poses: called with an array of shape (N, 7).")
       .def(py::init([](const PythonModel& a, const PythonModel& b, const std::optional<double>& tolerance,
-                       const std::string& device) { return mapper(a, b, settings_of(a, b, tolerance, device)); }),
-           py::arg("a"), py::arg("b"), py::kw_only(), py::arg("tolerance") = py::none(), py::arg("device") = "auto")
+                       const std::string& device, const MaybeUncertain& pose_uncertainty) {
+             return mapper(a, b, settings_of(a, b, tolerance, device, pose_uncertainty));
+           }),
+           py::arg("a"), py::arg("b"), py::kw_only(), py::arg("tolerance") = py::none(), py::arg("device") = "auto",
+           py::arg("pose_uncertainty") = py::none())
       .def("__call__", call<Pose>, py::arg("poses"));
   declare_map<Point>(
       module, "map", "points",
       "map(model, points, *, tolerance=None, device=\"auto\", point_radius=0.0, time_limit=None,\n"
-      "    certificates=False) -> Map\n\n"
+      "    certificates=False, pose_uncertainty=None) -> Map\n\n"
       "Encloses the signed distance of each point to the model: positive outside, the Euclidean distance; negative\n"
       "inside, minus the distance to the boundary.\n\n"
       "points: shape (N, 3), in model units; nothing else may write there meanwhile. float64 is read where it lies,\n"
@@ -357,22 +423,25 @@ void declare_maps(py::module_& module) {
       "device: \"auto\" (the host for up to 128 rows), \"host\", an index as text or a part of a device's name.\n"
       "point_radius: each point is any within this distance of the given one, in model units.\n"
       "time_limit: seconds; then what is open stays valid, and wide.\n"
-      "certificates: keep what proves each row again, for Checker.\n\n"
+      "certificates: keep what proves each row again, for Checker.\n"
+      "pose_uncertainty: how well the model's place is known, a PoseUncertainty; each row then contains the distances\n"
+      "    at all places, and is never narrower than they differ. Not with certificates.\n\n"
       "Other threads of Python run meanwhile. Ctrl-C ends the map: KeyboardInterrupt.\n\n"
       "Raises ValueError for another shape, TypeError for numbers that binary64 does not hold exactly, Error for a\n"
       "point that is not finite, and for models and devices as `verisq map` does.");
   declare_map<Triangle>(
       module, "map_triangles", "triangles",
       "map_triangles(model, triangles, *, tolerance=None, device=\"auto\", point_radius=0.0, time_limit=None,\n"
-      "    certificates=False) -> Map\n\n"
+      "    certificates=False, pose_uncertainty=None) -> Map\n\n"
       "Encloses the distance of each whole triangle to the model, 0 where they meet. triangles: shape (N, 3, 3), the\n"
       "corners; of a mesh: mesh.vertices[mesh.triangles]. They are copied. Otherwise as map().");
   module.def("map_poses", map_of_poses, py::arg("a"), py::arg("b"), py::arg("poses"), py::kw_only(),
-             py::arg("tolerance") = py::none(), py::arg("device") = "auto",
-             "map_poses(a, b, poses, *, tolerance=None, device=\"auto\") -> Map\n\n"
+             py::arg("tolerance") = py::none(), py::arg("device") = "auto", py::arg("pose_uncertainty") = py::none(),
+             "map_poses(a, b, poses, *, tolerance=None, device=\"auto\", pose_uncertainty=None) -> Map\n\n"
              "Encloses the distance of model a and of model b moved by each pose, 0 where they meet. poses: shape\n"
              "(N, 7): translation in model units and quaternion [w, x, y, z] of any length but 0; a point x of b goes\n"
-             "to R x + t. They are copied. Default tolerance: 1e-6 of the larger bounding_radius. Raises Error unless\n"
+             "to R x + t. They are copied. pose_uncertainty: how well each place of b is known, in b's coordinates. "
+             "Default tolerance: 1e-6 of the larger bounding_radius. Raises Error unless\n"
              "both models are unions of convex primitives, and as map().");
 }
 

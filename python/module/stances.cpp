@@ -5,6 +5,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -17,6 +18,7 @@
 #include <verisq/stance_choice.hpp>
 #include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_file.hpp>
+#include <verisq/stance_motion.hpp>
 #include <verisq/stance_stability.hpp>
 
 #include "python/module/declarations.hpp"
@@ -59,6 +61,12 @@ template <>
 inline constexpr std::size_t member_count<stance::StabilityCell> = 2;
 template <>
 inline constexpr std::size_t member_count<stance::Stability> = 7;
+template <>
+inline constexpr std::size_t member_count<stance::MotionContact> = 2;
+template <>
+inline constexpr std::size_t member_count<stance::MotionSlab> = 5;
+template <>
+inline constexpr std::size_t member_count<stance::Motion> = 9;
 
 namespace {
 
@@ -323,6 +331,100 @@ void declare_stabilities(py::module_& module) {
       .def(pickled<PythonStability>());
 }
 
+/// Force, start, duration, as of --push.
+std::optional<stance::Push> push_of(const std::optional<std::array<double, 3>>& given) {
+  if (!given) return std::nullopt;
+  const auto& [force, start, duration] = *given;
+  if (!std::isfinite(force)) throw py::value_error(fmt::format("push: the force must be finite, not {}", force));
+  check_length(start, "push: the start");
+  check_length(duration, "push: the duration");
+  if (duration == 0.0) throw py::value_error("push: the duration must be above 0");
+  return stance::Push{force, start, duration};
+}
+
+stance::Motion simulate(const PythonStance& self, double duration, const Names& uncertain, double lift,
+                        const std::optional<double>& drop, const std::optional<std::array<double, 3>>& push) {
+  check_length(duration, "duration");
+  if (duration == 0.0) throw py::value_error("duration must be above 0");
+  check_length(lift, "lift");
+  if (drop) check_length(*drop, "drop");
+  if (drop && lift != 0.0) throw py::value_error("drop and lift begin at different places: give one");
+  const std::vector<std::uint32_t> over = chosen(self, uncertain);
+  Interruption interruption;
+  stance::MotionOptions options{.duration = duration, .lift = lift, .drop = drop, .push = push_of(push)};
+  options.interrupted = interruption.poll();
+  return without_lock(interruption, [&] { return stance::simulate(self.model, over, options); });
+}
+
+/// Of `count` enclosures of every slab: float64 (S, count, 2).
+template <class Part>
+auto over_time(std::vector<std::string> stance::Motion::*names, const Part& part) {
+  return [names, part](const stance::Motion& self) {
+    const std::size_t count = (self.*names).size();
+    py::array_t<double> result(
+        std::vector<py::ssize_t>{static_cast<py::ssize_t>(self.slabs.size()), static_cast<py::ssize_t>(count), 2});
+    double* next = result.mutable_data();
+    for (const stance::MotionSlab& slab : self.slabs) {
+      for (std::size_t k = 0; k < count; ++k) {
+        const Enclosure& each = part(slab, k);
+        *next++ = each.lo;
+        *next++ = each.hi;
+      }
+    }
+    return result;
+  };
+}
+
+py::array_t<double> times_of(const stance::Motion& self) {
+  std::vector<Enclosure> times;
+  for (const stance::MotionSlab& slab : self.slabs) times.push_back({slab.from, slab.to});
+  return rows_of(times);
+}
+
+void declare_motions(py::module_& module) {
+  using stance::Motion;
+  using stance::MotionSlab;
+  const auto of_joints = [](std::vector<Enclosure> MotionSlab::*member) {
+    return over_time(&Motion::joints, [member](const MotionSlab& slab, std::size_t joint) -> const Enclosure& {
+      return (slab.*member)[joint];
+    });
+  };
+  const auto of_contacts = [](Enclosure stance::MotionContact::*member) {
+    return over_time(&Motion::contacts, [member](const MotionSlab& slab, std::size_t contact) -> const Enclosure& {
+      return slab.contacts[contact].*member;
+    });
+  };
+  py::class_<Motion>(
+      module, "Motion",
+      "What StanceModel.simulate() proves: S slabs of time, one after the other from 0 to `reached`, of J\n"
+      "joints and C cylinders or pairs of them. Each slab's enclosures contain all motions, for all\n"
+      "parameters of the box, at all times of the slab.")
+      .def_readonly("joints", &Motion::joints, "\"pelvis tx\", \"femur rz\", ...; of a pair without its side.")
+      .def_readonly("contacts", &Motion::contacts, "Of cylinders, likewise.")
+      .def_property_readonly("times", times_of, "float64 (S, 2): where each slab begins and ends, s.")
+      .def_property_readonly("positions", of_joints(&MotionSlab::positions), "float64 (S, J, 2): m or rad.")
+      .def_property_readonly("velocities", of_joints(&MotionSlab::velocities), "float64 (S, J, 2): m/s or rad/s.")
+      .def_property_readonly("normal_forces", of_contacts(&stance::MotionContact::normal),
+                             "float64 (S, C, 2): upward on each cylinder, N.")
+      .def_property_readonly("friction", of_contacts(&stance::MotionContact::friction),
+                             "float64 (S, C, 2): along x on each cylinder, N.")
+      .def_property_readonly(
+          "final_positions", [](const Motion& self) { return rows_of(self.positions); },
+          "float64 (J, 2): at `reached`, m or rad.")
+      .def_property_readonly(
+          "final_velocities", [](const Motion& self) { return rows_of(self.velocities); },
+          "float64 (J, 2): at `reached`, m/s or rad/s.")
+      .def_readonly("reached", &Motion::reached, "s: of later times nothing is said.")
+      .def_readonly("proven", &Motion::proven, "Whether that is all of the duration.")
+      .def_readonly("open", &Motion::open, "Why it ended before, in words; empty where it did not.")
+      .def("__repr__",
+           [](const Motion& self) {
+             return fmt::format("<verisq.Motion: proven to {:.4g} s{}>", self.reached,
+                                self.proven ? "" : ", then open");
+           })
+      .def(pickled<Motion>());
+}
+
 py::list parameters(const PythonStance& self) {
   py::list result;
   for (const stance::Parameter& parameter : self.model.parameters) {
@@ -357,6 +459,7 @@ void declare_stances(py::module_& module) {
   declare_bounces(module);
   declare_equilibria(module);
   declare_stabilities(module);
+  declare_motions(module);
   py::class_<PythonStance>(
       module, "StanceModel",
       "A model of human stance (XML, docs/stance.md), whose parameters may be uncertain. What acts in which\n"
@@ -410,6 +513,17 @@ void declare_stances(py::module_& module) {
            "stability(joints=\"held\", *, uncertain=None, cells=16) -> Stability\n\n"
            "Whether small disturbances of that equilibrium die out: with the whole controllers acting (\"held\"), or\n"
            "without their integral parts (\"proportional\"). Raises Error for a model that nothing holds.")
+      .def(
+          "simulate", simulate, py::arg("duration"), py::kw_only(), py::arg("uncertain") = py::none(),
+          py::arg("lift") = 0.0, py::arg("drop") = py::none(), py::arg("push") = py::none(),
+          "simulate(duration, *, uncertain=None, lift=0.0, drop=None, push=None) -> Motion\n\n"
+          "How the body moves in its sagittal plane for so many seconds, from its nominal equilibrium on, at rest at\n"
+          "first, or let go `lift` metres above it, or in the file's posture, its lowest sole `drop` metres above the\n"
+          "ground. push: (force, start, duration) in N, s, s: a force along x on the\n"
+          "reference point, force sin^2(pi (t - start)/duration). The arrays of S slabs, J joints, C cylinders or\n"
+          "pairs: times (S, 2), positions and velocities (S, J, 2), normal_forces and friction (S, C, 2). Raises "
+          "Error\n"
+          "for a model that is not mirror-symmetric or that is not proven to stand.")
       .def("narrowed", narrowed, py::arg("name"), py::arg("lo"), py::arg("hi"),
            "narrowed(name, lo, hi) -> StanceModel\n\nWith a part of a parameter's range.")
       .def("within", within, py::arg("per_cent"), py::arg("uncertain") = py::none(),

@@ -10,11 +10,12 @@ of points are signed: positive outside, negative inside. A row that is wider tha
 Models and meshes
     Model, Mesh, mesh_of_model
 Many queries, from arrays to arrays
-    map, map_triangles, map_poses, map_chunks; Mapper, TriangleMapper, PoseMapper keep a model ready; Map, Status
+    map, map_triangles, map_poses, map_chunks; Mapper, TriangleMapper, PoseMapper keep a model ready; Map, Status;
+    PoseUncertainty where a place is not exactly known
 Closest points, normals and gradients of many points; closest points of two models in many poses
     closest_points, ClosestPointMap; closest_pairs, ClosestPairMap
 One query, proven by the host
-    SignedDistance, distance, Enclosure
+    SignedDistance, distance, Enclosure; distance_along, PathDistance for a model that moves
 What proves an answer again
     Checker, Certificates, Findings, Verdict
 Whole surfaces and solids
@@ -22,7 +23,7 @@ Whole surfaces and solids
 Implants
     fit; map_along, straight_path, removed_volume for their way in
 Stance
-    StanceModel, Equilibrium, Stability, Bounce
+    StanceModel, Equilibrium, Stability, Motion, Bounce
 Femurs
     detect_femur, femur_features
 Devices and errors
@@ -62,9 +63,12 @@ from ._verisq import (
     Mesh,
     MeshClearance,
     Model,
+    Motion,
     Octree,
     Pair,
+    PathDistance,
     PoseMapper,
+    PoseUncertainty,
     Recovery,
     RecoveryStage,
     RemovedVolume,
@@ -79,6 +83,7 @@ from ._verisq import (
     deviation,
     devices,
     distance,
+    distance_along,
     femur_features,
     fit,
     map,
@@ -147,9 +152,12 @@ __all__ = [
     "Mesh",
     "MeshClearance",
     "Model",
+    "Motion",
     "Octree",
     "Pair",
+    "PathDistance",
     "PoseMapper",
+    "PoseUncertainty",
     "Recovery",
     "RecoveryStage",
     "RemovedVolume",
@@ -166,6 +174,7 @@ __all__ = [
     "deviation",
     "devices",
     "distance",
+    "distance_along",
     "femur_features",
     "fit",
     "map",

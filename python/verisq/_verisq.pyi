@@ -109,6 +109,23 @@ class Map:
     def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[NDArray[Any]]: ...
 
+class PoseUncertainty:
+    def __init__(
+        self,
+        translation: float | ArrayLike = 0.0,
+        rotation: float = 0.0,
+        centre: ArrayLike = (0.0, 0.0, 0.0),
+        divisions: int = 1,
+    ) -> None: ...
+    @property
+    def translation(self) -> list[float]: ...
+    @property
+    def rotation(self) -> float: ...
+    @property
+    def centre(self) -> list[float]: ...
+    @property
+    def divisions(self) -> int: ...
+
 class Mapper:
     def __init__(
         self,
@@ -118,6 +135,7 @@ class Mapper:
         device: str = "auto",
         point_radius: float = 0.0,
         certificates: bool = False,
+        pose_uncertainty: PoseUncertainty | None = None,
     ) -> None: ...
     def __call__(self, points: ArrayLike) -> Map: ...
     def closest_points(self, points: ArrayLike) -> ClosestPointMap: ...
@@ -131,11 +149,20 @@ class TriangleMapper:
         device: str = "auto",
         point_radius: float = 0.0,
         certificates: bool = False,
+        pose_uncertainty: PoseUncertainty | None = None,
     ) -> None: ...
     def __call__(self, triangles: ArrayLike) -> Map: ...
 
 class PoseMapper:
-    def __init__(self, a: Model, b: Model, *, tolerance: float | None = None, device: str = "auto") -> None: ...
+    def __init__(
+        self,
+        a: Model,
+        b: Model,
+        *,
+        tolerance: float | None = None,
+        device: str = "auto",
+        pose_uncertainty: PoseUncertainty | None = None,
+    ) -> None: ...
     def __call__(self, poses: ArrayLike) -> Map: ...
 
 def map(
@@ -147,6 +174,7 @@ def map(
     point_radius: float = 0.0,
     time_limit: float | None = None,
     certificates: bool = False,
+    pose_uncertainty: PoseUncertainty | None = None,
 ) -> Map: ...
 def map_triangles(
     model: Model,
@@ -157,9 +185,16 @@ def map_triangles(
     point_radius: float = 0.0,
     time_limit: float | None = None,
     certificates: bool = False,
+    pose_uncertainty: PoseUncertainty | None = None,
 ) -> Map: ...
 def map_poses(
-    a: Model, b: Model, poses: ArrayLike, *, tolerance: float | None = None, device: str = "auto"
+    a: Model,
+    b: Model,
+    poses: ArrayLike,
+    *,
+    tolerance: float | None = None,
+    device: str = "auto",
+    pose_uncertainty: PoseUncertainty | None = None,
 ) -> Map: ...
 
 class ClosestPointMap:
@@ -241,6 +276,26 @@ def distance(
     tolerance: float | None = None,
     time_limit: float | None = None,
 ) -> Pair: ...
+
+class PathDistance:
+    @property
+    def smallest(self) -> Enclosure: ...
+    @property
+    def smallest_at(self) -> float: ...
+    @property
+    def proximity(self) -> Literal["apart", "meeting", "undecided"]: ...
+    @property
+    def apart_before(self) -> float: ...
+    @property
+    def meet_at(self) -> float | None: ...
+    @property
+    def reached(self) -> bool: ...
+    @property
+    def moments(self) -> int: ...
+
+def distance_along(
+    a: Model, b: Model, path: ArrayLike, *, tolerance: float | None = None, time_tolerance: float = 1e-6
+) -> PathDistance: ...
 
 class DistanceStatistics:
     @property
@@ -621,6 +676,32 @@ class Stability:
     @property
     def cells(self) -> list[dict[str, Any]]: ...
 
+class Motion:
+    @property
+    def joints(self) -> list[str]: ...
+    @property
+    def contacts(self) -> list[str]: ...
+    @property
+    def times(self) -> NDArray[np.float64]: ...
+    @property
+    def positions(self) -> NDArray[np.float64]: ...
+    @property
+    def velocities(self) -> NDArray[np.float64]: ...
+    @property
+    def normal_forces(self) -> NDArray[np.float64]: ...
+    @property
+    def friction(self) -> NDArray[np.float64]: ...
+    @property
+    def final_positions(self) -> NDArray[np.float64]: ...
+    @property
+    def final_velocities(self) -> NDArray[np.float64]: ...
+    @property
+    def reached(self) -> float: ...
+    @property
+    def proven(self) -> bool: ...
+    @property
+    def open(self) -> str: ...
+
 class StanceModel:
     @staticmethod
     def load(path: _Path) -> StanceModel: ...
@@ -656,6 +737,15 @@ class StanceModel:
         uncertain: Sequence[str] | None = None,
         cells: int = 16,
     ) -> Stability: ...
+    def simulate(
+        self,
+        duration: float,
+        *,
+        uncertain: Sequence[str] | None = None,
+        lift: float = 0.0,
+        drop: float | None = None,
+        push: tuple[float, float, float] | None = None,
+    ) -> Motion: ...
     def narrowed(self, name: str, lo: float, hi: float) -> StanceModel: ...
     def within(self, per_cent: float, uncertain: Sequence[str] | None = None) -> StanceModel: ...
     def bounce(self, cylinder: str, *, height: float = 0.01, uncertain: Sequence[str] | None = None) -> Bounce: ...

@@ -6,6 +6,7 @@ const outside = ["#dfeaf1", "#b3d1e4", "#7db1d3", "#4288bb", "#2468a8", "#174a80
 const inside = ["#ffc67d", "#fb9a4b", "#ec6a2c", "#c93f1c", "#9e2318", "#701414"];
 const widths = ["#fde725", "#9fda3a", "#4ac16d", "#1fa187", "#277f8e", "#365c8d", "#46327e", "#440154"]; // viridis
 const statuses = ["#3b82b8", "#2a9d77", "#e6a01c"];
+const verdicts = ["#c3c8ce", "#2a9d77", "#c2261a", "#e6a01c"];
 const areas = [
   "#4477aa",
   "#ee9944",
@@ -58,7 +59,7 @@ function widthScale({ least, greatest }) {
 }
 
 function categoryScale({ id, categories }) {
-  const palette = id === "status" ? statuses : areas;
+  const palette = { status: statuses, proof: verdicts }[id] ?? areas;
   const colour = (category) => channels(palette[category % palette.length]);
   const count = categories.length;
   const colourAt = (t) => colour(Math.min(Math.floor(t * count), count - 1));

@@ -35,6 +35,45 @@ function surfaceOf(surface, name) {
   return { positions, triangles };
 }
 
+// As the writer rounds it for drawing: what is drawn must be what is proven.
+function isDrawnAt(vertices, positions, centre) {
+  const largest = 2 ** 128 - 2 ** 104;
+  return vertices.every((coordinate, k) => {
+    const place = coordinate - centre[k % 3];
+    return Object.is(Math.fround(Math.min(Math.max(place, -largest), largest)), positions[k]);
+  });
+}
+
+// `verisqProver.proverOf` takes it, with the claims: vertices, and certificates as the model's text says.
+function proofOf(proof, report, positions, claims) {
+  const { certificates } = proof;
+  const numbers = (name, Numbers, length) => numbersOf(certificates[name], Numbers, length, `proof.${name}`);
+  const normalsEnd = numbers("normals_end", Uint32Array, positions.length / 3);
+  const escaping = numbers("escaping", Uint32Array);
+  const vertices = numbersOf(proof.vertices, Float64Array, positions.length, "proof.vertices");
+  if (!isDrawnAt(vertices, positions, report.centre)) throw new BrokenReport("what is drawn is not what is proven");
+  const count = normalsEnd.at(-1) ?? 0;
+  if (!normalsEnd.every((end, row) => end >= (normalsEnd[row - 1] ?? 0))) {
+    throw new BrokenReport("proof.normals_end: falls");
+  }
+  return {
+    ...claims,
+    model: proof.model,
+    units: report.units,
+    modelName: proof.model_name,
+    meshName: proof.mesh_name,
+    meshSha256: proof.mesh_sha256,
+    poses: proof.poses && numbersOf(proof.poses, Float64Array, undefined, "proof.poses"),
+    pointRadius: proof.point_radius,
+    vertices,
+    normalsEnd,
+    primitives: numbers("primitives", Uint32Array, count),
+    normals: numbers("normals", Float64Array, 3 * count),
+    escaping,
+    escapes: numbers("escapes", Float64Array, 3 * escaping.length),
+  };
+}
+
 export function decodeReport(text) {
   const report = JSON.parse(text);
   if (report.format !== format) throw new BrokenReport(`format: ${report.format} is not ${format}`);
@@ -42,6 +81,9 @@ export function decodeReport(text) {
   const bone = surfaceOf(report.bone, "bone");
   const count = bone.positions.length / 3;
   const perVertex = (base64, Numbers, name) => numbersOf(base64, Numbers, count, name);
+  const lo = perVertex(report.lo, Float64Array, "lo");
+  const hi = perVertex(report.hi, Float64Array, "hi");
+  if (report.proof && report.path) throw new BrokenReport("certificates are of one pose, not of a way");
   return {
     title: report.title,
     units: report.units,
@@ -53,10 +95,12 @@ export function decodeReport(text) {
     count,
     bone,
     implant: surfaceOf(report.implant, "implant"),
-    lo: perVertex(report.lo, Float64Array, "lo"),
-    hi: perVertex(report.hi, Float64Array, "hi"),
+    lo,
+    hi,
     status: perVertex(report.status, Uint8Array, "status"),
     path: report.path ?? null,
     areas: report.areas && { names: report.areas.names, of: perVertex(report.areas.of, Uint32Array, "areas.of") },
+    proof: report.proof ? proofOf(report.proof, report, bone.positions, { lo, hi }) : null,
+    verdicts: new Uint8Array(count), // of this page's checker, as quantities.js names them
   };
 }

@@ -2,7 +2,7 @@
 import { element, swatch } from "./elements.js";
 import { sideOf } from "./facts.js";
 import { exactText, textAbove, withUnits } from "./numbers.js";
-import { statusNames } from "./quantities.js";
+import { statusNames, verdicts } from "./quantities.js";
 
 const sideWords = ({ solidName }) => ({
   outside: `proven outside the ${solidName}`,
@@ -41,6 +41,7 @@ export function fullDescription(report, vertex, colour) {
     ["width", withUnits(width === 0 ? "0" : `\u2264 ${textAbove(width * (1 + 2 ** -50), 3)}`, units)],
     ["status", statusNames[status[vertex]]],
   ];
+  if (report.proof) rows.push(["in this browser", verdicts[report.verdicts[vertex]]]);
   if (areas) rows.push(["area", areas.names[areas.of[vertex]]]);
   rows.push(["place, about", `(${place.join(", ")})`]);
   const side = sideOf(lo[vertex], hi[vertex]);

@@ -9,6 +9,7 @@ import { Histogram } from "./histogram.js";
 import { fullDescription, shortDescription } from "./inspector.js";
 import { poseAlong } from "./path.js";
 import { Picker } from "./picking.js";
+import { ProofPanel } from "./proof_panel.js";
 import { quantitiesOf } from "./quantities.js";
 import { BoneScene, graphicsContext } from "./scene.js";
 import { fillSummary } from "./table.js";
@@ -30,6 +31,11 @@ class Page {
     this.prepareChoices();
     this.prepareVertexForm();
     this.showQuantity(this.quantities[0].id);
+    this.proof = new ProofPanel(report, {
+      redraw: () => this.quantity.id === "proof" && this.showQuantity("proof"),
+      showProof: () => this.chooseQuantity("proof"),
+      pin: (vertex) => this.pinAndFace(vertex),
+    });
   }
 
   fillTexts() {
@@ -95,6 +101,12 @@ class Page {
     byId("way-place").addEventListener("input", ({ target }) => this.placeImplant(Number(target.value)));
     if (this.report.path) this.placeImplant(1);
     byId("implant-shown").addEventListener("change", ({ target }) => this.scene?.showImplant(target.checked));
+  }
+
+  // As if the reader had.
+  chooseQuantity(id) {
+    byId(`quantities-${id}`).checked = true;
+    this.showQuantity(id);
   }
 
   // At a share of its way in.

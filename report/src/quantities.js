@@ -4,6 +4,14 @@
 export const statusNames = ["device-verified", "host-verified", "wide"];
 const statusMeanings = ["proven by the device", "proven by the host", "valid, but wider than the tolerance"];
 
+export const verdicts = ["open", "proved", "refuted", "unproved"];
+const verdictMeanings = [
+  "not checked in this browser yet",
+  "the certificate proves the interval",
+  "the distance lies outside the interval, or the interval is none",
+  "the certificate does not decide",
+];
+
 function extentOf(count, coordinate) {
   let least = Infinity;
   let greatest = -Infinity;
@@ -79,6 +87,17 @@ export function quantitiesOf(report) {
         report.areas.names,
         report.areas.of,
         "The area of the bone that each vertex belongs to.",
+      ),
+    );
+  }
+  if (report.proof) {
+    result.push(
+      category(
+        "proof",
+        "Proven here",
+        verdicts.map((name, k) => `${name}: ${verdictMeanings[k]}`),
+        report.verdicts,
+        "What this page's own checker says of each interval.",
       ),
     );
   }

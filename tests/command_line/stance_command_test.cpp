@@ -424,6 +424,54 @@ TEST_F(StanceCommand, FollowsAMotion) {
   EXPECT_THAT(picture.str(), testing::HasSubstr("0 to 0.1 s: proven enclosures</text>"));
 }
 
+TEST_F(StanceCommand, ShowsStandingAndMotionOnAPage) {
+  const std::string page = (folder_.path() / "standing.html").string();
+  const Outcome outcome = stance({VERISQ_EXAMPLES "/standing.xml", "--uncertain", "none", "--equilibrium", "held",
+                                  "--simulate", "0.01", "--report", page, "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  std::ostringstream text;
+  text << std::ifstream(page).rdbuf();
+  const std::string opening = "<script type=\"application/json\" id=\"verisq-report\">";
+  const std::size_t begin = text.str().find(opening) + opening.size();
+  const Json data = Json::parse(text.str().substr(begin, text.str().find("</script>", begin) - begin));
+  EXPECT_EQ(data["format"], "verisq-stance/1");
+  const Json printed = Json::parse(outcome.out);
+  EXPECT_EQ(data["result"]["equilibrium"], printed["equilibrium"]);
+  EXPECT_EQ(data["result"]["motion"], printed["motion"]);
+  EXPECT_TRUE(printed["motion"]["steps"].is_number_integer());
+  EXPECT_EQ(data["joints"][1]["name"], "pelvis ty");
+  EXPECT_EQ(data["joints"][1]["is_translation"], true);
+  EXPECT_EQ(data["joints"][3]["is_translation"], false);
+  EXPECT_EQ(data["motion"]["slabs"].size(), printed["motion"]["steps"]);
+  // The hip is where the root is, 0.05 m behind its translations; the ankle stands 0.13 m above the cylinder's lowest
+  // point.
+  const Json& hip = data["standing"]["points"]["bodies"][0];
+  EXPECT_NEAR(hip[0].get<double>(), -0.05, 1e-9);
+  EXPECT_LE(hip[2], printed["equilibrium"]["standing"]["positions"]["pelvis ty"]["lo"]);
+  EXPECT_GE(hip[3], printed["equilibrium"]["standing"]["positions"]["pelvis ty"]["hi"]);
+  const double penetration = printed["equilibrium"]["standing"]["cylinders"]["right hindfoot"]["penetration"]["lo"];
+  EXPECT_NEAR(data["standing"]["points"]["cylinders"][0][2].get<double>(), 0.085 - penetration, 1e-9);
+}
+
+TEST_F(StanceCommand, SaysBeforeTheWorkWhatCannotBeWritten) {
+  const std::string model = VERISQ_EXAMPLES "/standing.xml";
+  const std::string nowhere = (folder_.path() / "missing" / "file").string();
+  for (const char* option : {"--csv", "--plot", "--parameter-map", "--report"}) {
+    // A motion of a day would take longer than anybody waits.
+    const Outcome outcome = stance(
+        {model, "--uncertain", "mp,px", "--equilibrium", "held", "--simulate", "86400", option, nowhere + ".html"});
+    EXPECT_EQ(outcome.status, 1) << option;
+    EXPECT_THAT(outcome.err, testing::HasSubstr(nowhere + ".html: cannot be written")) << option;
+  }
+  expect_refused({model, "--equilibrium", "held", "--report", "page.htm"},
+                 "--report page.htm: its name must end in .html");
+  expect_refused({model, "--report", "page.html"},
+                 "--report page.html: give --equilibrium, --stability or --simulate, which the page shows");
+  const std::string twice = (folder_.path() / "twice.html").string();
+  expect_refused({model, "--simulate", "86400", "--csv", twice, "--report", twice},
+                 "--report " + twice + ": the same file twice");
+}
+
 TEST_F(StanceCommand, RefusesBadUsage) {
   expect_refused({example(), "--uncertain", "mp,px", "--parameter-map", "map.svg"},
                  "--parameter-map: give either --equilibrium or --stability, too");

@@ -26,6 +26,7 @@ void stance_model(Bytes bytes);
 void landmarks(Bytes bytes);
 void nrrd(Bytes bytes);
 void nifti(Bytes bytes);
+void certificate(Bytes bytes);
 
 struct Target {
   std::string_view name;  ///< also of its seeds' folder in tests/fuzz/corpus
@@ -47,6 +48,7 @@ inline constexpr std::array targets{
     Target{"landmarks", landmarks},
     Target{"nrrd", nrrd},
     Target{"nifti", nifti},
+    Target{"certificate", certificate},
 };
 
 }  // namespace verisq::fuzz

@@ -224,6 +224,38 @@ class Standing(unittest.TestCase):
         self.assertEqual(pickle.loads(pickle.dumps(found)).growth, found.growth)
         self.assertEqual(model.stability("proportional", uncertain=[]).cells[0]["verdict"], "stable")
 
+    def test_moves_as_the_command_says(self):
+        model = verisq.StanceModel.load(EXAMPLES / "standing.xml")
+        with tempfile.TemporaryDirectory() as folder:
+            table = Path(folder, "motion.csv")
+            said = printed("stance", EXAMPLES / "standing.xml", "--uncertain", "none", "--simulate", 0.03, "--push",
+                           "50,0.01,0.02", "--csv", table)["motion"]
+            header = table.read_text().splitlines()[0].split(",")
+            rows = np.array([[float(number) for number in line.split(",")]
+                             for line in table.read_text().splitlines()[1:]])
+        motion = model.simulate(0.03, uncertain=[], push=(50.0, 0.01, 0.02))
+        parts = (motion.times, motion.positions, motion.velocities, motion.normal_forces, motion.friction)
+        self.assertEqual([part.shape[1:] for part in parts], [(2,), (7, 2), (7, 2), (2, 2), (2, 2)])
+        found = np.concatenate([part.reshape(len(rows), -1) for part in parts], axis=1)
+        self.assertEqual(found.tolist(), rows.tolist())  # bit for bit
+        self.assertEqual(header[2::2][3], motion.joints[3].replace(" ", "_") + "_position_lo")
+        self.assertEqual(motion.final_positions.tolist(), [ends(said["positions"][joint]) for joint in motion.joints])
+        self.assertEqual(motion.final_velocities.tolist(), [ends(said["velocities"][joint]) for joint in motion.joints])
+        self.assertEqual((motion.reached, motion.proven, motion.open), (0.03, True, ""))
+        self.assertIs(type(said["steps"]), int)
+        self.assertEqual(said["steps"], len(motion.times))
+
+    def test_a_motion_is_refused_as_by_the_command(self):
+        model = verisq.StanceModel.load(EXAMPLES / "standing.xml")
+        with self.assertRaises(verisq.Error) as caught:
+            model.simulate(0.1, uncertain=["pz"])
+        self.assertEqual(str(caught.exception), message("stance", EXAMPLES / "standing.xml", "--uncertain", "pz",
+                                                        "--simulate", 0.1))
+        for arguments in ({"duration": 0.0}, {"duration": 1.0, "lift": -1.0}, {"duration": 1.0, "push": (1.0, 0.0, 0.0)},
+                          {"duration": float("inf")}):
+            with self.assertRaises(ValueError):
+                model.simulate(**arguments)
+
     def test_what_cannot_stand_is_refused(self):
         model = verisq.StanceModel.load(EXAMPLES / "stance.xml")
         with self.assertRaisesRegex(verisq.Error, "friction alone could hold"):

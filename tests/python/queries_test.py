@@ -83,6 +83,20 @@ class ClosestPoints(unittest.TestCase):
         with self.assertRaisesRegex(verisq.Error, "closest_pairs: not for models with intervals"):
             verisq.closest_pairs(a, model("uncertain_stem.json"), poses)
 
+    def test_of_a_model_that_moves(self):
+        a, b = model("capsule.json"), model("soap.json")
+        far = verisq.distance_along(a, b, [[200.0, 0, 0, 1, 0, 0, 0], [0, 200.0, 0, 1, 0, 0, 1]])
+        self.assertEqual((far.proximity, far.reached, far.meet_at, far.apart_before), ("apart", True, None, 1.0))
+        for pose in ([200.0, 0, 0, 1, 0, 0, 0], [0, 200.0, 0, 1, 0, 0, 1]):
+            self.assertLessEqual(far.smallest.lo, verisq.distance(a, b, pose).distance.hi)
+        through = verisq.distance_along(a, b, [[200.0, 0, 0, 1, 0, 0, 0], [-200.0, 0, 0, 1, 0, 0, 0]])
+        self.assertEqual((through.proximity, tuple(through.smallest)), ("meeting", (0.0, 0.0)))
+        self.assertLessEqual(through.meet_at - through.apart_before, 1e-6)
+        with self.assertRaisesRegex(verisq.Error, "^distance_along: not for models with intervals$"):
+            verisq.distance_along(a, model("uncertain_stem.json"), [[0, 0, 0, 1, 0, 0, 0]])
+        with self.assertRaisesRegex(verisq.Error, "bent"):
+            verisq.distance_along(a, model("bent_stem.json"), [[0, 0, 0, 1, 0, 0, 0]])
+
     def test_errors(self):
         with self.assertRaisesRegex(verisq.Error, r"^point 1: \(.*\) is not finite$"):
             verisq.closest_points(model("soap.json"), [[0, 0, 9], [0, 0, float("inf")]])
@@ -214,6 +228,25 @@ class OtherMaps(unittest.TestCase):
         np.testing.assert_array_equal(found.hi, rows["hi"])
         mapper = verisq.PoseMapper(verisq.Model.load(a), verisq.Model.load(b), device="host")
         np.testing.assert_array_equal(mapper(poses[:3]).lo, rows["lo"][:3])
+
+    def test_of_places_that_are_not_known(self):
+        path, points = EXAMPLES / "soap.json", np.random.default_rng(5).uniform(-9.0, 9.0, (40, 3))
+        with tempfile.TemporaryDirectory() as folder:
+            given, file = Path(folder, "points.npy"), Path(folder, "map.npy")
+            np.save(given, points)
+            outcome = run("map", "--model", path, "--points", given, "--translation-error", "0.1,0,0.2",
+                          "--rotation-error", 2, "--rotation-centre", "1,0,0", "--pose-divisions", 4, "--tol", 5,
+                          "--device", "host", "-o", file)
+            self.assertEqual(outcome.returncode, 0, outcome.stderr)
+            rows = np.load(file)
+        place = verisq.PoseUncertainty((0.1, 0, 0.2), 2, (1, 0, 0), 4)
+        found = verisq.map(verisq.Model.load(path), points, tolerance=5, device="host", pose_uncertainty=place)
+        np.testing.assert_array_equal(found.lo, rows["lo"])
+        np.testing.assert_array_equal(found.hi, rows["hi"])
+        exact = verisq.map(verisq.Model.load(path), points, device="host")
+        self.assertTrue((found.lo <= exact.lo).all() and (found.hi >= exact.hi).all())
+        with self.assertRaisesRegex(ValueError, "more than 180 degrees"):
+            verisq.PoseUncertainty(rotation=181)
 
 
 class Certificates(unittest.TestCase):

@@ -3,6 +3,7 @@
 import argparse
 import base64
 import csv
+import hashlib
 import json
 import math
 import os
@@ -489,6 +490,276 @@ class FilledPage(unittest.TestCase):
         with self.browser("broken.html", report) as browser:
             self.assertIn("lo: ", browser.text("#statement"))
             self.assertFalse(browser.one("main").is_displayed())
+
+
+def read_certified(path):
+    """Rows as dictionaries of texts."""
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+def write_certified(path, rows):
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def normals_of(row):
+    """(primitive, vector), the first first."""
+    found = [(row["primitive"], *(row[f"normal_{axis}"] for axis in "xyz"))] if row["primitive"] else []
+    found += [tuple(entry.split(":")) for entry in row["further_normals"].split()]
+    return [(int(primitive), [float(number) for number in vector]) for primitive, *vector in found]
+
+
+def certificate_columns(rows):
+    """The certificates of a .csv as the data of a page has them."""
+    normals = [normals_of(row) for row in rows]
+    ends = [sum(len(found) for found in normals[:k + 1]) for k in range(len(rows))]
+    escapes = [(k, [float(row[f"escape_{axis}"]) for axis in "xyz"]) for k, row in enumerate(rows) if row["escape_x"]]
+    return {"normals_end": encoded("I", ends),
+            "primitives": encoded("I", [primitive for found in normals for primitive, _ in found]),
+            "normals": encoded("d", [number for found in normals for _, vector in found for number in vector]),
+            "escaping": encoded("I", [k for k, _ in escapes]),
+            "escapes": encoded("d", flat(vector for _, vector in escapes))}
+
+
+def other_digit(text):
+    """A number with its fourth digit changed."""
+    place = [k for k, character in enumerate(text.split("e")[0]) if character.isdigit()][3]
+    return text[:place] + str((int(text[place]) + 5) % 10) + text[place + 1:]
+
+
+def forged(rows):
+    """Each row with one thing changed, in turn."""
+    def change(row, key, make):
+        return row | {key: make(row[key])} if row[key] else row
+
+    kinds = [lambda row: row,
+             lambda row: row | {"lo": repr(float(row["hi"]) + 1e-12)},
+             lambda row: row | {"hi": repr(float(row["lo"]) - 1e-12)},
+             lambda row: row | {"lo": repr(math.nextafter(float(row["lo"]), math.inf))},
+             lambda row: row | {"hi": repr(math.nextafter(float(row["hi"]), -math.inf))},
+             lambda row: row | {"hi": repr(float(row["lo"]) + 0.01 * (float(row["hi"]) - float(row["lo"])))},
+             lambda row: change(row, "normal_x", other_digit),
+             lambda row: change(row, "normal_z", lambda text: str(-float(text))),
+             lambda row: change(row, "escape_y", other_digit),
+             lambda row: change(row, "primitive", lambda text: str(1 - int(text))),
+             lambda row: change(row, "primitive", lambda text: "7"),
+             lambda row: row | {"further_normals": ""},
+             lambda row: row | {"lo": row["hi"], "hi": row["lo"]}]
+    return [kinds[k % len(kinds)](row) for k, row in enumerate(rows)]
+
+
+class ProvingReport(unittest.TestCase):
+    """A report with certificates proves itself, by a checker that is not the one of `verisq check`."""
+
+    # Overlapping, one of them tapered, in the small bone below: rows outside, inside one and inside both.
+    model = {"format": "verisq-model/1", "units": "mm", "primitives": [
+        {"name": "peg", "superquadric": {"semi_axes": [7, 5, 9], "exponents": [0.5, 1], "taper": 0.6},
+         "pose": {"translation": [-14, 0.1, 0], "quaternion": [0.9, 0.1, -0.2, 0.3]}},
+        {"name": "ball", "superquadric": {"semi_axes": [6, 6, 6], "exponents": [1, 1]},
+         "pose": {"translation": [-14, 6, 3]}}]}
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = Path(options.output)
+        cls.bone = Bone(rings=10, around=16)
+        cls.bone.write_off(cls.folder / "small_bone.off")
+        (cls.folder / "union.json").write_text(json.dumps(cls.model))
+        cls.page = cls.written(cls.folder / "union.json", "certified")
+        text = cls.page.read_text()
+        cls.report = json.loads(text.split('id="verisq-report">')[1].split("</script>")[0])
+        cls.rows = read_certified(cls.folder / "certified.csv")
+
+    @classmethod
+    def run_verisq(cls, *arguments):
+        return subprocess.run([options.program, *arguments, "--no-progress"], stdout=subprocess.PIPE,
+                              stderr=subprocess.DEVNULL)
+
+    @classmethod
+    def written(cls, model, name, *more):
+        """Some rows of overlaps are wide, which is status 3."""
+        page = cls.folder / f"{name}.html"
+        cls.run_verisq("map", "--model", model, "--mesh", cls.folder / "small_bone.off", "--device", "host",
+                       "--certificates", "-o", cls.folder / f"{name}.csv", "--report", page, *more)
+        return page
+
+    def forged_page(self, name, rows, **changes):
+        page = self.folder / name
+        ends = {key: encoded("d", [float(row[key]) for row in rows]) for key in ("lo", "hi")}
+        proof = self.report["proof"] | {"certificates": certificate_columns(rows)} | changes
+        write_page(page, self.report | ends | {"proof": proof})
+        return page
+
+    def prove(self, page):
+        """What the page says, and the vertex that it names."""
+        with Browser(page, no_graphics) as browser:
+            browser.driver.execute_script("arguments[0].click()", browser.one("#proof-start"))
+            browser.wait(lambda: browser.one("#proof-start").is_enabled(), "the proofs")
+            result = browser.driver.execute_script("return document.getElementById('proof-result').textContent")
+            first = browser.one("#proof-first")
+            if first.is_displayed():
+                browser.driver.execute_script("arguments[0].click()", first)
+                return result, int(browser.text("#vertex .name").removeprefix("Vertex "))
+            return result, None
+
+    def assert_counts(self, result, proved, refuted, unproved):
+        self.assertTrue(result.startswith(f"{proved} proved, {refuted} refuted, {unproved} unproved, in "), result)
+
+    def test_map_has_rows_of_all_kinds(self):
+        self.assertTrue(any(float(row["lo"]) > 0 for row in self.rows))
+        self.assertTrue(any(float(row["hi"]) < 0 and row["escape_x"] for row in self.rows))
+        self.assertTrue(any(row["further_normals"] for row in self.rows))
+
+    def test_proves_every_vertex(self):
+        result, first = self.prove(self.page)
+        self.assertTrue(result.startswith(f"All {len(self.rows)} vertices are proved, in "), result)
+        self.assertIsNone(first)
+
+    def test_a_browser_without_workers_proves_too(self):
+        driver = driver_with(no_graphics)
+        script = driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": "window.Worker = undefined"})
+        try:
+            result, _ = self.prove(self.page)
+        finally:
+            driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
+        self.assertTrue(result.startswith(f"All {len(self.rows)} vertices are proved, in "), result)
+
+    def test_other_units_are_not_proven(self):
+        page = self.folder / "metres.html"
+        write_page(page, self.report | {"units": "m"})
+        result, _ = self.prove(page)
+        self.assertIn("units: not those of the model's text", result)
+
+    def test_a_way_is_not_what_is_proven(self):
+        page = self.folder / "way.html"
+        pose = {"translation": [0, 0, 0], "quaternion": [1, 0, 0, 0]}
+        write_page(page, self.report | {"path": [pose, pose]})
+        with Browser(page, no_graphics) as browser:
+            self.assertFalse(browser.one("main").is_displayed())
+
+    def test_one_changed_number_is_refuted(self):
+        rows = [dict(row) for row in self.rows]
+        rows[37]["lo"] = repr(float(rows[37]["hi"]) + 1e-9)
+        rows[37]["hi"] = repr(float(rows[37]["hi"]) + 2e-9)
+        result, first = self.prove(self.forged_page("changed.html", rows))
+        self.assert_counts(result, len(rows) - 1, 1, 0)
+        self.assertEqual(first, 37)
+
+    def test_forged_rows_have_the_verdicts_of_check(self):
+        rows = forged(self.rows)
+        write_certified(self.folder / "forged.csv", rows)
+        checked = json.loads(self.run_verisq("check", "--model", self.folder / "union.json", "--mesh",
+                                             self.folder / "small_bone.off", "--map", self.folder / "forged.csv",
+                                             "--json").stdout)
+        result, first = self.prove(self.forged_page("forged.html", rows))
+        counts = [checked[verdict] for verdict in ("proved", "refuted", "unproved")]
+        self.assertTrue(all(counts), counts)
+        self.assert_counts(result, *counts)
+        self.assertEqual(first, checked["first"]["index"])
+
+    def test_another_model_is_not_proved(self):
+        other = json.dumps(self.model).replace('"exponents": [0.5, 1]', '"exponents": [0.5, 1.0001]')
+        result, _ = self.prove(self.forged_page("another.html", self.rows, model=other))
+        self.assertNotIn("All", result)
+        self.assertNotIn(" 0 refuted", result)
+
+    def test_a_moved_model_is_proved_where_it_stands(self):
+        result, _ = self.prove(self.written(self.folder / "union.json", "moved", "--pose", "1,2,3,0.8,0.1,0.2,0.3"))
+        self.assertTrue(result.startswith("All "), result)
+
+    def test_uncertain_points_are_proved(self):
+        result, _ = self.prove(self.written(self.folder / "union.json", "uncertain", "--point-radius", "0.25"))
+        self.assertTrue(result.startswith("All "), result)
+
+    def test_what_has_no_proofs_here_is_said(self):
+        for change, words in (
+                ({"superquadric": {"semi_axes": [[7, 7.1], 5, 9], "exponents": [0.5, 1]}}, "intervals for numbers"),
+                ({"bend": {"curvature": 0.01, "angle_deg": 0}}, "bent superquadrics")):
+            first, *others = self.model["primitives"]
+            model = json.dumps(self.model | {"primitives": [first | change, *others]})
+            result, _ = self.prove(self.forged_page("not_here.html", self.rows, model=model))
+            self.assertIn("This page cannot prove", result)
+            self.assertIn(words, result)
+
+    def test_no_number_of_the_page_weakens_the_claims(self):
+        poses = encoded("d", [math.inf, 0, 0, 1, 0, 0, 0] * 2)
+        for changes, words in (({"point_radius": -0.5}, "point_radius"), ({"poses": poses}, "poses")):
+            result, _ = self.prove(self.forged_page("weakened.html", self.rows, **changes))
+            self.assertIn(f"This page cannot prove its vertices: {words}", result)
+
+    def test_moved_vertices_are_no_report(self):
+        vertices = list(struct.unpack(f"<{3 * len(self.rows)}d", base64.b64decode(self.report["proof"]["vertices"])))
+        vertices[4] += 0.01
+        page = self.forged_page("moved_vertices.html", self.rows, vertices=encoded("d", vertices))
+        with Browser(page, no_graphics) as browser:
+            self.assertIn("what is drawn is not what is proven", browser.text("#statement"))
+
+    def test_a_page_tells_which_files_it_is_of(self):
+        with Browser(self.page, no_graphics) as browser:
+            hashes = browser.driver.execute_script(
+                "return [...document.querySelectorAll('#proof-files dd')].map((node) => node.textContent)")
+        files = (self.folder / name for name in ("union.json", "small_bone.off"))
+        self.assertEqual(hashes, [hashlib.sha256(file.read_bytes()).hexdigest() for file in files])
+
+    def test_a_page_without_certificates_says_so(self):
+        page = self.folder / "without.html"
+        self.run_verisq("map", "--model", self.folder / "union.json", "--mesh", self.folder / "small_bone.off",
+                        "--device", "host", "--report", page)
+        with Browser(page, no_graphics) as browser:
+            self.assertIn("--certificates", browser.text("#proof-offer"))
+            self.assertEqual(browser.all("#verisq-prover"), [])
+            self.assertFalse(browser.one("#proof-start").is_displayed())
+
+
+class StancePage(unittest.TestCase):
+    """The page that `verisq stance --report` writes, against what it prints."""
+
+    @classmethod
+    def setUpClass(cls):
+        model = Path(__file__).resolve().parents[2] / "examples" / "standing.xml"
+        cls.page = Path(options.output) / "standing.html"
+        printed = subprocess.run([options.program, "stance", model, "--uncertain", "k", "--within", "10", "--equilibrium",
+                                  "held", "--simulate", "0.1", "--json", "--report", cls.page],
+                                 capture_output=True, text=True, check=False)
+        assert printed.returncode == 3, printed.stderr  # the motion is open
+        cls.result = json.loads(printed.stdout)
+
+    def intervals(self, browser, section):
+        return [[float(end) for end in text.strip("[]").split(", ")]
+                for text in (node.text for node in browser.all(f"#{section} .interval")) if text.startswith("[")]
+
+    def test_says_what_is_proven_and_where_it_ends(self):
+        with Browser(self.page, no_graphics) as browser:
+            self.assertIn("Proven: for all parameters in these ranges", browser.text("#equilibrium .verdict.good"))
+            self.assertIn("OPEN", browser.text("#motion .verdict.bad"))
+            self.assertFalse(browser.one("#stability").is_displayed())
+            force = self.result["equilibrium"]["standing"]["cylinders"]["left forefoot"]["force"]
+            shown = self.intervals(browser, "equilibrium")
+            self.assertTrue(any(lo <= force["lo"] and force["hi"] <= hi and hi - lo < 1.01 * (force["hi"] - force["lo"])
+                                for lo, hi in shown))
+            browser.one("#all-digits").click()
+            self.assertIn([force["lo"], force["hi"]], self.intervals(browser, "equilibrium"))
+
+    def test_moves_the_body_as_far_as_it_is_proven(self):
+        with Browser(self.page, no_graphics) as browser:
+            set_time = ("const time = document.getElementById('time'); time.value = arguments[0];"
+                        "time.dispatchEvent(new Event('input'));")
+            browser.driver.execute_script(set_time, 0.5 * self.result["motion"]["reached"])
+            self.assertTrue(browser.all("#motion svg.figure .limb"))
+            self.assertEqual(len(self.intervals(browser, "motion .now")), 18)
+            browser.driver.execute_script(set_time, 0.05)
+            self.assertFalse(browser.all("#motion svg.figure .limb"))
+            self.assertEqual(browser.text("#motion svg.figure text.open"), "OPEN")
+            self.assertEqual(self.intervals(browser, "motion .now"), [])
+            browser.driver.execute_script(set_time, 0.0)
+            browser.one("#play").click()
+            browser.wait(lambda: "OPEN" in browser.text("#time-reading"), "the motion to be played to where it is open")
+            browser.wait(lambda: browser.text("#play") == "play", "the end")
+            self.assertEqual(float(browser.one("#time").get_property("value")), 0.1)
+            beyond = browser.driver.execute_script("return document.documentElement.scrollWidth - innerWidth")
+            self.assertLessEqual(beyond, 0)
 
 
 def missing_tools():

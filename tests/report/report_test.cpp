@@ -27,6 +27,7 @@
 #include <verisq/report.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/files/sha256.hpp"
 #include "host/report/base64.hpp"
 #include "host/report/colour_scale.hpp"
 #include "host/report/model_surface.hpp"
@@ -396,6 +397,54 @@ TEST(HtmlReport, ReplacesWhatIsNotUtf8) {
             "b");
 }
 
+TEST(HtmlReport, HoldsEveryBitOfTheCertificates) {
+  const TemporaryFolder folder;
+  const auto model = folder.file("ball.json", "{ \"format\": \"\u00b5\" }\n");
+  const auto mesh = folder.file("mesh.off", "abc");
+  const std::vector<Certificate> certificates{
+      {{{0, {0.1, -0.0, 5e-324}}, {3, {1e300, 2.0, 1.0 / 3.0}}}, Point{1.0, 2.0, 0.1}},
+      {},
+      {{{1, {1.0, 0.0, 0.0}}}, std::nullopt},
+      {{}, Point{-1.0, 0.0, 7.0}}};
+  Report report = report_of();
+  report.proof = ReportProof{.certificates = certificates, .model_file = model, .mesh_file = mesh};
+  const nlohmann::json proof = written_data(report).at("proof");
+  EXPECT_EQ(proof.at("model"), "{ \"format\": \"\u00b5\" }\n");
+  EXPECT_EQ(proof.at("model_name"), "ball.json");
+  EXPECT_EQ(proof.at("mesh_name"), "mesh.off");
+  EXPECT_EQ(proof.at("mesh_sha256"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_TRUE(proof.at("poses").is_null());
+  EXPECT_THAT(numbers_in<double>(proof.at("vertices")),
+              ElementsAre(0.1, 0.0, 3.0, 1.0, 1.0 / 3.0, 4.0, 0.0, 1.0, 4.0, -1.0, -1.0, 4.0));
+  const nlohmann::json& columns = proof.at("certificates");
+  EXPECT_THAT(numbers_in<std::uint32_t>(columns.at("normals_end")), ElementsAre(2, 2, 3, 3));
+  EXPECT_THAT(numbers_in<std::uint32_t>(columns.at("primitives")), ElementsAre(0, 3, 1));
+  EXPECT_THAT(numbers_in<double>(columns.at("normals")),
+              ElementsAre(0.1, 0.0, 5e-324, 1e300, 2.0, 1.0 / 3.0, 1.0, 0.0, 0.0));
+  EXPECT_THAT(numbers_in<std::uint32_t>(columns.at("escaping")), ElementsAre(0, 3));
+  EXPECT_THAT(numbers_in<double>(columns.at("escapes")), ElementsAre(1.0, 2.0, 0.1, -1.0, 0.0, 7.0));
+
+  report.proof->moved = true;
+  EXPECT_THAT(numbers_in<double>(written_data(report).at("proof").at("poses")), ElementsAre(0, 0, 0, 1, 0, 0, 0));
+  report.proof->model_file = folder / "missing.json";
+  expect_error([&] { write_html_report(folder / "page.html", report); }, ErrorKind::input,
+               (folder / "missing.json").string(), ": no such file");
+}
+
+TEST(HtmlReport, HasItsCheckerWithCertificatesAlone) {
+  const TemporaryFolder folder;
+  const auto file = folder.file("model.json", "{}");
+  Report report = report_of();
+  write_html_report(folder / "without.html", report);
+  EXPECT_TRUE(nlohmann::json::parse(data_text(folder.contents("without.html"))).at("proof").is_null());
+  EXPECT_THAT(folder.contents("without.html"), Not(HasSubstr("<script id=\"verisq-prover\"")));
+  const std::vector<Certificate> certificates(rows.size());
+  report.proof = ReportProof{.certificates = certificates, .model_file = file, .mesh_file = file};
+  write_html_report(folder / "with.html", report);
+  EXPECT_THAT(folder.contents("with.html"), HasSubstr("<script id=\"verisq-prover\""));
+  EXPECT_THAT(folder.contents("with.html"), HasSubstr("GNU LESSER GENERAL PUBLIC LICENSE"));
+}
+
 TEST(HtmlReport, ThePlaceOfTheDataIsFilled) {
   const TemporaryFolder folder;
   write_html_report(folder / "page.html", report_of());
@@ -741,7 +790,7 @@ TEST_F(MapReportTest, RefusesWhatCannotBeShown) {
   expect_refused(map({"--mesh", mesh_, "--report", path("map.htm")}), {"--report", "map.htm", ".html"});
   expect_refused(map({"--mesh", mesh_, "--png", path("map.jpg")}), {"--png", "map.jpg", ".png"});
   expect_refused(map({"--mesh", mesh_}), {"--output", "--report", "--png"});
-  expect_refused(map({"--mesh", mesh_, "--report", html_, "--certificates"}), {"--certificates", "--output"});
+  expect_refused(map({"--mesh", mesh_, "--png", png_, "--certificates"}), {"--certificates", "--output"});
   const auto cloud = write("cloud.off", "OFF\n1 0 0\n0 0 3\n");
   expect_refused(map({"--mesh", cloud, "--report", html_}), {"--report", "cloud.off", "triangles"});
   const auto model = write("model.html", contents(VERISQ_EXAMPLES "/capsule.json"));

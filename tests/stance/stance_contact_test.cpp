@@ -10,7 +10,6 @@
 #include <stdexcept>
 
 #include "verify/stance/contact.hpp"
-#include "verify/stance/controller.hpp"
 #include "verify/stance/friction.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -312,17 +311,6 @@ TEST(Friction, ForceIsLimitedInBothDirections) {
   EXPECT_TRUE(contains(force, 30.0));
   EXPECT_NEAR(force.lower(), -90.0, 1e-12);
   EXPECT_NEAR(force.upper(), 30.0, 1e-12);
-}
-
-TEST(Controller, IsProportionalIntegralAndDerivative) {
-  const Controller controller{.body = 0, .joint = 0, .proportional = 2.0, .integral = 3.0, .derivative = 5.0};
-  EXPECT_EQ(control_torque(controller, 0.5, 0.25, -1.0), -1.0 - 0.75 + 5.0);
-  const Interval torque = control_torque(controller, Interval(-1, 1), Interval(0), Interval(0, 1));
-  EXPECT_EQ(torque.lower(), -7.0);
-  EXPECT_EQ(torque.upper(), 2.0);
-  using D = Dual<double, 3>;
-  const D gains = control_torque(controller, D::variable(0.5, 0), D::variable(0.25, 1), D::variable(-1.0, 2));
-  EXPECT_EQ(gains.partial, (std::array{-2.0, -3.0, -5.0}));
 }
 
 }  // namespace

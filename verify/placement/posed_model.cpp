@@ -79,6 +79,10 @@ UncertainModel posed(const UncertainModel& model, const Pose& pose) {
   return moved;
 }
 
+Point posed(const Point& point, const Pose& pose) {
+  return moved_by(verify::RigidMotion(pose), point);
+}
+
 FemurLandmarks posed(const FemurLandmarks& landmarks, const Pose& pose) {
   const verify::RigidMotion motion(pose);
   FemurLandmarks moved = landmarks;

@@ -78,7 +78,7 @@ Quaternion between(Quaternion from, Quaternion to, double fraction) {
 }
 
 /// Of a unit quaternion.
-std::array<Point, 3> rotation_to_nearest(const Quaternion& q) {
+PreciseMatrix rotation_of(const Quaternion& q) {
   const PreciseInterval one(1);
   const PreciseInterval two(2);
   const auto& w = q[0];
@@ -86,14 +86,18 @@ std::array<Point, 3> rotation_to_nearest(const Quaternion& q) {
   const auto& y = q[2];
   const auto& z = q[3];
   const auto square_entry = [&](const PreciseInterval& a, const PreciseInterval& b) {
-    return nearest(one - two * (square(a) + square(b)));
+    return one - two * (square(a) + square(b));
   };
   const auto sum_entry = [&](const PreciseInterval& product, const PreciseInterval& other) {
-    return nearest(two * (product + other));
+    return two * (product + other);
   };
-  return {{{square_entry(y, z), sum_entry(x * y, -(w * z)), sum_entry(x * z, w * y)},
-           {sum_entry(x * y, w * z), square_entry(x, z), sum_entry(y * z, -(w * x))},
-           {sum_entry(x * z, -(w * y)), sum_entry(y * z, w * x), square_entry(x, y)}}};
+  return {{square_entry(y, z), sum_entry(x * y, -(w * z)), sum_entry(x * z, w * y)},
+          {sum_entry(x * y, w * z), square_entry(x, z), sum_entry(y * z, -(w * x))},
+          {sum_entry(x * z, -(w * y)), sum_entry(y * z, w * x), square_entry(x, y)}};
+}
+
+Point to_nearest(const PreciseVector& v) {
+  return {nearest(v[0]), nearest(v[1]), nearest(v[2])};
 }
 
 /// The rotation vector of to from^-1. Precondition: the shorter way round, the scalar part is not negative.
@@ -145,21 +149,25 @@ Vector3<double> RigidPath::spin(std::size_t k) const {
   return spin;
 }
 
-RigidPath::NearestPose RigidPath::nearest_pose(double time) const {
+RigidMotion RigidPath::enclosed_pose(double time) const {
   const auto k = static_cast<std::size_t>(time);
   const double fraction = time - static_cast<double>(k);  // exact
-  if (fraction == 0.0) return {rotation_to_nearest(unit(poses_[k].quaternion)), poses_[k].translation, 0.0};
-  const Pose& from = poses_[k];
-  const Pose& to = poses_[k + 1];
-  NearestPose pose{.rotation = rotation_to_nearest(between(unit(from.quaternion), unit(to.quaternion), fraction)),
-                   .translation = {},
-                   .reach = one_norm(from.translation) + one_norm(to.translation)};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const PreciseInterval start = Real(from.translation[i]);
-    const PreciseInterval end = Real(to.translation[i]);
-    pose.translation[i] = nearest(start + PreciseInterval(Real(fraction)) * (end - start));
-  }
-  return pose;
+  const PreciseVector start = precise(poses_[k].translation);
+  const Quaternion from = unit(poses_[k].quaternion);
+  if (fraction == 0.0) return {rotation_of(from), start};
+  const PreciseVector velocity = precise(poses_[k + 1].translation) - start;
+  return {rotation_of(between(from, unit(poses_[k + 1].quaternion), fraction)),
+          start + velocity * PreciseInterval(Real(fraction))};
+}
+
+RigidPath::NearestPose RigidPath::nearest_pose(double time) const {
+  const auto k = static_cast<std::size_t>(time);
+  const RigidMotion pose = enclosed_pose(time);
+  const bool moves = time != static_cast<double>(k);
+  const PreciseMatrix& rotation = pose.rotation;
+  return {.rotation = {to_nearest(rotation.row(0)), to_nearest(rotation.row(1)), to_nearest(rotation.row(2))},
+          .translation = to_nearest(pose.translation),
+          .reach = moves ? one_norm(poses_[k].translation) + one_norm(poses_[k + 1].translation) : 0.0};
 }
 
 // With u = 2^-53, S = |c|_1 + |t|_1 and what was rounded marked by ~: each |t~_i - t_i| <= u |t_i| (and hardly more:

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "verify/numbers/vector.hpp"
+#include "verify/proof/rigid_motion.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
@@ -36,6 +37,9 @@ class RigidPath {
 
   /// Precondition: 0 <= time <= last_time().
   [[nodiscard]] NearestPose nearest_pose(double time) const;
+
+  /// The exact pose, enclosed. Precondition: 0 <= time <= last_time().
+  [[nodiscard]] RigidMotion enclosed_pose(double time) const;
 
   /// R^T (c - t)
   [[nodiscard]] static PointBall local_point(const NearestPose& pose, const Point& c);

@@ -6,6 +6,7 @@
 #include "verify/proof/bracketed.hpp"
 #include "verify/proof/exact_checker.hpp"
 #include "verify/proof/intersection.hpp"
+#include "verify/proof/judgement.hpp"
 #include "verify/proof/uncertain_distance.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -20,14 +21,6 @@ Enclosure at_least(double lo) {
 
 Enclosure at_most(double hi) {
   return {-infinity, hi};
-}
-
-Finding judged(const Enclosure& claimed, const Enclosure& proven, const Enclosure& some_member) {
-  if (claimed.lo > claimed.hi || claimed.lo > some_member.hi || claimed.hi < some_member.lo) {
-    return {Verdict::refuted, proven};
-  }
-  if (proven.lo >= claimed.lo && proven.hi <= claimed.hi) return {Verdict::proved, proven};
-  return {Verdict::unproved, proven};
 }
 
 }  // namespace
@@ -52,14 +45,14 @@ struct Checker::State {
   [[nodiscard]] Finding check(const Query& query, const Enclosure& claimed, const Certificate& certificate) const {
     if (bounds.exact()) {
       const Enclosure proven = checkers.smallest(query, claimed, certificate);
-      return judged(claimed, proven, proven);
+      return verify::judged(claimed, proven, proven);
     }
     const Enclosure above = checkers.smallest(query, at_most(bounds.upper_asked_for(claimed.hi)), certificate);
     const Enclosure below = checkers.of_largest()(query, at_least(claimed.lo), certificate);
     const Enclosure proven = verify::between(lower(query, claimed, below, certificate), bounds.upper(above.hi),
                                              [] { return "a distance to the uncertain model"; });
     // Both models are members themselves: the midpoints of their translations lie in the intervals.
-    return judged(claimed, proven, {above.lo, below.hi});
+    return verify::judged(claimed, proven, {above.lo, below.hi});
   }
 
   verify::MemberBounds bounds;

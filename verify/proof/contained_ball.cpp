@@ -94,7 +94,8 @@ class BallProof {
     for (Float margin = kMargin; margin < 1; margin *= 8) {
       const Float reach = boundary_.exit(nearest_q_, direction, 1 - margin);
       const PreciseVector d = precise(direction) * PreciseInterval(Real(reach));
-      if (std::isfinite(reach) && inside(d)) return {direction, d, along(Vector{}, direction, reach)};
+      // Corners behind q would span no cone about the direction: the lemma asks for reach >= 0.
+      if (std::isfinite(reach) && reach >= 0 && inside(d)) return {direction, d, along(Vector{}, direction, reach)};
     }
     return {direction, precise(Proposal{}), {}};
   }

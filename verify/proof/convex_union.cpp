@@ -24,6 +24,16 @@ void require_union_of_convex(const Model& model, std::string_view what) {
   if (!is_union_of_convex(model)) refuse(what, "csg other than the union of all primitives");
 }
 
+bool is_union(const Model& model) {
+  Model unbent = model;
+  for (Primitive& primitive : unbent.primitives) primitive.bend.reset();
+  return is_union_of_convex(unbent);
+}
+
+void require_union(const Model& model, std::string_view what) {
+  if (!is_union(model)) refuse(what, "csg other than the union of all primitives");
+}
+
 bool has_taper(const Model& model) {
   return std::ranges::any_of(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
 }

@@ -11,6 +11,12 @@ namespace verisq::verify {
 /// is_union_of_convex(model). Without this a bend would be read as none, and a difference as a union.
 void require_union_of_convex(const Model& model, std::string_view what);
 
+/// Whether the model is the union of all its primitives, bent or not.
+[[nodiscard]] bool is_union(const Model& model);
+
+/// For certificates of points: throws likewise unless is_union(model).
+void require_union(const Model& model, std::string_view what);
+
 /// The same of a primitive on its own, which may not be tapered either.
 void require_convex(const Primitive& primitive, std::string_view what);
 

@@ -10,33 +10,50 @@
 #include "verify/proof/intersection.hpp"
 #include "verify/proof/triangle_certificate.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/error.hpp"
 
 namespace verisq::verify {
 
 namespace {
 
 /// Of a model.
-using Primitives = std::span<const PosedSuperquadric>;
+using Primitives = std::span<const PosedPrimitive>;
 
 Proposal proposal(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
+bool contains_ball_at(const PosedSuperquadric& primitive, const Point& x, double radius, const Proposal& /*anywhere*/) {
+  return primitive.contains_ball_about(x, radius);
+}
+
+bool contains_ball_at(const PosedBent& primitive, const Point& x, double radius, const Proposal& v) {
+  return primitive.contains_ball_about(x, radius, v);
+}
+
 /// An upper end: `claimed` or less if it can be proven with v, else what can be.
-double upper_end(const PosedSuperquadric& primitive, const Point& x, const Proposal& v, double claimed) {
-  const double by_normal = claimed > 0.0 ? primitive.upper_by_normal(x, v) : infinity;
-  if (by_normal <= claimed) return by_normal;
-  if (!primitive.contains(x)) return primitive.upper_by_normal(x, v);
-  return claimed < 0.0 && primitive.contains_ball_about(x, -claimed) ? claimed : 0.0;
+double upper_end(const PosedPrimitive& primitive, const Point& x, const Proposal& v, double claimed) {
+  return std::visit(
+      [&](const auto& solid) {
+        const double by_normal = claimed > 0.0 ? solid.upper_by_normal(x, v) : infinity;
+        if (by_normal <= claimed) return by_normal;
+        if (!solid.contains(x)) return solid.upper_by_normal(x, v);
+        return claimed < 0.0 && contains_ball_at(solid, x, -claimed, v) ? claimed : 0.0;
+      },
+      primitive);
 }
 
 /// Whether the exact signed distance is the least of the primitives': that of the union is where all are positive
 /// (not where one is 0: a point on a face that two solids share lies inside), and a single primitive's always.
 double lower_by_normals(Primitives primitives, const Point& x, std::span<const Normal> normals) {
   std::vector<double> lower;
-  for (const PosedSuperquadric& primitive : primitives) lower.push_back(primitive.lower_by_sphere(x));
+  for (const PosedPrimitive& primitive : primitives) {
+    lower.push_back(std::visit([&](const auto& solid) { return solid.lower_by_sphere(x); }, primitive));
+  }
   for (const auto& [index, v] : normals) {
-    lower[index] = std::max(lower[index], primitives[index].lower_by_normal(x, proposal(v)));
+    const Proposal direction = proposal(v);
+    const auto by_normal = [&](const auto& solid) { return solid.lower_by_normal(x, direction); };
+    lower[index] = std::max(lower[index], std::visit(by_normal, primitives[index]));
   }
   const double least = std::ranges::min(lower);
   return least > 0.0 || primitives.size() == 1 ? least : -infinity;
@@ -44,7 +61,9 @@ double lower_by_normals(Primitives primitives, const Point& x, std::span<const N
 
 /// A point outside all primitives is no deeper inside than another outside of all is far.
 double lower_by_escape(Primitives primitives, const Point& x, const Point& escape) {
-  const auto excludes = [&](const PosedSuperquadric& primitive) { return primitive.excludes(escape); };
+  const auto excludes = [&](const PosedPrimitive& primitive) {
+    return std::visit([&](const auto& solid) { return solid.excludes(escape); }, primitive);
+  };
   const bool proven = usable(proposal(escape)) && std::ranges::all_of(primitives, excludes);
   return proven ? -distance_up(x, escape) : -infinity;
 }
@@ -65,13 +84,20 @@ double upper(Primitives primitives, const Point& x, double claimed, std::span<co
   return least;
 }
 
+/// Of a triangle: bent solids have no support function.
+const PosedSuperquadric& convex(const PosedPrimitive& primitive) {
+  if (const auto* const solid = std::get_if<PosedSuperquadric>(&primitive)) return *solid;
+  throw Error(ErrorKind::input, "certificates of triangles: not supported for bent solids");
+}
+
 /// The distance to a union is the least of the distances to its primitives, 0 where one of them is met.
 double lower(Primitives primitives, const Triangle& triangle, std::span<const Normal> normals) {
   std::vector<double> lower;
-  for (const PosedSuperquadric& primitive : primitives) lower.push_back(lower_by_sphere(primitive, triangle));
+  for (const PosedPrimitive& primitive : primitives) lower.push_back(lower_by_sphere(convex(primitive), triangle));
   for (const auto& [index, v] : normals) {
-    const PosedTriangle posed(triangle, primitives[index].motion());
-    lower[index] = std::max(lower[index], lower_by_normal(primitives[index], posed, proposal(v)));
+    const PosedSuperquadric& solid = convex(primitives[index]);
+    const PosedTriangle posed(triangle, solid.motion());
+    lower[index] = std::max(lower[index], lower_by_normal(solid, posed, proposal(v)));
   }
   return std::max(0.0, std::ranges::min(lower));
 }
@@ -82,8 +108,9 @@ double upper(Primitives primitives, const Triangle& triangle, double claimed, co
   double least = infinity;
   if (!weights || !in_triangle(*weights)) return least;
   for (const auto& [index, v] : normals) {
-    const PreciseVector q = PosedTriangle(triangle, primitives[index].motion()).point(*weights);
-    least = std::min(least, upper_by_point(primitives[index], q, proposal(v)));
+    const PosedSuperquadric& solid = convex(primitives[index]);
+    const PreciseVector q = PosedTriangle(triangle, solid.motion()).point(*weights);
+    least = std::min(least, upper_by_point(solid, q, proposal(v)));
     if (least <= claimed) break;
   }
   return least;
@@ -98,8 +125,14 @@ std::vector<Normal> known(Primitives primitives, std::vector<Normal> normals) {
 }  // namespace
 
 ExactChecker::ExactChecker(const Model& model) {
-  require_union_of_convex(model, "certificates");
-  for (const Primitive& primitive : model.primitives) primitives_.emplace_back(primitive);
+  require_union(model, "certificates");
+  for (const Primitive& primitive : model.primitives) {
+    if (is_bent(primitive)) {
+      primitives_.emplace_back(std::in_place_type<PosedBent>, primitive);
+    } else {
+      primitives_.emplace_back(std::in_place_type<PosedSuperquadric>, primitive);
+    }
+  }
 }
 
 Enclosure ExactChecker::operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate) const {

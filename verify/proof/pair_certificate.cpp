@@ -2,6 +2,7 @@
 #include "verisq/pair_certificate.hpp"
 
 #include "verify/proof/convex_union.hpp"
+#include "verify/proof/judgement.hpp"
 #include "verify/proof/posed_pairs.hpp"
 
 namespace verisq {
@@ -13,6 +14,12 @@ Enclosure prove(const Model& a, const Model& b, const Pose& pose, const PairCert
   const PosedPrimitives posed_a(a);
   const PosedPrimitives posed_b(b);
   return proven_distance(PosedPairs(posed_a, posed_b, pose), certificate);
+}
+
+Finding check(const Model& a, const Model& b, const Pose& pose, const Enclosure& claimed,
+              const PairCertificate& certificate) {
+  const Enclosure proven = prove(a, b, pose, certificate);
+  return judged(claimed, proven, proven);
 }
 
 }  // namespace verisq

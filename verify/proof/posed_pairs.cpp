@@ -24,8 +24,7 @@ PosedPrimitives::PosedPrimitives(const Model& model) : primitives(model.primitiv
   }
 }
 
-PosedPairs::PosedPairs(const PosedPrimitives& a, const PosedPrimitives& b, const Pose& pose) : a_(&a), b_(&b) {
-  const RigidMotion motion = RigidMotion(pose);
+PosedPairs::PosedPairs(const PosedPrimitives& a, const PosedPrimitives& b, const RigidMotion& motion) : a_(&a), b_(&b) {
   for (const RigidMotion& own : b.motions) moved_.push_back(motion.after(own));
 }
 

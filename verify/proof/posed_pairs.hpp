@@ -20,7 +20,9 @@ struct PosedPrimitives {
 /// A and B moved. Both models must outlive this.
 class PosedPairs {
  public:
-  PosedPairs(const PosedPrimitives& a, const PosedPrimitives& b, const Pose& pose);
+  PosedPairs(const PosedPrimitives& a, const PosedPrimitives& b, const Pose& pose)
+      : PosedPairs(a, b, RigidMotion(pose)) {}
+  PosedPairs(const PosedPrimitives& a, const PosedPrimitives& b, const RigidMotion& motion);
 
   /// Precondition: i and j are indices of primitives of A and of B.
   [[nodiscard]] PairBounds operator()(std::size_t i, std::size_t j) const {

@@ -32,8 +32,9 @@ class ConvexProblem {
         query_(turned(query)),
         unbent_query_(turned(unbent_query)) {}
 
-  /// The minimiser of f over K; the direction is zero where the query seems to lie inside.
-  [[nodiscard]] BentDistance::Candidate solution() const {
+  /// The minimiser of f over K, to about `precision` times its size; the direction is zero where the query seems to lie
+  /// inside.
+  [[nodiscard]] BentDistance::Candidate solution(long double precision) const {
     constexpr int most_steps = 100;
     const long double size = std::ranges::max(solid_.semi_axes);
     Contact x = nearest_in_solid(unbent_query_, 1.0L);
@@ -44,7 +45,7 @@ class ConvexProblem {
       const long double change = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
       if (!std::isfinite(change)) break;  // out of range
       x = next;
-      if (change <= 0x1p-60L * size) break;
+      if (change <= precision * size) break;
     }
     return {turned_back(x.point), turned_back(towards(x))};
   }
@@ -188,21 +189,6 @@ bool is_finite(const Proposal& x) {
   return std::ranges::all_of(x, [](long double c) { return std::isfinite(c); });
 }
 
-/// Upper bound of φ(δ) = (δ - sin δ) / (1 - cos δ) for δ in [0, turn], in which it rises: there δ - sin δ <= δ³/6 and
-/// 1 - cos δ >= δ²/2 - δ⁴/24. Nothing where turn² >= 12.
-std::optional<Real> turn_quotient_up(const Real& turn) {
-  const PreciseInterval t(turn);
-  const PreciseInterval fall = PreciseInterval(1) - square(t) / PreciseInterval(12);
-  if (!(fall.lower() > Real(0))) return std::nullopt;
-  return (t / (PreciseInterval(3) * fall)).upper();
-}
-
-/// Upper bound of sin² of all angles up to `angle` >= 0.
-Real squared_sine_up(const Real& angle) {
-  const PreciseInterval quarter = pi<Real>() / PreciseInterval(2);
-  return angle < quarter.lower() ? square(sin(PreciseInterval(angle))).upper() : Real(1);
-}
-
 PreciseInterval squared_length(const PreciseVector& v) {
   return square(v[0]) + square(v[1]) + square(v[2]);
 }
@@ -216,8 +202,8 @@ BentDistance::BentDistance(const Primitive& primitive)
       focus_(focus(primitive.superquadric)),
       motion_(primitive.pose),
       map_(bend_),
-      angle_(abs(PreciseInterval(Real(bend_.curvature))) * PreciseInterval(Real(superquadric_.semi_axes[2]))),
-      radius_(length<Real>(bent_box(bend_, superquadric_))) {}
+      radius_(length<Real>(bent_box(bend_, superquadric_))),
+      proof_(primitive) {}
 
 double BentDistance::lower_by_sphere(const Point& x) const {
   return (length<Real>(motion_.local_point(x)) - radius_.upper()).lower().to_double(Direction::down);
@@ -228,8 +214,8 @@ BentDistance::Query BentDistance::query(const Point& x) const {
   return {bent, map_.unbent(bent)};
 }
 
-BentDistance::Candidate BentDistance::proposed(const Query& q) const {
-  return ConvexProblem(superquadric_, bend_, midpoint(q.bent), midpoint(q.unbent)).solution();
+BentDistance::Candidate BentDistance::proposed(const Query& q, long double precision) const {
+  return ConvexProblem(superquadric_, bend_, midpoint(q.bent), midpoint(q.unbent)).solution(precision);
 }
 
 BentDistance::Candidate BentDistance::refined(const Query& q, const Candidate& start) const {
@@ -243,6 +229,28 @@ BentDistance::Nearest BentDistance::operator()(const Point& x) const {
 
 BentDistance::Nearest BentDistance::proven(const Point& x, const Candidate& candidate) const {
   return proven(query(x), candidate);
+}
+
+BentDistance::Foot BentDistance::foot(const Point& x) const {
+  const Query q = query(x);
+  const auto of_candidate = [&](const Candidate& candidate) {
+    const Enclosure distance = proven(q, candidate).distance;
+    const auto& d = candidate.direction;
+    const long double scale = -distance.hi / std::hypot(d[0], d[1], d[2]);
+    const Proposal normal{scale * d[0], scale * d[1], scale * d[2]};
+    return Foot{distance, is_finite(normal) ? normal : Proposal{}};
+  };
+  // Newton's method makes up for a rough start, as a rule.
+  constexpr long double rough = 0x1p-20L;
+  constexpr double tight = 1e-12;
+  const Foot fast = of_candidate(refined(q, proposed(q, rough)));
+  if (fast.distance.lo > (1.0 - tight) * fast.distance.hi) return fast;
+  const Foot thorough = of_candidate(proposed(q));
+  return fast.distance.lo > thorough.distance.lo ? fast : thorough;
+}
+
+Proposal BentDistance::way(const Point& from, const Point& x) const {
+  return midpoint(PreciseVector(motion_.local_point(x) - motion_.local_point(from)));
 }
 
 /// Of the candidate's point, moved into K where it may lie outside.
@@ -283,7 +291,7 @@ std::optional<ClosestSurfacePoint> BentDistance::closest_in(const Query& q,
   const PreciseVector point = map_.bent(places);
   const PreciseInterval component(-1, 1);
   const PreciseVector normal = motion_.rotation * PreciseVector((q.bent - point) / distance);
-  const std::optional<Rise> of_all = rise(q, places, found->upper);
+  const std::optional<PosedBent::Rise> of_all = proof_.rise(q.unbent, places, found->upper);
   return ClosestSurfacePoint{distance, motion_(point),
                              intersection(normal, {component, component, component}, "a component of a unit normal"),
                              of_all && of_all->margin > Real(0)};
@@ -325,51 +333,10 @@ std::optional<BentDistance::TangentPlane> BentDistance::tangent_plane(const Quer
   const PreciseVector x0 = map_.unbent(q.bent + apart);
   const PreciseVector from_focus = x0 - focus_;
   const PreciseInterval squared = squared_length(apart);
-  if (!rise(q, x0, std::max(upper, sqrt(squared).upper()))) return std::nullopt;
+  if (!proof_.rise(q.unbent, x0, std::max(upper, sqrt(squared).upper()))) return std::nullopt;
   const PreciseVector v = map_.pulled_back(apart, x0);
   const PreciseInterval loss = PreciseInterval(2) * (bounds_.support(-v) + v.dot(from_focus));
   return TangentPlane{x0, sqrt(PreciseInterval(std::max((squared - loss).lower(), Real(0)))).lower()};
-}
-
-/// The condition for all turns δ from x0, any of a box, to a point of K. Of points within `upper` of the query, where
-/// that is nearer than the centre of curvature, |sin(γ - γ_q)| <= |k| upper / W_q and the cosine is positive; with
-/// |γ - γ_q| below three quarters of a turn they are within a quarter. Nothing where it is not proven.
-std::optional<BentDistance::Rise> BentDistance::rise(const Query& q, const PreciseVector& x0, const Real& upper) const {
-  const PreciseVector turned_q = map_.turned(q.unbent);
-  const PreciseVector turned_0 = map_.turned(x0);
-  const PreciseInterval one(1);
-  const PreciseInterval two(2);
-  const PreciseInterval k = Real(bend_.curvature);
-  const PreciseInterval w_q = one - k * turned_q[0];
-  const PreciseInterval w_0 = one - k * turned_0[0];
-  const PreciseInterval gamma_q = k * turned_q[2];
-  const PreciseInterval gamma_0 = k * turned_0[2];
-  const PreciseInterval apart = gamma_0 - gamma_q;
-  const PreciseInterval quarter = pi<Real>() / two;
-  if (!(abs(apart).upper() < (two * quarter).lower())) return std::nullopt;  // the sine has not the sign of the turn
-
-  Real turn(0);  // the largest δ away from the query
-  if (apart.upper() > Real(0)) turn = std::max(turn, (angle_ - gamma_0).upper());
-  if (apart.lower() < Real(0)) turn = std::max(turn, (angle_ + gamma_0).upper());
-  Real between = (abs(gamma_0 / two - gamma_q) + angle_ / two).upper();  // the largest |apart + δ/2|
-  Real any_turn = (angle_ + abs(gamma_0)).upper();
-
-  const PreciseInterval reach = abs(k) * PreciseInterval(upper);
-  if (reach.upper() < w_q.lower() && (angle_ + abs(gamma_q)).upper() < (PreciseInterval(3) * quarter).lower()) {
-    const PreciseInterval sine((reach / w_q).upper());
-    const PreciseInterval cosine = sqrt(one - square(sine));
-    const PreciseInterval angle = cosine.lower() > Real(0) ? atan(sine / cosine) : quarter;
-    turn = std::min(turn, std::max(Real(0), (angle - abs(apart)).upper()));
-    between = std::min(between, ((angle + abs(apart)) / two).upper());
-    any_turn = std::min(any_turn, (angle + abs(apart)).upper());
-  }
-  const std::optional<Real> quotient = turn_quotient_up(turn);
-  if (!quotient) return std::nullopt;
-  const PreciseInterval curving = cos(apart) - abs(sin(apart)) * PreciseInterval(*quotient);
-  if (!(curving.lower() > Real(0))) return std::nullopt;
-  const Real margin = (w_0 * curving - w_q * PreciseInterval(squared_sine_up(between))).lower();
-  if (!(margin >= Real(0))) return std::nullopt;
-  return Rise{margin, any_turn};
 }
 
 /// An upper bound of |x - x0| in every coordinate for all x of K whose image is as near as `upper`, of which the
@@ -377,7 +344,7 @@ std::optional<BentDistance::Rise> BentDistance::rise(const Query& q, const Preci
 ///     |s - s0| <= √η,   |z - z0| sin(δ/2)/(δ/2) <= √(η/(W_q C)),   |r - r0| <= √η + W_q |z - z0|.
 /// Nothing where the margin C is 0, or the turn too large.
 std::optional<Real> BentDistance::reach(const Query& q, const TangentPlane& plane, const Real& upper) const {
-  const std::optional<Rise> above = rise(q, plane.x0, upper);
+  const std::optional<PosedBent::Rise> above = proof_.rise(q.unbent, plane.x0, upper);
   if (!above || !(above->margin > Real(0))) return std::nullopt;
   const PreciseInterval two(2);
   const PreciseInterval w_q = PreciseInterval(1) - PreciseInterval(Real(bend_.curvature)) * map_.turned(q.unbent)[0];

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "verify/proof/certificate.hpp"
+#include "verify/proof/posed_bent.hpp"
 #include "verify/proof/rigid_motion.hpp"
 #include "verify/search/closest_surface_point.hpp"
 #include "verify/sets/bend.hpp"
@@ -56,6 +56,20 @@ class BentDistance {
   /// The same by this candidate alone.
   [[nodiscard]] std::optional<ClosestSurfacePoint> closest_point(const Point& x, const Candidate& candidate) const;
 
+  /// For a certificate: what it is about to prove, and a vector that leads to x from a point near the solid's nearest,
+  /// in the primitive's own frame (see Checker); zero where x seems to lie inside.
+  struct Foot {
+    Enclosure distance;
+    Proposal normal;
+  };
+  [[nodiscard]] Foot foot(const Point& x) const;
+
+  /// From a point of the model's frame to x, in the primitive's own frame, to nearest.
+  [[nodiscard]] Proposal way(const Point& from, const Point& x) const;
+
+  /// What single evaluations prove.
+  [[nodiscard]] const PosedBent& proof() const { return proof_; }
+
   /// Whether all points of a box of the model's frame are proven to lie outside the solid.
   [[nodiscard]] bool excludes(const PreciseVector& box) const;
 
@@ -81,15 +95,9 @@ class BentDistance {
     Real reach;
   };
 
-  /// How far f rises above its tangent planes: the condition's left side less its right one, >= 0, rounded down, and
-  /// the largest |δ| of those points.
-  struct Rise {
-    Real margin;
-    Real turn;
-  };
-
   [[nodiscard]] Query query(const Point& x) const;
-  [[nodiscard]] Candidate proposed(const Query& q) const;
+  /// To about `precision` times the size.
+  [[nodiscard]] Candidate proposed(const Query& q, long double precision = 0x1p-60L) const;
   [[nodiscard]] Candidate refined(const Query& q, const Candidate& start) const;
   [[nodiscard]] std::optional<Neighbourhood> neighbourhood(const Query& q, const Candidate& candidate) const;
   [[nodiscard]] std::optional<ClosestSurfacePoint> closest_in(const Query& q,
@@ -99,7 +107,6 @@ class BentDistance {
   [[nodiscard]] PreciseVector in_solid(const Proposal& point) const;
   [[nodiscard]] std::optional<TangentPlane> tangent_plane(const Query& q, const Real& upper,
                                                           const Proposal& direction) const;
-  [[nodiscard]] std::optional<Rise> rise(const Query& q, const PreciseVector& x0, const Real& upper) const;
   [[nodiscard]] std::optional<Real> reach(const Query& q, const TangentPlane& plane, const Real& upper) const;
 
   Superquadric superquadric_;
@@ -108,8 +115,8 @@ class BentDistance {
   PreciseVector focus_;  ///< from the centre, which is the origin here, because bends act about it
   RigidMotion motion_;
   BendMap<Real> map_;
-  PreciseInterval angle_;  ///< the largest |γ| of K
   PreciseInterval radius_;
+  PosedBent proof_;
 };
 
 }  // namespace verisq::verify

@@ -5,8 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "verify/proof/convex_union.hpp"
 #include "verify/proof/exact_checker.hpp"
 #include "verify/search/union_of_convex.hpp"
+#include "verify/sets/bent_union_certificate.hpp"
 #include "verify/sets/solid_distance.hpp"
 #include "verify/sets/union_closest_point.hpp"
 #include "verisq/enclosure.hpp"
@@ -20,6 +22,9 @@ constexpr Enclosure nothing_known{-infinity, infinity};
 
 /// Narrower enclosures are not searched for, in parts of the model's radius.
 constexpr double search_limit = 1e-10;
+
+/// Of a tolerance inside. What one primitive alone proves of the upper end may be loose: most is left to that.
+constexpr double share_of_escape = 1.0 / 16;
 
 bool never() {
   return false;
@@ -40,8 +45,8 @@ struct ConvexUnion {
   std::vector<verify::ConvexPrimitive> primitives;
 };
 
-/// Of a union of primitives of which some are bent; nothing of other models.
-std::vector<verify::UnionPart> parts_of_bent_union(Model model) {
+/// Precondition: is_union.
+std::vector<verify::UnionPart> parts_of_bent_union(const Model& model) {
   std::vector<verify::UnionPart> parts;
   for (const Primitive& primitive : model.primitives) {
     if (is_bent(primitive))
@@ -49,8 +54,6 @@ std::vector<verify::UnionPart> parts_of_bent_union(Model model) {
     else
       parts.emplace_back(std::in_place_type<verify::ConvexPrimitive>, primitive);
   }
-  for (Primitive& primitive : model.primitives) primitive.bend.reset();
-  if (!is_union_of_convex(model)) parts.clear();  // another operation than the union
   return parts;
 }
 
@@ -59,10 +62,12 @@ std::vector<verify::UnionPart> parts_of_bent_union(Model model) {
 struct SignedDistance::State {
   explicit State(const Model& model)
       : search(model), resolution(search_limit * bounding_radius(model)), primitives(model.primitives.size()) {
-    if (is_union_of_convex(model))
+    if (is_union_of_convex(model)) {
       convex.emplace(model);
-    else
+    } else if (verify::is_union(model)) {
       bent_union = parts_of_bent_union(model);
+      bent_checker.emplace(model);
+    }
   }
 
   [[nodiscard]] Enclosure searched(const Point& point, double tolerance, const Enclosure& known,
@@ -84,6 +89,7 @@ struct SignedDistance::State {
 
   std::optional<ConvexUnion> convex;
   std::vector<verify::UnionPart> bent_union;  ///< nothing where there is no bend
+  std::optional<verify::ExactChecker> bent_checker;
   verify::SolidDistance search;
   double resolution;
   std::size_t primitives;
@@ -125,15 +131,19 @@ CertifiedEnclosure SignedDistance::certified(const Point& point, double toleranc
 
 CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance,
                                              const std::function<bool()>& interrupted) const {
-  if (!state_->convex) throw Error(ErrorKind::input, "certificates: only for unions of primitives that are not bent");
+  if (state_->bent_checker) {
+    const double resolution = std::max(tolerance, state_->resolution);
+    return verify::bent_union_certificate(state_->bent_union, *state_->bent_checker, point, [&] {
+      return state_->search.escape(point, share_of_escape * resolution, interrupted);
+    });
+  }
+  if (!state_->convex) throw Error(ErrorKind::input, "certificates: only for unions of primitives");
   const auto proven = [&](CertifiedEnclosure found) {
     found.distance = state_->convex->checker(point, found.distance, found.certificate);
     return found;
   };
   const CertifiedEnclosure found = proven(verify::signed_distance(state_->convex->primitives, point, tolerance));
   if (!state_->convex->loose(found.distance, std::max(tolerance, state_->resolution))) return found;
-  // What one primitive alone proves of the upper end may be loose: most of the tolerance is left to that.
-  constexpr double share_of_escape = 1.0 / 16;
   CertifiedEnclosure nearer = found;
   nearer.certificate.escape =
       state_->search.escape(point, std::max(share_of_escape * tolerance, state_->resolution), interrupted);

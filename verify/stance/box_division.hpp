@@ -6,6 +6,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <deque>
+#include <iterator>
+#include <optional>
 #include <span>
 #include <thread>
 #include <vector>
@@ -77,6 +80,15 @@ class BoxDivision {
     return part.halvings[variable] < most_halvings_ && side.lower() < middle && middle < side.upper();
   }
 
+  /// The variable that has been halved least; none where all are as fine as they may be.
+  [[nodiscard]] std::optional<std::size_t> least_halved(const BoxPart& part) const {
+    std::optional<std::size_t> best;
+    for (std::size_t k = 0; k < part.halvings.size(); ++k) {
+      if (is_divisible(part, k) && (!best || part.halvings[k] < part.halvings[*best])) best = k;
+    }
+    return best;
+  }
+
   [[nodiscard]] std::array<BoxPart, 2> halves(const BoxPart& part, std::size_t variable) const {
     const std::uint32_t i = variables_[variable];
     const verify::Interval side = part.box[i];
@@ -91,6 +103,21 @@ class BoxDivision {
   std::vector<std::uint32_t> variables_;
   std::uint32_t most_halvings_;
 };
+
+/// The sum of the shares of some parts, rounded, which must not hide that there are others.
+[[nodiscard]] inline double share_beside_others(double share, bool others) {
+  return others ? std::fmin(share, std::nextafter(1.0, 0.0)) : share;
+}
+
+/// Takes the first items: so many as keep all cores busy between two reports of progress.
+template <class Item>
+[[nodiscard]] std::vector<Item> take_batch(std::deque<Item>& items) {
+  constexpr std::size_t most = 16;
+  const auto end = items.begin() + static_cast<std::ptrdiff_t>(std::min(most, items.size()));
+  std::vector<Item> batch(std::make_move_iterator(items.begin()), std::make_move_iterator(end));
+  items.erase(items.begin(), end);
+  return batch;
+}
 
 /// Calls examine(item) for each item, on all cores: each by itself, so that the result does not depend on their number.
 template <class Item, class Examine>

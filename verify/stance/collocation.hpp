@@ -38,11 +38,11 @@ struct ApproximateRates {
 namespace collocation_details {
 
 inline MotionPoint<double> point(const Eigen::VectorXd& state, const Eigen::VectorXd& acceleration, double time,
-                                 double within, std::size_t deviations) {
+                                 const MotionRegime& regime, std::size_t deviations) {
   return {{state.begin(), state.end()},
           {acceleration.begin(), acceleration.end()},
           time,
-          within,
+          regime,
           std::vector<double>(deviations, 0.0)};
 }
 
@@ -60,11 +60,11 @@ inline Eigen::MatrixXd matrix(const Columns<double>& columns, std::size_t rows) 
 /// The rates alone.
 template <class System>
 [[nodiscard]] Eigen::VectorXd approximate_rates(const System& system, const Eigen::VectorXd& state, double time,
-                                                double within) {
+                                                const MotionRegime& regime) {
   using namespace collocation_details;
   const auto m = static_cast<Eigen::Index>(system.implicit());
-  const MotionPoint<double> at = point(state, Eigen::VectorXd::Zero(m), time, within, system.deviations());
-  const auto terms = system.template evaluate<double>(at.state, at.acceleration, time, within, at.deviations);
+  const MotionPoint<double> at = point(state, Eigen::VectorXd::Zero(m), time, regime, system.deviations());
+  const auto terms = system.template evaluate<double>(at.state, at.acceleration, time, regime, at.deviations);
   const Eigen::MatrixXd mass =
       matrix(partial_derivatives(system, at, system.size(), system.size() + system.implicit()), system.implicit());
   Eigen::VectorXd result(state.size());
@@ -75,14 +75,14 @@ template <class System>
 
 template <class System>
 [[nodiscard]] ApproximateRates approximate_derivatives(const System& system, const Eigen::VectorXd& state, double time,
-                                                       double within) {
+                                                       const MotionRegime& regime) {
   using namespace collocation_details;
   const auto n = static_cast<Eigen::Index>(system.size());
   const auto m = static_cast<Eigen::Index>(system.implicit());
   const auto deviations = static_cast<Eigen::Index>(system.deviations());
   ApproximateRates result;
-  result.rates = approximate_rates(system, state, time, within);
-  const MotionPoint<double> at = point(state, Eigen::VectorXd(result.rates.head(m)), time, within, system.deviations());
+  result.rates = approximate_rates(system, state, time, regime);
+  const MotionPoint<double> at = point(state, Eigen::VectorXd(result.rates.head(m)), time, regime, system.deviations());
   const Eigen::MatrixXd all = matrix(
       partial_derivatives(system, at, 0, system.size() + system.implicit() + system.deviations()), system.size());
   const Eigen::PartialPivLU<Eigen::MatrixXd> mass(all.block(0, n, m, m));
@@ -138,18 +138,17 @@ class RadauRule {
   Eigen::MatrixXd integrals_, weights_;
 };
 
-/// Nothing where Newton's method does not converge.
+/// In the branches of `regime`, and past their ends. Nothing where Newton's method does not converge.
 template <class System>
 [[nodiscard]] std::optional<MotionPolynomial> collocation_step(const System& system, const RadauRule& rule,
                                                                const ApproximateState& start, double to,
-                                                               const Eigen::VectorXd& first_rates) {
+                                                               const MotionRegime& regime) {
   constexpr int most_iterations = 12;
   constexpr double converged = 1e-14;
   constexpr Eigen::Index stages = RadauRule::stages;
   const auto n = start.state.size();
   const double half = 0.5 * (to - start.time);
-  const double within = 0.5 * (start.time + to);
-  Eigen::MatrixXd rates = first_rates.replicate(1, stages);
+  Eigen::MatrixXd rates = approximate_rates(system, start.state, start.time, regime).replicate(1, stages);
   Eigen::MatrixXd newton(n * stages, n * stages);
   Eigen::MatrixXd by_deviation(n * stages, start.by_deviation.cols());
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
@@ -159,7 +158,7 @@ template <class System>
       const Eigen::VectorXd state = start.state + half * rates * rule.weights().row(j).transpose();
       if (!state.allFinite()) return std::nullopt;
       const double time = start.time + half * (rule.node(j) + 1.0);
-      const ApproximateRates at = approximate_derivatives(system, state, time, within);
+      const ApproximateRates at = approximate_derivatives(system, state, time, regime);
       missing.segment(n * j, n) = at.rates - rates.col(j);
       for (Eigen::Index l = 0; l < stages; ++l)
         newton.block(n * j, n * l, n, n) -= half * rule.weights()(j, l) * at.by_state;

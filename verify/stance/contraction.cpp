@@ -1,6 +1,7 @@
 /// Krawczyk's iteration with epsilon-inflation, and products that leave out zeros.
 #include "verify/stance/contraction.hpp"
 
+#include <Eigen/LU>
 #include <cmath>
 
 namespace verisq::stance {
@@ -54,6 +55,22 @@ bool in_interior(const IntervalVector& inner, const IntervalVector& outer) {
     if (!(inner[i].lower() > outer[i].lower() && inner[i].upper() < outer[i].upper())) return false;
   }
   return true;
+}
+
+std::optional<WeightedContraction> weighted_contraction(const Eigen::MatrixXd& sizes, const Eigen::VectorXd& diagonal) {
+  // diagonal - sizes is an M-matrix where there are such weights, and its inverse positive: any guess is checked below.
+  const Eigen::MatrixXd comparison = Eigen::MatrixXd(diagonal.asDiagonal()) - sizes;
+  WeightedContraction result{comparison.partialPivLu().solve(Eigen::VectorXd::Ones(sizes.rows())), 0.0};
+  const Eigen::VectorXd& weights = result.weights;
+  if (!weights.allFinite() || !(weights.minCoeff() > 0.0)) return std::nullopt;
+  for (Eigen::Index i = 0; i < sizes.rows(); ++i) {
+    Interval reached(0);
+    for (Eigen::Index j = 0; j < sizes.cols(); ++j) reached += Interval(sizes(i, j)) * Interval(weights[j]);
+    const Interval share = reached / (Interval(diagonal[i]) * Interval(weights[i]));
+    if (!(share.upper() < 1.0)) return std::nullopt;
+    result.factor = std::fmax(result.factor, share.upper());
+  }
+  return result;
 }
 
 IntervalVector inflated(const IntervalVector& errors) {

@@ -20,6 +20,17 @@ using IntervalVector = Eigen::Matrix<verify::Interval, Eigen::Dynamic, 1>;
 
 [[nodiscard]] bool in_interior(const IntervalVector& inner, const IntervalVector& outer);
 
+/// Weights w > 0 and a factor q < 1.
+struct WeightedContraction {
+  Eigen::VectorXd weights;
+  double factor;
+};
+
+/// Proven: sizes w <= q diagonal w, component by component. Nothing where no such w is found, as where there is none.
+/// Preconditions: sizes >= 0, diagonal > 0.
+[[nodiscard]] std::optional<WeightedContraction> weighted_contraction(const Eigen::MatrixXd& sizes,
+                                                                      const Eigen::VectorXd& diagonal);
+
 /// Symmetric about 0, and so much wider than `errors` that a contraction shows.
 [[nodiscard]] IntervalVector inflated(const IntervalVector& errors);
 

@@ -39,12 +39,14 @@ ControlledMotion::ControlledMotion(const SagittalModel& model, std::vector<Inter
 
 Eigen::MatrixXd ControlledMotion::tether() const {
   constexpr double frequency = 10.0;  // 1/s
+  constexpr std::size_t of_root = 3;
   const auto n = static_cast<Eigen::Index>(size());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);
-  for (std::size_t j = 0; j < joints(); ++j) {
+  for (std::size_t j = 0; j < of_root; ++j) {
+    const double distinct = frequency * (1.0 + 0.1 * static_cast<double>(j));  // equal ones would nearly coincide again
     const auto velocity = static_cast<Eigen::Index>(j);
-    result(velocity, static_cast<Eigen::Index>(position(j))) = -frequency * frequency;
-    result(velocity, velocity) = -frequency;
+    result(velocity, static_cast<Eigen::Index>(position(j))) = -distinct * distinct;
+    result(velocity, velocity) = -distinct;
   }
   return result;
 }

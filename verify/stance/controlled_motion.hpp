@@ -9,11 +9,21 @@
 
 #include "verify/stance/contact.hpp"
 #include "verify/stance/friction.hpp"
+#include "verify/stance/motion_regime.hpp"
 #include "verify/stance/parameters.hpp"
 #include "verify/stance/sagittal_model.hpp"
 #include "verify/stance/taylor_model.hpp"
 
 namespace verisq::stance {
+
+/// What the switches of a contact depend on: each changes sign where another branch begins to hold.
+template <class T>
+struct ContactSwitches {
+  T penetration;  ///< m
+  T damping;      ///< 1 + D delta'/v_N
+  T friction;     ///< k_t s + c_t u: what friction would be if it stuck, N; 0 in flight
+  T limit;        ///< of friction, N; 0 in flight
+};
 
 /// What one cylinder and the ground do to each other.
 template <class T>
@@ -21,6 +31,7 @@ struct ContactForce {
   T normal;        ///< upward on the cylinder, N
   T friction;      ///< along x on the cylinder, N
   T bristle_rate;  ///< s', m/s
+  ContactSwitches<T> switches;
 };
 
 /// A value of everything in the equations.
@@ -119,14 +130,18 @@ class ControlledMotion {
   /// Times at which the equations have kinks whatever the state: steps end there.
   [[nodiscard]] std::vector<double> breaks() const;
 
-  /// To the matrix of a linearisation: a spring and a damper at each joint, of about the frequency of standing. It
-  /// holds what nothing else holds, in the choice of modes only.
+  /// To the matrix of a linearisation: a spring and a damper at each joint of the root, which nothing holds in flight,
+  /// of about the frequency of standing and no two alike. In the choice of modes only.
   [[nodiscard]] Eigen::MatrixXd tether() const;
 
-  /// `within` is a time between the same breaks as all of `time`.
+  /// `regime` is of a time between the same breaks as all of `time`; its branches need not be those that hold.
   template <class T>
   [[nodiscard]] MotionTerms<T> evaluate(std::span<const T> state, std::span<const T> acceleration, const T& time,
-                                        double within, std::span<const T> deviations) const;
+                                        const MotionRegime& regime, std::span<const T> deviations) const;
+
+  /// The branches that hold for all values of `terms`.
+  template <class T>
+  [[nodiscard]] static MotionRegime settled(const MotionTerms<T>& terms, double within);
 
  private:
   template <class T>
@@ -158,30 +173,52 @@ class ControlledMotion {
 
 namespace motion_details {
 
+/// normal_force() of contact.hpp, in the branches that are given, over what is open.
+template <class T>
+[[nodiscard]] T normal_force_in(const ContactBranches& branches, const T& stiffness, double exponent,
+                                const T& penetration, const T& damped) {
+  const auto clear = [](const T&) { return T(0); };
+  const auto pressed = [&](const T& delta) {
+    const T factor = branches.damping == Side::above ? damped : max(damped, T(0));
+    // An approximation may look ahead, past the end of its branch: there only a linear force has a value.
+    const T power = exponent == 1.0 ? delta : contact_details::power(T(max(delta, T(0))), exponent);
+    return T(stiffness * power * factor);
+  };
+  if (branches.in_flight()) return T(0);
+  if (branches.penetration == Side::above) return pressed(penetration);
+  return piecewise(penetration, 0.0, clear, pressed);
+}
+
 /// A cylinder's contact at its lowest points; both points of Gauss's rule move alike in the plane.
 /// `height` is of the cylinder's axis; `descent` and `slip` are the velocities downward and along x of the material
 /// point that is lowest.
 template <class T>
 [[nodiscard]] ContactForce<T> contact_force(const ContactCylinder& cylinder, const AffineDamping& damping_factor,
-                                            std::span<const T> parameters, const T& height, const T& descent,
-                                            const T& slip, const T& bristle) {
+                                            const ContactBranches& branches, std::span<const T> parameters,
+                                            const T& height, const T& descent, const T& slip, const T& bristle) {
   const T penetration = value_of<T>(cylinder.radius, parameters) - height;
-  const HuntCrossley<T> law{value_of<T>(cylinder.stiffness, parameters), cylinder.exponent,
-                            damping_factor.of(value_of<T>(cylinder.normal_restitution, parameters)),
-                            value_of<T>(cylinder.impact_velocity, parameters)};
-  const T normal = normal_force(law, penetration, descent);
-  const FrictionLaw<T> friction{value_of<T>(cylinder.static_friction, parameters),
-                                value_of<T>(cylinder.dynamic_friction, parameters), cylinder.stribeck_velocity};
+  const T damped = T(1) + damping_factor.of(value_of<T>(cylinder.normal_restitution, parameters)) * descent /
+                              value_of<T>(cylinder.impact_velocity, parameters);
+  const T normal =
+      normal_force_in<T>(branches, value_of<T>(cylinder.stiffness, parameters), cylinder.exponent, penetration, damped);
   const T stiffness(cylinder.bristle_stiffness);
   const T damping(cylinder.bristle_damping);
   const T elastic = stiffness * bristle;
-  if (is_zero(normal)) return {normal, T(0), -elastic / damping};  // in flight
+  if (is_zero(normal)) return {normal, T(0), -elastic / damping, {penetration, damped, T(0), T(0)}};  // in flight
+  const FrictionLaw<T> friction{value_of<T>(cylinder.static_friction, parameters),
+                                value_of<T>(cylinder.dynamic_friction, parameters), cylinder.stribeck_velocity};
   const T trial = elastic + damping * slip;
   const T limit = friction_coefficient(friction, slip) * normal;
+  const ContactSwitches<T> switches{penetration, damped, trial, limit};
+  const bool sticks =
+      branches.friction == FrictionBranch::sticks ||
+      (branches.friction == FrictionBranch::open && certainly_less(T(-limit), trial) && certainly_less(trial, limit));
   // Sticks: s' = u, exactly. Else s' is what makes the limited force k_t s + c_t s'. Equal where both hold.
-  if (certainly_less(T(-limit), trial) && certainly_less(trial, limit)) return {normal, -trial, slip};
-  const T limited = clamp(trial, T(-limit), limit);
-  return {normal, -limited, (limited - elastic) / damping};
+  if (sticks) return {normal, -trial, slip, switches};
+  const T limited = branches.friction == FrictionBranch::slips_forward    ? limit
+                    : branches.friction == FrictionBranch::slips_backward ? T(-limit)
+                                                                          : clamp(trial, T(-limit), limit);
+  return {normal, -limited, (limited - elastic) / damping, switches};
 }
 
 }  // namespace motion_details
@@ -243,7 +280,7 @@ motion_details::PlanarVector<T> ControlledMotion::applied_force(const T& time, d
 
 template <class T>
 MotionTerms<T> ControlledMotion::evaluate(std::span<const T> state, std::span<const T> acceleration, const T& time,
-                                          double within, std::span<const T> deviations) const {
+                                          const MotionRegime& regime, std::span<const T> deviations) const {
   using namespace motion_details;
   const Model& model = model_.model;
   const std::vector<T> values = parameters<T>(deviations);
@@ -273,8 +310,9 @@ MotionTerms<T> ControlledMotion::evaluate(std::span<const T> state, std::span<co
     const PlanarVector<T> middle = m.turned(planar<T>(cylinder.centre, p));
     const PlanarVector<T> lever{middle.x, middle.y - value_of<T>(cylinder.radius, p)};
     const PlanarVector<T> velocity = m.velocity + m.angular_velocity * crossed(lever);
-    const ContactForce<T> force = contact_force<T>(cylinder, damping_[c], p, T(m.origin.y + middle.y), T(-velocity.y),
-                                                   velocity.x, state[bristle(c)]);
+    const ContactForce<T> force =
+        contact_force<T>(cylinder, damping_[c], regime.contacts.empty() ? ContactBranches{} : regime.contacts[c], p,
+                         T(m.origin.y + middle.y), T(-velocity.y), velocity.x, state[bristle(c)]);
     const T copies(model_.bodies[i].copies);
     const PlanarVector<T> on_body{copies * force.friction, copies * force.normal};
     loads[i].force = loads[i].force - on_body;
@@ -282,7 +320,7 @@ MotionTerms<T> ControlledMotion::evaluate(std::span<const T> state, std::span<co
     terms.contacts.push_back(force);
   }
   // It acts at a point that only the root's translations carry along, -offset from the root's origin.
-  const PlanarVector<T> applied = applied_force<T>(time, within, p);
+  const PlanarVector<T> applied = applied_force<T>(time, regime.within, p);
   const PlanarVector<T> point = planar<T>(model.bodies.front().offset, p);
   loads[0].force = loads[0].force - applied;
   loads[0].moment = loads[0].moment + moment(point, applied);
@@ -312,6 +350,27 @@ MotionTerms<T> ControlledMotion::evaluate(std::span<const T> state, std::span<co
   }
   for (const ContactForce<T>& contact : terms.contacts) terms.rates.push_back(contact.bristle_rate);
   return terms;
+}
+
+template <class T>
+MotionRegime ControlledMotion::settled(const MotionTerms<T>& terms, double within) {
+  const auto side = [](const T& x) {
+    return certainly_less(T(0), x) ? Side::above : certainly_less(x, T(0)) ? Side::below : Side::open;
+  };
+  const auto friction = [](const T& trial, const T& limit) {
+    if (certainly_less(limit, trial)) return FrictionBranch::slips_forward;
+    if (certainly_less(trial, T(-limit))) return FrictionBranch::slips_backward;
+    const bool sticks = certainly_less(T(-limit), trial) && certainly_less(trial, limit);
+    return sticks ? FrictionBranch::sticks : FrictionBranch::open;
+  };
+  MotionRegime regime{within};
+  for (const ContactForce<T>& contact : terms.contacts) {
+    const ContactSwitches<T>& at = contact.switches;
+    ContactBranches branches{side(at.penetration), side(at.damping)};
+    if (!branches.in_flight()) branches.friction = friction(at.friction, at.limit);
+    regime.contacts.push_back(branches);
+  }
+  return regime;
 }
 
 }  // namespace verisq::stance

@@ -17,8 +17,7 @@ namespace {
 
 using verify::Interval;
 
-struct Cell {
-  BoxPart part;
+struct Cell : BoxPart {
   CellVerdict found = {};
 };
 
@@ -64,30 +63,23 @@ class Subdivision {
   }
 
   [[nodiscard]] Equilibrium run() {
-    constexpr std::size_t batch_size = 16;
     while (!open_.empty() && !result_.interrupted) {
-      std::vector<Cell> batch;
-      while (!open_.empty() && batch.size() < batch_size) {
-        batch.push_back(std::move(open_.front()));
-        open_.pop_front();
-      }
-      examine_on_all_cores(batch, [&](Cell& cell) { cell.found = examine(problem_, cell.part.box); });
-      for (const Cell& cell : batch) samples_.add(sampled_equilibrium(problem_, middle_of(cell.part.box)));
+      std::vector<Cell> batch = take_batch(open_);
+      examine_on_all_cores(batch, [&](Cell& cell) { cell.found = examine(problem_, cell.box); });
+      for (const Cell& cell : batch) samples_.add(sampled_equilibrium(problem_, middle_of(cell.box)));
       for (Cell& cell : batch) settle(cell);
       if (options_.progress) options_.progress(result_.stands + result_.not_on_all + result_.open);
       result_.interrupted = options_.interrupted && options_.interrupted();
     }
     for (const Cell& cell : open_) take(cell);
-    // The sum is rounded: it must not hide a part that does not stand.
-    if (result_.open > 0.0 || result_.not_on_all > 0.0)
-      result_.stands = std::min(result_.stands, std::nextafter(1.0, 0.0));
+    result_.stands = share_beside_others(result_.stands, result_.open > 0.0 || result_.not_on_all > 0.0);
     return std::move(result_);
   }
 
  private:
   void settle(Cell& cell) {
     if (const std::optional<std::size_t> k = next_to_halve(cell)) {
-      for (BoxPart& half : division_.halves(cell.part, *k)) open_.push_back({std::move(half), cell.found});
+      for (BoxPart& half : division_.halves(cell, *k)) open_.push_back({std::move(half), cell.found});
       return;
     }
     take(cell);
@@ -95,7 +87,7 @@ class Subdivision {
 
   [[nodiscard]] std::optional<std::size_t> next_to_halve(const Cell& cell) const {
     switch (cell.found.verdict) {
-      case StandingVerdict::open: return least_halved(cell);
+      case StandingVerdict::open: return division_.least_halved(cell);
       case StandingVerdict::stands:
         if (const std::optional<Eigen::Index> i = sticking_out(samples_, cell.found.components))
           return least_clear(cell, *i);
@@ -109,36 +101,26 @@ class Subdivision {
   [[nodiscard]] std::optional<std::size_t> least_clear(const Cell& cell, Eigen::Index component) const {
     std::optional<std::size_t> best;
     double most = 0.0;
-    for (std::size_t k = 0; k < cell.part.halvings.size(); ++k) {
+    for (std::size_t k = 0; k < cell.halvings.size(); ++k) {
       const double unclear = cell.found.unclear[k][component];
-      if (!(unclear > most) || !division_.is_divisible(cell.part, k)) continue;
+      if (!(unclear > most) || !division_.is_divisible(cell, k)) continue;
       most = unclear;
       best = k;
     }
     return best;
   }
 
-  /// The parameter that has been halved least; none where all are as fine as they may be.
-  [[nodiscard]] std::optional<std::size_t> least_halved(const Cell& cell) const {
-    std::optional<std::size_t> best;
-    for (std::size_t k = 0; k < cell.part.halvings.size(); ++k) {
-      if (division_.is_divisible(cell.part, k) && (!best || cell.part.halvings[k] < cell.part.halvings[*best]))
-        best = k;
-    }
-    return best;
-  }
-
   void take(const Cell& cell) {
     EquilibriumCell taken{{}, cell.found.verdict};
-    for (const std::uint32_t k : problem_.parameters) taken.ranges.push_back(enclosure(cell.part.box[k]));
+    for (const std::uint32_t k : problem_.parameters) taken.ranges.push_back(enclosure(cell.box[k]));
     result_.cells.push_back(std::move(taken));
     switch (cell.found.verdict) {
       case StandingVerdict::stands:
-        result_.stands += cell.part.share();
+        result_.stands += cell.share();
         extend_standing(named(problem_, cell.found.components));
         break;
-      case StandingVerdict::not_on_all: result_.not_on_all += cell.part.share(); break;
-      case StandingVerdict::open: result_.open += cell.part.share(); break;
+      case StandingVerdict::not_on_all: result_.not_on_all += cell.share(); break;
+      case StandingVerdict::open: result_.open += cell.share(); break;
     }
   }
 

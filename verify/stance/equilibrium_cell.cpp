@@ -10,15 +10,12 @@
 
 #include "verify/stance/box_division.hpp"
 #include "verify/stance/equilibrium_location.hpp"
+#include "verify/stance/scalar.hpp"
 
 namespace verisq::stance {
 namespace {
 
 using verify::Interval;
-
-Interval intersection(const Interval& a, const Interval& b) {
-  return {std::fmax(a.lower(), b.lower()), std::fmin(a.upper(), b.upper())};
-}
 
 /// The ranges over a cell: at its ends where the derivative of a component by a parameter has a proven sign.
 class RangesOfCell {

@@ -27,6 +27,8 @@ struct BoundedStep {
   ErrorBound end;
   Eigen::VectorXd errors;      ///< at all times of the step, of each component: from above
   Eigen::VectorXd end_errors;  ///< at its end
+  Eigen::VectorXd changes;     ///< of each component of the error, from the beginning to the end: from above
+  MotionRegime regime;         ///< settled of all within these errors, at all times of the step
 };
 
 namespace error_details {
@@ -60,7 +62,7 @@ template <class Model>
 /// The approximation as a point of the system, with `errors` (or none) about it.
 template <class Model, class System>
 [[nodiscard]] MotionPoint<Model> motion_point(const System& system, const MotionPolynomial& step,
-                                              const Eigen::VectorXd& errors) {
+                                              const Eigen::VectorXd& errors, const MotionRegime& regime) {
   MotionPoint<Model> at;
   for (Eigen::Index i = 0; i < step.state.rows(); ++i) {
     at.state.push_back(error_details::component<Model>(step, i, false));
@@ -70,7 +72,7 @@ template <class Model, class System>
     at.acceleration.push_back(error_details::component<Model>(step, i, true));
   const Interval half = Interval(0.5) * (Interval(step.to) - Interval(step.from));
   at.time = Model::of_time({Interval(step.from) + half, half});
-  at.within = 0.5 * (step.from + step.to);
+  at.regime = regime;
   for (std::size_t k = 0; k < system.deviations(); ++k) at.deviations.push_back(Model::deviation(k));
   return at;
 }
@@ -234,9 +236,13 @@ class InverseMass {
   return result;
 }
 
-/// The couplings of the comparison system: from T^-1 J T the logarithmic norms of its diagonal blocks, the norms of the
-/// others.
-[[nodiscard]] inline Eigen::MatrixXd modal_rates(const ModalBasis& basis, const Columns<SlopeModel>& jacobian) {
+/// Of the blocks of T^-1 J T.
+struct ModalRates {
+  Eigen::MatrixXd couplings;  ///< of the comparison system: on the diagonal logarithmic norms, norms beside it
+  Eigen::MatrixXd norms;      ///< of all
+};
+
+[[nodiscard]] inline ModalRates modal_rates(const ModalBasis& basis, const Columns<SlopeModel>& jacobian) {
   const auto n = static_cast<Eigen::Index>(jacobian.size());
   std::vector<std::vector<SlopeModel>> left;  // columns of V J
   for (const std::vector<SlopeModel>& column : jacobian) left.push_back(product(basis.inverse, column));
@@ -260,13 +266,14 @@ class InverseMass {
     const double error = (total * Interval(basis.inverse_defect)).upper();
     for (Eigen::Index i = 0; i < n; ++i) whole(i, j) += Interval(-error, error);
   }
-  Eigen::MatrixXd rates(basis.count(), basis.count());
+  ModalRates rates{Eigen::MatrixXd(basis.count(), basis.count()), Eigen::MatrixXd(basis.count(), basis.count())};
   for (Eigen::Index a = 0; a < basis.count(); ++a) {
     const ModalBasis::Block& row = basis.blocks[static_cast<std::size_t>(a)];
     for (Eigen::Index b = 0; b < basis.count(); ++b) {
       const ModalBasis::Block& column = basis.blocks[static_cast<std::size_t>(b)];
       const IntervalMatrix part = whole.block(row.first, column.first, row.size, column.size);
-      rates(a, b) = a == b ? logarithmic_norm(part) : spectral_norm(part);
+      rates.norms(a, b) = spectral_norm(part);
+      rates.couplings(a, b) = a == b ? logarithmic_norm(part) : rates.norms(a, b);
     }
   }
   return rates;
@@ -276,9 +283,22 @@ class InverseMass {
 
 /// The differential inequality of one step: |y_i|' <= sum of rate_ij |y_j| + forcing_i, as long as |y_i| <= within_i.
 struct ErrorInequality {
-  Eigen::MatrixXd rate;
+  error_details::ModalRates rates;
   Eigen::VectorXd forcing;
 };
+
+/// How far y may move while it lies within `tube`: |y_i(t) - y_i(0)| <= integral of |y_i'| <= length times (sum of
+/// norm_ij tube_j + forcing_i).
+[[nodiscard]] inline Eigen::VectorXd greatest_changes(const ErrorInequality& inequality, const Eigen::VectorXd& tube,
+                                                      const Interval& length) {
+  Eigen::VectorXd result(tube.size());
+  for (Eigen::Index i = 0; i < tube.size(); ++i) {
+    Interval rate(inequality.forcing[i]);
+    for (Eigen::Index j = 0; j < tube.size(); ++j) rate += Interval(inequality.rates.norms(i, j)) * Interval(tube[j]);
+    result[i] = (length * rate).upper();
+  }
+  return result;
+}
 
 /// With w the state's first components' rates a as unknowns, M(w) a + h(w) = 0 for a motion and the approximation w^
 /// has a residual R = M(w^) w^' + h(w^): the error e = w - w^ obeys M(w) e_a' = -R - D e, with D the slopes of M(w) w^'
@@ -288,7 +308,8 @@ struct ErrorInequality {
 /// depends on errors of its own, those of the components, which the state's other components need not have.
 template <class System>
 [[nodiscard]] ErrorInequality error_inequality(const System& system, const MotionPolynomial& step,
-                                               const ModalBasis& basis, const Eigen::VectorXd& within) {
+                                               const ModalBasis& basis, const Eigen::VectorXd& within,
+                                               const MotionRegime& regime) {
   using namespace error_details;
   const Eigen::VectorXd components = components_of(basis, within);
   const std::size_t n = system.size();
@@ -296,7 +317,7 @@ template <class System>
   // Without deviations errors are tiny but at events, where what is open is more than they are: following them costs.
   const bool follows_errors = system.deviations() > 0;
   MotionPoint<SlopeModel> between =
-      motion_point<SlopeModel>(system, step, follows_errors ? Eigen::VectorXd() : components);
+      motion_point<SlopeModel>(system, step, follows_errors ? Eigen::VectorXd() : components, regime);
   MotionPoint<SlopeModel> moved = between;
   if (follows_errors) {
     add_errors(between, modal_shares(basis, within), 0);
@@ -310,33 +331,52 @@ template <class System>
     for (std::size_t i = 0; i < m; ++i) column[i] = -accelerations[i];
   }
 
-  const MotionPoint<DefectModel> at = motion_point<DefectModel>(system, step, {});
+  const MotionPoint<DefectModel> at = motion_point<DefectModel>(system, step, {}, regime);
   const auto terms =
-      system.template evaluate<DefectModel>(at.state, at.acceleration, at.time, at.within, at.deviations);
+      system.template evaluate<DefectModel>(at.state, at.acceleration, at.time, at.regime, at.deviations);
   std::vector<DefectModel> defect = inverse_mass.times_small(terms.residual);
   for (std::size_t i = m; i < n; ++i)
     defect.push_back(component<DefectModel>(step, static_cast<Eigen::Index>(i), true) - terms.rates[i - m]);
   return {modal_rates(basis, slopes), modal_lengths(basis, defect)};
 }
 
-/// Nothing where no tube about the approximation is confirmed.
+/// Which branches hold at all times of a step, for all states within `errors` of the approximation.
+template <class System>
+[[nodiscard]] MotionRegime settled_regime(const System& system, const MotionPolynomial& step,
+                                          const Eigen::VectorXd& errors) {
+  const MotionPoint<DefectModel> tube =
+      motion_point<DefectModel>(system, step, errors, MotionRegime{0.5 * (step.from + step.to)});
+  const auto terms =
+      system.template evaluate<DefectModel>(tube.state, tube.acceleration, tube.time, tube.regime, tube.deviations);
+  return system.settled(terms, tube.regime.within);
+}
+
+/// Nothing where no tube about the approximation is confirmed; or, `if_settled`, where it is open which branches hold
+/// in it.
 template <class System>
 [[nodiscard]] std::optional<BoundedStep> bounded_step(const System& system, const MotionPolynomial& step,
-                                                      const ErrorBound& start) {
+                                                      const ErrorBound& start, bool if_settled) {
   constexpr int most_inflations = 8;
   constexpr double inflation = 1.5;
   constexpr double least = 1e-18;
   const Interval length = Interval(step.to) - Interval(step.from);
   Eigen::VectorXd guess = inflation * start.lengths.array() + least;
   for (int attempt = 0; attempt < most_inflations; ++attempt) {
-    const ErrorInequality inequality = error_inequality(system, step, start.basis, guess);
-    const auto bound = upper_solution(inequality.rate, inequality.forcing, start.lengths, length);
+    // Branches that are settled of the whole tube are those of each point between the approximation and a motion: what
+    // is evaluated in them is what holds there.
+    const MotionRegime regime = settled_regime(system, step, components_of(start.basis, guess));
+    if (if_settled && !regime.is_settled()) return std::nullopt;
+    const ErrorInequality inequality = error_inequality(system, step, start.basis, guess, regime);
+    const auto bound = upper_solution(inequality.rates.couplings, inequality.forcing, start.lengths, length);
     if (!bound) return std::nullopt;
     const Eigen::VectorXd tube = bound->start.cwiseMax(bound->end);
     // The error is continuous and starts within the guess: as long as it is there it is in the tube, which is smaller.
     if ((tube.array() < guess.array()).all())
-      return BoundedStep{
-          {start.basis, bound->end}, components_of(start.basis, tube), components_of(start.basis, bound->end)};
+      return BoundedStep{{start.basis, bound->end},
+                         components_of(start.basis, tube),
+                         components_of(start.basis, bound->end),
+                         components_of(start.basis, greatest_changes(inequality, tube, length)),
+                         regime};
     guess = guess.cwiseMax(Eigen::VectorXd(inflation * tube.array() + least));
   }
   return std::nullopt;

@@ -2,10 +2,10 @@
 #include "verify/stance/linear_system.hpp"
 
 #include <Eigen/LU>
-#include <cmath>
 #include <utility>
 
 #include "verify/stance/contraction.hpp"
+#include "verify/stance/scalar.hpp"
 
 namespace verisq::stance {
 namespace {
@@ -25,8 +25,7 @@ Eigen::MatrixXd approximate_inverse(const IntervalMatrix& matrix) {
 /// Precondition: one point lies in both.
 IntervalVector intersection(const IntervalVector& a, const IntervalVector& b) {
   IntervalVector result(a.size());
-  for (Eigen::Index i = 0; i < a.size(); ++i)
-    result[i] = Interval(std::fmax(a[i].lower(), b[i].lower()), std::fmin(a[i].upper(), b[i].upper()));
+  for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = stance::intersection(a[i], b[i]);
   return result;
 }
 

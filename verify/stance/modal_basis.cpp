@@ -23,17 +23,19 @@ Interval largest_eigenvalue(const Interval& p, const Interval& q, const Interval
   return half * (p + s) + sqrt(square(half * (p - s)) + square(q));
 }
 
-struct Modes {
-  Eigen::MatrixXd matrix;
-  std::vector<ModalBasis::Block> blocks;
-};
+double condition(const Eigen::MatrixXd& matrix) {
+  const Eigen::MatrixXd inverse = matrix.partialPivLu().inverse();
+  return inverse.allFinite() ? matrix.norm() * inverse.norm() : infinity;
+}
 
-/// Columns of length 1: real eigenvectors, and of a complex pair a basis of its plane in which it turns evenly.
-Modes modes_of(const Eigen::MatrixXd& jacobian) {
+}  // namespace
+
+ApproximateModes approximate_modes(const Eigen::MatrixXd& jacobian) {
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(jacobian);
+  if (solver.info() != Eigen::Success) throw std::domain_error("modal basis: no eigenvectors");
   const Eigen::MatrixXcd vectors = solver.eigenvectors();
   const auto n = jacobian.rows();
-  Modes modes{Eigen::MatrixXd(n, n), {}};
+  ApproximateModes modes{Eigen::MatrixXd(n, n), {}};
   for (Eigen::Index i = 0; i < n;) {
     const Eigen::VectorXcd vector = vectors.col(i);
     if (i + 1 < n && solver.eigenvalues()[i].imag() != 0.0) {
@@ -54,17 +56,10 @@ Modes modes_of(const Eigen::MatrixXd& jacobian) {
   return modes;
 }
 
-double condition(const Eigen::MatrixXd& matrix) {
-  const Eigen::MatrixXd inverse = matrix.partialPivLu().inverse();
-  return inverse.allFinite() ? matrix.norm() * inverse.norm() : infinity;
-}
-
-}  // namespace
-
 ModalBasis modal_basis(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& tether) {
   constexpr double worst_condition = 1e6;
-  Modes modes = modes_of(jacobian);
-  if (!(condition(modes.matrix) < worst_condition)) modes = modes_of(jacobian + tether);
+  ApproximateModes modes = approximate_modes(jacobian);
+  if (!(condition(modes.matrix) < worst_condition)) modes = approximate_modes(jacobian + tether);
   const Eigen::MatrixXd inverse = modes.matrix.partialPivLu().inverse();
   if (!inverse.allFinite()) throw std::domain_error("modal basis: singular");
   // (V T)^-1 = I + G + G^2 + ... for G = I - V T, in the norm of row sums; every entry is at most that norm.

@@ -22,6 +22,15 @@ struct ModalBasis {
   [[nodiscard]] Eigen::Index count() const { return static_cast<Eigen::Index>(blocks.size()); }
 };
 
+/// Eigenvectors in floating point.
+struct ApproximateModes {
+  Eigen::MatrixXd matrix;  ///< columns of length 1: real eigenvectors, and of a pair a basis in which it turns evenly
+  std::vector<ModalBasis::Block> blocks;
+};
+
+/// Throws std::domain_error where they are not found.
+[[nodiscard]] ApproximateModes approximate_modes(const Eigen::MatrixXd& jacobian);
+
 /// Of eigenvectors, of length 1. Where they nearly coincide, as those of a body in free flight do, whose velocity does
 /// not depend on its place, those of jacobian + tether: what is left then acts as a coupling. Throws std::domain_error
 /// where the regularity of the modes is not proven.

@@ -9,6 +9,7 @@
 
 #include "verify/stance/controlled_motion.hpp"
 #include "verify/stance/second_order.hpp"
+#include "verify/stance/switch_location.hpp"
 
 namespace verisq::stance {
 namespace {
@@ -22,8 +23,23 @@ Enclosure around(const Interval& a, double error) {
   return {wide.lower(), wide.upper()};
 }
 
-/// The equilibrium of the nominal parameters.
-std::vector<Interval> start_of(const ControlledMotion& system, double lift) {
+/// Puts the body into the file's posture, its lowest sole at this height.
+void place_above_ground(const ControlledMotion& system, double height, std::vector<Interval>& state) {
+  constexpr std::size_t upward = 1;
+  Eigen::VectorXd place = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(state.size()));
+  for (std::size_t j = 0; j < system.joints(); ++j)
+    place[static_cast<Eigen::Index>(system.position(j))] = system.model().joints[j].wanted;
+  double deepest = -infinity;
+  for (const double penetration : penetrations_at(system, place)) deepest = std::fmax(deepest, penetration);
+  place[static_cast<Eigen::Index>(system.position(upward))] += height + deepest;
+  for (std::size_t j = 0; j < system.joints(); ++j) {
+    const std::size_t i = system.position(j);
+    state[i] = Interval(place[static_cast<Eigen::Index>(i)]);
+  }
+}
+
+/// At rest, with the integrals of the equilibrium of the nominal parameters.
+std::vector<Interval> start_of(const ControlledMotion& system, const MotionOptions& options) {
   const SagittalModel& sagittal = system.model();
   const Equilibrium nominal = equilibrium(sagittal.model, {}, {.control = JointControl::held});
   if (!nominal.standing || nominal.stands != 1.0)
@@ -34,7 +50,8 @@ std::vector<Interval> start_of(const ControlledMotion& system, double lift) {
     state[system.position(j)] = Interval(position.lo, position.hi);
   }
   constexpr std::size_t upward = 1;
-  state[system.position(upward)] += Interval(lift);
+  state[system.position(upward)] += Interval(options.lift);
+  if (options.drop) place_above_ground(system, *options.drop, state);
   for (std::size_t j = 3; j < system.joints(); ++j) {
     const SagittalJoint& joint = sagittal.joints[j];
     const Enclosure& torque = nominal.standing->torques[joint.joints.front()];
@@ -84,7 +101,7 @@ class Simulation {
 
  private:
   void begin() {
-    const std::vector<Interval> start = start_of(system_, options_.lift);
+    const std::vector<Interval> start = start_of(system_, options_);
     const auto n = static_cast<Eigen::Index>(start.size());
     const auto deviations = static_cast<Eigen::Index>(system_.deviations());
     at_ = {0.0, Eigen::VectorXd(n), Eigen::MatrixXd::Zero(n, deviations),
@@ -96,7 +113,8 @@ class Simulation {
       error[i] = x - Interval(at_.state[i]);
     }
     const ModalBasis basis =
-        modal_basis(approximate_derivatives(system_, at_.state, 0.0, 0.0).by_state, system_.tether());
+        modal_basis(approximate_derivatives(system_, at_.state, 0.0, regime_at(system_, at_.state, 0.0, 0.0)).by_state,
+                    system_.tether());
     bound_ = {basis, lengths_of(basis, error)};
     for (std::size_t j = 0; j < system_.joints(); ++j) {
       const Interval& position = start[system_.position(j)];
@@ -111,57 +129,83 @@ class Simulation {
     constexpr double nearly = 1e-9;
     double to = at_.time + length_;
     const double next = *std::ranges::upper_bound(breaks_, at_.time);
+    if (window_) to = std::min(to, at_.time < window_->from ? window_->from : window_->to);
     if (to > next - nearly) to = next;
     try {
       if (attempt(to)) return;
     } catch (const std::domain_error&) {  // a form that has no value there
       length_ = 0.25 * (to - at_.time);
     }
-    if (length_ < shortest) result_.open = "the enclosure grows too fast to be followed";
+    const double least = window_ ? std::min(shortest, 1e-3 * (window_->to - window_->from)) : shortest;
+    if (length_ < least) result_.open = "the enclosure grows too fast to be followed";
   }
 
   [[nodiscard]] bool attempt(double to) {
-    constexpr double short_step = 1e-5;
+    constexpr double after_switch = 1e-5;
+    constexpr double least_controlled = 1e-9;
     const double length = to - at_.time;
     const double within = 0.5 * (at_.time + to);
-    auto step = collocation_step(system_, rule_, at_, to, approximate_rates(system_, at_.state, at_.time, within));
-    if (!step) {
-      length_ = 0.25 * length;
-      return false;
-    }
+    const bool switches = window_ && at_.time >= window_->from;
+    const MotionRegime regime = regime_at(system_, at_.state, at_.time, within);
+    auto step = collocation_step(system_, rule_, at_, to, regime);
+    if (!step) return shortened(0.25, length);
     const Eigen::MatrixXd jacobian =
-        approximate_derivatives(system_, Eigen::VectorXd(step->state.col(0)), within, within).by_state;
+        approximate_derivatives(system_, Eigen::VectorXd(step->state.col(0)), within, regime).by_state;
     const ModalBasis fresh = modal_basis(jacobian, system_.tether());
-    const double error = estimated_error(*step, fresh, jacobian) / (tolerance_ * length + 1e-3 * tolerance_);
+    const double error = estimated_error(*step, regime, fresh, jacobian) / (tolerance_ * length + 1e-3 * tolerance_);
     const double factor = std::clamp(0.85 * std::pow(error, -1.0 / 6.0), 0.1, 4.0);
-    if (error > 1.0 && length > 1e-9) {
-      length_ = factor * length;
-      return false;
+    if (error > 1.0 && length > least_controlled && !switches) return shortened(factor, length);
+    if (!window_) {
+      if (const auto time = first_switch(system_, *step, regime)) {
+        look_at_switch(*time, regime);
+        return false;
+      }
     }
-    add_second_order(system_, rule_, at_, *step);
+    add_second_order(system_, rule_, at_, regime, *step);
     const IntervalVector jump = missed(*step, -1.0);
-    auto bounded = bounded_step(system_, *step, widened(in_better_basis(fresh, jacobian, length), jump));
-    if (!bounded && length < short_step) {
-      // Where it is open whether a contact closes or slips, the modes of either are none of the other's.
-      const ModalBasis plain = plain_basis(at_.state.size());
-      bounded = bounded_step(system_, *step, widened({plain, lengths_in(plain, bound_.basis, bound_.lengths)}, jump));
-    }
-    if (!bounded) {
-      length_ = 0.25 * length;
-      return false;
-    }
+    const ErrorBound start = widened(switches ? in_plain_basis() : in_better_basis(fresh, jacobian, length), jump);
+    const bool may_be_open = switches || length <= open_length_ || system_.deviations() > 0;
+    const auto bounded = bounded_step(system_, *step, start, !may_be_open);
+    if (!bounded) return shortened(window_ && to == window_->from ? 0.9 : 0.25, length);
     record(*step, *bounded);
     at_ = end_of(*step);
-    bound_ = widened(bounded->end, missed(*step, 1.0));
+    bound_ = widened(switches ? over_switch(*bounded, jump) : bounded->end, missed(*step, 1.0));
     length_ = std::min(factor * length, 0.02);
+    open_length_ = bounded->regime.is_settled() ? least_open : 2.0 * open_length_;
+    if (window_ && to >= window_->to) {
+      window_.reset();
+      length_ = std::max(length_, after_switch);
+    }
     return true;
   }
 
+  [[nodiscard]] bool shortened(double factor, double length) {
+    length_ = factor * length;
+    return false;
+  }
+
+  /// Steps are to end before the switch near `time`, and after it.
+  void look_at_switch(double time, const MotionRegime& regime) {
+    constexpr int corrections = 3;
+    constexpr double margin = 2.0;  // the errors grow a little up to there
+    for (int i = 0; i < corrections; ++i) {
+      const double beyond = time + 1e-3 * (time - at_.time);
+      const auto step = collocation_step(system_, rule_, at_, beyond, regime);
+      const auto corrected = step ? first_switch(system_, *step, regime) : std::nullopt;
+      if (!corrected) break;
+      time = *corrected;
+      if (i + 1 == corrections)
+        window_ = switch_window(system_, *step, time, margin * components_of(bound_.basis, bound_.lengths));
+    }
+    if (!window_) window_ = SwitchWindow{at_.time, time + (time - at_.time)};
+    length_ = (at_.time < window_->from ? window_->from : window_->to) - at_.time;
+  }
+
   /// What one step adds to the error of positions: only a guess, which chooses the length of the step.
-  [[nodiscard]] double estimated_error(const MotionPolynomial& step, const ModalBasis& basis,
-                                       const Eigen::MatrixXd& jacobian) const {
+  [[nodiscard]] double estimated_error(const MotionPolynomial& step, const MotionRegime& regime,
+                                       const ModalBasis& basis, const Eigen::MatrixXd& jacobian) const {
     const double half = 0.5 * (step.to - step.from);
-    const double within = step.from + half;
+    const double middle = step.from + half;
     const Eigen::MatrixXd modal = basis.inverse * jacobian * basis.modes;
     Eigen::VectorXd greatest = Eigen::VectorXd::Zero(jacobian.rows());
     for (const double t : {-1.0, -0.75, -0.2, 0.45, 0.9}) {
@@ -169,13 +213,13 @@ class Simulation {
       Eigen::VectorXd slopes = Eigen::VectorXd::Zero(powers.size());
       for (Eigen::Index i = 1; i < powers.size(); ++i) slopes[i] = static_cast<double>(i) * powers[i - 1] / half;
       const Eigen::VectorXd state = step.state * powers;
-      const double time = within + half * t;
+      const double time = middle + half * t;
       if (step.by_deviation.empty()) {
-        const Eigen::VectorXd defect = step.state * slopes - approximate_rates(system_, state, time, within);
+        const Eigen::VectorXd defect = step.state * slopes - approximate_rates(system_, state, time, regime);
         greatest = greatest.cwiseMax(Eigen::VectorXd((basis.inverse * defect).cwiseAbs()));
         continue;
       }
-      const ApproximateRates rates = approximate_derivatives(system_, state, time, within);
+      const ApproximateRates rates = approximate_derivatives(system_, state, time, regime);
       Eigen::VectorXd sum = (basis.inverse * (step.state * slopes - rates.rates)).cwiseAbs();
       for (std::size_t k = 0; k < step.by_deviation.size(); ++k) {
         const Eigen::VectorXd defect = step.by_deviation[k] * slopes -
@@ -189,6 +233,21 @@ class Simulation {
       greatest[i] *= std::min(2.0 * half, 1.0 / (std::fabs(modal(i, i)) + 1e-300));
     const auto joints = static_cast<Eigen::Index>(system_.joints());
     return (basis.modes.cwiseAbs() * greatest).segment(joints, joints).maxCoeff();
+  }
+
+  /// The error hardly moves over a switch: it is that before it, whose modes are better known than its components, and
+  /// the little that it moves.
+  [[nodiscard]] ErrorBound over_switch(const BoundedStep& bounded, const IntervalVector& jump) const {
+    constexpr double worse = 2.0;
+    ErrorBound moved = widened(bound_, jump + symmetric(bounded.changes));
+    const Eigen::VectorXd components = components_of(moved.basis, moved.lengths);
+    return (components.array() <= worse * bounded.end_errors.array()).all() ? moved : bounded.end;
+  }
+
+  /// The modes of either side of a switch are none of the other's: their rates would be large in each other's modes.
+  [[nodiscard]] ErrorBound in_plain_basis() const {
+    const ModalBasis plain = plain_basis(at_.state.size());
+    return {plain, lengths_in(plain, bound_.basis, bound_.lengths)};
   }
 
   /// Modes are kept as long as they serve: to change them costs a little each time.
@@ -232,6 +291,12 @@ class Simulation {
     return jump;
   }
 
+  [[nodiscard]] static IntervalVector symmetric(const Eigen::VectorXd& sizes) {
+    IntervalVector result(sizes.size());
+    for (Eigen::Index i = 0; i < sizes.size(); ++i) result[i] = Interval(-sizes[i], sizes[i]);
+    return result;
+  }
+
   [[nodiscard]] static ErrorBound widened(ErrorBound bound, const IntervalVector& jump) {
     const Eigen::VectorXd lengths = lengths_of(bound.basis, jump);
     for (Eigen::Index b = 0; b < lengths.size(); ++b)
@@ -240,9 +305,9 @@ class Simulation {
   }
 
   void record(const MotionPolynomial& step, const BoundedStep& bounded) {
-    const MotionPoint<DefectModel> tube = motion_point<DefectModel>(system_, step, bounded.errors);
+    const MotionPoint<DefectModel> tube = motion_point<DefectModel>(system_, step, bounded.errors, bounded.regime);
     const auto terms =
-        system_.evaluate<DefectModel>(tube.state, tube.acceleration, tube.time, tube.within, tube.deviations);
+        system_.evaluate<DefectModel>(tube.state, tube.acceleration, tube.time, tube.regime, tube.deviations);
     MotionSlab slab{step.from, step.to, {}, {}, {}};
     const auto enclosure = [](const DefectModel& model) { return around(model.range(), 0.0); };
     for (std::size_t j = 0; j < system_.joints(); ++j) {
@@ -251,8 +316,11 @@ class Simulation {
       result_.positions[j] = at_end(step, bounded, system_.position(j));
       result_.velocities[j] = at_end(step, bounded, j);
     }
-    for (const ContactForce<DefectModel>& contact : terms.contacts)
-      slab.contacts.push_back({enclosure(contact.normal), enclosure(contact.friction)});
+    for (const ContactForce<DefectModel>& contact : terms.contacts) {
+      MotionContact forces{enclosure(contact.normal), enclosure(contact.friction)};
+      forces.normal.lo = std::fmax(forces.normal.lo, 0.0);  // by its law
+      slab.contacts.push_back(forces);
+    }
     result_.slabs.push_back(std::move(slab));
     result_.reached = step.to;
   }
@@ -279,7 +347,10 @@ class Simulation {
   RadauRule rule_;
   double tolerance_;
   std::vector<double> breaks_;
+  static constexpr double least_open = 1e-9;  ///< s
   double length_ = 1e-4;
+  double open_length_ = least_open;     ///< s: no longer may a step be in which it is open which branches hold
+  std::optional<SwitchWindow> window_;  ///< of the next switch
   ApproximateState at_;
   ErrorBound bound_;
   Motion result_;

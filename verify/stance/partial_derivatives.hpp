@@ -6,14 +6,16 @@
 #include <vector>
 
 #include "verify/stance/dual.hpp"
+#include "verify/stance/motion_regime.hpp"
 
 namespace verisq::stance {
 
 /// M(state) a + ... = 0 for the rates a of the first `implicit()` components of the state, explicit rates of the
 /// others:
 ///   std::size_t size() const, implicit() const, deviations() const;
-///   template <class T> auto evaluate(std::span<const T> state, std::span<const T> a, const T& time, double within,
-///                                    std::span<const T> deviations) const;  // .residual, .rates
+///   template <class T> auto evaluate(std::span<const T> state, std::span<const T> a, const T& time,
+///                                    const MotionRegime& regime, std::span<const T> deviations) const;  // .residual,
+///                                    .rates
 /// `residual` is affine in a, and all is Lipschitz continuous wherever it is evaluated.
 
 /// A point, or a set of points, at which to evaluate it.
@@ -21,7 +23,7 @@ template <class T>
 struct MotionPoint {
   std::vector<T> state, acceleration;
   T time;
-  double within;  ///< a time between the same breaks
+  MotionRegime regime;
   std::vector<T> deviations;
 };
 
@@ -51,7 +53,7 @@ template <class T, class System>
     const std::vector<Variable> acceleration = variables(at.acceleration);
     const std::vector<Variable> deviations = variables(at.deviations);
     const auto terms =
-        system.template evaluate<Variable>(state, acceleration, Variable(at.time), at.within, deviations);
+        system.template evaluate<Variable>(state, acceleration, Variable(at.time), at.regime, deviations);
     for (std::size_t k = 0; k < count; ++k) {
       std::vector<T> column;
       for (const Variable& value : terms.residual) column.push_back(value.partial[k]);

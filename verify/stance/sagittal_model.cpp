@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <verisq/error.hpp>
 
+#include "verify/stance/standing_problem.hpp"
+
 namespace verisq::stance {
 namespace {
 
@@ -138,12 +140,6 @@ class Pairing {
     return {body, static_cast<std::uint32_t>(joint), 0.0, 0.0, 0.0};
   }
 
-  [[nodiscard]] std::size_t index_of(std::uint32_t body, std::size_t joint) const {
-    std::size_t index = joint;
-    for (std::uint32_t i = 0; i < body; ++i) index += model_.bodies[i].joints.size();
-    return index;
-  }
-
   [[nodiscard]] SagittalJoint joint_at(std::uint32_t body, std::size_t joint, double copies) const {
     const Controller controller = controller_of(body, joint);
     const Joint& of_model = model_.bodies[body].joints[joint];
@@ -152,7 +148,7 @@ class Pairing {
             copies * controller.proportional,
             copies * controller.integral,
             copies * controller.derivative,
-            {index_of(body, joint)}};
+            {joint_index(model_, body, joint)}};
   }
 
   void add_root(SagittalBody& root) {
@@ -182,7 +178,7 @@ class Pairing {
     SagittalJoint joint = joint_at(i, *turned, added.copies);
     if (mate) {
       joint.name = common_name(body.name, model_.bodies[*mate].name) + " " + body.joints[*turned].name;
-      joint.joints.push_back(index_of(*mate, *turned));
+      joint.joints.push_back(joint_index(model_, *mate, *turned));
     }
     result_.joints.push_back(joint);
   }

@@ -47,6 +47,11 @@ using std::sqrt;
   return hull(a, b);
 }
 
+/// What lies in both. Throws std::domain_error where nothing does: they did not both contain the same number.
+[[nodiscard]] inline Interval intersection(const Interval& a, const Interval& b) {
+  return {std::fmax(a.lower(), b.lower()), std::fmin(a.upper(), b.upper())};
+}
+
 /// The part of `a` at or below, or at or above, a threshold. Precondition: there is such a part.
 [[nodiscard]] inline double part_below(double a, double) {
   return a;

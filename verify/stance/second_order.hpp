@@ -22,7 +22,7 @@ namespace second_order_details {
 /// Fills in step.by_pair, by the same collocation.
 template <class System>
 void add_second_order(const System& system, const RadauRule& rule, const ApproximateState& start,
-                      MotionPolynomial& step) {
+                      const MotionRegime& regime, MotionPolynomial& step) {
   using namespace second_order_details;
   const std::size_t pairs = system.deviations() * (system.deviations() + 1) / 2;
   if (pairs == 0) return;
@@ -30,16 +30,16 @@ void add_second_order(const System& system, const RadauRule& rule, const Approxi
   const auto n = step.state.rows();
   const auto m = static_cast<Eigen::Index>(system.implicit());
   const double half = 0.5 * (step.to - step.from);
-  const double within = step.from + half;
-  const MotionPoint<DefectModel> first_order = motion_point<DefectModel>(system, step, {});
+  const double middle = step.from + half;
+  const MotionPoint<DefectModel> first_order = motion_point<DefectModel>(system, step, {}, regime);
   const auto left = system.template evaluate<DefectModel>(first_order.state, first_order.acceleration, first_order.time,
-                                                          first_order.within, first_order.deviations);
+                                                          first_order.regime, first_order.deviations);
   Eigen::MatrixXd newton = Eigen::MatrixXd::Identity(n * stages, n * stages);
   Eigen::MatrixXd forcing(n * stages, static_cast<Eigen::Index>(pairs));
   for (Eigen::Index j = 0; j < stages; ++j) {
     const double t = rule.node(j);
     const ApproximateRates at =
-        approximate_derivatives(system, Eigen::VectorXd(step.state * RadauRule::powers(t)), within + half * t, within);
+        approximate_derivatives(system, Eigen::VectorXd(step.state * RadauRule::powers(t)), middle + half * t, regime);
     Eigen::MatrixXd terms(n, static_cast<Eigen::Index>(pairs));
     for (Eigen::Index k = 0; k < terms.cols(); ++k) {
       for (Eigen::Index i = 0; i < n; ++i) {

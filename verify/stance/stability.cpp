@@ -90,13 +90,8 @@ class StabilityByParts {
   }
 
   [[nodiscard]] Stability run() {
-    constexpr std::size_t batch_size = 16;
     while (!open_.empty() && !result_.interrupted) {
-      std::vector<Part> batch;
-      while (!open_.empty() && batch.size() < batch_size) {
-        batch.push_back(std::move(open_.front()));
-        open_.pop_front();
-      }
+      std::vector<Part> batch = take_batch(open_);
       examine_on_all_cores(batch, [&](Part& part) {
         if (!options_.interrupted || !options_.interrupted()) part.found = stability_over(problem_, part.box);
       });
@@ -105,10 +100,9 @@ class StabilityByParts {
       result_.interrupted = options_.interrupted && options_.interrupted();
     }
     for (const Part& part : open_) take(part);
-    // The sums are rounded: they must not hide a part that is neither.
-    const double below_one = std::nextafter(1.0, 0.0);
-    if (result_.open > 0.0 || result_.unstable > 0.0) result_.stable = std::min(result_.stable, below_one);
-    if (result_.open > 0.0 || result_.stable > 0.0) result_.unstable = std::min(result_.unstable, below_one);
+    const bool open = result_.open > 0.0;
+    result_.stable = share_beside_others(result_.stable, open || result_.unstable > 0.0);
+    result_.unstable = share_beside_others(result_.unstable, open || result_.stable > 0.0);
     return std::move(result_);
   }
 
@@ -125,13 +119,11 @@ class StabilityByParts {
 
   /// The parameter that keeps most open, where that is known, else that which has been halved least.
   [[nodiscard]] std::optional<std::size_t> next_to_halve(const Part& part) const {
+    const std::vector<double>& shares = part.found.shares;
+    if (shares.empty()) return division_.least_halved(part);
     std::optional<std::size_t> best;
-    const auto better = [&](std::size_t k) {
-      if (!part.found.shares.empty()) return part.found.shares[k] > part.found.shares[*best];
-      return part.halvings[k] < part.halvings[*best];
-    };
-    for (std::size_t k = 0; k < part.halvings.size(); ++k) {
-      if (division_.is_divisible(part, k) && (!best || better(k))) best = k;
+    for (std::size_t k = 0; k < shares.size(); ++k) {
+      if (division_.is_divisible(part, k) && (!best || shares[k] > shares[*best])) best = k;
     }
     return best;
   }

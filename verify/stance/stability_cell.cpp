@@ -2,17 +2,16 @@
 /// imaginary axis its eigenvalues lie.
 #include "verify/stance/stability_cell.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "verify/stance/equilibrium_location.hpp"
 #include "verify/stance/midpoint_radius.hpp"
+#include "verify/stance/modal_basis.hpp"
 #include "verify/stance/small_motions.hpp"
 
 namespace verisq::stance {
@@ -56,40 +55,22 @@ LinearMotion<T> linear_motion(const StandingProblem& problem, const std::vector<
   return motion;
 }
 
-/// One real eigenvalue, or a conjugate pair, of the approximate diagonal form.
-struct Mode {
-  Eigen::Index first, size;  ///< coordinates
-  double real, imaginary;
-};
-
-/// Modes of E^-1 A in floating point: any are sound.
+/// Coordinates in which E^-1 A is nearly diagonal, in floating point: any are sound.
 struct Modes {
-  std::vector<Mode> list;
-  Eigen::MatrixXd basis;    ///< T: real and imaginary parts of eigenvectors
-  Eigen::MatrixXd inverse;  ///< near (E T)^-1
+  ApproximateModes approximate;  ///< T
+  Eigen::MatrixXd inverse;       ///< near (E T)^-1
 };
 
-std::optional<Modes> approximate_modes(const LinearMotion<double>& motion) {
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(motion.inertia.partialPivLu().solve(motion.flow));
-  if (solver.info() != Eigen::Success) return std::nullopt;
-  Modes modes{{}, Eigen::MatrixXd(motion.flow.rows(), motion.flow.cols()), {}};
-  for (Eigen::Index i = 0; i < motion.flow.rows();) {
-    const std::complex<double> eigenvalue = solver.eigenvalues()[i];
-    const Eigen::VectorXcd vector = solver.eigenvectors().col(i);
-    const Eigen::Index size = eigenvalue.imag() == 0.0 ? 1 : 2;  // pairs follow each other
-    modes.basis.col(i) = vector.real();
-    if (size == 2) modes.basis.col(i + 1) = vector.imag();
-    modes.list.push_back({i, size, eigenvalue.real(), eigenvalue.imag()});
-    i += size;
-  }
-  modes.inverse = Eigen::MatrixXd(motion.inertia * modes.basis).partialPivLu().inverse();
+std::optional<Modes> modes_of(const LinearMotion<double>& motion) {
+  Modes modes{approximate_modes(motion.inertia.partialPivLu().solve(motion.flow)), {}};
+  modes.inverse = Eigen::MatrixXd(motion.inertia * modes.approximate.matrix).partialPivLu().inverse();
   if (!modes.inverse.allFinite()) return std::nullopt;
   return modes;
 }
 
-/// inverse m basis.
+/// inverse m T.
 IntervalMatrix in_modes(const Modes& modes, const IntervalMatrix& m) {
-  return (MidpointRadius(modes.inverse) * MidpointRadius(m) * MidpointRadius(modes.basis)).intervals();
+  return (MidpointRadius(modes.inverse) * MidpointRadius(m) * MidpointRadius(modes.approximate.matrix)).intervals();
 }
 
 /// Encloses the X with m X = right, for all matrices of the intervals; nothing where `m` is not near enough to I.
@@ -101,30 +82,22 @@ class NearIdentity {
   [[nodiscard]] static std::optional<NearIdentity> of(const IntervalMatrix& m) {
     NearIdentity result{IntervalMatrix::Identity(m.rows(), m.cols()) - m};
     const Eigen::MatrixXd magnitudes = result.rest_.unaryExpr([](const Interval& a) { return magnitude(a); });
-    const Eigen::Index size = m.rows();
-    result.weights_ = Eigen::MatrixXd(Eigen::MatrixXd::Identity(size, size) - magnitudes)
-                          .partialPivLu()
-                          .solve(Eigen::VectorXd::Ones(size));
-    if (!result.weights_.allFinite() || !(result.weights_.minCoeff() > 0.0)) return std::nullopt;
-    for (Eigen::Index i = 0; i < size; ++i) {
-      Interval sum(0);
-      for (Eigen::Index j = 0; j < size; ++j) sum += Interval(magnitudes(i, j)) * Interval(result.weights_[j]);
-      result.shrinks_by_ = std::fmax(result.shrinks_by_, (sum / Interval(result.weights_[i])).upper());
-    }
-    if (!(result.shrinks_by_ < 1.0)) return std::nullopt;
+    const auto contraction = weighted_contraction(magnitudes, Eigen::VectorXd::Ones(m.rows()));
+    if (!contraction) return std::nullopt;
+    result.contraction_ = *contraction;
     return result;
   }
 
   [[nodiscard]] IntervalMatrix solution(const IntervalMatrix& right) const {
     constexpr int refinements = 4;
-    const Interval share = Interval(shrinks_by_) / (Interval(1) - Interval(shrinks_by_));
+    const Interval share = Interval(contraction_.factor) / (Interval(1) - Interval(contraction_.factor));
     IntervalMatrix result = right;
     for (Eigen::Index j = 0; j < right.cols(); ++j) {
       Interval norm(0);
       for (Eigen::Index i = 0; i < right.rows(); ++i)
-        norm = max(norm, Interval(magnitude(right(i, j))) / Interval(weights_[i]));
+        norm = max(norm, Interval(magnitude(right(i, j))) / Interval(contraction_.weights[i]));
       for (Eigen::Index i = 0; i < right.rows(); ++i)
-        result(i, j) += share * norm * Interval(weights_[i]) * Interval(-1.0, 1.0);
+        result(i, j) += share * norm * Interval(contraction_.weights[i]) * Interval(-1.0, 1.0);
     }
     const MidpointRadius rest(rest_);
     for (int k = 0; k < refinements; ++k) result = right + (rest * MidpointRadius(result)).intervals();
@@ -134,9 +107,8 @@ class NearIdentity {
  private:
   explicit NearIdentity(IntervalMatrix rest) : rest_(std::move(rest)) {}
 
-  IntervalMatrix rest_;  ///< C
-  Eigen::VectorXd weights_;
-  double shrinks_by_ = 0.0;  ///< q
+  IntervalMatrix rest_;              ///< C
+  WeightedContraction contraction_;  ///< w and q
 };
 
 LinearMotion<Interval> partial(const LinearMotion<Dual<Interval>>& motion) {
@@ -199,7 +171,7 @@ Interval halved(const Interval& a) {
   return a * Interval(0.5);
 }
 
-EnclosedMode enclosed(const Mode& mode, const IntervalMatrix& b) {
+EnclosedMode enclosed(const ModalBasis::Block& mode, const IntervalMatrix& b) {
   const Eigen::Index i = mode.first;
   if (mode.size == 1) return {1, b(i, i), Interval(0)};
   return {2, halved(b(i, i) + b(i + 1, i + 1)), halved(b(i, i + 1) - b(i + 1, i))};
@@ -209,9 +181,9 @@ EnclosedMode enclosed(const Mode& mode, const IntervalMatrix& b) {
 /// above.
 class NearlyDiagonal {
  public:
-  NearlyDiagonal(const IntervalMatrix& b, const std::vector<Mode>& modes) {
+  NearlyDiagonal(const IntervalMatrix& b, const std::vector<ModalBasis::Block>& modes) {
     const auto size = static_cast<Eigen::Index>(modes.size());
-    for (const Mode& mode : modes) modes_.push_back(enclosed(mode, b));
+    for (const ModalBasis::Block& mode : modes) modes_.push_back(enclosed(mode, b));
     off_.resize(size, size);
     for (Eigen::Index i = 0; i < size; ++i) {
       for (Eigen::Index j = 0; j < size; ++j)
@@ -257,14 +229,7 @@ class NearlyDiagonal {
       if (!(distances[i] > 0.0)) return std::nullopt;
       if (right.lower() > 0.0) count += static_cast<std::size_t>(mode.size);
     }
-    const Eigen::MatrixXd comparison = Eigen::MatrixXd(distances.asDiagonal()) - off_;
-    const Eigen::VectorXd weights = comparison.partialPivLu().solve(Eigen::VectorXd::Ones(off_.rows()));
-    if (!weights.allFinite() || !(weights.minCoeff() > 0.0)) return std::nullopt;
-    for (Eigen::Index i = 0; i < off_.rows(); ++i) {
-      Interval reached(0);
-      for (Eigen::Index j = 0; j < off_.cols(); ++j) reached += Interval(off_(i, j)) * Interval(weights[j]);
-      if (!((Interval(distances[i]) * Interval(weights[i])).lower() > reached.upper())) return std::nullopt;
-    }
+    if (!weighted_contraction(off_, distances)) return std::nullopt;
     return count;
   }
 
@@ -272,8 +237,9 @@ class NearlyDiagonal {
   [[nodiscard]] std::vector<EigenvalueEnclosure> discs() const;
 
  private:
-  /// The norm of a block of B - D, by Frobenius's.
-  [[nodiscard]] static double difference(const IntervalMatrix& b, const Mode& row, const Mode& column) {
+  /// The norm of a block of B - D.
+  [[nodiscard]] static double difference(const IntervalMatrix& b, const ModalBasis::Block& row,
+                                         const ModalBasis::Block& column) {
     const Eigen::Index i = row.first;
     const Eigen::Index j = column.first;
     if (i == j) {
@@ -282,11 +248,7 @@ class NearlyDiagonal {
       const Interval shear = halved(b(i, i + 1) + b(i + 1, i));
       return sqrt(square(stretch) + square(shear)).upper();  // symmetric without trace: both eigenvalues have this size
     }
-    Interval sum(0);
-    for (Eigen::Index r = 0; r < row.size; ++r) {
-      for (Eigen::Index c = 0; c < column.size; ++c) sum += square(b(i + r, j + c));
-    }
-    return sqrt(sum).upper();
+    return spectral_norm(b.block(i, j, row.size, column.size));
   }
 
   std::vector<EnclosedMode> modes_;
@@ -365,7 +327,8 @@ Enclosure greatest_real_part(const NearlyDiagonal& matrix) {
 }
 
 /// How much each parameter adds to what stands against a proof.
-std::vector<double> shares(const NearlyDiagonal& whole, const FlowInModes& flow, const std::vector<Mode>& modes) {
+std::vector<double> shares(const NearlyDiagonal& whole, const FlowInModes& flow,
+                           const std::vector<ModalBasis::Block>& modes) {
   const Eigen::VectorXd weights = whole.approximate_weights();
   std::vector<double> result;
   for (const IntervalMatrix& part : flow.by_parameters) {
@@ -381,14 +344,13 @@ StabilityOfCell stability_of(const StandingProblem& problem, const Box& box) {
   std::vector<double> unknowns;
   for (const Interval& unknown : equilibrium->at_centre)
     unknowns.push_back(0.5 * unknown.lower() + 0.5 * unknown.upper());
-  const std::optional<Modes> modes =
-      approximate_modes(linear_motion<double>(problem, equilibrium->parameters, unknowns));
+  const std::optional<Modes> modes = modes_of(linear_motion<double>(problem, equilibrium->parameters, unknowns));
   if (!modes) return {};
   const std::optional<FlowInModes> flow = flow_in_modes(problem, box, *equilibrium, *modes);
   if (!flow) return {};
-  const NearlyDiagonal matrix(flow->whole, modes->list);
+  const NearlyDiagonal matrix(flow->whole, modes->approximate.blocks);
   const std::optional<std::size_t> right = matrix.count_right_of(0.0);
-  if (!right) return {.shares = shares(matrix, *flow, modes->list)};
+  if (!right) return {.shares = shares(matrix, *flow, modes->approximate.blocks)};
   return {*right == 0 ? StabilityVerdict::stable : StabilityVerdict::unstable,
           greatest_real_part(matrix),
           matrix.discs(),

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "verify/stance/dual.hpp"
+#include "verify/stance/scalar.hpp"
 
 namespace verisq::stance {
 
@@ -38,10 +39,7 @@ namespace integration_details {
   return 0.5 * a.lower() + 0.5 * a.upper();
 }
 
-/// Throws std::domain_error where the two have nothing in common: they did not both contain the same number.
-[[nodiscard]] inline Interval intersection(const Interval& a, const Interval& b) {
-  return {std::max(a.lower(), b.lower()), std::min(a.upper(), b.upper())};
-}
+using stance::intersection;
 
 template <int N>
 [[nodiscard]] StateBox<N> intersection(const StateBox<N>& a, const StateBox<N>& b) {

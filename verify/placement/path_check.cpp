@@ -1,5 +1,5 @@
 /// The first pose that is none is named.
-#include "host/clearance/path_check.hpp"
+#include "verify/placement/path_check.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,22 @@
+/// `verisq check --certificate`: proves the answer of a certificate file again.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/command_line/exit_status.hpp"
+
+namespace verisq::command_line {
+
+/// As typed.
+struct CertificateCheckArguments {
+  std::string certificate;
+  std::vector<std::string> models;  ///< in the order of the certificate
+  bool json = false;
+};
+
+/// `verified` only when the answer is proved. Throws Error(input) for what the user can correct, also for other models
+/// than those that the answer is about.
+ExitStatus run_certificate_check(const CertificateCheckArguments& arguments);
+
+}  // namespace verisq::command_line

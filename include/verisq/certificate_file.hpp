@@ -1,0 +1,43 @@
+/// Reads and writes answers with their proofs: `verisq-certificate/1` (JSON), docs/formats.md §9.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <verisq/enclosure.hpp>
+#include <verisq/model.hpp>
+#include <verisq/pair_certificate.hpp>
+
+namespace verisq {
+
+/// A file that an answer is about.
+struct SubjectFile {
+  std::string name;    ///< as it was called; only for people
+  std::string sha256;  ///< of its bytes, 64 lower-case hexadecimal digits
+};
+
+/// Reads the file to its end. Throws Error(input).
+[[nodiscard]] SubjectFile subject_file(const std::filesystem::path& path);
+
+/// The kind `pair`: the distance of model A and of model B moved by `pose`, with its proof.
+struct PairAnswer {
+  std::array<SubjectFile, 2> models;  ///< A, B
+  std::string units;                  ///< free text; empty when not given
+  Pose pose;
+  Enclosure distance;  ///< the claim: what a checker proves, refutes or leaves open
+  PairCertificate certificate;
+};
+
+/// Throws Error(input) naming file, key and value for what the format does not allow, for other kinds, and for files
+/// above 64 MiB. Two separations never are of the same primitives. Reading proves nothing.
+[[nodiscard]] PairAnswer read_pair_answer(const std::filesystem::path& path);
+
+/// The same from text; `name` stands for the file in messages.
+[[nodiscard]] PairAnswer parse_pair_answer(std::string_view json, std::string_view name);
+
+/// Writes the file so that `read_pair_answer` gives the same bits; it appears under its name when it is complete.
+/// Throws Error(failure). Precondition: an answer that it accepts.
+void write_answer(const std::filesystem::path& path, const PairAnswer& answer);
+
+}  // namespace verisq

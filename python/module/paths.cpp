@@ -1,0 +1,81 @@
+/// verisq.distance_along: the smallest distance of two models while one moves, and when they first meet.
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+#include <verisq/path_distance.hpp>
+
+#include "python/module/arrays.hpp"
+#include "python/module/declarations.hpp"
+#include "python/module/interruption.hpp"
+#include "python/module/pickling.hpp"
+#include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
+
+namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<PathDistance> = 8;
+
+namespace {
+
+namespace py = pybind11;
+
+std::string word(PathProximity proximity) {
+  switch (proximity) {
+    case PathProximity::apart: return "apart";
+    case PathProximity::meeting: return "meeting";
+    case PathProximity::undecided: break;
+  }
+  return "undecided";
+}
+
+PathDistance along(const PythonModel& a, const PythonModel& b, const py::handle& path,
+                   const std::optional<double>& tolerance, double time_tolerance) {
+  check_units(a, b);
+  const Model& resting = a.exact("distance_along");
+  const Model& moving = b.exact("distance_along");
+  const std::vector<Pose> way = poses(path, "path");
+  const double width = tolerance_or_default(tolerance, std::max(a.bounding_radius(), b.bounding_radius()));
+  Interruption interruption;
+  const PathDistanceOptions options{
+      .tolerance = width, .time_tolerance = time_tolerance, .interrupted = interruption.poll()};
+  return without_lock(interruption, [&] { return distance_along(way, resting, moving, options); });
+}
+
+std::string representation(const PathDistance& self) {
+  return fmt::format("<verisq.PathDistance: {}, [{}, {}]>", word(self.proximity), self.smallest.lo, self.smallest.hi);
+}
+
+}  // namespace
+
+void declare_paths(py::module_& module) {
+  py::class_<PathDistance>(module, "PathDistance", "What distance_along() returns. Time k is that of pose k.")
+      .def_readonly("smallest", &PathDistance::smallest,
+                    "Enclosure of the smallest distance of all times, 0 where the models are proven to meet.")
+      .def_readonly("smallest_at", &PathDistance::smallest_at, "A time at which the distance is at most smallest.hi.")
+      .def_property_readonly(
+          "proximity", [](const PathDistance& self) { return word(self.proximity); },
+          "\"apart\" (no common point at any time) or \"meeting\" where that is proven, else \"undecided\".")
+      .def_readonly("apart_before", &PathDistance::apart_before, "Proven: no common point at any time before this one.")
+      .def_readonly("meet_at", &PathDistance::meet_at,
+                    "A time at which a common point is proven: the first contact is not later. Else None.")
+      .def_readonly("reached", &PathDistance::reached, "Whether the tolerances were reached.")
+      .def_readonly("moments", &PathDistance::moments, "At how many times distances were enclosed.")
+      .def("__repr__", representation)
+      .def(pickled<PathDistance>());
+  module.def("distance_along", along, py::arg("a"), py::arg("b"), py::arg("path"), py::kw_only(),
+             py::arg("tolerance") = py::none(), py::arg("time_tolerance") = 1e-6,
+             "distance_along(a, b, path, *, tolerance=None, time_tolerance=1e-6) -> PathDistance\n\n"
+             "Encloses the smallest distance of model a and of model b, which moves by the poses of an array (N, 7),\n"
+             "translations and quaternions [w, x, y, z]; proven at all times, between the poses too: there the\n"
+             "translation is linear and the rotation turns about a fixed axis at constant speed, by the smaller\n"
+             "angle. tolerance: of the smallest distance, by default 1e-6 of the larger bounding_radius;\n"
+             "time_tolerance: of the first contact. Raises Error for models with intervals, bends or set operations,\n"
+             "and units that differ.");
+}
+
+}  // namespace verisq::python

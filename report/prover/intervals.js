@@ -1,0 +1,67 @@
+// Intervals of real numbers, rounded outward, and vectors of three of them.
+import { down, up } from "./real_numbers.js";
+
+export class Intervals {
+  constructor(reals) {
+    this.reals = reals;
+  }
+
+  exact(x) {
+    const number = this.reals.exact(x);
+    return { lo: number, hi: number };
+  }
+
+  add(a, b) {
+    return { lo: this.reals.add(a.lo, b.lo, down), hi: this.reals.add(a.hi, b.hi, up) };
+  }
+  sub(a, b) {
+    return { lo: this.reals.sub(a.lo, b.hi, down), hi: this.reals.sub(a.hi, b.lo, up) };
+  }
+  mul(a, b) {
+    const { reals } = this;
+    const products = (side) => [
+      reals.mul(a.lo, b.lo, side),
+      reals.mul(a.lo, b.hi, side),
+      reals.mul(a.hi, b.lo, side),
+      reals.mul(a.hi, b.hi, side),
+    ];
+    return {
+      lo: products(down).reduce((least, product) => reals.least(least, product)),
+      hi: products(up).reduce((greatest, product) => reals.greatest(greatest, product)),
+    };
+  }
+  // Of a divisor that is proven to be positive.
+  div(a, b) {
+    const { reals } = this;
+    if (!reals.isBelow(reals.zero, b.lo)) throw new Error("a divisor is not proven to be positive");
+    return {
+      lo: reals.least(reals.div(a.lo, b.lo, down), reals.div(a.lo, b.hi, down)),
+      hi: reals.greatest(reals.div(a.hi, b.lo, up), reals.div(a.hi, b.hi, up)),
+    };
+  }
+  abs(a) {
+    const { reals } = this;
+    if (reals.isAtMost(reals.zero, a.lo)) return a;
+    if (reals.isAtMost(a.hi, reals.zero)) return { lo: reals.negative(a.hi), hi: reals.negative(a.lo) };
+    return { lo: reals.zero, hi: reals.greatest(reals.negative(a.lo), a.hi) };
+  }
+  square(a) {
+    const { reals } = this;
+    const { lo, hi } = this.abs(a);
+    return { lo: reals.mul(lo, lo, down), hi: reals.mul(hi, hi, up) };
+  }
+
+  sum(terms) {
+    return terms.reduce((sum, term) => this.add(sum, term));
+  }
+  dot(u, v) {
+    return this.sum([0, 1, 2].map((k) => this.mul(u[k], v[k])));
+  }
+  difference(u, v) {
+    return [0, 1, 2].map((k) => this.sub(u[k], v[k]));
+  }
+  length(v) {
+    const squared = this.sum(v.map((component) => this.square(component)));
+    return { lo: this.reals.sqrt(squared.lo, down), hi: this.reals.sqrt(squared.hi, up) };
+  }
+}

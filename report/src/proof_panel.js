@@ -1,0 +1,141 @@
+// The panel that proves all vertices again, and says in words what that means.
+import { byId, element } from "./elements.js";
+import { countText, withUnits } from "./numbers.js";
+import { ProvingFailed, proveAll } from "./proving.js";
+import { verdicts } from "./quantities.js";
+import { sha256 } from "./sha256.js";
+
+const redrawMilliseconds = 400;
+
+const withoutProof =
+  "This page holds no certificates: it shows what verisq has proven, and cannot prove it again. Pages of " +
+  "verisq map --certificates --report, of unions of convex primitives, can.";
+
+function offer({ meshName, modelName }) {
+  return (
+    `This page holds the vertices, the model and for every vertex a certificate: verisq's result for ${meshName} and ` +
+    `${modelName} can be proven again here, by a checker that shares no code with verisq.`
+  );
+}
+
+function meaning(report) {
+  const { proof, units } = report;
+  const radius = proof.pointRadius > 0 ? `any point within ${withUnits(String(proof.pointRadius), units)} of ` : "";
+  const { modelName, meshName } = proof;
+  return [
+    `A green vertex: the exact signed distance of ${radius}the vertex, with the coordinates in this page bit for bit, ` +
+      "to the model whose text is in this page lies in [lo, hi]. Red: it is proven not to. Yellow: the certificate " +
+      "does not decide.",
+    ...(proof.poses
+      ? [
+          "The primitives stand where this page says that --pose has moved them, and not where the model's text has " +
+            "them: that this is a motion of the model, and which, is not checked.",
+        ]
+      : []),
+    "The proof takes arithmetic of 128 bits, rounded to the safe side, and the theorems in verisq's " +
+      "docs/mathematics.md. Nothing of how verisq found its result matters.",
+    "Trusted: this browser and machine; MPFR, compiled to WebAssembly; this page's own scripts. Who may have changed " +
+      "the page may have changed its checker, too: then take a page, or a checker, from a source that you trust.",
+    `Trusted, or compared by you: that the model is yours (the SHA-256 of its text, below, is that of ${modelName}), ` +
+      `and that the vertices are those of your ${meshName}, whose SHA-256 verisq has written down` +
+      `${proof.poses ? "; and where --pose has moved the model" : ""}.`,
+    "Not proven: the drawing of the model, the colours between vertices, the status, and the table below, which is " +
+      "verisq's own summary. The counts and the smallest distance under Proven follow from the intervals.",
+  ];
+}
+
+export class ProofPanel {
+  // `redraw` shows new verdicts; `showProof` colours the bone by them; `pin(vertex)` shows one.
+  constructor(report, { redraw, showProof, pin }) {
+    Object.assign(this, { report, redraw, showProof, pin });
+    if (!report.proof) {
+      byId("proof-offer").textContent = withoutProof;
+      return;
+    }
+    byId("proof-offer").textContent = offer(report.proof);
+    byId("proof-run").hidden = false;
+    this.fillMeaning();
+    byId("proof-start").textContent = `Prove all ${countText(report.count)} vertices`;
+    byId("proof-start").addEventListener("click", () => this.prove());
+    byId("proof-first").addEventListener("click", () => this.pin(this.firstOpen()));
+  }
+
+  fillMeaning() {
+    const { proof } = this.report;
+    byId("proof-meaning").replaceChildren(...meaning(this.report).map((text) => element("li", {}, text)));
+    const files = [
+      [`${proof.modelName}, SHA-256 of the text in this page`, sha256(proof.model)],
+      [`${proof.meshName}, SHA-256 of the file that verisq read`, proof.meshSha256],
+    ];
+    byId("proof-files").replaceChildren(
+      ...files.flatMap(([name, hash]) => [element("dt", {}, name), element("dd", {}, hash)]),
+    );
+  }
+
+  counts() {
+    const counts = [0, 0, 0, 0];
+    for (const verdict of this.report.verdicts) ++counts[verdict];
+    return Object.fromEntries(verdicts.map((name, k) => [name, counts[k]]));
+  }
+
+  // The first that is not proved, refuted ones before others.
+  firstOpen() {
+    const refuted = this.report.verdicts.indexOf(verdicts.indexOf("refuted"));
+    return refuted >= 0 ? refuted : this.report.verdicts.indexOf(verdicts.indexOf("unproved"));
+  }
+
+  async prove() {
+    const { report } = this;
+    report.verdicts.fill(0);
+    byId("proof-start").disabled = true;
+    byId("proof-first").hidden = true;
+    byId("proof-progress").hidden = false;
+    byId("proof").className = "";
+    this.showProof();
+    this.start = performance.now();
+    this.shown = this.start;
+    let done = 0;
+    try {
+      const script = byId("verisq-prover").textContent;
+      await proveAll(script, report.proof, report.count, (from, found) => {
+        found.forEach((verdict, k) => (report.verdicts[from + k] = verdicts.indexOf(verdict)));
+        done += found.length;
+        this.tellProgress(done);
+      });
+      this.tellResult();
+    } catch (error) {
+      if (!(error instanceof ProvingFailed)) throw error;
+      byId("proof").className = "failed";
+      byId("proof-result").textContent = error.cannot
+        ? `This page cannot prove ${error.message}. The program verisq check may.`
+        : `This page cannot prove its vertices: ${error.message}.`;
+    } finally {
+      byId("proof-start").disabled = false;
+      byId("proof-progress").hidden = true;
+      this.redraw();
+    }
+  }
+
+  tellProgress(done) {
+    const { count } = this.report;
+    byId("proof-progress").value = done / count;
+    byId("proof-result").textContent = `${countText(done)} of ${countText(count)} checked`;
+    if (performance.now() - this.shown < redrawMilliseconds) return;
+    this.shown = performance.now();
+    this.redraw();
+  }
+
+  tellResult() {
+    const { count } = this.report;
+    const { proved, refuted, unproved } = this.counts();
+    const seconds = ((performance.now() - this.start) / 1000).toFixed(1);
+    const first = this.firstOpen();
+    const isProved = proved === count;
+    byId("proof").className = isProved ? "proved" : refuted > 0 ? "refuted" : "unproved";
+    byId("proof-result").textContent = isProved
+      ? `All ${countText(count)} vertices are proved, in ${seconds} s.`
+      : `${countText(proved)} proved, ${countText(refuted)} refuted, ${countText(unproved)} unproved, in ${seconds} s.`;
+    byId("proof-first").hidden = isProved;
+    byId("proof-first").textContent = `Show vertex ${first}, the first that is ${refuted > 0 ? "refuted" : "unproved"}`;
+  }
+}

@@ -1,0 +1,105 @@
+/// Certificate files: what is written is read again bit for bit; what is not of the format is refused.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <verisq/certificate_file.hpp>
+
+#include "host/files/sha256.hpp"
+#include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/temporary_folder.hpp"
+
+namespace verisq {
+namespace {
+
+using testing::expect_input_error;
+using testing::TemporaryFolder;
+
+/// FIPS 180-4's examples, as NIST publishes them, and every length about a block's end against coreutils.
+TEST(Sha256, IsThatOfTheStandard) {
+  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(
+      sha256("abcdefghbcdefghicdefghijdefghijkefghijklfghijklmghijklmnhijklmnoijklmnopjklmnopqklmnopqrlmnopqrsmnop"
+             "qrstnopqrstu"),
+      "cf5b16a778af8380036ce59e7b0492370b249b11e8f07a51afac45037afee9d1");
+  EXPECT_EQ(sha256(std::string(1000000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+PairAnswer answer() {
+  return {{{{"a.json", sha256("a")}, {"b.json", sha256("b")}}},
+          "mm",
+          {{0.1, -0.0, 5e-324}, {1.0, 2.0, 3.0, 4.0}},
+          {1.0 / 3.0, infinity},
+          {{{0, 1, {0.1, 0.2, 0.3}, {1e308, 0.0, -1.0}, {3.0, 2.0, 1.0}}, {1, 1, {}, {}, {}}}, Point{0.7, 0.8, 0.9}}};
+}
+
+TEST(CertificateFile, GivesTheSameBitsAgain) {
+  const TemporaryFolder folder;
+  const auto path = folder / "proof.json";
+  const PairAnswer written = answer();
+  write_answer(path, written);
+  const PairAnswer read = read_pair_answer(path);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.models[i].name, written.models[i].name);
+    EXPECT_EQ(read.models[i].sha256, written.models[i].sha256);
+  }
+  EXPECT_EQ(read.units, "mm");
+  EXPECT_EQ(read.pose.translation, written.pose.translation);
+  EXPECT_TRUE(std::signbit(read.pose.translation[1]));
+  EXPECT_EQ(read.pose.quaternion, written.pose.quaternion);
+  EXPECT_EQ(read.distance, written.distance);
+  ASSERT_EQ(read.certificate.separations.size(), 2U);
+  const Separation& first = read.certificate.separations[0];
+  EXPECT_EQ(first.primitive_b, 1U);
+  EXPECT_EQ(first.vector, written.certificate.separations[0].vector);
+  EXPECT_EQ(first.on_a, written.certificate.separations[0].on_a);
+  EXPECT_EQ(first.on_b, written.certificate.separations[0].on_b);
+  EXPECT_EQ(read.certificate.common, written.certificate.common);
+}
+
+/// A valid file in which what stands at `pointer` is another value.
+std::string changed(const std::string& pointer, const nlohmann::json& value) {
+  const TemporaryFolder folder;
+  write_answer(folder / "proof.json", answer());
+  std::ifstream in(folder / "proof.json");
+  nlohmann::json document = nlohmann::json::parse(in);
+  document[nlohmann::json::json_pointer(pointer)] = value;
+  return document.dump();
+}
+
+void expect_refusal(const std::string& pointer, const nlohmann::json& value, const std::string& message) {
+  expect_input_error([&] { (void)parse_pair_answer(changed(pointer, value), "proof.json"); }, "proof.json",
+                     ": " + message);
+}
+
+TEST(CertificateFile, RefusesWhatIsNotOfTheFormat) {
+  expect_refusal("/format", "verisq-certificate/2",
+                 "format = \"verisq-certificate/2\": must be \"verisq-certificate/1\"");
+  expect_refusal("/kind", "fit", "kind = \"fit\": must be \"pair\"");
+  expect_refusal("/prof", 1, "prof = 1: unknown key");
+  expect_refusal("/models/2", 1, "models = [...]: must be an array of two models");
+  expect_refusal("/models/0/sha256", "abc", "models[0].sha256 = \"abc\": must be 64 lower-case hexadecimal digits");
+  expect_refusal("/pose/quaternion", {0, 0, 0, 0}, "pose.quaternion = [0,0,0,0]: must not be zero");
+  expect_refusal("/pose/translation", {0, 0}, "pose.translation = [0,0]: must be an array of 3 numbers");
+  expect_refusal("/distance/lo", "nan", "distance.lo = \"nan\": must be a number, \"inf\" or \"-inf\"");
+  expect_refusal("/proof/separations/0/primitive_a", -1, "proof.separations[0].primitive_a = -1: must be an index");
+  expect_refusal("/proof/separations/0/primitive_a", 4294967296,
+                 "proof.separations[0].primitive_a = 4294967296: must be an index");
+  expect_refusal("/proof/separations/1/primitive_a", 0,
+                 "proof.separations[1] = {...}: these two primitives have been separated before");
+  expect_refusal("/proof/common", {1, 2}, "proof.common = [1,2]: must be an array of 3 numbers");
+}
+
+TEST(CertificateFile, RefusesWhatIsTooLarge) {
+  const TemporaryFolder folder;
+  const auto path = folder.file("proof.json", std::string((std::size_t{1} << 26) + 1, ' '));
+  expect_input_error([&] { (void)read_pair_answer(path); }, path, ": larger than 67108864 bytes: not a certificate");
+}
+
+}  // namespace
+}  // namespace verisq

@@ -1,0 +1,36 @@
+/// Fuzz target of parse_pair_answer.
+#include <algorithm>
+#include <cmath>
+#include <verisq/certificate_file.hpp>
+
+#include "tests/fuzz/promise.hpp"
+#include "tests/fuzz/targets.hpp"
+
+namespace verisq::fuzz {
+
+namespace {
+
+bool finite(const Point& x) {
+  return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
+}
+
+void check_answer(const PairAnswer& answer) {
+  for (const SubjectFile& file : answer.models) check(file.sha256.size() == 64, "a digest has 64 digits");
+  check(!std::isnan(answer.distance.lo) && !std::isnan(answer.distance.hi), "a claim has two ends");
+  check(finite(answer.pose.translation), "a pose is finite");
+  check(std::ranges::any_of(answer.pose.quaternion, [](double c) { return c != 0.0; }), "a quaternion is not zero");
+  check(!answer.certificate.common || finite(*answer.certificate.common), "a common point is finite");
+  for (const Separation& separation : answer.certificate.separations) {
+    check(finite(separation.vector) && finite(separation.on_a) && finite(separation.on_b), "separations are finite");
+  }
+}
+
+}  // namespace
+
+void certificate(Bytes bytes) {
+  const std::string name = "certificate.json";
+  const std::string json(bytes.begin(), bytes.end());  // a copy, so that reading past its end shows
+  read_or_refuse(name, [&] { check_answer(parse_pair_answer(json, name)); });
+}
+
+}  // namespace verisq::fuzz
