@@ -23,7 +23,8 @@ std::vector<double> parse_numbers(std::string_view option, std::string_view text
   }
   const auto needed = static_cast<std::size_t>(std::ranges::count(names, ',') + 1);
   if (numbers.size() != needed) {
-    refuse(fmt::format("{}: {} numbers where {} are needed: {}", option, numbers.size(), needed, names));
+    refuse(
+        fmt::format("{}: {} numbers where {} are needed: {} (given: {})", option, numbers.size(), needed, names, text));
   }
   return numbers;
 }

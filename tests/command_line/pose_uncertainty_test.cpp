@@ -47,9 +47,9 @@ class PoseUncertaintyOptions : public ProgramTest {
 /// The least distance, which 5 − 1 − `error` is at some place.
 void expect_least(const nlohmann::json& summary, double error) {
   const nlohmann::json& least = summary.at("smallest_distance");
-  EXPECT_LE(least.at(0).get<double>(), 4.0 - error);
-  EXPECT_GE(least.at(0).get<double>(), 4.0 - 1.05 * error);
-  EXPECT_GE(least.at(1).get<double>(), 4.0 + 0.9 * error);
+  EXPECT_LE(least.at("lo").get<double>(), 4.0 - error);
+  EXPECT_GE(least.at("lo").get<double>(), 4.0 - 1.05 * error);
+  EXPECT_GE(least.at("hi").get<double>(), 4.0 + 0.9 * error);
 }
 
 TEST_F(PoseUncertaintyOptions, WidenRowsByWhatPlacesDo) {
