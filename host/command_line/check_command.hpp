@@ -26,6 +26,6 @@ void declare_check(Options& options, CheckArguments& arguments);
 
 /// `verified` only when every enclosure is proved. Throws Error(input) for what the user can correct, also for a map
 /// that has not one row for each point or triangle.
-ExitStatus run_check(const CheckArguments& arguments);
+ExitStatus run_check(const CheckArguments& given);
 
 }  // namespace verisq::command_line

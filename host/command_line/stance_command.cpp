@@ -65,6 +65,20 @@ constexpr const char* closing_words =
 constexpr double default_drop_height = 0.01;  // m
 constexpr std::uint32_t most_cells = 4096;
 
+void check_report_usage(const StanceArguments& arguments) {
+  const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
+                     arguments.monte_carlo || arguments.bounce || arguments.equilibrium || arguments.stability ||
+                     arguments.within || arguments.simulate || !arguments.ranges.empty();
+  const bool page = !arguments.report.text.empty();
+  if (arguments.report.given && !page && other)
+    refuse("--report: chooses parameters and mode itself; give --json at most");
+  if (page && !arguments.equilibrium && !arguments.stability && !arguments.simulate)
+    refuse(fmt::format("--report {}: give --equilibrium, --stability or --simulate, which the page shows",
+                       arguments.report.text));
+  if (page && std::filesystem::path(arguments.report.text).extension() != ".html")
+    refuse(fmt::format("--report {}: its name must end in .html", arguments.report.text));
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const StanceArguments& arguments) {
   if (arguments.cells && !arguments.accelerations && !arguments.equilibrium && !arguments.stability)
@@ -80,17 +94,7 @@ void check_usage(const StanceArguments& arguments) {
   }
   if (!arguments.parameter_map.empty() && arguments.equilibrium.has_value() == arguments.stability.has_value())
     refuse("--parameter-map: give either --equilibrium or --stability, too");
-  const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
-                     arguments.monte_carlo || arguments.bounce || arguments.equilibrium || arguments.stability ||
-                     arguments.within || arguments.simulate || !arguments.ranges.empty();
-  const bool page = !arguments.report.text.empty();
-  if (arguments.report.given && !page && other)
-    refuse("--report: chooses parameters and mode itself; give --json at most");
-  if (page && !arguments.equilibrium && !arguments.stability && !arguments.simulate)
-    refuse(fmt::format("--report {}: give --equilibrium, --stability or --simulate, which the page shows",
-                       arguments.report.text));
-  if (page && std::filesystem::path(arguments.report.text).extension() != ".html")
-    refuse(fmt::format("--report {}: its name must end in .html", arguments.report.text));
+  check_report_usage(arguments);
 }
 
 /// Known before all the work, not after it. Throws Error(input) where a file would overwrite another, Error(failure)

@@ -85,7 +85,7 @@ class Figure {
 
   /// Parents are drawn, too, or a body of their pair is.
   [[nodiscard]] std::size_t place(std::uint32_t body) const {
-    return static_cast<std::size_t>(std::ranges::find(bodies_, body) - bodies_.begin());
+    return static_cast<std::size_t>(std::find(bodies_.begin(), bodies_.end(), body) - bodies_.begin());
   }
 
   const StanceSummary& summary_;

@@ -59,10 +59,10 @@ TEST_F(PathCommand, IsNotFreeWhereTheClearanceIsNotKept) {
 TEST_F(PathCommand, RefusesBadInput) {
   const std::string a = moving_ball("a.json", 1.0, "mm");
   const std::string poses = folder_.file("path.csv", "0,0,0,1,0,0,0\n").string();
+  const std::string bent = VERISQ_EXAMPLES "/bent_stem.json";
   testing::expect_refused(run({"path", a, moving_ball("inches.json", 1.0, "in"), "--poses", poses}),
                           {"inches.json", "units in differ from mm"});
-  testing::expect_refused(run({"path", a, VERISQ_EXAMPLES "/bent_stem.json", "--poses", poses}),
-                          {"bent_stem.json", "bends"});
+  testing::expect_refused(run({"path", a, bent, "--poses", poses}), {"bent_stem.json", "bends"});
   testing::expect_refused(run({"path", a, a, "--poses", folder_.file("empty.csv", "").string()}), {"empty.csv"});
   testing::expect_refused(run({"path", a, a, "--poses", poses, "--clearance", "-1"}), {"--clearance"});
 }

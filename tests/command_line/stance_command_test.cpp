@@ -65,6 +65,7 @@ class StanceCommand : public ::testing::Test {
     return folder_.file("changed.xml", xml).string();
   }
   [[nodiscard]] static std::string example() { return VERISQ_EXAMPLES "/stance.xml"; }
+  [[nodiscard]] static std::string standing() { return VERISQ_EXAMPLES "/standing.xml"; }
   void expect_refused(const Arguments& arguments, const std::string& message) const {
     const Outcome outcome = stance(arguments);
     EXPECT_EQ(outcome.status, 2);
@@ -346,8 +347,7 @@ TEST_F(StanceCommand, StopsAtTheFirstInterruption) {
 }
 
 TEST_F(StanceCommand, TellsHowTheBodyStands) {
-  const Arguments arguments{
-      VERISQ_EXAMPLES "/standing.xml", "--uncertain", "mp,px", "--within", "1", "--equilibrium", "held"};
+  const Arguments arguments{standing(), "--uncertain", "mp,px", "--within", "1", "--equilibrium", "held"};
   const Outcome readable = stance(arguments);
   EXPECT_EQ(readable.status, 0) << readable.err;
   EXPECT_THAT(readable.out, testing::HasSubstr("proven to have an equilibrium on all cylinders: 100 % of the box\n"));
@@ -365,15 +365,14 @@ TEST_F(StanceCommand, TellsHowTheBodyStands) {
 
 // At some of these the person stands on the hindfeet alone.
 TEST_F(StanceCommand, DoesNotSucceedWhereNotAllOfTheBoxStands) {
-  const Outcome outcome =
-      stance({VERISQ_EXAMPLES "/standing.xml", "--uncertain", "mp,px,py", "--range", "mp=64,65", "--range",
-              "px=0.05,0.051", "--range", "py=0.49,0.5", "--cells", "2", "--equilibrium", "held"});
+  const Outcome outcome = stance({standing(), "--uncertain", "mp,px,py", "--range", "mp=64,65", "--range",
+                                  "px=0.05,0.051", "--range", "py=0.49,0.5", "--cells", "2", "--equilibrium", "held"});
   EXPECT_EQ(outcome.status, 3) << outcome.err;
   EXPECT_THAT(outcome.out, testing::HasSubstr("proven to have an equilibrium on all cylinders: 0 % of the box\n"));
 }
 
 TEST_F(StanceCommand, TellsWhetherTheBodyStaysThere) {
-  const Arguments arguments{VERISQ_EXAMPLES "/standing.xml", "--uncertain", "none", "--stability", "held"};
+  const Arguments arguments{standing(), "--uncertain", "none", "--stability", "held"};
   const Outcome readable = stance(arguments);
   EXPECT_EQ(readable.status, 0) << readable.err;
   EXPECT_THAT(readable.out, testing::HasSubstr("proven stable, small disturbances die out: 100 % of the box\n"));
@@ -389,8 +388,7 @@ TEST_F(StanceCommand, TellsWhetherTheBodyStaysThere) {
 
 // Feet too soft: it would topple from its equilibrium.
 TEST_F(StanceCommand, DoesNotSucceedWhereTheBodyTopples) {
-  const std::string soft =
-      with(VERISQ_EXAMPLES "/standing.xml", {{R"(lower="90000" upper="110000")", R"(lower="14000" upper="16000")"}});
+  const std::string soft = with(standing(), {{R"(lower="90000" upper="110000")", R"(lower="14000" upper="16000")"}});
   const Outcome outcome = stance({soft, "--uncertain", "none", "--equilibrium", "held", "--stability", "held"});
   EXPECT_EQ(outcome.status, 3) << outcome.err;
   EXPECT_THAT(outcome.out, testing::HasSubstr("proven to have an equilibrium on all cylinders: 100 % of the box\n"));
@@ -398,8 +396,8 @@ TEST_F(StanceCommand, DoesNotSucceedWhereTheBodyTopples) {
 }
 
 TEST_F(StanceCommand, DrawsWhatIsProvenOverTwoParameters) {
-  const Outcome outcome = stance({VERISQ_EXAMPLES "/standing.xml", "--uncertain", "mp,px", "--within", "1",
-                                  "--equilibrium", "held", "--parameter-map", (folder_.path() / "map.svg").string()});
+  const Outcome outcome = stance({standing(), "--uncertain", "mp,px", "--within", "1", "--equilibrium", "held",
+                                  "--parameter-map", (folder_.path() / "map.svg").string()});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   std::ostringstream picture;
   picture << std::ifstream(folder_.path() / "map.svg").rdbuf();
@@ -409,9 +407,9 @@ TEST_F(StanceCommand, DrawsWhatIsProvenOverTwoParameters) {
 }
 
 TEST_F(StanceCommand, FollowsAMotion) {
-  const Outcome outcome = stance({VERISQ_EXAMPLES "/standing.xml", "--uncertain", "none", "--simulate", "0.1", "--push",
-                                  "50,0.02,0.05", "--csv", (folder_.path() / "motion.csv").string(), "--plot",
-                                  (folder_.path() / "motion.svg").string(), "--json"});
+  const Outcome outcome =
+      stance({standing(), "--uncertain", "none", "--simulate", "0.1", "--push", "50,0.02,0.05", "--csv",
+              (folder_.path() / "motion.csv").string(), "--plot", (folder_.path() / "motion.svg").string(), "--json"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const Json json = Json::parse(outcome.out)["motion"];
   EXPECT_EQ(json["proven"], true);
@@ -426,8 +424,8 @@ TEST_F(StanceCommand, FollowsAMotion) {
 
 TEST_F(StanceCommand, ShowsStandingAndMotionOnAPage) {
   const std::string page = (folder_.path() / "standing.html").string();
-  const Outcome outcome = stance({VERISQ_EXAMPLES "/standing.xml", "--uncertain", "none", "--equilibrium", "held",
-                                  "--simulate", "0.01", "--report", page, "--json"});
+  const Outcome outcome = stance(
+      {standing(), "--uncertain", "none", "--equilibrium", "held", "--simulate", "0.01", "--report", page, "--json"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   std::ostringstream text;
   text << std::ifstream(page).rdbuf();
@@ -454,7 +452,7 @@ TEST_F(StanceCommand, ShowsStandingAndMotionOnAPage) {
 }
 
 TEST_F(StanceCommand, SaysBeforeTheWorkWhatCannotBeWritten) {
-  const std::string model = VERISQ_EXAMPLES "/standing.xml";
+  const std::string model = standing();
   const std::string nowhere = (folder_.path() / "missing" / "file").string();
   for (const char* option : {"--csv", "--plot", "--parameter-map", "--report"}) {
     // A motion of a day would take longer than anybody waits.
@@ -475,9 +473,8 @@ TEST_F(StanceCommand, SaysBeforeTheWorkWhatCannotBeWritten) {
 TEST_F(StanceCommand, RefusesBadUsage) {
   expect_refused({example(), "--uncertain", "mp,px", "--parameter-map", "map.svg"},
                  "--parameter-map: give either --equilibrium or --stability, too");
-  expect_refused(
-      {VERISQ_EXAMPLES "/standing.xml", "--uncertain", "mp", "--stability", "held", "--parameter-map", "m.svg"},
-      "--parameter-map: is of two uncertain parameters, not of 1: name them by --uncertain");
+  expect_refused({standing(), "--uncertain", "mp", "--stability", "held", "--parameter-map", "m.svg"},
+                 "--parameter-map: is of two uncertain parameters, not of 1: name them by --uncertain");
   expect_refused({example(), "--push", "50,0,1"}, "--push: give --simulate, too");
   const std::string model = example();
   expect_refused(
@@ -504,7 +501,7 @@ TEST_F(StanceCommand, RefusesBadUsage) {
   expect_refused({model, "--equilibrium", "held"},
                  "equilibrium: the applied force has a part along x, which friction alone could hold: it must be 0");
   expect_refused(
-      {VERISQ_EXAMPLES "/standing.xml", "--bounce", "left forefoot"},
+      {standing(), "--bounce", "left forefoot"},
       "--bounce: the stiffness of 'left forefoot' is uncertain, and the bounce has an exact one: leave k out "
       "of --uncertain");
   expect_refused({model, "--bounce", "left hindfoot", "--drop-height", "0"}, "--drop-height: 0 is not above 0");

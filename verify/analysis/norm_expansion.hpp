@@ -126,7 +126,7 @@ class NormFunction {
     Vector u = v;
     u[2] = Number(v[2] + tilt_ * root);
     const NormExpansion<Number> m = norm(u);
-    const Number fall_along_root = Number(Number(1) - tilt_ * m.gradient[2]);
+    const Number fall_along_root(Number(1) - tilt_ * m.gradient[2]);
     const Vector p = m.gradient / fall_along_root;
     Matrix j;
     for (int row = 0; row < 3; ++row) {

@@ -249,6 +249,7 @@ struct ModalRates {
   IntervalMatrix whole(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     std::vector<SlopeModel> row;
+    row.reserve(left.size());
     for (const std::vector<SlopeModel>& column : left) row.push_back(column[static_cast<std::size_t>(i)]);
     for (Eigen::Index j = 0; j < n; ++j) {
       SlopeModel entry;
