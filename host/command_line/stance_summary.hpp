@@ -30,6 +30,8 @@ struct StanceSummary {
   std::vector<stance::WrenchEnclosure> sensitivities;  ///< by every parameter of the model; or empty
   std::optional<stance::ReferenceUncertainty> reference;
   std::vector<Enclosure> accelerations;  ///< of all joints, bodies in order; or empty
+  stance::AccelerationCase acceleration_case = stance::AccelerationCase::fall;
+  std::vector<stance::JointPosition> elsewhere;  ///< joints that the accelerations have in other places than the file
   stance::Scope acceleration_scope;
   std::optional<stance::Samples> acceleration_samples;
   stance::JointControl control = stance::JointControl::held;

@@ -307,7 +307,7 @@ TEST(StanceScope, ParametersWithoutEffectHaveNone) {
   };
   check(stance::wrench_scope(model, uncertain, stance::Mode::tight),
         [&](const stance::Model& m) { return stance::wrench(m, uncertain, stance::Mode::tight); });
-  check(stance::acceleration_scope(model),
+  check(stance::acceleration_scope(model, stance::AccelerationCase::fall),
         [&](const stance::Model& m) { return stance::accelerations(m, {}, {.cells = 1}); });
 }
 
