@@ -67,20 +67,24 @@ constexpr const char* closing_words =
 constexpr double default_drop_height = 0.01;  // m
 constexpr std::uint32_t most_cells = 4096;
 
+/// What says something of a motion, without one.
+void check_motion_usage(const StanceArguments& arguments) {
+  if (arguments.lift && arguments.drop) refuse("--drop: not with --lift, which begins elsewhere");
+  if (arguments.simulate) return;
+  if (arguments.lift) refuse("--lift: give --simulate, too");
+  if (arguments.drop) refuse("--drop: give --simulate, too");
+  if (arguments.push) refuse("--push: give --simulate, too");
+  if (!arguments.csv.empty()) refuse("--csv: give --simulate, too");
+  if (!arguments.plot.empty()) refuse("--plot: give --simulate, too");
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const StanceArguments& arguments) {
   if (!arguments.joints.empty() && !arguments.accelerations.given) refuse("--joint: give --accelerations, too");
   if (arguments.cells && !arguments.accelerations.given && !arguments.equilibrium && !arguments.stability)
     refuse("--cells: give --accelerations, --equilibrium or --stability, too");
-  if (arguments.lift && arguments.drop) refuse("--drop: not with --lift, which begins elsewhere");
   if (arguments.drop_height && !arguments.bounce) refuse("--drop-height: give --bounce, too");
-  if (!arguments.simulate) {
-    if (arguments.lift) refuse("--lift: give --simulate, too");
-    if (arguments.drop) refuse("--drop: give --simulate, too");
-    if (arguments.push) refuse("--push: give --simulate, too");
-    if (!arguments.csv.empty()) refuse("--csv: give --simulate, too");
-    if (!arguments.plot.empty()) refuse("--plot: give --simulate, too");
-  }
+  check_motion_usage(arguments);
   if (!arguments.parameter_map.empty() && arguments.equilibrium.has_value() == arguments.stability.has_value())
     refuse("--parameter-map: give either --equilibrium or --stability, too");
   const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities ||

@@ -44,6 +44,7 @@ class ExaminedCells {
       AccelerationCell cell;
     };
     std::vector<Task> tasks;
+    tasks.reserve(wanted.size());
     for (const auto& [key, box] : wanted) tasks.push_back({&key, box, {}});
     examine_on_all_cores(tasks, [&](Task& task) { task.cell = problem_.examine(*task.box); });
     for (Task& task : tasks) {

@@ -53,7 +53,8 @@ Model moved(Model model, std::span<const JointPosition> elsewhere) {
   std::vector<bool> given(joints.size(), false);
   for (const auto& [joint, position] : elsewhere) {
     require_instant(joint < joints.size(), fmt::format("accelerations: the model has no joint {}", joint));
-    require_instant(std::isfinite(position), fmt::format("accelerations: {} is to be at {}", joints[joint].name, position));
+    require_instant(std::isfinite(position),
+                    fmt::format("accelerations: {} is to be at {}", joints[joint].name, position));
     require_instant(!given[joint], fmt::format("accelerations: {} is given twice", joints[joint].name));
     given[joint] = true;
     const std::size_t first = joint_index(model, joints[joint].body, 0);
@@ -66,6 +67,7 @@ Model moved(Model model, std::span<const JointPosition> elsewhere) {
 void refuse_upright_cylinders(const Model& model, const std::vector<Enclosure>& positions) {
   constexpr double least = 1e-12;  // of sin^2
   std::vector<double> at;
+  at.reserve(positions.size());
   for (const Enclosure& position : positions) at.push_back(std::midpoint(position.lo, position.hi));
   const std::vector<BodyPose<double>> poses =
       forward_kinematics(tree_of<double>(model, nominal_parameters<double>(model), at));

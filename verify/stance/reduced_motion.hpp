@@ -26,7 +26,7 @@ class ReducedMotion {
   /// Nothing where one of `variables` acts by other numbers than masses, centres of mass, the applied force, radii and
   /// stiffnesses of cylinders, where a mass may be 0, or where the tree without the masses has no mass matrix that is
   /// proven to be regular. Parameters that are not variables take the values given. The model must outlive the result.
-  [[nodiscard]] static std::optional<ReducedMotion> of(const Model& model, const Instant& at,
+  [[nodiscard]] static std::optional<ReducedMotion> of(const Model& model, const Instant& instant,
                                                        std::span<const std::uint32_t> variables,
                                                        const std::vector<double>& parameters);
 
