@@ -142,6 +142,7 @@ py::array_t<double> accelerations(const PythonStance& self, const Names& uncerta
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
   const stance::AccelerationCase how = case_of(at);
   std::vector<stance::JointPosition> elsewhere;
+  elsewhere.reserve(joints.size());
   for (const auto& [name, position] : joints) elsewhere.push_back(stance::joint_position(self.model, name, position));
   Interruption interruption;
   return rows_of(without_lock(interruption, [&] {

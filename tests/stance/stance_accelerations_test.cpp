@@ -139,16 +139,17 @@ std::vector<double> accelerations(const Model& model, const std::vector<double>&
     const Body& body = model.bodies[i];
     const Placed& at = bodies[i];
     // Newton and Euler: what the parent's wrench and the loads give, less what the children take.
-    const Eigen::Index row = wrench(i);
-    a.block<3, 3>(row, motion(i)) = at.orientation * number(body.inertia).asDiagonal() * at.orientation.transpose();
-    a.block<3, 3>(row + 3, motion(i) + 3) = number(body.mass) * Matrix3d::Identity();
-    b.segment<3>(row) = loads[i].moment;
-    b.segment<3>(row + 3) = loads[i].force;
+    const Eigen::Index given_by = wrench(i);
+    a.block<3, 3>(given_by, motion(i)) =
+        at.orientation * number(body.inertia).asDiagonal() * at.orientation.transpose();
+    a.block<3, 3>(given_by + 3, motion(i) + 3) = number(body.mass) * Matrix3d::Identity();
+    b.segment<3>(given_by) = loads[i].moment;
+    b.segment<3>(given_by + 3) = loads[i].force;
     const auto take = [&](std::size_t from, const Placed& of, double sign) {
       const Eigen::Index r = wrench(from);
-      a.block<3, 3>(r, row) = -sign * Matrix3d::Identity();
-      a.block<3, 3>(r, row + 3) = -sign * cross(at.origin - of.centre);
-      a.block<3, 3>(r + 3, row + 3) = -sign * Matrix3d::Identity();
+      a.block<3, 3>(r, given_by) = -sign * Matrix3d::Identity();
+      a.block<3, 3>(r, given_by + 3) = -sign * cross(at.origin - of.centre);
+      a.block<3, 3>(r + 3, given_by + 3) = -sign * Matrix3d::Identity();
     };
     take(i, at, 1);
     if (body.parent) take(*body.parent, bodies[*body.parent], -1);
@@ -167,8 +168,8 @@ std::vector<double> accelerations(const Model& model, const std::vector<double>&
       a.block<3, 1>(moving, joint) = -turned;
       a.block<3, 1>(moving + 3, joint) = -shifted;
       // Along the joint the parent's wrench is its torque.
-      a.block<1, 3>(joint, row) = turned.transpose();
-      a.block<1, 3>(joint, row + 3) =
+      a.block<1, 3>(joint, given_by) = turned.transpose();
+      a.block<1, 3>(joint, given_by + 3) =
           axis.turns ? Eigen::RowVector3d(axis.direction.cross(at.origin - axis.through).transpose())
                      : Eigen::RowVector3d(axis.direction.transpose());
       b[joint] = given.torques[static_cast<std::size_t>(joint - 12 * count)];
