@@ -41,8 +41,9 @@ constexpr const char* closing_words =
     "are rounded outward. The model's format: docs/stance.md.\n"
     "\n"
     "The wrench is that of gravity and the applied force alone, at rest; in the accelerations the body falls freely,\n"
-    "legs hanging. In --equilibrium forces balance on the cylinders, at rest: whether the body stays there or topples\n"
-    "is what --stability says. In --simulate all of it acts, and the body moves in its sagittal plane. --bounce drops\n"
+    "legs hanging, unless they are asked for in contact or standing: then the ground presses on the body at rest. In\n"
+    "--equilibrium forces balance on the cylinders, at rest: whether the body stays there or topples is what\n"
+    "--stability says. In --simulate all of it acts, and the body moves in its sagittal plane. --bounce drops\n"
     "one cylinder alone, with nobody standing on it. Each result says below it what acts in it, what does not, and\n"
     "which parameters have no effect on it.\n"
     "\n"
@@ -55,6 +56,7 @@ constexpr const char* closing_words =
     "  verisq stance stance.xml --monte-carlo 1000000\n"
     "  verisq stance stance.xml --uncertain mp,px,Fx --sensitivities\n"
     "  verisq stance stance.xml --accelerations --monte-carlo 100000\n"
+    "  verisq stance standing.xml --accelerations standing\n"
     "  verisq stance standing.xml --uncertain mp,px --equilibrium held\n"
     "  verisq stance standing.xml --uncertain mp,px --within 1 --stability held\n"
     "  verisq stance standing.xml --uncertain none --simulate 1 --push 50,0.05,0.2 --csv motion.csv --plot motion.svg\n"
@@ -66,9 +68,10 @@ constexpr double default_drop_height = 0.01;  // m
 constexpr std::uint32_t most_cells = 4096;
 
 void check_report_usage(const StanceArguments& arguments) {
-  const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities || arguments.accelerations ||
-                     arguments.monte_carlo || arguments.bounce || arguments.equilibrium || arguments.stability ||
-                     arguments.within || arguments.simulate || !arguments.ranges.empty();
+  const bool other = arguments.uncertain || arguments.mode || arguments.sensitivities ||
+                     arguments.accelerations.given || arguments.monte_carlo || arguments.bounce ||
+                     arguments.equilibrium || arguments.stability || arguments.within || arguments.simulate ||
+                     !arguments.ranges.empty();
   const bool page = !arguments.report.text.empty();
   if (arguments.report.given && !page && other)
     refuse("--report: chooses parameters and mode itself; give --json at most");
@@ -79,19 +82,24 @@ void check_report_usage(const StanceArguments& arguments) {
     refuse(fmt::format("--report {}: its name must end in .html", arguments.report.text));
 }
 
+/// What says something of a motion, without one.
+void check_motion_usage(const StanceArguments& arguments) {
+  if (arguments.lift && arguments.drop) refuse("--drop: not with --lift, which begins elsewhere");
+  if (arguments.simulate) return;
+  if (arguments.lift) refuse("--lift: give --simulate, too");
+  if (arguments.drop) refuse("--drop: give --simulate, too");
+  if (arguments.push) refuse("--push: give --simulate, too");
+  if (!arguments.csv.empty()) refuse("--csv: give --simulate, too");
+  if (!arguments.plot.empty()) refuse("--plot: give --simulate, too");
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const StanceArguments& arguments) {
-  if (arguments.cells && !arguments.accelerations && !arguments.equilibrium && !arguments.stability)
+  if (!arguments.joints.empty() && !arguments.accelerations.given) refuse("--joint: give --accelerations, too");
+  if (arguments.cells && !arguments.accelerations.given && !arguments.equilibrium && !arguments.stability)
     refuse("--cells: give --accelerations, --equilibrium or --stability, too");
-  if (arguments.lift && arguments.drop) refuse("--drop: not with --lift, which begins elsewhere");
   if (arguments.drop_height && !arguments.bounce) refuse("--drop-height: give --bounce, too");
-  if (!arguments.simulate) {
-    if (arguments.lift) refuse("--lift: give --simulate, too");
-    if (arguments.drop) refuse("--drop: give --simulate, too");
-    if (arguments.push) refuse("--push: give --simulate, too");
-    if (!arguments.csv.empty()) refuse("--csv: give --simulate, too");
-    if (!arguments.plot.empty()) refuse("--plot: give --simulate, too");
-  }
+  check_motion_usage(arguments);
   if (!arguments.parameter_map.empty() && arguments.equilibrium.has_value() == arguments.stability.has_value())
     refuse("--parameter-map: give either --equilibrium or --stability, too");
   check_report_usage(arguments);
@@ -131,6 +139,15 @@ std::vector<std::uint32_t> parse_uncertain(const std::string& list, const Model&
   return list == "all" ? uncertain_parameters(model) : uncertain_parameters(model, split(list));
 }
 
+AccelerationCase parse_case(const std::string& text) {
+  constexpr AccelerationCase by_default = AccelerationCase::fall;
+  if (text.empty()) return by_default;
+  const auto parse = choice<AccelerationCase>({{"fall", AccelerationCase::fall},
+                                               {"contact", AccelerationCase::contact},
+                                               {"standing", AccelerationCase::standing}});
+  return parse("--accelerations", text);
+}
+
 Push parse_push(std::string_view option, const std::string& text) {
   const std::vector<double> numbers = parse_numbers(option, text, "FORCE,START,DURATION");
   if (numbers[1] < 0.0) refuse(fmt::format("{}: in {} the start is before 0", option, text));
@@ -162,6 +179,7 @@ class Analysis {
   explicit Analysis(const StanceArguments& arguments) : arguments_(arguments) {
     summary_.file = arguments.model;
     summary_.mode = arguments.mode.value_or(Mode::tight);
+    summary_.acceleration_case = parse_case(arguments.accelerations.text);
     summary_.model = read_model(arguments.model);
     for (const NamedRange& range : arguments.ranges) {
       const std::uint32_t parameter = parameter_named(summary_.model, range.name, "--range: {} is not one of {}");
@@ -170,6 +188,8 @@ class Analysis {
     summary_.uncertain = parse_uncertain(arguments.uncertain.value_or("all"), summary_.model);
     if (arguments.within)
       summary_.model = narrowed_within(std::move(summary_.model), summary_.uncertain, *arguments.within);
+    for (const NamedNumber& joint : arguments.joints)
+      summary_.elsewhere.push_back(joint_position(summary_.model, joint.name, joint.number));
     if (!arguments.parameter_map.empty() && summary_.uncertain.size() != 2) {
       refuse(fmt::format("--parameter-map: is of two uncertain parameters, not of {}: name them by --uncertain",
                          summary_.uncertain.size()));
@@ -189,7 +209,7 @@ class Analysis {
     } else {
       enclose_wrench();
       if (arguments_.sensitivities) enclose_sensitivities();
-      if (arguments_.accelerations) enclose_accelerations();
+      if (arguments_.accelerations.given) enclose_accelerations();
       if (arguments_.equilibrium) enclose_equilibrium();
       if (arguments_.stability) decide_stability();
       if (!arguments_.parameter_map.empty()) draw_parameter_map();
@@ -235,7 +255,8 @@ class Analysis {
   }
 
   void enclose_accelerations() {
-    summary_.acceleration_scope = acceleration_scope(summary_.model);
+    summary_.acceleration_scope = acceleration_scope(summary_.model, summary_.acceleration_case);
+    const Instant at = instant(summary_.model, summary_.acceleration_case, summary_.elsewhere);
     {
       ProgressBar bar(!arguments_.no_progress, "%");
       std::mutex mutex;
@@ -244,10 +265,10 @@ class Analysis {
         const std::lock_guard lock(mutex);
         bar.update(static_cast<std::uint64_t>(100.0 * fraction), fraction);
       };
-      summary_.accelerations = accelerations(summary_.model, summary_.uncertain, options);
+      summary_.accelerations = accelerations(summary_.model, summary_.uncertain, at, options);
     }
     summary_.acceleration_samples =
-        check(sampled_accelerations_of(summary_.model, summary_.accelerations), joint_names(summary_.model));
+        check(sampled_accelerations_of(summary_.model, at, summary_.accelerations), joint_names(summary_.model));
   }
 
   /// Of equilibria, and of their stability, which have the same. The bar must outlive them.
@@ -346,7 +367,13 @@ void declare_stance(Options& options, StanceArguments& arguments) {
               "tight (default), or paper: with the paper's expression of w6, in which px occurs three times");
   options.add_flag("--sensitivities", arguments.sensitivities,
                    "Also the wrench's derivatives by every parameter, and the reference uncertainty");
-  options.add_flag("--accelerations", arguments.accelerations, "Also the accelerations of all joints, in free fall");
+  options.add_flag_or_text("--accelerations", arguments.accelerations, "CASE",
+                           "Also the accelerations of all joints: in free fall (fall, default); let go at rest in the\n"
+                           "file's posture, where the ground presses on the cylinders that touch it (contact); or at\n"
+                           "the nominal body's equilibrium, held by its torques (standing)");
+  options.add_each("--joint", arguments.joints, parse_named_number, "NAME=NUMBER",
+                   "With --accelerations: this joint elsewhere than in the file, in m or rad, such as\n"
+                   "'pelvis ty=0.98'; may be repeated. In contact its controller's proportional part acts");
   options.add("--equilibrium", arguments.equilibrium,
               choice<JointControl>({{"held", JointControl::held}, {"proportional", JointControl::proportional}}),
               "JOINTS",

@@ -9,6 +9,7 @@
 #include <verisq/stance_motion.hpp>
 
 #include "host/command_line/exit_status.hpp"
+#include "host/command_line/named_number.hpp"
 #include "host/command_line/named_range.hpp"
 #include "host/command_line/options.hpp"
 
@@ -22,7 +23,8 @@ struct StanceArguments {
   std::optional<double> within;    ///< per cent of the nominal value, of every uncertain parameter
   std::optional<stance::Mode> mode;
   bool sensitivities = false;
-  bool accelerations = false;
+  OptionalText accelerations;       ///< the case, fall where empty
+  std::vector<NamedNumber> joints;  ///< other positions than the file's
   std::optional<stance::JointControl> equilibrium;
   std::optional<stance::JointControl> stability;
   std::string parameter_map;  ///< file; or empty

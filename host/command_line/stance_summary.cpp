@@ -120,10 +120,22 @@ std::string reference_text(const ReferenceUncertainty& reference) {
   return text;
 }
 
+std::string_view words(AccelerationCase at) {
+  switch (at) {
+    case AccelerationCase::fall: return "in free fall";
+    case AccelerationCase::contact: return "in contact with the ground";
+    case AccelerationCase::standing: break;
+  }
+  return "at the nominal equilibrium";
+}
+
 std::string accelerations_text(const StanceSummary& summary) {
-  std::string text = "\njoint accelerations\n";
+  std::string text = fmt::format("\njoint accelerations {}\n", words(summary.acceleration_case));
   const std::vector<std::string> names = stance::joint_names(summary.model);
   const std::vector<JointKind> kinds = joint_kinds(summary.model);
+  for (const auto& [joint, position] : summary.elsewhere)
+    text +=
+        fmt::format("  with {} at {} {}\n", names[joint], position, kinds[joint] == JointKind::rotation ? "rad" : "m");
   for (std::size_t k = 0; k < summary.accelerations.size(); ++k) {
     const Enclosure& enclosure = summary.accelerations[k];
     text += fmt::format("  {:<20} {:<8}{:<34}{}\n", names[k], acceleration_unit(kinds[k]), outward_digits(enclosure),
@@ -334,6 +346,14 @@ JsonObject json_of_accelerations(const StanceSummary& summary) {
   return object;
 }
 
+/// Positions by joint.
+JsonObject json_of_elsewhere(const StanceSummary& summary) {
+  JsonObject object;
+  const std::vector<std::string> names = stance::joint_names(summary.model);
+  for (const auto& [joint, position] : summary.elsewhere) object.set(names[joint], position);
+  return object;
+}
+
 JsonObject json_of(const Standing& standing, const Model& model) {
   JsonObject positions;
   JsonObject torques;
@@ -506,6 +526,8 @@ JsonObject json_value(const StanceSummary& summary) {
   if (summary.reference) object.set("reference_uncertainty", json_of(*summary.reference));
   if (!summary.accelerations.empty()) {
     object.set("accelerations", json_of_accelerations(summary));
+    object.set("accelerations_case", to_string(summary.acceleration_case));
+    object.set("accelerations_joints", json_of_elsewhere(summary));
     object.set("accelerations_scope", json_of(summary.acceleration_scope));
   }
   if (summary.acceleration_samples) object.set("acceleration_samples", summary.acceleration_samples->count);

@@ -24,12 +24,14 @@ struct StanceSummary {
   stance::Model model;
   std::vector<std::uint32_t> uncertain;
   stance::Mode mode = stance::Mode::tight;
+  stance::AccelerationCase acceleration_case = stance::AccelerationCase::fall;
   std::optional<stance::WrenchEnclosure> wrench;
   stance::Scope wrench_scope;
   std::optional<stance::Samples> wrench_samples;
   std::vector<stance::WrenchEnclosure> sensitivities;  ///< by every parameter of the model; or empty
   std::optional<stance::ReferenceUncertainty> reference;
-  std::vector<Enclosure> accelerations;  ///< of all joints, bodies in order; or empty
+  std::vector<Enclosure> accelerations;          ///< of all joints, bodies in order; or empty
+  std::vector<stance::JointPosition> elsewhere;  ///< joints that the accelerations have in other places than the file
   stance::Scope acceleration_scope;
   std::optional<stance::Samples> acceleration_samples;
   stance::JointControl control = stance::JointControl::held;

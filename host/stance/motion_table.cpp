@@ -58,19 +58,15 @@ std::string panel_text(const Motion& motion, const Panel& panel, double top) {
                         y(value) + 4.0, value);
   }
   std::string above;
-  std::string below;
+  std::vector<std::string> below;
   for (const MotionSlab& slab : motion.slabs) {
     const Enclosure e = panel.of(slab);
     above += fmt::format("{:.3f},{:.3f} {:.3f},{:.3f} ", x(slab.from), y(e.hi), x(slab.to), y(e.hi));
-  }
-  // Back along the lower ends.
-  for (auto slab = motion.slabs.rbegin(); slab != motion.slabs.rend(); ++slab) {
-    const Enclosure e = panel.of(*slab);
-    below += fmt::format("{:.3f},{:.3f} {:.3f},{:.3f} ", x(slab->to), y(e.lo), x(slab->from), y(e.lo));
+    below.push_back(fmt::format("{:.3f},{:.3f} {:.3f},{:.3f}", x(slab.to), y(e.lo), x(slab.from), y(e.lo)));
   }
   // A line of its own colour keeps a tube visible that is thinner than a pixel.
   return text + fmt::format("<polygon points=\"{}{}\" fill=\"#9ecae1\" stroke=\"#3182bd\" stroke-width=\"0.8\"/>\n",
-                            above, below);
+                            above, fmt::join(below.rbegin(), below.rend(), " "));  // back along the lower ends
 }
 
 }  // namespace

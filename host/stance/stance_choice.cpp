@@ -73,6 +73,14 @@ Drop drop_of(const Model& model, const ContactCylinder& cylinder, UncertainSet u
           .impact_velocity = over(cylinder.impact_velocity, uncertain)};
 }
 
+JointPosition joint_position(const Model& model, const std::string& name, double position) {
+  const std::vector<std::string> names = joint_names(model);
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end())
+    throw Error(ErrorKind::input, fmt::format("--joint: '{}' is not one of {}", name, fmt::join(names, ", ")));
+  return {static_cast<std::size_t>(found - names.begin()), position};
+}
+
 std::vector<std::string> joint_names(const Model& model) {
   std::vector<std::string> names;
   for (const Body& body : model.bodies) {

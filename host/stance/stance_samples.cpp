@@ -124,11 +124,12 @@ Sampled sampled_wrench_of(const Model& model, std::vector<Enclosure> claimed) {
           }};
 }
 
-Sampled sampled_accelerations_of(const Model& model, std::vector<Enclosure> claimed) {
-  return {
-      std::move(claimed),
-      [&model](std::span<const double> parameters) { return sampled_accelerations(model, parameters); },
-      [&model](std::span<const double> parameters) { return accelerations(at(model, parameters), {}, {.cells = 1}); }};
+Sampled sampled_accelerations_of(const Model& model, const Instant& instant, std::vector<Enclosure> claimed) {
+  return {std::move(claimed),
+          [&](std::span<const double> parameters) { return sampled_accelerations(model, instant, parameters); },
+          [&](std::span<const double> parameters) {
+            return accelerations(at(model, parameters), {}, instant, {.cells = 1});
+          }};
 }
 
 Samples take_samples(const Model& model, UncertainSet uncertain, const Sampled& sampled, const SampleOptions& options) {

@@ -19,7 +19,8 @@ struct Sampled {
 };
 
 [[nodiscard]] Sampled sampled_wrench_of(const Model& model, std::vector<Enclosure> claimed);
-[[nodiscard]] Sampled sampled_accelerations_of(const Model& model, std::vector<Enclosure> claimed);
+[[nodiscard]] Sampled sampled_accelerations_of(const Model& model, const Instant& instant,
+                                               std::vector<Enclosure> claimed);
 
 /// A proven error: no exact value at `parameters` lies in the claimed enclosure.
 struct Escape {

@@ -52,7 +52,9 @@ Scope wrench_scope(const Model& model, UncertainSet uncertain, Mode mode) {
           without_effect(model, has_effect)};
 }
 
-Scope acceleration_scope(const Model& model) {
+namespace {
+
+Indices active_in_accelerations(const Model& model, AccelerationCase at) {
   Indices active;
   insert(active, model.applied.force);
   for (const Body& body : model.bodies) {
@@ -61,10 +63,49 @@ Scope acceleration_scope(const Model& model) {
     insert(active, body.centre_of_mass);
     insert(active, body.inertia);
   }
-  return {"the body falls freely with its joints loose and its legs hanging; the feet stand on nothing",
-          {"gravity", "applied force at t = 0", "inertia", "joint velocities"},
-          {ground_contact(model), "friction", controller(model)},
-          without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
+  if (at == AccelerationCase::fall) return active;
+  for (const ContactCylinder& cylinder : model.cylinders) {
+    insert(active, cylinder.centre);
+    insert(active, cylinder.radius);
+    insert(active, cylinder.stiffness);
+  }
+  return active;
+}
+
+std::string meaning_of_accelerations(AccelerationCase at) {
+  switch (at) {
+    case AccelerationCase::fall:
+      return "the body falls freely with its joints loose and its legs hanging; the feet stand on nothing";
+    case AccelerationCase::contact:
+      return "the body is let go at rest in the posture of the file and --joint, on what of the ground its cylinders "
+             "touch there; nothing is said of whether it stands";
+    case AccelerationCase::standing: break;
+  }
+  return "the body with other parameters, at rest in the posture and with the torques in which the nominal one is in "
+         "equilibrium: how it begins to move from there";
+}
+
+}  // namespace
+
+Scope acceleration_scope(const Model& model, AccelerationCase at) {
+  const Indices active = active_in_accelerations(model, at);
+  Scope scope{meaning_of_accelerations(at),
+              {"gravity", "applied force at t = 0", "inertia"},
+              {},
+              without_effect(model, [&](std::uint32_t i) { return active.contains(i); })};
+  if (at == AccelerationCase::fall) {
+    scope.acts.emplace_back("joint velocities");
+    scope.does_not_act = {ground_contact(model), "friction", controller(model)};
+    return scope;
+  }
+  scope.acts.emplace_back("elastic force of all cylinders that touch the ground");
+  scope.acts.emplace_back(at == AccelerationCase::contact
+                              ? "proportional part of the controller, of joints that --joint moves"
+                              : "torques that hold the nominal body");
+  scope.does_not_act = {"friction, whose bristles are not stretched yet",
+                        "joint velocities, and what depends on them (damping of contact and controller)"};
+  if (at == AccelerationCase::contact) scope.does_not_act.emplace_back("integral part of the controller");
+  return scope;
 }
 
 namespace {

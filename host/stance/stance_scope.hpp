@@ -18,7 +18,7 @@ struct Scope {
 /// Also of the sensitivities. Parameters without effect are those whose derivatives are proven to be 0 over the box.
 [[nodiscard]] Scope wrench_scope(const Model& model, UncertainSet uncertain, Mode mode);
 
-[[nodiscard]] Scope acceleration_scope(const Model& model);
+[[nodiscard]] Scope acceleration_scope(const Model& model, AccelerationCase at);
 
 [[nodiscard]] Scope equilibrium_scope(const Model& model, JointControl control);
 

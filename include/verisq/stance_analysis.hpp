@@ -3,9 +3,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string_view>
 #include <vector>
 #include <verisq/stance_model.hpp>
 
@@ -48,21 +50,70 @@ struct ReferenceUncertainty {
 /// The wrench at one sample of the uncertain parameters, in plain floating point.
 [[nodiscard]] std::array<double, wrench_size> sampled_wrench(const Model& model, std::span<const double> parameters);
 
+/// What the body does whose accelerations are sought.
+enum class AccelerationCase : std::uint8_t {
+  fall,      ///< it falls freely from the file's posture: no contact, friction and controller
+  contact,   ///< let go at rest in the file's posture, the ground and the controllers' proportional parts act
+  standing,  ///< at rest in its nominal equilibrium, held by the torques of that
+};
+
+/// A key: "fall", "contact", "standing".
+[[nodiscard]] constexpr std::string_view to_string(AccelerationCase at) {
+  switch (at) {
+    case AccelerationCase::fall: return "fall";
+    case AccelerationCase::contact: return "contact";
+    case AccelerationCase::standing: break;
+  }
+  return "standing";
+}
+
+/// Another posture than the file's.
+struct JointPosition {
+  std::size_t joint;  ///< among all, bodies in order
+  double position;    ///< m or rad
+};
+
+/// Where the body is, how it moves and what acts on it but gravity and the applied force. Numbers of all joints.
+struct Instant {
+  std::vector<Enclosure> positions;  ///< m or rad
+  std::vector<double> velocities;    ///< m/s or rad/s
+  std::vector<Enclosure> torques;    ///< N m or N
+  bool on_ground = false;            ///< the ground presses on the cylinders; only for a body at rest
+};
+
+/// - fall: the file's posture and velocities, no torques.
+/// - contact: the file's posture at rest; a joint that `elsewhere` moves off the file's position by e has the torque
+///   -proportional e of its controller.
+/// - standing: the nominal body in equilibrium on all of its cylinders, joints held where the file or `elsewhere` has
+///   them, with the torques that hold it (stance_equilibrium.hpp); enclosed, which adds some 1e-9 to the accelerations.
+/// Throws Error(input) for a joint that the model lacks or that is given twice; for a cylinder that stands upright on
+/// the ground; where the nominal body is not proven to stand, or a joint has no integral control to hold it; for an
+/// equilibrium whose own unknowns, the root's height and tilt, are given.
+[[nodiscard]] Instant instant(const Model& model, AccelerationCase at, std::span<const JointPosition> elsewhere = {});
+
 struct AccelerationOptions {
   std::uint32_t cells = 64;  ///< the finest division of each uncertain parameter's range, rounded up to a power of 2
   std::function<bool()> interrupted = {};              ///< ends the division: the enclosures are wider then
   std::function<void(double fraction)> progress = {};  ///< of the work, about; never falls
 };
 
-/// Enclosures of all joint accelerations of the stance under gravity and the applied force alone over the box: without
-/// ground contact, friction and controller the body falls freely. Each end is sought by branch and bound, with
-/// Krawczyk's operator on each cell (docs/stance.md §3), until a sample comes within a hundredth of the component's
-/// width of it, or its cells are as fine as asked for, or 20,000 cells were examined in all. Infinite ends where
-/// nothing could be proven. The result does not depend on the number of cores.
+/// Enclosures of all joint accelerations at the instant under gravity, the applied force at t = 0 and what the instant
+/// says, over the box of parameters: posture and torques are the same for all of them. The ground presses as in
+/// `equilibrium`, where it is touched, and carries nothing by friction: the bristles of a body at rest are not
+/// stretched yet. Each end is sought by branch and bound, with Krawczyk's operator on each cell (docs/stance.md §3),
+/// until a sample comes within a hundredth of the component's width of it, or its cells are as fine as asked for, or
+/// 20,000 cells were examined in all. Infinite ends where nothing could be proven. The result does not depend on the
+/// number of cores. Precondition: the instant is of the model.
+[[nodiscard]] std::vector<Enclosure> accelerations(const Model& model, UncertainSet uncertain, const Instant& at,
+                                                   const AccelerationOptions& options);
+
+/// In free fall.
 [[nodiscard]] std::vector<Enclosure> accelerations(const Model& model, UncertainSet uncertain,
                                                    const AccelerationOptions& options);
 
-/// The same at one sample, in plain floating point.
+/// The same at one sample, in plain floating point, in the middle of the instant's posture.
+[[nodiscard]] std::vector<double> sampled_accelerations(const Model& model, const Instant& at,
+                                                        std::span<const double> parameters);
 [[nodiscard]] std::vector<double> sampled_accelerations(const Model& model, std::span<const double> parameters);
 
 }  // namespace verisq::stance

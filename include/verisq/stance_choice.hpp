@@ -38,6 +38,10 @@ namespace verisq::stance {
 /// they are uncertain. Throws Error(input) where its stiffness is: a drop has an exact one.
 [[nodiscard]] Drop drop_of(const Model& model, const ContactCylinder& cylinder, UncertainSet uncertain, double height);
 
+/// The joint of that name at a position. Throws Error(input), naming `verisq stance --joint`, for a name that no joint
+/// has.
+[[nodiscard]] JointPosition joint_position(const Model& model, const std::string& name, double position);
+
 /// "pelvis ty": all joints, bodies in order, as `accelerations` returns them.
 [[nodiscard]] std::vector<std::string> joint_names(const Model& model);
 

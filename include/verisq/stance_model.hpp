@@ -54,7 +54,8 @@ struct Body {
 };
 
 /// Hunt-Crossley contact of a cylinder with the ground y = 0 (docs/stance.md §4). Of the analyses of the whole body it
-/// acts in the motion, and in the equilibrium by place, axis, radius, stiffness and exponent; a Drop takes mass, normal
+/// acts in the motion, and in the equilibrium and the accelerations on the ground by place, axis, radius, stiffness and
+/// exponent; a Drop takes mass, normal
 /// restitution, impact velocity, stiffness and exponent from it.
 struct ContactCylinder {
   std::string name;
@@ -76,7 +77,7 @@ struct ContactCylinder {
 };
 
 /// PID on one joint: torque = -proportional e - integral (integral of e) - derivative velocity. It acts in the
-/// equilibrium and in the motion.
+/// equilibrium, in the motion, and in the accelerations of a body that is let go on the ground.
 struct Controller {
   std::uint32_t body;
   std::uint32_t joint;  ///< index in that body's joints

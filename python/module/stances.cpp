@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -127,12 +128,26 @@ void check_finest(std::uint32_t cells) {
   if (cells < 1 || cells > most) throw py::value_error(fmt::format("cells must be 1 to {}, not {}", most, cells));
 }
 
-py::array_t<double> accelerations(const PythonStance& self, const Names& uncertain, std::uint32_t cells) {
+stance::AccelerationCase case_of(const std::string& word) {
+  for (const auto at :
+       {stance::AccelerationCase::fall, stance::AccelerationCase::contact, stance::AccelerationCase::standing}) {
+    if (word == to_string(at)) return at;
+  }
+  throw py::value_error(fmt::format("at must be \"fall\", \"contact\" or \"standing\", not \"{}\"", word));
+}
+
+py::array_t<double> accelerations(const PythonStance& self, const Names& uncertain, std::uint32_t cells,
+                                  const std::string& at, const std::map<std::string, double>& joints) {
   check_finest(cells);
   const std::vector<std::uint32_t> over = chosen(self, uncertain);
+  const stance::AccelerationCase how = case_of(at);
+  std::vector<stance::JointPosition> elsewhere;
+  elsewhere.reserve(joints.size());
+  for (const auto& [name, position] : joints) elsewhere.push_back(stance::joint_position(self.model, name, position));
   Interruption interruption;
   return rows_of(without_lock(interruption, [&] {
-    return stance::accelerations(self.model, over, {.cells = cells, .interrupted = interruption.poll()});
+    return stance::accelerations(self.model, over, stance::instant(self.model, how, elsewhere),
+                                 {.cells = cells, .interrupted = interruption.poll()});
   }));
 }
 
@@ -495,11 +510,16 @@ void declare_stances(py::module_& module) {
            "reference_uncertainty(uncertain=None, *, mode=\"tight\") -> tuple\n\n"
            "The sum over the parameters of |derivative| times the range, float64 (6, 2), as in the paper; and times\n"
            "half the range's width, float64 (6,), rounded up.")
-      .def("accelerations", accelerations, py::arg("uncertain") = py::none(), py::kw_only(), py::arg("cells") = 64,
-           "accelerations(uncertain=None, *, cells=64) -> array\n\n"
-           "float64 (J, 2): lower and upper ends of the accelerations of all joints in free fall, m/s^2 or rad/s^2;\n"
-           "infinite where nothing is proven. cells: finest divisions of each uncertain range, 1 to 4096; a range is\n"
-           "divided only where an acceleration may be largest or smallest.")
+      .def(
+          "accelerations", accelerations, py::arg("uncertain") = py::none(), py::kw_only(), py::arg("cells") = 64,
+          py::arg("at") = "fall", py::arg("joints") = std::map<std::string, double>{},
+          "accelerations(uncertain=None, *, cells=64, at=\"fall\", joints={}) -> array\n\n"
+          "float64 (J, 2): lower and upper ends of the accelerations of all joints, m/s^2 or rad/s^2; infinite where\n"
+          "nothing is proven. at: \"fall\" freely; in \"contact\" with the ground, let go at rest in the file's\n"
+          "posture; or \"standing\" at rest in the nominal body's equilibrium, held by its torques. joints: positions\n"
+          "by name (m or rad) other than the file's; in contact their controllers' proportional parts act. cells:\n"
+          "finest divisions of each uncertain range, 1 to 4096; a range is divided only where an acceleration may be\n"
+          "largest or smallest. Raises Error for a joint that there is none of, and where the body does not stand.")
       .def("equilibrium", equilibrium, py::arg("joints") = "held", py::kw_only(), py::arg("uncertain") = py::none(),
            py::arg("cells") = 16,
            "equilibrium(joints=\"held\", *, uncertain=None, cells=16) -> Equilibrium\n\n"

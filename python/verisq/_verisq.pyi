@@ -722,7 +722,14 @@ class StanceModel:
     def reference_uncertainty(
         self, uncertain: Sequence[str] | None = None, *, mode: Literal["tight", "paper"] = "tight"
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
-    def accelerations(self, uncertain: Sequence[str] | None = None, *, cells: int = 64) -> NDArray[np.float64]: ...
+    def accelerations(
+        self,
+        uncertain: Sequence[str] | None = None,
+        *,
+        cells: int = 64,
+        at: Literal["fall", "contact", "standing"] = "fall",
+        joints: Mapping[str, float] = {},
+    ) -> NDArray[np.float64]: ...
     def equilibrium(
         self,
         joints: Literal["held", "proportional"] = "held",

@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 #include <vector>
+#include <verisq/stance_choice.hpp>
 
 #include "host/stance/stance_report.hpp"
 #include "host/stance/stance_samples.hpp"
@@ -157,6 +158,57 @@ TEST_F(StanceCommand, EnclosesAccelerationsOverAllParameters) {
   for (const Json& enclosure : json["accelerations"]) EXPECT_TRUE(enclosure["hi"].is_number());
 }
 
+/// Words of a list.
+std::vector<std::string> words(const Json& list) {
+  return list.get<std::vector<std::string>>();
+}
+
+TEST_F(StanceCommand, EnclosesAccelerationsOnTheGround) {
+  const std::string standing = VERISQ_EXAMPLES "/standing.xml";
+  const auto json_at = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{standing, "--json", "--uncertain", "mp,k", "--monte-carlo", "500"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = stance(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return Json::parse(outcome.out);
+  };
+  const Json in_contact = json_at({"--accelerations", "contact"});
+  EXPECT_EQ(in_contact["accelerations_case"], "contact");
+  EXPECT_EQ(in_contact["accelerations_joints"], Json::object());
+  EXPECT_EQ(in_contact["acceleration_samples"], 500);
+  EXPECT_THAT(words(in_contact["accelerations_scope"]["acts"]),
+              ::testing::Contains("elastic force of all cylinders that touch the ground"));
+  EXPECT_EQ(in_contact["accelerations_scope"]["parameters_without_effect"], Json::array());
+
+  const Json still = json_at({"--accelerations", "standing"});
+  EXPECT_LT(still["accelerations"]["pelvis ty"]["lo"], 0.0);
+  EXPECT_GT(still["accelerations"]["pelvis ty"]["hi"], 0.0);
+  EXPECT_GT(still["accelerations"]["pelvis ty"]["filled"], 0.8);
+
+  const Json deeper = json_at({"--accelerations", "contact", "--joint", "pelvis ty=0.97"});
+  EXPECT_EQ(deeper["accelerations_joints"], Json({{"pelvis ty", 0.97}}));
+  EXPECT_GT(deeper["accelerations"]["pelvis ty"]["lo"], in_contact["accelerations"]["pelvis ty"]["hi"]);
+  const Json above = json_at({"--accelerations", "--joint", "pelvis ty=3"});
+  EXPECT_EQ(above["accelerations_case"], "fall");
+  expect_ends(above["accelerations"]["pelvis ty"], -9.81, -9.81);
+
+  const Outcome readable =
+      stance({standing, "--uncertain", "mp", "--accelerations", "contact", "--joint", "right tibia rz=-0.1"});
+  EXPECT_THAT(readable.out, HasSubstr("\njoint accelerations in contact with the ground\n  with right tibia rz at -0.1 "
+                                      "rad\n"));
+  EXPECT_THAT(readable.out, HasSubstr("does NOT act: friction, whose bristles are not stretched yet"));
+  expect_refused({standing, "--accelerations", "flying"},
+                 "--accelerations: flying is not one of fall, contact, standing");
+  expect_refused({standing, "--joint", "pelvis ty=1"}, "--joint: give --accelerations, too");
+  expect_refused({standing, "--accelerations", "--joint", "pelvis ty"}, "--joint: pelvis ty is not NAME=NUMBER");
+  expect_refused({standing, "--accelerations", "--joint", "pelvis ty=high"},
+                 "--joint pelvis ty=high: 'high' is not a finite number");
+  EXPECT_THAT(stance({standing, "--accelerations", "--joint", "tail rz=1"}).err,
+              HasSubstr("--joint: 'tail rz' is not one of pelvis tx, pelvis ty, "));
+  expect_refused({standing, "--accelerations", "standing", "--joint", "pelvis rx=0.1"},
+                 "accelerations: pelvis rx is what the equilibrium says, and not to be given");
+}
+
 TEST_F(StanceCommand, SaysThatAccelerationsStayUnproven) {
   // The hip may lie anywhere within 10 m: no one cell proves that all of these mass matrices are regular.
   const std::string model =
@@ -259,11 +311,6 @@ TEST_F(StanceCommand, AnImpactVelocityOfTheFileIsARange) {
 using ::testing::Contains;
 using ::testing::Not;
 
-/// Words of a list.
-std::vector<std::string> words(const Json& list) {
-  return list.get<std::vector<std::string>>();
-}
-
 TEST_F(StanceCommand, SaysWhatDoesNotActBesideEachResult) {
   const Json json =
       json_of_example({"--uncertain", "mp", "--accelerations", "--sensitivities", "--bounce", "right forefoot"});
@@ -308,8 +355,13 @@ TEST(StanceScope, ParametersWithoutEffectHaveNone) {
   };
   check(stance::wrench_scope(model, uncertain, stance::Mode::tight),
         [&](const stance::Model& m) { return stance::wrench(m, uncertain, stance::Mode::tight); });
-  check(stance::acceleration_scope(model),
+  check(stance::acceleration_scope(model, stance::AccelerationCase::fall),
         [&](const stance::Model& m) { return stance::accelerations(m, {}, {.cells = 1}); });
+  // So low that all cylinders touch the ground.
+  const auto at =
+      instant(model, stance::AccelerationCase::contact, std::array{stance::joint_position(model, "pelvis ty", 0.9)});
+  check(stance::acceleration_scope(model, stance::AccelerationCase::contact),
+        [&](const stance::Model& m) { return stance::accelerations(m, {}, at, {.cells = 1}); });
 }
 
 TEST_F(StanceCommand, PrintsATable) {

@@ -279,6 +279,14 @@ class Stance(unittest.TestCase):
         accelerations = stance.accelerations(names, cells=4)
         self.assertEqual(dict(zip(stance.joints, accelerations.tolist())),
                          {joint: ends(value) for joint, value in said["accelerations"].items()})
+        for at in ("contact", "fall"):
+            said_at = printed("stance", EXAMPLES / "stance.xml", "--uncertain", "mp,px", "--accelerations", at,
+                              "--cells", 4, "--joint", "pelvis ty=0.99", "--joint", "right hindfoot rz=-0.01")
+            there = stance.accelerations(names, cells=4, at=at,
+                                         joints={"pelvis ty": 0.99, "right hindfoot rz": -0.01})
+            self.assertEqual(dict(zip(stance.joints, there.tolist())),
+                             {joint: ends(value) for joint, value in said_at["accelerations"].items()})
+            self.assertFalse(np.array_equal(there, accelerations))
         self.assertEqual(list(stance.bounce("right forefoot", uncertain=names).rebound_speed),
                          ends(said["bounce"]["rebound_speed"]))
         self.assertTrue(np.all(stance.wrench()[:, 0] <= wrench[:, 0]))  # over all parameters
@@ -294,6 +302,12 @@ class Stance(unittest.TestCase):
             stance.bounce("toe")
         with self.assertRaises(ValueError):
             stance.accelerations(cells=0)
+        with self.assertRaisesRegex(ValueError, "at must be \"fall\", \"contact\" or \"standing\", not \"flying\""):
+            stance.accelerations(at="flying")
+        with self.assertRaisesRegex(verisq.Error, "^--joint: 'tail' is not one of pelvis tx, "):
+            stance.accelerations(joints={"tail": 0.0})
+        with self.assertRaisesRegex(verisq.Error, "friction alone could hold"):
+            stance.accelerations([], at="standing")
 
 
 if __name__ == "__main__":

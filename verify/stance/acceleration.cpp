@@ -44,6 +44,7 @@ class ExaminedCells {
       AccelerationCell cell;
     };
     std::vector<Task> tasks;
+    tasks.reserve(wanted.size());
     for (const auto& [key, box] : wanted) tasks.push_back({&key, box, {}});
     examine_on_all_cores(tasks, [&](Task& task) { task.cell = problem_.examine(*task.box); });
     for (Task& task : tasks) {
@@ -196,14 +197,14 @@ class ComponentEnd {
 
 class Search {
  public:
-  Search(const Model& model, UncertainSet uncertain, const AccelerationOptions& options)
+  Search(const Model& model, UncertainSet uncertain, const Instant& at, const AccelerationOptions& options)
       : options_(options),
         whole_(parameter_box(model, uncertain)),
-        problem_(model, whole_, uncertain),
+        problem_(model, at, whole_, uncertain),
         division_(problem_.variables(), std::max(options.cells, 1U)),
         cells_(problem_) {
     for (const std::vector<double>& corner : corners_of(whole_, problem_.variables()))
-      hull_.add(approximate_accelerations(model, corner));
+      hull_.add(approximate_accelerations(model, at, corner));
     const auto count = static_cast<Eigen::Index>(model.degrees_of_freedom());
     for (Eigen::Index i = 0; i < count; ++i) {
       for (const bool largest : {false, true}) ends_.emplace_back(problem_, division_, whole_, i, largest);
@@ -259,13 +260,22 @@ class Search {
 
 }  // namespace
 
+std::vector<Enclosure> accelerations(const Model& model, UncertainSet uncertain, const Instant& at,
+                                     const AccelerationOptions& options) {
+  return Search(model, uncertain, at, options).run();
+}
+
 std::vector<Enclosure> accelerations(const Model& model, UncertainSet uncertain, const AccelerationOptions& options) {
-  return Search(model, uncertain, options).run();
+  return accelerations(model, uncertain, instant(model, AccelerationCase::fall), options);
+}
+
+std::vector<double> sampled_accelerations(const Model& model, const Instant& at, std::span<const double> parameters) {
+  const Eigen::VectorXd sample = approximate_accelerations(model, at, {parameters.begin(), parameters.end()});
+  return {sample.begin(), sample.end()};
 }
 
 std::vector<double> sampled_accelerations(const Model& model, std::span<const double> parameters) {
-  const Eigen::VectorXd sample = approximate_accelerations(model, {parameters.begin(), parameters.end()});
-  return {sample.begin(), sample.end()};
+  return sampled_accelerations(model, instant(model, AccelerationCase::fall), parameters);
 }
 
 }  // namespace verisq::stance

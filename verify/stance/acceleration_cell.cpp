@@ -22,18 +22,19 @@ Interval slope_of(const Dual<Interval>& a) {
 /// The equations of motion, whose unknowns are the accelerations alone.
 struct WholeMotion {
   const Model& model;
+  const Instant& at;
 
   [[nodiscard]] Eigen::Index unknowns() const { return static_cast<Eigen::Index>(model.degrees_of_freedom()); }
 
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> matrix(const std::vector<T>& parameters) const {
-    return stance_mass_matrix(model, parameters);
+    return mass_matrix_at(model, parameters, at);
   }
 
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, 1> residual(const std::vector<T>& parameters,
                                                              const Eigen::VectorXd& x) const {
-    return residual_force(model, parameters, x);
+    return residual_force(model, parameters, at, x);
   }
 };
 
@@ -52,9 +53,9 @@ bool is_zero(const Variation& variation) {
          std::all_of(variation.residual.begin(), variation.residual.end(), zero);
 }
 
-bool acts(const Model& model, const Box& box, std::uint32_t variable) {
+bool acts(const Model& model, const Instant& at, const Box& box, std::uint32_t variable) {
   try {
-    const WholeMotion motion{model};
+    const WholeMotion motion{model, at};
     return !is_zero(variation(motion, box, variable, 0, Eigen::VectorXd::Zero(motion.unknowns())));
   } catch (const std::domain_error&) {
     // Numbers beyond binary64: nothing is proven.
@@ -62,10 +63,10 @@ bool acts(const Model& model, const Box& box, std::uint32_t variable) {
   }
 }
 
-std::optional<ReducedMotion> reduced_motion(const Model& model, const Box& whole,
+std::optional<ReducedMotion> reduced_motion(const Model& model, const Instant& at, const Box& whole,
                                             std::span<const std::uint32_t> variables) {
   try {
-    return ReducedMotion::of(model, variables, middle_of(whole));
+    return ReducedMotion::of(model, at, variables, middle_of(whole));
   } catch (const std::domain_error&) {
     return std::nullopt;
   }
@@ -109,17 +110,19 @@ AccelerationCell examined(const Motion& motion, Eigen::Index count, const Box& b
 
 }  // namespace
 
-AccelerationProblem::AccelerationProblem(const Model& model, const Box& whole, UncertainSet uncertain) : model_(model) {
+AccelerationProblem::AccelerationProblem(const Model& model, const Instant& at, const Box& whole,
+                                         UncertainSet uncertain)
+    : model_(model), at_(at) {
   std::copy_if(uncertain.begin(), uncertain.end(), std::back_inserter(variables_),
-               [&](std::uint32_t i) { return acts(model, whole, i); });
-  reduced_ = reduced_motion(model, whole, variables_);
+               [&](std::uint32_t i) { return acts(model, at, whole, i); });
+  reduced_ = reduced_motion(model, at, whole, variables_);
 }
 
 AccelerationCell AccelerationProblem::examine(const Box& box) const {
   const auto count = static_cast<Eigen::Index>(model_.degrees_of_freedom());
   try {
     if (reduced_) return examined(*reduced_, count, box, variables_);
-    return examined(WholeMotion{model_}, count, box, variables_);
+    return examined(WholeMotion{model_, at_}, count, box, variables_);
   } catch (const std::domain_error&) {
     // Numbers beyond binary64: nothing is proven.
     return {.accelerations = {}, .obstructions = std::vector<double>(variables_.size(), 0.0), .sample = {}};

@@ -25,8 +25,8 @@ struct AccelerationCell {
 
 class AccelerationProblem {
  public:
-  /// Over parts of `whole`. The model must outlive the problem.
-  AccelerationProblem(const Model& model, const Box& whole, UncertainSet uncertain);
+  /// Over parts of `whole`. Model and instant must outlive the problem.
+  AccelerationProblem(const Model& model, const Instant& at, const Box& whole, UncertainSet uncertain);
 
   /// Those of the uncertain set by which the equations of motion may change over the box; for all others the derivative
   /// is proven to be 0.
@@ -36,6 +36,7 @@ class AccelerationProblem {
 
  private:
   const Model& model_;
+  const Instant& at_;
   std::vector<std::uint32_t> variables_;
   std::optional<ReducedMotion> reduced_;
 };

@@ -1,11 +1,16 @@
-/// The equations of motion of the analysed stance, M(q) acceleration = force, under gravity and the applied force at
-/// t = 0, over any scalar.
+/// The equations of motion at an instant, M(q) acceleration = force, under gravity, the applied force at t = 0 and what
+/// the instant says, over any scalar.
 #pragma once
 
 #include <Eigen/Dense>
+#include <concepts>
+#include <cstddef>
+#include <numeric>
 #include <vector>
+#include <verisq/stance_analysis.hpp>
 
 #include "verify/stance/crba.hpp"
+#include "verify/stance/ground_forces.hpp"
 #include "verify/stance/rnea.hpp"
 
 namespace verisq::stance {
@@ -26,32 +31,64 @@ template <class T>
   return generalised_force<T>(tree, 0, reference, values_of<T>(model.applied.force, parameters));
 }
 
+/// All numbers of the enclosure, or one near the middle where the scalar is a number.
 template <class T>
-[[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> stance_mass_matrix(const Model& model,
-                                                                                  const std::vector<T>& parameters) {
-  return mass_matrix<T>(model, parameters, stance_state<T>(model));
+[[nodiscard]] T constant_of(const Enclosure& numbers) {
+  if constexpr (std::same_as<T, double>)
+    return std::midpoint(numbers.lo, numbers.hi);
+  else
+    return T(Interval(numbers.lo, numbers.hi));
+}
+
+template <class T>
+[[nodiscard]] State<T> state_at(const Instant& at) {
+  State<T> state;
+  for (const Enclosure& position : at.positions) state.position.push_back(constant_of<T>(position));
+  state.velocity.assign(at.velocities.begin(), at.velocities.end());
+  return state;
+}
+
+/// What the instant's torques, the ground and the applied force do to the joints.
+template <class T>
+[[nodiscard]] std::vector<T> given_generalised_force(const Model& model, const std::vector<T>& parameters,
+                                                     const Instant& at, const State<T>& state) {
+  std::vector<T> result = applied_generalised_force(model, parameters, state);
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] += constant_of<T>(at.torques[i]);
+  if (!at.on_ground) return result;
+  const std::vector<T> ground =
+      ground_generalised_force(model, parameters, tree_of<T>(model, parameters, state.position));
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] += ground[i];
+  return result;
+}
+
+template <class T>
+[[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> mass_matrix_at(const Model& model,
+                                                                              const std::vector<T>& parameters,
+                                                                              const Instant& at) {
+  return mass_matrix<T>(model, parameters, state_at<T>(at));
 }
 
 /// force - M(q) acceleration: what is missing for the joints to accelerate like this. By one recursion, in which the
 /// acceleration and gravity meet before any parameter does: a nearly free fall leaves nearly nothing.
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, 1> residual_force(const Model& model, const std::vector<T>& parameters,
+                                                                 const Instant& at,
                                                                  const Eigen::VectorXd& acceleration) {
-  const State<T> state = stance_state<T>(model);
-  const std::vector<T> applied = applied_generalised_force(model, parameters, state);
+  const State<T> state = state_at<T>(at);
+  const std::vector<T> given = given_generalised_force(model, parameters, at, state);
   std::vector<T> accelerations;
   for (const double a : acceleration) accelerations.push_back(T(a));
   const std::vector<T> needed = inverse_dynamics<T>(model, parameters, state, accelerations);
   Eigen::Matrix<T, Eigen::Dynamic, 1> residual(acceleration.size());
-  for (std::size_t i = 0; i < needed.size(); ++i) residual[static_cast<Eigen::Index>(i)] = applied[i] - needed[i];
+  for (std::size_t i = 0; i < needed.size(); ++i) residual[static_cast<Eigen::Index>(i)] = given[i] - needed[i];
   return residual;
 }
 
 /// In plain floating point.
-[[nodiscard]] inline Eigen::VectorXd approximate_accelerations(const Model& model,
+[[nodiscard]] inline Eigen::VectorXd approximate_accelerations(const Model& model, const Instant& at,
                                                                const std::vector<double>& parameters) {
-  const Eigen::MatrixXd mass = stance_mass_matrix(model, parameters);
-  return mass.ldlt().solve(residual_force(model, parameters, Eigen::VectorXd::Zero(mass.rows())));
+  const Eigen::MatrixXd mass = mass_matrix_at(model, parameters, at);
+  return mass.ldlt().solve(residual_force(model, parameters, at, Eigen::VectorXd::Zero(mass.rows())));
 }
 
 }  // namespace verisq::stance

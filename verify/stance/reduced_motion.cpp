@@ -33,6 +33,16 @@ bool is_reducible(const Body& body, std::span<const std::uint32_t> variables) {
   return positive && !has_one_of(body.offset, variables) && !has_one_of(body.inertia, variables);
 }
 
+/// Where a cylinder is must not change: it is no more than pressed differently.
+bool is_in_place(const ContactCylinder& cylinder, std::span<const std::uint32_t> variables) {
+  return !has_one_of(cylinder.centre, variables);
+}
+
+bool is_nothing(const Force<Interval>& force) {
+  const auto zero = [](const Interval& a) { return is_zero(a); };
+  return std::ranges::all_of(force.moment, zero) && std::ranges::all_of(force.force, zero);
+}
+
 Model without_masses(Model model, std::span<const std::uint32_t> variables) {
   for (Body& body : model.bodies) {
     if (!moves_mass(body, variables)) continue;
@@ -49,10 +59,11 @@ IntervalVector vector_of(const std::vector<Interval>& numbers) {
 }
 
 /// What a force of 1 N along the axis on the root does to the joints.
-IntervalVector applied_along(Model model, std::size_t axis, const std::vector<Interval>& parameters) {
+IntervalVector applied_along(Model model, std::size_t axis, const std::vector<Interval>& parameters,
+                             const State<Interval>& state) {
   model.applied.force = exactly_zero_vector;
   model.applied.force[axis] = {1.0, {1.0, 1.0}, {}};
-  return vector_of(applied_generalised_force(model, parameters, stance_state<Interval>(model)));
+  return vector_of(applied_generalised_force(model, parameters, state));
 }
 
 /// The transpose of the Jacobian of the body's frame: column k is what part k of a wrench there does to the joints.
@@ -98,18 +109,49 @@ class FixedSystem {
 
 }  // namespace
 
-std::optional<ReducedMotion> ReducedMotion::of(const Model& model, std::span<const std::uint32_t> variables,
+bool ReducedMotion::press(const Tree<Interval>& tree, const std::vector<Interval>& parameters,
+                          std::span<const IntervalMatrix> jacobians, const Solver& solution) {
+  const auto response_to = [&](std::size_t body, const Force<Interval>& force) -> std::optional<Response> {
+    const std::optional<IntervalMatrix> moved = solution(vector_of(generalised_force(tree, body, force)));
+    if (!moved) return std::nullopt;
+    Response response{moved->col(0)};
+    for (const IntervalMatrix& jacobian : jacobians) response.masses.emplace_back(jacobian.lazyProduct(*moved));
+    return response;
+  };
+  const std::vector<BodyPose<Interval>> poses = forward_kinematics(tree);
+  for (const ContactCylinder& cylinder : model_->cylinders) {
+    const BodyPose<Interval>& pose = poses[cylinder.body];
+    PressedCylinder pressed{&cylinder, pose};
+    for (const GroundForce<Interval>& force : ground_forces<Interval>(cylinder, pose, parameters)) {
+      std::optional<Response> at_centre = response_to(cylinder.body, force.at_centre);
+      if (!at_centre) return false;
+      pressed.points.push_back({std::move(*at_centre)});
+      if (is_nothing(force.by_radius)) continue;
+      pressed.points.back().by_radius = response_to(cylinder.body, force.by_radius);
+      if (!pressed.points.back().by_radius) return false;
+    }
+    pressed_.push_back(std::move(pressed));
+  }
+  return true;
+}
+
+std::optional<ReducedMotion> ReducedMotion::of(const Model& model, const Instant& instant,
+                                               std::span<const std::uint32_t> variables,
                                                const std::vector<double>& parameters) {
   const auto reducible = [&](const Body& body) { return is_reducible(body, variables); };
   if (!std::ranges::all_of(model.bodies, reducible)) return std::nullopt;
   const std::vector<Interval> at(parameters.begin(), parameters.end());
-  const State<Interval> state = stance_state<Interval>(model);
+  const auto in_place = [&](const ContactCylinder& cylinder) { return is_in_place(cylinder, variables); };
+  if (instant.on_ground && !std::ranges::all_of(model.cylinders, in_place)) return std::nullopt;
+  const State<Interval> state = state_at<Interval>(instant);
   const Model rest = without_masses(model, variables);
-  const FixedSystem system(stance_mass_matrix(rest, at));
+  const FixedSystem system(mass_matrix_at(rest, at, instant));
 
   IntervalMatrix right(static_cast<Eigen::Index>(model.degrees_of_freedom()), 4);
   right.col(0) = -vector_of(bias_forces<Interval>(rest, at, state));
-  for (std::size_t k = 0; k < 3; ++k) right.col(static_cast<Eigen::Index>(k) + 1) = applied_along(model, k, at);
+  for (std::size_t i = 0; i < instant.torques.size(); ++i)
+    right(static_cast<Eigen::Index>(i), 0) += constant_of<Interval>(instant.torques[i]);
+  for (std::size_t k = 0; k < 3; ++k) right.col(static_cast<Eigen::Index>(k) + 1) = applied_along(model, k, at, state);
   const std::optional<IntervalMatrix> free = system.solution(right);
   if (!free) return std::nullopt;
   ReducedMotion result(model);
@@ -141,6 +183,9 @@ std::optional<ReducedMotion> ReducedMotion::of(const Model& model, std::span<con
     for (const Mass& other : result.masses_)
       result.masses_[i].compliance.emplace_back(jacobians[i].lazyProduct(other.response));
   }
+  if (instant.on_ground &&
+      !result.press(tree, at, jacobians, [&](const IntervalMatrix& force) { return system.solution(force); }))
+    return std::nullopt;
   return result;
 }
 

@@ -3,12 +3,16 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
+#include <verisq/stance_analysis.hpp>
 
 #include "verify/stance/contraction.hpp"
+#include "verify/stance/ground_forces.hpp"
 #include "verify/stance/parameters.hpp"
 #include "verify/stance/spatial.hpp"
 #include "verify/stance/tree.hpp"
@@ -19,10 +23,11 @@ namespace verisq::stance {
 /// body, and in the joint accelerations. The tree without these masses has constant matrices, which are enclosed once.
 class ReducedMotion {
  public:
-  /// Nothing where one of `variables` acts by other numbers than masses, centres of mass and the applied force, where a
-  /// mass may be 0, or where the tree without the masses has no mass matrix that is proven to be regular. Parameters
-  /// that are not variables take the values given. The model must outlive the result.
-  [[nodiscard]] static std::optional<ReducedMotion> of(const Model& model, std::span<const std::uint32_t> variables,
+  /// Nothing where one of `variables` acts by other numbers than masses, centres of mass, the applied force, radii and
+  /// stiffnesses of cylinders, where a mass may be 0, or where the tree without the masses has no mass matrix that is
+  /// proven to be regular. Parameters that are not variables take the values given. The model must outlive the result.
+  [[nodiscard]] static std::optional<ReducedMotion> of(const Model& model, const Instant& instant,
+                                                       std::span<const std::uint32_t> variables,
                                                        const std::vector<double>& parameters);
 
   /// The unknowns: the accelerations, then three of each force. In this order elimination leaves the many zeros alone.
@@ -57,6 +62,8 @@ class ReducedMotion {
     const Vector3<T> applied = values_of<T>(model_->applied.force, parameters);
     auto accelerations = result.head(free_.size());
     accelerations = free_.template cast<T>() + by_applied_.template cast<T>().lazyProduct(applied);
+    const std::vector<Pressure<T>> pressures = pressures_of(parameters);
+    for (const auto& [response, size] : pressures) accelerations += response->joints.template cast<T>() * size;
     for (Eigen::Index i = 0; i < free_.size(); ++i) accelerations[i] -= T(x[i]);
     std::vector<Wrench<T>> wrenches;
     for (std::size_t i = 0; i < masses_.size(); ++i) {
@@ -67,6 +74,7 @@ class ReducedMotion {
     for (std::size_t i = 0; i < masses_.size(); ++i) {
       const Mass& mass = masses_[i];
       Wrench<T> motion = mass.free.template cast<T>() + mass.by_applied.template cast<T>() * applied;
+      for (const auto& [response, size] : pressures) motion += response->masses[i].template cast<T>() * size;
       for (std::size_t j = 0; j < masses_.size(); ++j) motion -= mass.compliance[j].template cast<T>() * wrenches[j];
       const Vector3<T> c = centre(mass, parameters);
       const Vector3<T> turning = mass.angular_velocity.template cast<T>();
@@ -97,6 +105,56 @@ class ReducedMotion {
     Vector3<Interval> angular_velocity = {};
   };
 
+  /// What a force on the tree without the masses does.
+  struct Response {
+    IntervalVector joints = {};                              ///< to the joints' accelerations
+    std::vector<Eigen::Matrix<Interval, 6, 1>> masses = {};  ///< to those of the masses' bodies
+  };
+
+  /// What 1 N upward at a place on a cylinder does, and what each metre of radius adds to that where the axis leans.
+  struct PressedPointResponse {
+    Response at_centre;
+    std::optional<Response> by_radius = {};
+  };
+
+  struct PressedCylinder {
+    const ContactCylinder* cylinder;
+    BodyPose<Interval> pose;  ///< of its body: constant, for no offset is a variable
+    std::vector<PressedPointResponse> points = {};
+  };
+
+  /// A force, or a force times a radius, and what one of it does.
+  template <class T>
+  struct Pressure {
+    const Response* response;
+    T size;
+  };
+
+  /// Those of the ground that are not 0.
+  template <class T>
+  [[nodiscard]] std::vector<Pressure<T>> pressures_of(const std::vector<T>& parameters) const {
+    std::vector<Pressure<T>> result;
+    for (const PressedCylinder& pressed : pressed_) {
+      const BodyPose<T> pose{pressed.pose.orientation.template cast<T>(), pressed.pose.position.template cast<T>()};
+      const std::vector<GroundForce<T>> forces = ground_forces<T>(*pressed.cylinder, pose, parameters);
+      for (std::size_t i = 0; i < forces.size(); ++i) {
+        const T& upward = forces[i].upward;
+        if (is_zero(upward)) continue;
+        result.push_back({&pressed.points[i].at_centre, upward});
+        if (const auto& by_radius = pressed.points[i].by_radius)
+          result.push_back({&*by_radius, upward * value_of<T>(pressed.cylinder->radius, parameters)});
+      }
+    }
+    return result;
+  }
+
+  /// Solutions of the tree without the masses, by column; nothing where there is no proof.
+  using Solver = std::function<std::optional<IntervalMatrix>(const IntervalMatrix& forces)>;
+
+  /// Lets the ground press on all cylinders; `jacobians` are those of the masses' bodies. Whether all is proven.
+  [[nodiscard]] bool press(const Tree<Interval>& tree, const std::vector<Interval>& parameters,
+                           std::span<const IntervalMatrix> jacobians, const Solver& solution);
+
   explicit ReducedMotion(const Model& model) : model_(&model) {}
 
   [[nodiscard]] Eigen::Index row(std::size_t mass) const { return free_.size() + 3 * static_cast<Eigen::Index>(mass); }
@@ -122,6 +180,7 @@ class ReducedMotion {
 
   const Model* model_;
   std::vector<Mass> masses_ = {};
+  std::vector<PressedCylinder> pressed_ = {};
   IntervalVector free_ = {};        ///< accelerations of the joints without applied force and masses
   IntervalMatrix by_applied_ = {};  ///< what each part of the applied force adds
 };
