@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <filesystem>
 #include <utility>
 #include <verisq/deviation.hpp>
 #include <verisq/error.hpp>
@@ -12,6 +11,7 @@
 #include <verisq/mesh_file.hpp>
 
 #include "host/command_line/cloud_input.hpp"
+#include "host/command_line/deviation_drawing.hpp"
 #include "host/command_line/deviation_summary.hpp"
 #include "host/command_line/finite_number.hpp"
 #include "host/command_line/interruption.hpp"
@@ -114,10 +114,6 @@ features::Regions regions_of(const Mesh& mesh, const DeviationArguments& argumen
   }
 }
 
-std::string file_name(const std::string& path) {
-  return std::filesystem::path(path).filename().string();
-}
-
 /// Returns the name of the file that holds the rows; empty when none was asked for or an interrupted map left none.
 std::string write_rows(const Mesh& mesh, const Deviation& deviation, std::optional<MapWriter>& writer,
                        const std::string& output) {
@@ -142,16 +138,7 @@ bool write_report(const Model& model, const Mesh& mesh, const DeviationReport& r
     tell("interrupted; report and picture are not written");
     return false;
   }
-  write(arguments.report, {.title = fmt::format("{}: deviation from {}", file_name(arguments.inputs.mesh),
-                                                file_name(arguments.inputs.model)),
-                           .bone = mesh,
-                           .rows = report.deviation.vertices,
-                           .implant = model,
-                           .units = model.units,
-                           .summary = report_lines(report),
-                           .area_names = {},
-                           .area_of = {},
-                           .solid_name = "model"});
+  write(arguments.report, {model, arguments.inputs.model, mesh, arguments.inputs.mesh}, report);
   return true;
 }
 

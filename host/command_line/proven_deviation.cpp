@@ -9,7 +9,7 @@ namespace verisq::command_line {
 Deviation proven_deviation(const Model& model, const Mesh& mesh, const ProofArguments& arguments) {
   ProgressBar bar(!arguments.no_progress, "points");
   DeviationOptions options;
-  options.percentiles = {95.0};
+  options.percentiles = proven_percentiles;
   options.statistics_of_surface = arguments.statistics;
   options.device = arguments.device;
   options.interrupted = interrupted;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 #include <verisq/deviation.hpp>
 
 namespace verisq::command_line {
@@ -11,6 +12,9 @@ struct ProofArguments {
   bool no_progress;
   bool statistics;  ///< mean and percentiles, too
 };
+
+/// Of the statistics.
+inline const std::vector<double> proven_percentiles{95.0};
 
 /// Ctrl-C ends it early.
 [[nodiscard]] Deviation proven_deviation(const Model& model, const Mesh& mesh, const ProofArguments& arguments);

@@ -12,6 +12,7 @@
 #include <verisq/recovery.hpp>
 
 #include "host/command_line/cloud_input.hpp"
+#include "host/command_line/deviation_drawing.hpp"
 #include "host/command_line/finite_number.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
@@ -55,6 +56,7 @@ constexpr const char* closing_words =
     "Examples:\n"
     "  verisq recover --points scan.csv -o part.json\n"
     "  verisq recover --mesh stem.stl --primitives 8 --taper --deviation 0.1 --units mm -o stem.json\n"
+    "  verisq recover --mesh femur.stl --primitives 6 --report femur.html -o femur.json\n"
     "  verisq recover --mesh femur.stl --primitives 6 --outside -o hull.json";
 
 std::optional<Containment> containment_of(const RecoverArguments& arguments) {
@@ -86,6 +88,17 @@ RecoveryOptions options_of(const RecoverArguments& arguments) {
   options.seed = arguments.seed;
   options.interrupted = interrupted;
   return options;
+}
+
+/// Everything that the options alone tell, before any file is opened.
+void check_usage(const RecoverArguments& arguments) {
+  const std::vector<std::string> inputs{arguments.points, arguments.mesh};
+  refuse_to_overwrite("-o", arguments.output, inputs);
+  check_usage(arguments.report, inputs);
+  if (!arguments.report.any()) return;
+  const char* const option = arguments.report.html.empty() ? "--png" : "--report";
+  if (arguments.mesh.empty()) refuse(fmt::format("{}: give a --mesh to draw", option));
+  if (arguments.no_proof) refuse(fmt::format("{}: shows the proven deviation; leave out --no-proof", option));
 }
 
 Mesh read_input(const RecoverArguments& arguments) {
@@ -127,6 +140,21 @@ Found search(const Mesh& input, const RecoverArguments& arguments, RecoveryOptio
   }
 }
 
+/// The mesh, coloured by how far it is from the model; false where that is not known of all vertices.
+bool write_report(const RecoverArguments& arguments, const Model& model, const Mesh& mesh, const Deviation& proven) {
+  if (!arguments.report.any()) return false;
+  if (proven.map.interrupted) {
+    tell("interrupted; report and picture are not written");
+    return false;
+  }
+  const DeviationReport shown{.deviation = proven,
+                              .options = {.percentiles = proven_percentiles},
+                              .triangles = mesh.triangles.size(),
+                              .units = model.units};
+  write(arguments.report, {model, arguments.output, mesh, arguments.mesh}, shown);
+  return true;
+}
+
 ExitStatus status_of(const RecoverReport& report) {
   if (report.recovery.interrupted || (report.proven && report.proven->interrupted)) return ExitStatus::interrupted;
   return report.reached() && report.is_contained() ? ExitStatus::verified : ExitStatus::unverified;
@@ -162,6 +190,7 @@ void declare_recover(Options& options, RecoverArguments& arguments) {
   options.add("--seed", arguments.seed, whole_number<std::uint64_t>(0), "NUMBER", "Of samples and starts (default 1)");
   options.add("--units", arguments.units, "TEXT", "What the model file says of its units, \"mm\"");
   options.add_flag("--no-proof", arguments.no_proof, "Do not prove the deviation of a mesh, which takes a while");
+  declare_report_files(options, arguments.report);
   add_device(options, arguments.device);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
@@ -169,7 +198,7 @@ void declare_recover(Options& options, RecoverArguments& arguments) {
 
 ExitStatus run_recover(const RecoverArguments& arguments) {
   const RecoveryOptions options = options_of(arguments);
-  refuse_to_overwrite("-o", arguments.output, {arguments.points, arguments.mesh});
+  check_usage(arguments);
   const OutputFile trial(arguments.output);  // known before all the work; leaves nothing behind
   const Stopwatch time;
   const Mesh input = read_input(arguments);
@@ -189,12 +218,14 @@ ExitStatus run_recover(const RecoverArguments& arguments) {
     if (proven->interrupted)
       tell(fmt::format("interrupted; the model is in {}, its deviation is wide", arguments.output));
   }
+  const bool is_drawn = proven && write_report(arguments, recovery.model, input, *proven);
   const RecoverReport report{.recovery = recovery,
                              .of_mesh = !arguments.mesh.empty(),
                              .deviation = arguments.deviation,
                              .contained = found.contained,
                              .proven = proven,
                              .output = arguments.output,
+                             .files = is_drawn ? arguments.report : ReportFiles(),
                              .seconds = time.seconds()};
   if (!recovery.interrupted && !report.reached())
     tell(fmt::format("--deviation {:.6g}: is not reached", *arguments.deviation));

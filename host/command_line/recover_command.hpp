@@ -8,6 +8,7 @@
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
+#include "host/command_line/report_files.hpp"
 
 namespace verisq::command_line {
 
@@ -27,6 +28,7 @@ struct RecoverArguments {
   std::string units;
   std::string device = "auto";
   bool no_proof = false;
+  ReportFiles report;
   bool json = false;
   bool no_progress = false;
 };

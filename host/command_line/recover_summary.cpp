@@ -121,6 +121,8 @@ std::string readable(const RecoverReport& report) {
   text += fmt::format("time               {:.3g} s\n", report.seconds);
   text += fmt::format("model              {} ({} {})\n", report.output, recovery.model.primitives.size(),
                       recovery.model.primitives.size() == 1 ? "primitive" : "primitives");
+  if (!report.files.html.empty()) text += fmt::format("report             {}\n", report.files.html);
+  if (!report.files.png.empty()) text += fmt::format("picture            {}\n", report.files.png);
   return text;
 }
 
@@ -147,6 +149,8 @@ std::string json(const RecoverReport& report) {
       {"seconds", report.seconds},
       {"interrupted", recovery.interrupted},
       {"output", report.output},
+      {"report", report.files.html},
+      {"png", report.files.png},
   };
   return object.text() + "\n";
 }

@@ -7,6 +7,8 @@
 #include <verisq/deviation.hpp>
 #include <verisq/recovery.hpp>
 
+#include "host/command_line/report_files.hpp"
+
 namespace verisq::command_line {
 
 /// What was asked for and what came of it.
@@ -29,6 +31,7 @@ struct RecoverReport {
   std::optional<ContainedWords> contained;
   std::optional<Deviation> proven;  ///< of the mesh
   std::string output;               ///< the model file
+  ReportFiles files;                ///< those that were written
   double seconds;
 
   /// Whether the model is as near as asked, by estimate; true where nothing was asked.

@@ -66,6 +66,29 @@ TEST_F(RecoverCommand, WritesTheModelOfACloud) {
   EXPECT_NEAR(found.primitives[0].pose.translation[0], 5.0, 1e-6);
 }
 
+/// As that of `deviation`, of the model that was just found.
+TEST_F(RecoverCommand, DrawsTheMeshColouredByItsDistance) {
+  const std::string page = (folder_ / "found.html").string();
+  const std::string picture = (folder_ / "found.png").string();
+  const Outcome outcome =
+      recover({"--mesh", tetrahedron(), "--json", "--report", page, "--png", picture, "-o", model()});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["report"], page);
+  EXPECT_EQ(json["png"], picture);
+  EXPECT_THAT(folder_.contents("found.html"), HasSubstr("tetrahedron.off: deviation from model.json"));
+  EXPECT_GT(std::filesystem::file_size(picture), 1000U);
+}
+
+TEST_F(RecoverCommand, DrawsProvenDeviationsOfMeshesAlone) {
+  const std::string page = (folder_ / "found.html").string();
+  expect_refused({"--points", ellipsoid(), "--report", page, "-o", model()}, "--report: give a --mesh to draw");
+  expect_refused({"--mesh", tetrahedron(), "--no-proof", "--report", page, "-o", model()},
+                 "--report: shows the proven deviation; leave out --no-proof");
+  expect_refused({"--mesh", tetrahedron(), "--up", "0,0,1", "-o", model()},
+                 "--up: give the --report or --png that it is for");
+}
+
 TEST_F(RecoverCommand, PrintsOneJsonObject) {
   const Outcome outcome = recover({"--points", ellipsoid(), "--outliers", "0", "--json", "-o", model()});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
