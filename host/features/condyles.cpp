@@ -1,12 +1,15 @@
 /// The posterior condylar line: the edge of the distal end's shadow, seen along the shaft, that the bone lies on; then
-/// the most prominent points of both sides against it, smoothed.
+/// the most prominent points of both sides against it, smoothed: those beside the axis of the condyles' round rears.
 #include "host/features/condyles.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <vector>
 
 #include "host/mesh/eigen_points.hpp"
@@ -78,10 +81,90 @@ Vector3d smoothed(std::span<const Vector3d> points, const Vector3d& top, const V
   return top + place[0] * u + place[1] * v + height * direction;
 }
 
-/// Precondition: not empty.
-Vector3d most_prominent(std::span<const Vector3d> points, const Vector3d& direction) {
-  const Vector3d top = *std::ranges::max_element(points, {}, [&](const Vector3d& x) { return direction.dot(x); });
-  return smoothed(points, smoothed(points, top, direction), direction);
+/// The most prominent of some of the vertices, smoothed by all of them. Precondition: not empty.
+Vector3d most_prominent(std::span<const Vector3d> some, std::span<const Vector3d> all, const Vector3d& direction) {
+  const Vector3d top = *std::ranges::max_element(some, {}, [&](const Vector3d& x) { return direction.dot(x); });
+  return smoothed(all, smoothed(all, top, direction), direction);
+}
+
+/// Seen from the side.
+struct Profile {
+  Vector3d back;
+  Vector3d up;
+};
+
+struct Circle {
+  Eigen::Vector2d centre;
+  double radius;
+};
+
+/// Whether a point of a profile belongs to the round rear of a condyle, from its lowest part to where it leaves the
+/// shaft.
+bool is_rear(const Eigen::Vector2d& from_centre, double radius) {
+  constexpr double lowest = -0.6 * std::numbers::pi;  // of angles from backward to upward
+  constexpr double highest = std::numbers::pi / 3.0;
+  constexpr double roundness = 0.15;
+  const double angle = std::atan2(from_centre[1], from_centre[0]);
+  return lowest < angle && angle < highest && std::fabs(from_centre.norm() - radius) < roundness * radius;
+}
+
+/// The circle of least squares of those that belong to the one before: |q|² = 2 c·q + (r² - |c|²).
+std::optional<Circle> next_circle(std::span<const Eigen::Vector2d> profile, const Circle& before) {
+  Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
+  Vector3d right_side = Vector3d::Zero();
+  std::size_t count = 0;
+  for (const Eigen::Vector2d& q : profile) {
+    if (!is_rear(q - before.centre, before.radius)) continue;
+    const Vector3d terms(2.0 * q[0], 2.0 * q[1], 1.0);
+    normal_matrix += terms * terms.transpose();
+    right_side += q.squaredNorm() * terms;
+    ++count;
+  }
+  constexpr std::size_t fewest = 12;
+  if (count < fewest) return std::nullopt;
+  const Vector3d c = normal_matrix.ldlt().solve(right_side);
+  const double square = c[2] + c.head<2>().squaredNorm();
+  if (!c.allFinite() || !(square > 0.0)) return std::nullopt;
+  return Circle{c.head<2>(), std::sqrt(square)};
+}
+
+constexpr double usual_condyle = 20.0;  // mm: radius of its rear
+
+/// The centre of the rear of the condyle that ends at `rearmost`; nothing where it is not round, or has few vertices.
+std::optional<Vector3d> centre_of_rear(std::span<const Vector3d> distal, const Vector3d& rearmost,
+                                       const Vector3d& sideways, const Profile& seen) {
+  constexpr double slice = 6.0;  // mm to both sides
+  std::vector<Eigen::Vector2d> profile;
+  for (const Vector3d& x : distal) {
+    const Vector3d d = x - rearmost;
+    if (std::fabs(sideways.dot(d)) < slice) profile.emplace_back(seen.back.dot(d), seen.up.dot(d));
+  }
+  Circle circle{{-usual_condyle, 0.0}, usual_condyle};
+  constexpr int steps = 30;
+  for (int i = 0; i < steps; ++i) {
+    const std::optional<Circle> next = next_circle(profile, circle);
+    if (!next || next->radius < 0.5 * usual_condyle || next->radius > 2.0 * usual_condyle) return std::nullopt;
+    circle = *next;
+  }
+  return rearmost + circle.centre[0] * seen.back + circle.centre[1] * seen.up;
+}
+
+/// The epicondyles carry the ligaments about which the knee turns: of the surface they are what lies near the axis
+/// through the centres of the condyles' rears (Hollister et al. 1993), not edges before or above it that reach as far
+/// out. All vertices where that axis is not known.
+std::vector<Vector3d> beside_axis(std::span<const Vector3d> distal, const Condyles& found, const Vector3d& sideways,
+                                  const Profile& seen) {
+  const std::optional<Vector3d> medial = centre_of_rear(distal, found.medial_posterior, sideways, seen);
+  const std::optional<Vector3d> lateral = centre_of_rear(distal, found.lateral_posterior, sideways, seen);
+  std::vector<Vector3d> beside;
+  if (medial && lateral) {
+    const Vector3d axis = (*medial - *lateral).normalized();
+    std::ranges::copy_if(distal, std::back_inserter(beside),
+                         [&](const Vector3d& x) { return axis.cross(x - *lateral).norm() < 0.5 * usual_condyle; });
+  }
+  constexpr std::size_t fewest = 2;
+  if (beside.size() < fewest) beside.assign(distal.begin(), distal.end());
+  return beside;
 }
 
 }  // namespace
@@ -127,11 +210,15 @@ Condyles condyles(std::span<const Vector3d> distal, const ShaftAxis& shaft, cons
                            [&](const Vector3d& x) { return sign * (sideways.dot(x) - middle) > 0.0; });
       return half;
     };
-    found.medial_posterior = most_prominent(side(1.0), back);
-    found.lateral_posterior = most_prominent(side(-1.0), back);
+    const std::vector<Vector3d> medial_half = side(1.0);
+    const std::vector<Vector3d> lateral_half = side(-1.0);
+    found.medial_posterior = most_prominent(medial_half, medial_half, back);
+    found.lateral_posterior = most_prominent(lateral_half, lateral_half, back);
   }
-  found.medial_epicondyle = most_prominent(distal, sideways);
-  found.lateral_epicondyle = most_prominent(distal, -sideways);
+  const Profile seen_from_aside{handedness * shaft.direction.cross(sideways), shaft.direction};
+  const std::vector<Vector3d> beside = beside_axis(distal, found, sideways, seen_from_aside);
+  found.medial_epicondyle = most_prominent(beside, distal, sideways);
+  found.lateral_epicondyle = most_prominent(beside, distal, -sideways);
   return found;
 }
 

@@ -100,6 +100,16 @@ TEST_P(SyntheticFemurTest, IsFoundToAHundredth) {
 
 INSTANTIATE_TEST_SUITE_P(BothSides, SyntheticFemurTest, ::testing::Values(Side::left, Side::right));
 
+/// Its edge is no epicondyle: the knee does not turn about it.
+TEST(DetectedFemurTest, EpicondylesLieBesideTheAxisOfTheCondyles) {
+  SyntheticFemur femur;
+  femur.ridge = true;
+  const DetectedFemur found = detect_femur(mesh_of(femur, Side::right, 1.25));
+  const FemurFeatures features = femur_features(found.landmarks, found.side, 0.0);
+  EXPECT_NEAR(middle(feature(features, "version", "transepicondylar").value), femur.version_degrees, 0.01);
+  EXPECT_NEAR(middle(feature(features, "epicondylar_width").value), 82.0, 0.01);
+}
+
 TEST(DetectedFemurTest, OfAProximalOneHasNoCondyles) {
   SyntheticFemur femur;
   femur.condyles = false;

@@ -43,6 +43,7 @@ double level(const SyntheticFemur& femur, const Vector3d& x) {
     const Vector3d centre = knee + Vector3d(-condyles_back, 0.0, side * condyles_apart);
     least = std::min(least, condyle_size.minCoeff() * ((x - centre).cwiseQuotient(condyle_size).norm() - 1.0));
   }
+  if (femur.ridge) least = std::min(least, (x - knee - Vector3d(0.0, 0.0, condyles_apart + 12.0)).norm() - 5.0);
   return least;
 }
 

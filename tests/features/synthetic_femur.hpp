@@ -16,6 +16,7 @@ struct SyntheticFemur {
   double neck_length = 52.0;      ///< from the shaft's axis to the head's centre
   double shaft_length = 170.0;
   bool condyles = true;
+  bool ridge = false;  ///< ahead of the lateral condyle's middle, and 2 mm farther out
 
   [[nodiscard]] Eigen::Vector3d head_centre() const;
   [[nodiscard]] double offset() const;  ///< of the head's centre from the shaft's axis, the line x = z = 0
