@@ -156,10 +156,69 @@ TEST(ClosestPoint, OfAUnionWithABentSolidIsThatOfTheNearestPrimitive) {
       closest(model, {0.0, 0.125, 2.25});  // of the ball, whose nearest point the tube leaves free
   EXPECT_TRUE(inside.unique);
   EXPECT_EQ(inside.primitive, 1U);
-  // Other operations are open.
-  Model difference = model;
-  difference.csg = SetExpression{{{{}, SetOperation::unite, 0}, {{}, SetOperation::unite, 1}}, SetOperation::subtract};
-  EXPECT_FALSE(closest(difference, {-1.0, 0.0, 0.0}).unique);
+}
+
+SetExpression leaf(std::uint32_t primitive) {
+  return {{}, SetOperation::unite, primitive};
+}
+
+/// A cup: the ball of radius 3, bored out by one of radius 2, without what lies above z = 1.
+Model cup() {
+  Model model{"", {ball(3.0, {}), ball(2.0, {}), box({5.0, 5.0, 5.0}, {0.0, 0.0, 6.0})}};
+  model.primitives[2].superquadric.exponents = {0.05, 0.05};
+  model.csg = SetExpression{{leaf(0), leaf(1), leaf(2)}, SetOperation::subtract};
+  return model;
+}
+
+/// Whichever side of it the query is on, normals point out of the solid.
+TEST(ClosestPoint, OfADifferenceIsThatOfTheSurfaceBesideIt) {
+  const SignedDistance distance(cup());
+  const auto expect = [&](const Point& x, std::uint32_t primitive, double sd, const Point& p, const Point& normal) {
+    const ClosestPoint found = distance.closest_point(x, tolerance);
+    EXPECT_TRUE(found.unique) << x[0] << " " << x[2];
+    EXPECT_EQ(found.primitive, primitive);
+    EXPECT_NEAR(found.distance.lo, sd, 1e-14);
+    EXPECT_NEAR(found.distance.hi, sd, 1e-14);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(found.point[k].lo, p[k], 1e-14);
+      EXPECT_NEAR(found.point[k].hi, p[k], 1e-14);
+      EXPECT_NEAR(found.normal[k].lo, normal[k], 1e-13);
+      EXPECT_NEAR(found.normal[k].hi, normal[k], 1e-13);
+    }
+  };
+  expect({0.0, 2.4, -3.2}, 0, 1.0, {0.0, 1.8, -2.4}, {0.0, 0.6, -0.8});     // outside of the cup
+  expect({0.0, 1.68, -2.24}, 0, -0.2, {0.0, 1.8, -2.4}, {0.0, 0.6, -0.8});  // in its wall, outer half
+  expect({0.0, 1.32, -1.76}, 1, -0.2, {0.0, 1.2, -1.6}, {0.0, -0.6, 0.8});  // inner half
+  expect({0.0, 1.08, -1.44}, 1, 0.2, {0.0, 1.2, -1.6}, {0.0, -0.6, 0.8});   // in the bore
+  EXPECT_FALSE(distance.closest_point({0.0, 1.5, -2.0}, tolerance).unique) << "in the middle of the wall";
+  EXPECT_FALSE(distance.closest_point({0.0, 0.0, 2.0}, tolerance).unique) << "nearest to the rim";
+}
+
+/// The surface of a ball is nearer that an intersection leaves nothing of there.
+TEST(ClosestPoint, PassesOverSurfacesThatAreCutAway) {
+  Model model{"", {ball(1.0, {-2.0, 0.0, 0.0}), ball(1.0, {2.0, 0.0, 0.0}), ball(1.0, {3.5, 0.0, 0.0})}};
+  model.csg = SetExpression{{leaf(0), {{leaf(1), leaf(2)}, SetOperation::intersect}}, SetOperation::unite};
+  const ClosestPoint found = closest(model, {0.125, 0.0, 0.0});
+  EXPECT_TRUE(found.unique);
+  EXPECT_EQ(found.primitive, 0U);
+  EXPECT_NEAR(found.distance.lo, 1.125, 1e-14);
+}
+
+TEST(ClosestPoint, OfADifferenceOfABentSolidIsKnownOutside) {
+  Model model{"", {bent_tube(), ball(0.125, {})}};
+  model.csg = SetExpression{{leaf(0), leaf(1)}, SetOperation::subtract};
+  const ClosestPoint outside = closest(model, {-1.0, 0.0, 0.0});
+  EXPECT_TRUE(outside.unique);
+  EXPECT_EQ(outside.primitive, 0U);
+  const ClosestPoint bored = closest(model, {0.048, 0.036, 0.08});  // inside, off the axes
+  EXPECT_TRUE(bored.unique);
+  EXPECT_EQ(bored.primitive, 1U);
+  EXPECT_NEAR(bored.distance.lo, 0.025, 1e-14);
+  const ClosestPoint wall = closest(model, {0.0, 0.24, 0.0});  // beside the tube's surface, from inside
+  EXPECT_FALSE(wall.unique);
+  EXPECT_EQ(wall.primitive, 0U);
+  EXPECT_LT(wall.distance.hi, 0.0);
+  EXPECT_LT(wall.point[1].width(), 0.2);
 }
 
 TEST(ClosestPoint, WithinAKnownDistanceIsAnywhereSoFar) {

@@ -1,7 +1,7 @@
 /// Soundness of closest points: no box misses the closest point, and none that is said to be the only one is not.
 ///
 /// Random solids, poses and points of tests/oracle/random_cases.hpp against MPFR at 200 bits, tapered solids with
-/// queries above known points of their surfaces, and bent ones with queries above points of theirs.
+/// queries above known points of their surfaces, bent ones with queries above points of theirs, and set operations.
 /// VERISQ_SOUNDNESS_CASES sets the number of cases. The full run is
 ///   VERISQ_SOUNDNESS_CASES=100000 build/release/tests/soundness_test --gtest_filter='ClosestPointSoundness*'
 #include <fmt/format.h>
@@ -22,6 +22,7 @@
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/random_solids.hpp"
 #include "tests/oracle/reference_distance.hpp"
+#include "tests/oracle/solid_escape.hpp"
 #include "tests/oracle/tapered_contact.hpp"
 
 namespace verisq::oracle {
@@ -283,6 +284,56 @@ TEST(ClosestPointSoundnessTest, BoxesContainPointsOfBentSolids) {
              widest_box);
   EXPECT_GT(unique, queries / 4);
   EXPECT_GT(compared, unique / 4);
+}
+
+/// What is said of x to be in the solid or not, a little from the closest point to both sides: out of the solid along
+/// the normal, into it against it.
+bool parts_the_solid(const ExactMembership& exact, const ClosestPoint& found, double little) {
+  const auto along = [&](double step) {
+    Vector x;
+    for (std::size_t k = 0; k < 3; ++k) {
+      x[k] = (Real(found.point[k].lo) + Real(found.point[k].hi)) / 2 +
+             step * (Real(found.normal[k].lo) + Real(found.normal[k].hi)) / 2;
+    }
+    return x;
+  };
+  return exact(along(little)) == Membership::outside && exact(along(-little)) == Membership::inside;
+}
+
+/// Random trees and shells: the distance is that of the reference, and the surface is where it is said to be.
+TEST(ClosestPointSoundnessTest, PointsOfSetOperationsLieOnTheSurface) {
+  constexpr std::array families{ModelFamily::plain_csg, ModelFamily::bent_csg, ModelFamily::thin_difference};
+  constexpr std::size_t cubes = 1000;
+  constexpr std::size_t share_of_cases = 10;  // the reference takes so much longer
+  std::mutex mutex;
+  std::size_t queries = 0;
+  std::size_t unique = 0;
+  std::size_t inside = 0;
+  const std::size_t models =
+      std::max(families.size(), solids_of(requested_count("VERISQ_SOUNDNESS_CASES", usual_queries) / share_of_cases));
+  in_parallel(models, [&](std::size_t index) {
+    RandomSolids solids(5000 + index);
+    const Model model = solids.model(families[index % families.size()]);
+    const SolidReference reference(model);
+    if (reference.points_of_solid().empty()) return;  // then there is no distance
+    const SignedDistance distance(model);
+    for (std::size_t i = 0; i < queries_a_solid; ++i) {
+      const Point x = solids.point(reference.placed(), solid_point_families[i % solid_point_families.size()]);
+      const ClosestPoint found = distance.closest_point(x, 1e-2 * reference.size());
+      const SolidFacts facts = reference.facts(x, cubes);
+      const std::lock_guard lock(mutex);
+      ++queries;
+      if (const auto evidence = escape(found.distance, model, x, facts.lower, facts.upper)) ADD_FAILURE() << *evidence;
+      if (!found.unique) continue;
+      ++unique;
+      inside += found.distance.hi < 0.0 ? 1 : 0;
+      const double little = 1e3 * widest(found.point) + 1e-13 * reference.size();
+      EXPECT_TRUE(parts_the_solid(reference.exact(), found, little)) << model_json(model) << fmt::format(" at {}", x);
+    }
+  });
+  fmt::print("set operations: {} queries, {} unique, {} of them inside\n", queries, unique, inside);
+  EXPECT_GT(unique, queries / 4);
+  EXPECT_GT(inside, unique / 50);
 }
 
 }  // namespace

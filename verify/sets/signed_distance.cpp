@@ -9,6 +9,7 @@
 #include "verify/proof/exact_checker.hpp"
 #include "verify/search/union_of_convex.hpp"
 #include "verify/sets/bent_union_certificate.hpp"
+#include "verify/sets/set_closest_point.hpp"
 #include "verify/sets/solid_distance.hpp"
 #include "verify/sets/union_closest_point.hpp"
 #include "verisq/enclosure.hpp"
@@ -48,12 +49,7 @@ struct ConvexUnion {
 /// Precondition: is_union.
 std::vector<verify::UnionPart> parts_of_bent_union(const Model& model) {
   std::vector<verify::UnionPart> parts;
-  for (const Primitive& primitive : model.primitives) {
-    if (is_bent(primitive))
-      parts.emplace_back(std::in_place_type<verify::BentDistance>, primitive);
-    else
-      parts.emplace_back(std::in_place_type<verify::ConvexPrimitive>, primitive);
-  }
+  for (const Primitive& primitive : model.primitives) parts.push_back(verify::part_of(primitive));
   return parts;
 }
 
@@ -67,6 +63,8 @@ struct SignedDistance::State {
     } else if (verify::is_union(model)) {
       bent_union = parts_of_bent_union(model);
       bent_checker.emplace(model);
+    } else {
+      operations.emplace(model);
     }
   }
 
@@ -75,10 +73,11 @@ struct SignedDistance::State {
     return search(point, std::max(tolerance, resolution), known, interrupted);
   }
 
-  [[nodiscard]] std::optional<ClosestPoint> proven_closest_point(const Point& point) const {
+  /// `known`: contains the signed distance; only saves time.
+  [[nodiscard]] std::optional<ClosestPoint> proven_closest_point(const Point& point, const Enclosure& known) const {
     if (convex) return verify::closest_point(convex->primitives, point);
-    if (!bent_union.empty()) return verify::closest_point(bent_union, point);
-    return std::nullopt;
+    if (operations) return (*operations)(point, std::max(-known.lo, known.hi));
+    return verify::closest_point(bent_union, point);
   }
 
   [[nodiscard]] ClosestPoint closest_point_within(const Enclosure& distance, const Point& point) const {
@@ -90,6 +89,7 @@ struct SignedDistance::State {
   std::optional<ConvexUnion> convex;
   std::vector<verify::UnionPart> bent_union;  ///< nothing where there is no bend
   std::optional<verify::ExactChecker> bent_checker;
+  std::optional<verify::SetClosestPoint> operations;  ///< where there are others than the union
   verify::SolidDistance search;
   double resolution;
   std::size_t primitives;
@@ -115,13 +115,13 @@ Enclosure SignedDistance::operator()(const Point& point, double tolerance,
 
 ClosestPoint SignedDistance::closest_point(const Point& point, double tolerance,
                                            const std::function<bool()>& interrupted) const {
-  if (const std::optional<ClosestPoint> found = state_->proven_closest_point(point)) return *found;
+  if (const std::optional<ClosestPoint> found = state_->proven_closest_point(point, nothing_known)) return *found;
   const std::function<bool()> uninterrupted = never;
   return state_->closest_point_within((*this)(point, tolerance, interrupted ? interrupted : uninterrupted), point);
 }
 
 ClosestPoint SignedDistance::closest_point(const Point& point, const Enclosure& known) const {
-  const std::optional<ClosestPoint> found = state_->proven_closest_point(point);
+  const std::optional<ClosestPoint> found = state_->proven_closest_point(point, known);
   return found ? *found : state_->closest_point_within(known, point);
 }
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "verify/search/candidates.hpp"
-#include "verify/search/closest_surface_point.hpp"
 #include "verify/search/enclosing_box.hpp"
 
 namespace verisq::verify {
@@ -22,68 +21,6 @@ struct SurfaceCandidate {
 ClosestPoint answer_of(const SurfaceCandidate& candidate) {
   const auto& [distance, point, normal, unique] = candidate.closest;
   return {rounded_outward(distance), rounded_outward(point), rounded_outward(normal), candidate.primitive, unique};
-}
-
-// What is asked of each primitive.
-
-double lower_by_sphere(const ConvexPrimitive& primitive, const Point& x) {
-  return primitive.proof().lower_by_sphere(x);
-}
-
-double lower_by_sphere(const BentDistance& primitive, const Point& x) {
-  return primitive.lower_by_sphere(x);
-}
-
-/// How rough, in units of the radius, only costs time: where two are as near as each other, the closest point of both
-/// is looked for.
-Enclosure rough_distance(const ConvexPrimitive& primitive, const Point& x) {
-  constexpr double roughness = 1e-3;
-  const double radius = primitive.proof().radius().upper().to_double(Direction::up);
-  return primitive.signed_distance(x, roughness * radius).distance;
-}
-
-Enclosure rough_distance(const BentDistance& primitive, const Point& x) {
-  return primitive(x).distance;
-}
-
-ClosestSurfacePoint closest(const ConvexPrimitive& primitive, const Point& x) {
-  return closest_surface_point(primitive.proof(), x);
-}
-
-/// Where nothing is proven, anywhere: x may lie inside.
-ClosestSurfacePoint closest(const BentDistance& primitive, const Point& x) {
-  if (const std::optional<ClosestSurfacePoint> found = primitive.closest_point(x)) return *found;
-  const PreciseInterval anything(Real(-infinity), Real(infinity));
-  const PreciseVector anywhere{anything, anything, anything};
-  return {anything, anywhere, anywhere, false};
-}
-
-/// Whether all points of a box of the model's frame are proven to lie outside.
-bool excludes(const ConvexPrimitive& primitive, const PreciseVector& box) {
-  const RigidMotion& motion = primitive.proof().motion();
-  return primitive.proof().bounds().gauge(motion.rotation.transpose() * (box - motion.translation)).lower() > Real(1);
-}
-
-bool excludes(const BentDistance& primitive, const PreciseVector& box) {
-  return primitive.excludes(box);
-}
-
-// Of a part that is either.
-
-double lower_by_sphere(const UnionPart& part, const Point& x) {
-  return std::visit([&](const auto& primitive) { return lower_by_sphere(primitive, x); }, part);
-}
-
-Enclosure rough_distance(const UnionPart& part, const Point& x) {
-  return std::visit([&](const auto& primitive) { return rough_distance(primitive, x); }, part);
-}
-
-ClosestSurfacePoint closest(const UnionPart& part, const Point& x) {
-  return std::visit([&](const auto& primitive) { return closest(primitive, x); }, part);
-}
-
-bool excludes(const UnionPart& part, const PreciseVector& box) {
-  return std::visit([&](const auto& primitive) { return excludes(primitive, box); }, part);
 }
 
 /// Those that rough bounds do not prove to be farther than another one.
@@ -113,7 +50,7 @@ std::vector<SurfaceCandidate> candidates_at(std::span<const Part> parts, const P
   std::vector<SurfaceCandidate> candidates;
   Real upper(infinity);
   for (const std::uint32_t i : nearest) {
-    candidates.push_back({i, closest(parts[i], x)});
+    candidates.push_back({i, closest_surface_point(parts[i], x)});
     upper = std::min(upper, candidates.back().closest.distance.upper());
   }
   std::erase_if(candidates, [&](const SurfaceCandidate& candidate) {
