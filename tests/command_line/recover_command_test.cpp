@@ -36,7 +36,7 @@ class RecoverCommand : public ProgramTest {
     return folder_.file("ellipsoid.csv", text).string();
   }
   /// The last of its faces may be missing.
-  [[nodiscard]] std::string tetrahedron(int faces = 4) const {
+  [[nodiscard]] std::string tetrahedron(std::size_t faces = 4) const {
     const std::string all = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
     return folder_
         .file("tetrahedron.off",

@@ -143,7 +143,7 @@ class BentPatch {
  public:
   BentPatch(const Primitive& primitive, const Vector& local)
       : solid_(primitive.superquadric, primitive.pose), bend_(*primitive.bend), centre_(local) {
-    const std::size_t largest = static_cast<std::size_t>(
+    const auto largest = static_cast<std::size_t>(
         std::ranges::max_element(local, [](const Real& a, const Real& b) { return abs(a) < abs(b); }) - local.begin());
     across_ = {(largest + 1) % 3, (largest + 2) % 3};
   }
