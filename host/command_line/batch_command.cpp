@@ -20,17 +20,22 @@ namespace verisq::command_line {
 namespace {
 
 constexpr const char* closing_words =
-    "The manifest is CSV: a header, and a row for each case. Columns are `case`, a name of its own; `command`, any command\n"
+    "The manifest is CSV: a header, and a row for each case. Columns are `case`, a name of its own; `command`, any "
+    "command\n"
     "with --json (if absent or empty: map); and options of the commands by their long names without dashes, such as\n"
     "`model`, `mesh`, `points`, `pose`, `tol`; `a` and `b` are the models of distance and path. A field may stand in\n"
-    "double quotes. An empty field, or no, leaves the option out; yes gives it without a value. Files are those of the\n"
+    "double quotes. An empty field, or no, leaves the option out; yes gives it without a value. Files are those of "
+    "the\n"
     "manifest's folder.\n"
-    "DIR gets summary.csv, summary.json and overview.html; cases/CASE.json, what each case said; maps/CASE.npy, the rows\n"
+    "DIR gets summary.csv, summary.json and overview.html; cases/CASE.json, what each case said; maps/CASE.npy, the "
+    "rows\n"
     "of maps, where no column `output` says another; logs/CASE.err, what it told. Each case is a process of its own:\n"
     "what fails is listed, and stops no other. The same command once more goes on where an interrupted or killed run\n"
-    "stopped: cases with the same arguments, of the same files (SHA-256), are taken over; failed ones are tried again.\n"
+    "stopped: cases with the same arguments, of the same files (SHA-256), are taken over; failed ones are tried "
+    "again.\n"
     "\n"
-    "Exit status: 0 every case verified, 3 some are wide or failed, 2 bad usage or manifest, 130 interrupted by Ctrl-C,\n"
+    "Exit status: 0 every case verified, 3 some are wide or failed, 2 bad usage or manifest, 130 interrupted by "
+    "Ctrl-C,\n"
     "143 by SIGTERM, 129 by SIGHUP.\n"
     "\n"
     "Example:\n"
@@ -58,7 +63,8 @@ std::string readable(const std::vector<BatchCase>& cases, const BatchRun& run, c
     text += fmt::format("nearest            {}: smallest distance {}\n", cases[*totals.nearest].name,
                         outward_digits(*run.results[*totals.nearest].smallest));
   }
-  return text + fmt::format("tables             {0}/summary.csv, {0}/summary.json, {0}/overview.html\n", arguments.output);
+  return text +
+         fmt::format("tables             {0}/summary.csv, {0}/summary.json, {0}/overview.html\n", arguments.output);
 }
 
 }  // namespace

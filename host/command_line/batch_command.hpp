@@ -19,7 +19,8 @@ struct BatchArguments {
 
 void declare_batch(Options& options, BatchArguments& arguments);
 
-/// `verified` when every case is; `unverified` when a case is wide or failed. Throws Error(input) for the manifest alone.
+/// `verified` when every case is; `unverified` when a case is wide or failed. Throws Error(input) for the manifest
+/// alone.
 ExitStatus run_batch_command(const BatchArguments& arguments);
 
 }  // namespace verisq::command_line

@@ -103,7 +103,8 @@ std::vector<BatchCase> read_manifest(const std::filesystem::path& path) {
     BatchCase added{.name = {}, .command = "map", .arguments = {}};
     for (std::size_t i = 0; i < columns.size(); ++i) add_argument(added, columns[i], (*fields)[i]);
     if (!consists_of(added.name, "._-") || added.name.starts_with('.')) {
-      file.fail(fmt::format("case = {}: letters, digits, '_', '-' and '.', not at the beginning", in_quotes(added.name)));
+      file.fail(
+          fmt::format("case = {}: letters, digits, '_', '-' and '.', not at the beginning", in_quotes(added.name)));
     }
     if (!consists_of(added.command, "")) file.fail(fmt::format("command = {}: no command", in_quotes(added.command)));
     const auto [place, is_new] = line_of.try_emplace(added.name, file.lines_read());

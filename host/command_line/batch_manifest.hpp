@@ -15,10 +15,10 @@ struct BatchCase {
   bool has_output = false;             ///< one of them is --output
 };
 
-/// CSV with a header: `case`, `command` (may be absent: map), and options by their long names without dashes; `a` and `b`
-/// are the models of `distance` and `path`. Fields may stand in double quotes. Empty fields and `no` leave an option out,
-/// `yes` gives it without a value. Throws Error(input) naming file and line for anything else, for names that are none or
-/// appear twice, and for a manifest without cases.
+/// CSV with a header: `case`, `command` (may be absent: map), and options by their long names without dashes; `a` and
+/// `b` are the models of `distance` and `path`. Fields may stand in double quotes. Empty fields and `no` leave an
+/// option out, `yes` gives it without a value. Throws Error(input) naming file and line for anything else, for names
+/// that are none or appear twice, and for a manifest without cases.
 [[nodiscard]] std::vector<BatchCase> read_manifest(const std::filesystem::path& path);
 
 }  // namespace verisq::command_line

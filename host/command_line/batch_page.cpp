@@ -93,10 +93,10 @@ std::string chart_of(std::span<const BatchCase> cases, std::span<const CaseResul
   for (std::size_t k = 0; k < shown.size(); ++k) {
     const Enclosure& smallest = *results[shown[k]].smallest;
     const double top = y(smallest.hi);
-    svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"><title>{}: {}</title></rect>",
-                       margin + static_cast<double>(k) * step, top - 1.5, std::max(1.0, 0.7 * step),
-                       std::max(3.0, y(smallest.lo) - top + 3.0), escaped(cases[shown[k]].name),
-                       escaped(outward_digits(smallest)));
+    svg += fmt::format(
+        "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"><title>{}: {}</title></rect>",
+        margin + static_cast<double>(k) * step, top - 1.5, std::max(1.0, 0.7 * step),
+        std::max(3.0, y(smallest.lo) - top + 3.0), escaped(cases[shown[k]].name), escaped(outward_digits(smallest)));
   }
   return svg + "</svg>";
 }
@@ -138,9 +138,10 @@ void write_page(const std::filesystem::path& path, const std::string& title, std
   file.write(fmt::format("</style>\n</head>\n<body>\n<header><h1>{}</h1>\n<p>{}</p></header>\n<main>\n", escaped(title),
                          statement_of(results)));
   file.write(fmt::format("<section><h2>Proven minima</h2>{}</section>\n", chart_of(cases, results, order)));
-  file.write("<section><h2>Cases</h2><p>Failures first, then from the nearest on.</p>\n<table><thead><tr><th>case</th>"
-             "<th>command</th><th>outcome</th><th class=\"number\">smallest distance</th><th class=\"number\">rows</th>"
-             "<th class=\"number\">wide</th><th class=\"number\">seconds</th><th>message</th></tr></thead>\n<tbody>\n");
+  file.write(
+      "<section><h2>Cases</h2><p>Failures first, then from the nearest on.</p>\n<table><thead><tr><th>case</th>"
+      "<th>command</th><th>outcome</th><th class=\"number\">smallest distance</th><th class=\"number\">rows</th>"
+      "<th class=\"number\">wide</th><th class=\"number\">seconds</th><th>message</th></tr></thead>\n<tbody>\n");
   for (const std::size_t i : order) file.write(row_of(cases[i], results[i]));
   file.write("</tbody></table></section>\n</main>\n</body>\n</html>\n");
   file.finish();

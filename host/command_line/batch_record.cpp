@@ -27,8 +27,8 @@ Json json_of(const std::vector<SubjectFile>& files) {
 
 /// What a record must say to be one of this case.
 Json identity(const BatchCase& of, const std::vector<SubjectFile>& inputs) {
-  return {{"format", record_format},    {"version", VERISQ_VERSION},     {"case", of.name},
-          {"command", of.command},      {"arguments", of.arguments},     {"inputs", json_of(inputs)}};
+  return {{"format", record_format}, {"version", VERISQ_VERSION}, {"case", of.name},
+          {"command", of.command},   {"arguments", of.arguments}, {"inputs", json_of(inputs)}};
 }
 
 std::optional<std::uint64_t> count_in(const Json& object, std::initializer_list<const char*> names) {

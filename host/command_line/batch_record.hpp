@@ -25,7 +25,7 @@ enum class CaseOutcome : std::uint8_t {
 
 struct CaseResult {
   CaseOutcome outcome = CaseOutcome::not_run;
-  std::string message = {};               ///< of a failure, one line
+  std::string message = {};                ///< of a failure, one line
   std::optional<Enclosure> smallest = {};  ///< the proven minimum, where the command has one
   std::optional<std::uint64_t> rows = {};
   std::optional<std::uint64_t> wide_rows = {};

@@ -82,7 +82,9 @@ class Batch {
   [[nodiscard]] std::filesystem::path output_of(const BatchCase& of) const {
     return folder_ / "logs" / (of.name + ".out");
   }
-  [[nodiscard]] std::filesystem::path log_of(const BatchCase& of) const { return folder_ / "logs" / (of.name + ".err"); }
+  [[nodiscard]] std::filesystem::path log_of(const BatchCase& of) const {
+    return folder_ / "logs" / (of.name + ".err");
+  }
 
   void begin(std::size_t place) {
     const BatchCase& of = cases_[place];
@@ -99,7 +101,8 @@ class Batch {
     if (of.command == "map" && !of.has_output) {
       arguments.push_back("--output=" + (folder_ / "maps" / (of.name + ".npy")).string());
     }
-    running_.push_back({place, std::move(inputs), BatchProcess(arguments, manifest_folder_, output_of(of), log_of(of))});
+    running_.push_back(
+        {place, std::move(inputs), BatchProcess(arguments, manifest_folder_, output_of(of), log_of(of))});
   }
 
   void collect() {
@@ -118,8 +121,8 @@ class Batch {
     const BatchCase& of = cases_[ended.place];
     CaseResult& result = run_.results[ended.place];
     const double seconds = ended.time.seconds();
-    const bool finished = status == static_cast<int>(ExitStatus::verified) ||
-                          status == static_cast<int>(ExitStatus::unverified);
+    const bool finished =
+        status == static_cast<int>(ExitStatus::verified) || status == static_cast<int>(ExitStatus::unverified);
     if (finished) {
       const CaseOutcome outcome =
           status == static_cast<int>(ExitStatus::verified) ? CaseOutcome::verified : CaseOutcome::wide;

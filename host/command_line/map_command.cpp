@@ -179,7 +179,8 @@ void check_pose_uncertainty(const MapArguments& arguments) {
 void check_part(const MapArguments& arguments) {
   if (!arguments.part) return;
   (void)format_of_part(arguments.output, arguments.format);
-  if (arguments.report.any()) refuse(fmt::format("--part: not with {}, which shows all rows", report_option(arguments)));
+  if (arguments.report.any())
+    refuse(fmt::format("--part: not with {}, which shows all rows", report_option(arguments)));
   if (arguments.time_limit) refuse("--part: not with --time-limit, by which rows depend on the clock");
   if (arguments.pose_divisions.value_or(1) > 1) {
     refuse("--part: not with --pose-divisions, by which rows depend on those beside them");

@@ -16,12 +16,16 @@ namespace verisq::command_line {
 namespace {
 
 constexpr const char* closing_words =
-    "PARTS are the files that `verisq map --part I/N -o PART` or `verisq distance --poses F --part I/N -o PART` wrote,\n"
-    "all N of them, in any order; beside each lies its PART.part.json. The whole is bit by bit what one process writes on\n"
-    "the same kind of device. Refused are gaps and overlaps, parts of other models, inputs, options, devices or versions\n"
+    "PARTS are the files that `verisq map --part I/N -o PART` or `verisq distance --poses F --part I/N -o PART` "
+    "wrote,\n"
+    "all N of them, in any order; beside each lies its PART.part.json. The whole is bit by bit what one process writes "
+    "on\n"
+    "the same kind of device. Refused are gaps and overlaps, parts of other models, inputs, options, devices or "
+    "versions\n"
     "of verisq, and files that are not those that were written.\n"
     "\n"
-    "Exit status: that of the whole map: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 the parts do\n"
+    "Exit status: that of the whole map: 0 every enclosure is at most the tolerance wide, 3 one is wider, 2 the parts "
+    "do\n"
     "not belong together.\n"
     "\n"
     "Example:\n"

@@ -32,16 +32,16 @@ PartOption parse_part(std::string_view option, const std::string& text) {
 }
 
 void add_part(Options& options, std::optional<PartOption>& part) {
-  options.add("--part", part, parse_part, "I/N",
-              fmt::format("Map part I (from 1) of N alone, whole blocks of {} rows, into a .csv or .npy of its own; beside\n"
-                          "it OUT.part.json says what it is a part of. `verisq merge` makes the whole of all parts",
-                          rows_per_block));
+  options.add(
+      "--part", part, parse_part, "I/N",
+      fmt::format("Map part I (from 1) of N alone, whole blocks of {} rows, into a .csv or .npy of its own; beside\n"
+                  "it OUT.part.json says what it is a part of. `verisq merge` makes the whole of all parts",
+                  rows_per_block));
 }
 
 std::string format_of_part(const std::string& output, const std::optional<std::string>& format) {
   if (output == "-" || output.empty()) refuse("--part: give the file that holds it: -o");
-  const std::string extension =
-      lower_case(format ? *format : std::filesystem::path(output).extension().string());
+  const std::string extension = lower_case(format ? *format : std::filesystem::path(output).extension().string());
   if (extension != ".csv" && extension != ".npy") refuse("--part: parts are written to .csv and .npy only");
   return extension;
 }

@@ -48,8 +48,8 @@ template <class Stream>
 /// What stands beside the file of a part. The digests of models and input are found while the map is made.
 class PartRecord {
  public:
-  /// `part` has all but digests, summaries and the version; `models` and `input` are files. Throws Error(input) for those
-  /// that cannot be read again.
+  /// `part` has all but digests, summaries and the version; `models` and `input` are files. Throws Error(input) for
+  /// those that cannot be read again.
   PartRecord(MapPart part, std::vector<std::string> models, std::string input);
 
   /// When the part's file is finished.

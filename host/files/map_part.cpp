@@ -132,8 +132,8 @@ MapPart parse_map_part(std::string_view text, std::string_view name) {
   if (const JsonValue format = root.at("format"); format.text() != part_format) {
     format.fail(fmt::format("must be \"{}\"", part_format));
   }
-  root.check_keys({"format", "version", "part", "parts", "rows", "map", "models", "elements", "input", "settings",
-                   "summary"});
+  root.check_keys(
+      {"format", "version", "part", "parts", "rows", "map", "models", "elements", "input", "settings", "summary"});
   MapPart part;
   part.version = root.at("version").text();
   part.part = whole_number(root.at("part"));

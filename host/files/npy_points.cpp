@@ -153,7 +153,9 @@ class NpyPoints : public PointSource {
 class PointsInCOrder final : public NpyPoints {
  public:
   PointsInCOrder(InputFile file, CoordinateType type, std::uint64_t count)
-      : NpyPoints(count, file.position(), 3 * type.bytes), row_bytes_(3 * type.bytes), numbers_(std::move(file), type) {}
+      : NpyPoints(count, file.position(), 3 * type.bytes),
+        row_bytes_(3 * type.bytes),
+        numbers_(std::move(file), type) {}
 
   [[nodiscard]] std::uint64_t bytes_total() const override { return numbers_.file().size(); }
   [[nodiscard]] bool can_go_to() const override { return numbers_.file().size() > 0; }

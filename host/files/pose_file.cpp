@@ -26,7 +26,8 @@ std::optional<Pose> PoseFile::State::next_pose() {
 }
 
 PoseFile::PoseFile(const std::filesystem::path& path)
-    : state_(new State{path, {InputFile(path), {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}}) {}
+    : state_(new State{path, {InputFile(path), {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}}) {
+}
 PoseFile::~PoseFile() = default;
 PoseFile::PoseFile(PoseFile&&) noexcept = default;
 PoseFile& PoseFile::operator=(PoseFile&&) noexcept = default;

@@ -15,7 +15,8 @@ class ChunkPace {
   ChunkPace() = default;
   /// Begins with `most`, for who is quick as a rule, and comes back to them.
   explicit ChunkPace(std::size_t most) : largest_(most), size_(most) {}
-  /// Whole blocks (see rows_per_block) at every time, so that no row depends on how fast others were; begins with `size`.
+  /// Whole blocks (see rows_per_block) at every time, so that no row depends on how fast others were; begins with
+  /// `size`.
   [[nodiscard]] static ChunkPace of_blocks(std::size_t size, std::size_t most) {
     ChunkPace pace(most);
     pace.size_ = size;

@@ -103,10 +103,12 @@ class MapRun {
     for (const Query& query : queries) prover_.check(query);
   }
 
-  // Of a block (see rows_per_block). A search of this many takes the host about as long as a device takes to be made
-  // ready for it: a tenth of a second, or the first time a second. What blocks before had does not count: where in a map
-  // a block lies must make no difference to its rows.
+  // Of a block (see rows_per_block): what blocks before had does not count, for where in a map a block lies must make
+  // no difference to its rows. A search of so many takes the host about as long as a device takes to be made ready for
+  // it: a tenth of a second, or the first time a second. A map that has half a block is long enough to be worth that.
   static constexpr std::size_t worth_a_search = 16;
+  static constexpr std::size_t worth_a_search_of_many = 1;
+  static constexpr std::size_t many = rows_per_block / 2;
   static constexpr std::size_t searches_at_a_time = 256;  // a fraction of a second: limits are felt between
 
   // Tightens what is open and not proven to lie outside by the device's search.
@@ -123,7 +125,7 @@ class MapRun {
     for (std::size_t i = 0; i < queries.size(); ++i) {
       if (found[i].lo < 0.0 && !good(queries[i], found[i])) open.push_back(i);
     }
-    if (open.size() < worth_a_search) return;
+    if (open.size() < (queries.size() >= many ? worth_a_search_of_many : worth_a_search)) return;
     device::Batch<Query>& search = search_();
     search.discard();  // what an earlier run left when it failed
     const double earlier_seconds = search.device_seconds();

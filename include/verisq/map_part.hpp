@@ -1,4 +1,5 @@
-/// Parts of a map that several processes make, and the whole that they are merged to: bit by bit what one process writes.
+/// Parts of a map that several processes make, and the whole that they are merged to: bit by bit what one process
+/// writes.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +24,9 @@ struct RowRange {
   [[nodiscard]] bool operator==(const RowRange&) const = default;
 };
 
-/// The rows of part `part`, from 1 on, of `parts` of a map of `rows` rows: whole blocks of `rows_per_block`, but for the
-/// last one's end, as evenly as that goes. Where there are more parts than blocks some are empty. Precondition: 1 <= part
+/// The rows of part `part`, from 1 on, of `parts` of a map of `rows` rows: whole blocks of `rows_per_block`, but for
+/// the last one's end, as evenly as that goes. Where there are more parts than blocks some are empty. Precondition: 1
+/// <= part
 /// <= parts.
 [[nodiscard]] RowRange rows_of_part(std::uint64_t part, std::uint64_t parts, std::uint64_t rows);
 
@@ -41,12 +43,12 @@ struct MapPart {
   std::uint64_t parts = 1;
   RowRange rows = {};
   std::uint64_t rows_in_all = 0;
-  SubjectFile map = {};                           ///< the part's own file
-  std::vector<SubjectFile> models = {};           ///< of poses two
-  SubjectFile input = {};                         ///< whose vertices, triangles, points or poses the rows are of
-  MapElements elements = MapElements::vertices;   ///< which of them
-  std::vector<PartSetting> settings = {};         ///< whatever else rows depend on, and their form
-  MapSummary summary = {};                        ///< of its rows
+  SubjectFile map = {};                          ///< the part's own file
+  std::vector<SubjectFile> models = {};          ///< of poses two
+  SubjectFile input = {};                        ///< whose vertices, triangles, points or poses the rows are of
+  MapElements elements = MapElements::vertices;  ///< which of them
+  std::vector<PartSetting> settings = {};        ///< whatever else rows depend on, and their form
+  MapSummary summary = {};                       ///< of its rows
   std::optional<ClosestPointSummary> closest = {};
 };
 
@@ -74,9 +76,9 @@ struct MergedMap {
 };
 
 /// Writes the whole map of these parts, given in any order, `.csv` or `.npy` as they are: in constant memory, and under
-/// its name only when it is complete. Throws Error(input), one line, for parts that are missing or there twice, of other
-/// models, inputs, settings, devices or versions, whose files are not those that were written, and for an output that is
-/// a part. Throws Error(failure) when the output cannot be written.
+/// its name only when it is complete. Throws Error(input), one line, for parts that are missing or there twice, of
+/// other models, inputs, settings, devices or versions, whose files are not those that were written, and for an output
+/// that is a part. Throws Error(failure) when the output cannot be written.
 MergedMap merge_maps(std::span<const std::filesystem::path> parts, const std::filesystem::path& output,
                      const MergeOptions& options = {});
 
