@@ -129,7 +129,7 @@ TEST_F(MergeCommand, MergesMapsOfPosesTrianglesAndCertificates) {
 }
 
 TEST_F(MergeCommand, HasPartsWithoutRowsWhereThereAreMoreThanBlocks) {
-  write("points.csv", "1,2,3\n4,5,6\n");
+  (void)write("points.csv", "1,2,3\n4,5,6\n");
   ASSERT_EQ(map("whole.csv").status, 0);
   make_parts(3, ".csv");
   EXPECT_EQ(contents(path("part.3.csv")), "index,lo,hi,status\n");
@@ -152,8 +152,8 @@ TEST_F(MergeCommand, RefusesForgedSets) {
   const std::string second = contents(path("part.2.csv"));
   const std::string beside = contents(path("part.2.csv.part.json"));
   const auto restore = [&] {
-    write("part.2.csv", second);
-    write("part.2.csv.part.json", beside);
+    (void)write("part.2.csv", second);
+    (void)write("part.2.csv.part.json", beside);
   };
   const std::string other_digest(64, 'a');
   struct Forgery {
@@ -196,21 +196,21 @@ TEST_F(MergeCommand, RefusesForgedSets) {
       {in_second([](auto& json) { json["extra"] = 1; }), all, {"extra", "unknown"}},
       {in_second([](auto& json) { json["summary"]["wide"] = 5; }), all, {"summary.wide = 5", "must add up"}},
       {[&] { std::filesystem::remove(path("part.2.csv.part.json")); }, all, {"part.2.csv.part.json: no such file"}},
-      {[&] { write("part.2.csv.part.json", "{"); }, all, {"part.2.csv.part.json"}},
+      {[&] { (void)write("part.2.csv.part.json", "{"); }, all, {"part.2.csv.part.json"}},
       {[&] {  // one digit of one bound
          std::string forged = second;
          forged[forged.size() / 2] = forged[forged.size() / 2] == '3' ? '4' : '3';
-         write("part.2.csv", forged);
+         (void)write("part.2.csv", forged);
        },
        all,
        {"part.2.csv", "is not the file that was written"}},
-      {[&] { write("part.2.csv", second.substr(0, second.rfind('\n', second.size() - 2) + 1)); },
+      {[&] { (void)write("part.2.csv", second.substr(0, second.rfind('\n', second.size() - 2) + 1)); },
        all,
        {"part.2.csv", "rows, and should have"}},
-      {[&] { write("part.2.csv", "lo,hi\n" + second.substr(second.find('\n') + 1)); },
+      {[&] { (void)write("part.2.csv", "lo,hi\n" + second.substr(second.find('\n') + 1)); },
        all,
        {"part.2.csv", "another header"}},
-      {[&] { write("part.2.csv", ""); }, all, {"part.2.csv", "empty"}},
+      {[&] { (void)write("part.2.csv", ""); }, all, {"part.2.csv", "empty"}},
       {nothing, {"part.1.csv", "no.csv"}, {"no.csv.part.json: no such file"}},
   };
   for (const auto& [make, parts, words] : forgeries) {
