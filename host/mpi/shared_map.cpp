@@ -7,10 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <cstring>
 #include <fstream>
-#include <future>
 #include <iterator>
 #include <system_error>
 #include <verisq/error.hpp>
@@ -21,6 +19,7 @@
 #include "host/files/byte_order.hpp"
 #include "host/files/npy_header.hpp"
 #include "host/files/output_file.hpp"
+#include "host/files/sha256.hpp"
 
 namespace verisq::mpi {
 namespace {
@@ -51,11 +50,27 @@ std::string text_of_file(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// All that rows depend on, by digests; the first line is the chunks' size.
+/// Small files by all of their bytes. A digest of a large one would take longer than its map: by its size, when it was
+/// last changed, and its ends, which tells whoever goes on with his own job when he has changed it; it is no proof that
+/// nobody did. Parts of maps (host/files/map_part.cpp), which meet from many machines, have digests of all bytes.
+std::string identity_of(const std::filesystem::path& path) {
+  constexpr std::uintmax_t small = std::uintmax_t{1} << 22U;
+  constexpr std::size_t end_bytes = std::size_t{1} << 20U;
+  const std::uintmax_t size = std::filesystem::file_size(path);
+  if (size <= small) return fmt::format("sha256 {}", digest_of_file(path).sha256);
+  std::string ends(2 * end_bytes, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(ends.data(), end_bytes);
+  file.seekg(-static_cast<std::streamoff>(end_bytes), std::ios::end);
+  file.read(ends.data() + end_bytes, end_bytes);
+  const auto changed = std::filesystem::last_write_time(path).time_since_epoch().count();
+  return fmt::format("size {} changed {} ends sha256 {}", size, changed, sha256(ends));
+}
+
+/// All that rows depend on.
 std::string identity(const SharedMapRequest& request) {
   std::string text = fmt::format("verisq {}\nrows {}\n", VERISQ_VERSION, request.rows);
-  for (const std::string& subject : request.subjects)
-    text += fmt::format("sha256 {}\n", digest_of_file(subject).sha256);
+  for (const std::string& subject : request.subjects) text += identity_of(subject) + "\n";
   for (const auto& [name, value] : request.settings) text += fmt::format("{} {}\n", name, value);
   return text;
 }
@@ -99,9 +114,8 @@ class SharedMap {
     records_.set_size(chunks_ * sizeof(ChunkRecord));
     if (session.rank() == 0) rows_.write_at(0, std::as_bytes(std::span(header_)));
     known_ = read_records();
+    if (session.rank() == 0 && !request.resume) keep_identity();
     session.wait_for_all();
-    if (session.rank() == 0 && !request.resume)
-      identity_ = std::async(std::launch::async, [&] { return identity(request_); });
   }
 
   void run(const RangeMap& map) {
@@ -109,10 +123,7 @@ class SharedMap {
     for (std::uint64_t chunk = counter.next(); chunk < chunks_; chunk = counter.next()) {
       if (known_[chunk].finished != 0) continue;
       map_chunk(chunk, map);
-      if (identity_.valid() && identity_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
-        keep_identity();
     }
-    if (identity_.valid()) keep_identity();
     session_.wait_for_all();
   }
 
@@ -188,7 +199,7 @@ class SharedMap {
 
   void keep_identity() {
     OutputFile file(beside(request_.output, ".job"));
-    file.write(fmt::format("chunk {}\n{}", rows_of_chunk_, identity_.get()));
+    file.write(fmt::format("chunk {}\n{}", rows_of_chunk_, identity(request_)));
     file.finish();
   }
 
@@ -201,7 +212,6 @@ class SharedMap {
   SharedFile records_;
   std::vector<ChunkRecord> known_;
   std::vector<char> bytes_;  // of a chunk
-  std::future<std::string> identity_;
 };
 
 /// In order, a little at a time.

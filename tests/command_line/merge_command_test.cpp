@@ -224,6 +224,19 @@ TEST_F(MergeCommand, RefusesForgedSets) {
   EXPECT_EQ(merge(all, "merged.csv").status, 0);
 }
 
+TEST_F(MergeCommand, GnuParallelRunsTheExample) {
+  if (!std::filesystem::exists("/usr/bin/parallel")) GTEST_SKIP() << "no GNU parallel";
+  (void)points();
+  ASSERT_EQ(map("whole.npy").status, 0);
+  const Outcome outcome =
+      Process({"/usr/bin/env", std::string("VERISQ=") + VERISQ_PROGRAM, "HOME=" + folder_.path().string(),
+               VERISQ_EXAMPLES "/cluster/map_in_parallel", stem, path("points.csv"), path("all"), "3"},
+              folder_.path())
+          .wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(contents(path("all.npy")) == contents(path("whole.npy")));
+}
+
 TEST_F(MergeCommand, AcceptsSeveralDevicesWhereAskedTo) {
   (void)points();
   make_parts(2, ".csv", {"--device", "host"});
