@@ -11,4 +11,7 @@ namespace verisq::report {
 /// The same of `verisq stance`.
 [[nodiscard]] std::string_view stance_page_template();
 
+/// report/src/theme.css: the colours of all pages.
+[[nodiscard]] std::string_view theme_style();
+
 }  // namespace verisq::report

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "host/batches/kernel_arguments.hpp"
+#include "host/batches/rows_side_by_side.hpp"
 #include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
 
@@ -15,7 +16,7 @@ constexpr std::size_t scratch_per_point = 12;  // SCRATCH_SIZE in kernels/interi
 
 // Lanes of a processor's work-item share a block of points where only some need work, so that none idles; a graphics
 // processor's work-item owns one point.
-constexpr std::size_t block_points_of_vector_work_item = 2048;
+constexpr std::size_t block_points_of_vector_work_item = rows_side_by_side;
 
 // The branch and bound's limit: below this width, relative to the largest semi-axis, it would take ever more cells.
 constexpr double smallest_interior_tolerance = 0x1p-30;

@@ -8,6 +8,7 @@
 
 #include "host/batches/model_memory.hpp"
 #include "host/batches/primitive_parameters.hpp"
+#include "host/batches/rows_side_by_side.hpp"
 #include "verify/proof/convex_union.hpp"
 
 namespace verisq::device {
@@ -18,8 +19,10 @@ constexpr std::size_t smallest_full_chunk = 1U << 16U;
 constexpr std::size_t bytes_per_query = 2048;  // two chunks of points around eight primitives, rounded up
 constexpr std::size_t part_of_memory = 8;
 constexpr std::size_t primitives_per_full_chunk = 8;  // larger models take smaller chunks: memory stays bounded
-constexpr std::size_t smallest_chunk = 1U << 10U;
-constexpr std::size_t chunk_alignment = 1U << 10U;  // keeps windows of device buffers aligned for any device
+constexpr std::size_t smallest_chunk = rows_side_by_side;
+// Keeps windows of device buffers aligned for any device, and blocks whole.
+constexpr std::size_t chunk_alignment = rows_side_by_side;
+static_assert(rows_side_by_side % (1U << 10U) == 0);
 
 constexpr int largest_scaled_exponent = 300;
 constexpr double far_from_unit_model = 0x1p20;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/batches/rows_side_by_side.hpp"
 #include "host/batches/solid_batch.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/sets/solid_extent.hpp"
@@ -17,7 +18,7 @@ namespace {
 using verify::TriangleBranchAndBound;
 using Answer = TriangleBranchAndBound::Answer;
 
-constexpr std::size_t largest_chunk = std::size_t{1} << 13U;
+constexpr std::size_t largest_chunk = rows_side_by_side;  // each asks for many points
 constexpr std::size_t most_points = 1U << 16U;  // of a triangle; then it is left to the host
 constexpr double share_of_points = 0.25;        // of the tolerance, where a point takes a search
 constexpr std::size_t triangles_a_task = 64;    // of a thread

@@ -74,6 +74,7 @@ void check_usage(const DistanceArguments& arguments) {
     if (pose_uncertainty(arguments.pose_uncertainty)) {
       refuse("--translation-error, --rotation-error: only for --poses");
     }
+    if (arguments.part) refuse("--part: only for many poses: give their --poses");
     if (arguments.closest_points) refuse("--closest-points: of one pose they are printed: only for --poses");
     return;
   }
@@ -85,6 +86,7 @@ void check_usage(const DistanceArguments& arguments) {
     refuse("--closest-points: of exact places only, not with --translation-error or --rotation-error");
   }
   refuse_to_overwrite("-o", *arguments.output, {arguments.model_a, arguments.model_b, *arguments.poses});
+  if (arguments.part) (void)format_of_part(*arguments.output, std::nullopt);
 }
 
 void refuse_what_uncertain_models_lack(const DistanceArguments& arguments) {
@@ -172,17 +174,36 @@ DistanceReport certified_distance(const UncertainModel& a, const UncertainModel&
   return report;
 }
 
+std::optional<PartRecord> part_record(PoseStream& stream, const MapOptions& options,
+                                      const DistanceArguments& arguments) {
+  if (!arguments.part) return std::nullopt;
+  MapPart part{.part = arguments.part->part, .parts = arguments.part->parts};
+  part.rows_in_all = count_elements(stream);
+  part.rows = rows_of_part(part.part, part.parts, part.rows_in_all);
+  part.elements = MapElements::poses;
+  part.settings = {{"command", "distance"},
+                   {"format", format_of_part(*arguments.output, std::nullopt)},
+                   {"tolerance", fmt::format("{}", options.tolerance)},
+                   {"closest_points", arguments.closest_points ? "yes" : "no"}};
+  if (options.pose_uncertainty) part.settings.push_back({"place", text_of(*options.pose_uncertainty)});
+  return PartRecord(std::move(part), {arguments.model_a, arguments.model_b}, *arguments.poses);
+}
+
 ExitStatus map_poses(const LargestModels& models, const std::string& units, double tolerance,
                      const DistanceArguments& arguments) {
   PoseStream stream(*arguments.poses);
-  PeekedStream peeked(stream);
-  const MapOptions options{.tolerance = tolerance,
-                           .device = device_for(peeked, arguments.device.value_or("auto")),
-                           .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty),
-                           .interrupted = interrupted};
+  MapOptions options{.tolerance = tolerance,
+                     .device = arguments.device.value_or("auto"),
+                     .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty),
+                     .interrupted = interrupted};
+  std::optional<PartRecord> part = part_record(stream, options, arguments);
+  PartStream elements_of_part(stream, part);
+  PeekedStream peeked(elements_of_part);
+  options.device = part ? part->device_for(options.device) : device_for(peeked, options.device);
   MapRequest request{.elements = MapElements::poses,
                      .contents = arguments.closest_points ? MapContents::closest_points : MapContents::enclosures,
                      .output = *arguments.output,
+                     .first_row = part ? part->rows().first : 0,
                      .units = units,
                      .place = options.pose_uncertainty ? described(*options.pose_uncertainty, units) : "",
                      .tolerance = tolerance,
@@ -195,6 +216,11 @@ ExitStatus map_poses(const LargestModels& models, const std::string& units, doub
       std::vector<ClosestPoints> rows(poses.size());
       closest_points(*pair, poses, rows, interrupted);
       return rows;
+    };
+  }
+  if (part) {
+    request.finished = [&](const MapSummary& summary, const std::optional<ClosestPointSummary>& closest) {
+      part->write(*arguments.output, summary, closest);
     };
   }
   return map_to_file(
@@ -211,6 +237,7 @@ void declare_distance(Options& options, DistanceArguments& arguments) {
               "Moves B: translation and quaternion of any length");
   options.add("--poses", arguments.poses, "FILE", "Many poses instead: .csv with tx,ty,tz,qw,qx,qy,qz a line");
   options.add("-o,--output", arguments.output, "FILE", "The distances for --poses, by extension: .csv .npy .json");
+  add_part(options, arguments.part);
   options.add_flag("--closest-points", arguments.closest_points,
                    "For --poses: boxes that contain the closest points of both models, in the frame of A, and whether\n"
                    "they are unique (.csv, .npy); some milliseconds a pose");

@@ -7,6 +7,7 @@
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
+#include "host/command_line/part_option.hpp"
 #include "host/command_line/pose_uncertainty_option.hpp"
 
 namespace verisq::command_line {
@@ -18,6 +19,7 @@ struct DistanceArguments {
   std::optional<Pose> pose;
   std::optional<std::string> poses;   ///< a file, instead of one pose
   std::optional<std::string> output;  ///< of the distances for `poses`
+  std::optional<PartOption> part;     ///< of those for `poses`
   std::optional<std::string> device;  ///< for `poses`; "auto" when not given
   std::optional<double> tolerance;
   std::optional<double> time_limit;           ///< in seconds

@@ -1,6 +1,7 @@
 /// The program `verisq`: the table of all commands, one of which it runs.
 #include <array>
 
+#include "host/command_line/batch_command.hpp"
 #include "host/command_line/check_command.hpp"
 #include "host/command_line/deviation_command.hpp"
 #include "host/command_line/devices_command.hpp"
@@ -9,6 +10,7 @@
 #include "host/command_line/fit_command.hpp"
 #include "host/command_line/insert_command.hpp"
 #include "host/command_line/map_command.hpp"
+#include "host/command_line/merge_command.hpp"
 #include "host/command_line/mesh_command.hpp"
 #include "host/command_line/octree_command.hpp"
 #include "host/command_line/path_command.hpp"
@@ -31,6 +33,8 @@ int main(int argc, char** argv) {
   using namespace verisq::command_line;
   const std::array commands{
       command("map", "Enclose the distance of each vertex, triangle or point to a model", declare_map, run_map),
+      command("batch", "Run the cases of a cohort, a row of a manifest each, resumably", declare_batch,
+              run_batch_command),
       command("check", "Prove a finished map again from its certificates, without OpenCL", declare_check, run_check),
       command("distance", "Enclose the distance of two models, and closest points", declare_distance, run_distance),
       command("deviation", "Enclose how far a mesh and a model's surface lie apart, both ways", declare_deviation,
@@ -39,6 +43,8 @@ int main(int argc, char** argv) {
               run_features),
       command("fit", "Find the best pose of an implant in a bone, and prove its clearance", declare_fit, run_fit),
       command("insert", "Enclose how deep an implant cuts into the bone on its way in", declare_insert, run_insert),
+      command("merge", "Make one map of all its parts, after checking that they belong together", declare_merge,
+              run_merge),
       command("mesh", "Write a model's surface as a closed mesh, to a given deviation", declare_mesh, run_mesh),
       command("octree", "Prove cubes inside and outside a model, and enclose its volume", declare_octree, run_octree),
       command("path", "Enclose the smallest distance of two models while one moves, and when they meet", declare_path,

@@ -61,6 +61,7 @@ constexpr const char* closing_words =
     "  verisq map --model stem.json --points samples.npy --columns x,y,z,lo,hi -o distances.npy\n"
     "  verisq map --model stem.json --mesh femur.off --translation-error 0.5 --rotation-error 0.5 --tol 4 -o "
     "worst.csv\n"
+    "  verisq map --model stem.json --points samples.npy --part 3/8 -o distances.3.npy\n"
     "  sample | verisq map --model stem.json --points - -o - | plot\n"
     "  verisq map --model stem.json --points samples.csv --tol 1e-9 --device host -o distances.csv --json";
 
@@ -174,12 +175,28 @@ void check_pose_uncertainty(const MapArguments& arguments) {
   }
 }
 
+/// Rows of a part are those of the whole only where they depend on nothing else than their block.
+void check_part(const MapArguments& arguments) {
+  if (!arguments.part) return;
+  (void)format_of_part(arguments.output, arguments.format);
+  if (arguments.report.any())
+    refuse(fmt::format("--part: not with {}, which shows all rows", report_option(arguments)));
+  if (arguments.time_limit) refuse("--part: not with --time-limit, by which rows depend on the clock");
+  if (arguments.pose_divisions.value_or(1) > 1) {
+    refuse("--part: not with --pose-divisions, by which rows depend on those beside them");
+  }
+  if (arguments.inputs.points == "-") refuse("--part: give a file of --points, which can be read again");
+  const std::string part_file = part_file_of(arguments.output).string();
+  refuse_to_overwrite("-o", part_file, {arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points});
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const MapArguments& arguments) {
   check_usage(arguments.inputs);
   check_outputs(arguments);
   check_method(arguments);
   check_pose_uncertainty(arguments);
+  check_part(arguments);
   if (arguments.on == MapElements::triangles && arguments.inputs.mesh.empty()) {
     refuse("--on triangles: give their --mesh");
   }
@@ -236,6 +253,43 @@ std::string format_of(const MapArguments& arguments) {
   return arguments.format.value_or(arguments.output == "-" ? ".csv" : "");
 }
 
+std::string text_of_pose(const Pose& pose) {
+  const auto& [t, q] = pose;
+  return fmt::format("{},{},{},{},{},{},{}", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
+}
+
+/// Whatever rows depend on besides model, input and device; and their form.
+std::vector<PartSetting> settings_of(const MapArguments& arguments, const MapOptions& options) {
+  std::string columns;
+  for (const MapColumn column : arguments.columns)
+    columns += fmt::format("{}{}", columns.empty() ? "" : ",", to_string(column));
+  std::vector<PartSetting> settings{{"command", "map"},
+                                    {"format", format_of_part(arguments.output, arguments.format)},
+                                    {"tolerance", fmt::format("{}", options.tolerance)},
+                                    {"point_radius", fmt::format("{}", options.point_radius)},
+                                    {"method", options.method == Method::duality ? "duality" : "published"},
+                                    {"certificates", options.certificates ? "yes" : "no"},
+                                    {"closest_points", asks_for_closest_points(arguments) ? "yes" : "no"},
+                                    {"columns", columns}};
+  if (arguments.inputs.pose) settings.push_back({"pose", text_of_pose(*arguments.inputs.pose)});
+  if (options.pose_uncertainty) settings.push_back({"place", text_of(*options.pose_uncertainty)});
+  return settings;
+}
+
+/// What is mapped: all elements of a stream, or those of a part.
+template <class Stream>
+std::optional<PartRecord> part_record(Stream& stream, MapElements elements, const MapArguments& arguments,
+                                      const MapOptions& options) {
+  if (!arguments.part) return std::nullopt;
+  MapPart part{.part = arguments.part->part, .parts = arguments.part->parts};
+  part.rows_in_all = count_elements(stream);
+  part.rows = rows_of_part(part.part, part.parts, part.rows_in_all);
+  part.elements = elements;
+  part.settings = settings_of(arguments, options);
+  return PartRecord(std::move(part), {arguments.inputs.model},
+                    arguments.inputs.mesh.empty() ? arguments.inputs.points : arguments.inputs.mesh);
+}
+
 /// Maps `elements`, which `Stream` delivers, and prints the summary. Starts the limit, which the options ask for, when
 /// the mapper is ready.
 template <typename Stream>
@@ -243,8 +297,10 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
                           MapOptions options, TimeLimit& limit) {
   Stream stream(arguments.inputs);
   refuse_what_cannot_be_drawn(arguments, stream.mesh());
-  PeekedStream peeked(stream);
-  options.device = device_for(peeked, options.device);
+  std::optional<PartRecord> part = part_record(stream, elements, arguments, options);
+  PartStream elements_of_part(stream, part);
+  PeekedStream peeked(elements_of_part);
+  options.device = part ? part->device_for(options.device) : device_for(peeked, options.device);
   const auto make_mapper = [&] {
     Mapper<typename Stream::Element> mapper(model, options);
     limit.start();
@@ -255,7 +311,8 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
                      .output = arguments.output,
                      .format = format_of(arguments),
                      .columns = arguments.columns,
-                     .rows = stream.count(),
+                     .first_row = part ? part->rows().first : 0,
+                     .rows = part ? part->rows().count : stream.count(),
                      .report = arguments.report,
                      .units = model.units,
                      .place = options.pose_uncertainty ? described(*options.pose_uncertainty, model.units) : "",
@@ -287,6 +344,11 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
                                .area_names = {},
                                .area_of = {},
                                .proof = proof_of(rows, arguments)});
+    };
+  }
+  if (part) {
+    request.finished = [&](const MapSummary& summary, const std::optional<ClosestPointSummary>& closest) {
+      part->write(arguments.output, summary, closest);
     };
   }
   return map_to_file(peeked, stream.mesh(), make_mapper, request);
@@ -331,6 +393,7 @@ void declare_map(Options& options, MapArguments& arguments) {
       "Write beside each distance the point of the model's surface that is closest, a box that is proven to\n"
       "contain it, the outward normal there, and which primitive it is of: .csv .npy .vtp, on the host.\n"
       "unique: whether it is proven to be the only one, and the normal to be the distance's gradient");
+  add_part(options, arguments.part);
   declare_report_files(options, arguments.report);
   options.add_flag(
       "--certificates", arguments.certificates,

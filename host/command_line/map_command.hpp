@@ -9,6 +9,7 @@
 
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
+#include "host/command_line/part_option.hpp"
 #include "host/command_line/point_stream.hpp"
 #include "host/command_line/pose_uncertainty_option.hpp"
 #include "host/command_line/report_files.hpp"
@@ -29,6 +30,7 @@ struct MapArguments {
   std::string output;                 ///< empty when only a report is asked for, `-` for the standard output
   std::optional<std::string> format;  ///< an extension
   std::vector<MapColumn> columns;     ///< empty: those that the format has by itself
+  std::optional<PartOption> part;
   ReportFiles report;
   bool certificates = false;
   bool closest_points = false;

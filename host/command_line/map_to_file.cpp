@@ -50,6 +50,7 @@ ExitStatus end_map(std::optional<MapWriter>& writer, const ShownRows& rows, cons
                    Clock::time_point start, Clock::time_point first_element) {
   const std::string written = end_file(writer, summary, request.output);
   if (summary.interrupted) say_what_is_missing(request);
+  if (!summary.interrupted && request.finished) request.finished(summary, closest);
   const auto end = Clock::now();
   tell_notice(summary.notice);
   if (summary.out_of_time && !summary.interrupted) {

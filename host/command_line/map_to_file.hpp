@@ -35,6 +35,7 @@ struct MapRequest {
   std::string output;       ///< the file, `-` for the standard output; empty for none
   std::string format = {};  ///< as those of `MapForm`
   std::vector<MapColumn> columns = {};
+  std::uint64_t first_row = 0;  ///< its index
   std::optional<std::uint64_t> rows = {};
   ReportFiles report = {};  ///< what `show` writes
   std::string units;        ///< of the model; empty when not given
@@ -47,6 +48,8 @@ struct MapRequest {
   std::function<std::vector<ClosestPoint>(std::span<const Point>, std::span<const MapResult>)> closest = {};
   /// Likewise of poses.
   std::function<std::vector<ClosestPoints>(std::span<const Pose>)> closest_pairs = {};
+  /// Called when the file of a map that was not interrupted is there. Empty: nothing more is to be done.
+  std::function<void(const MapSummary&, const std::optional<ClosestPointSummary>&)> finished = {};
   /// Called at the end of a map that was not interrupted, with all its rows. Empty: none are kept in memory.
   std::function<void(const ShownRows&, const MapReport&)> show = {};
 };
@@ -107,6 +110,7 @@ ExitStatus map_to_file(Stream& stream, const Mesh* mesh, const MakeMapper& make_
                            .elements = request.elements,
                            .format = request.format,
                            .columns = request.columns,
+                           .first_row = request.first_row,
                            .rows = request.rows});
   }
   // A file is read, and another written, by threads of their own, while kernels run; of a mesh there is nothing to

@@ -184,7 +184,11 @@ void Options::declare(const Declaration& declaration, Reader read) {
   CLI::Option* const option = app_->add_option(declaration.names, CLI::callback_t(), declaration.explanation);
   option->type_name(declaration.value_name)->required(declaration.required);
   option->option_text(declaration.value_name + (declaration.required ? " REQUIRED" : ""));
-  if (declaration.repeatable) option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(false);
+  if (declaration.repeatable) {
+    // One value a name; a positional argument has no other way to be given again.
+    const bool positional = !declaration.names.starts_with('-');
+    option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(positional);
+  }
   parser_->waiting.push_back({option, first_name(declaration.names), std::move(read), false});
 }
 

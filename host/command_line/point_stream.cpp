@@ -47,6 +47,11 @@ std::size_t PointStream::copy_vertices(std::span<Point> points) const {
   return count;
 }
 
+void PointStream::go_to(std::uint64_t point) {
+  if (file_) file_->go_to(point);
+  points_read_ = file_ ? point : std::min<std::uint64_t>(point, mesh_.vertices.size());
+}
+
 std::optional<std::uint64_t> PointStream::count() const {
   return file_ ? file_->count() : mesh_.vertices.size();
 }

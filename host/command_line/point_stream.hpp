@@ -41,6 +41,9 @@ class PointStream {
   /// Fills `points` from the front; returns how many, fewer than asked only at the end. Throws Error(input).
   std::size_t read(std::span<Point> points);
 
+  /// Goes on at this point, counted from 0.
+  void go_to(std::uint64_t point);
+
   /// The part of all points that `done` finished ones make up, about; 0 when unknown.
   [[nodiscard]] double fraction(std::uint64_t done) const;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <verisq/pose_file.hpp>
@@ -22,6 +23,14 @@ class PoseStream {
     poses_read_ += count;
     return count;
   }
+
+  void go_to(std::uint64_t pose) {
+    file_.go_to(pose);
+    poses_read_ = pose;
+  }
+
+  /// Not known before the last one.
+  [[nodiscard]] static std::optional<std::uint64_t> count() { return std::nullopt; }
 
   [[nodiscard]] double fraction(std::uint64_t done) const { return file_fraction(file_, poses_read_, done); }
 

@@ -25,6 +25,10 @@ std::size_t TriangleStream::read(std::span<Triangle> triangles) {
   return count;
 }
 
+void TriangleStream::go_to(std::uint64_t triangle) {
+  triangles_read_ = std::min<std::uint64_t>(triangle, mesh_.triangles.size());
+}
+
 double TriangleStream::fraction(std::uint64_t done) const {
   return static_cast<double>(done) / static_cast<double>(mesh_.triangles.size());
 }

@@ -21,6 +21,9 @@ class TriangleStream {
   /// Fills `triangles` from the front; returns how many, fewer than asked only at the end.
   std::size_t read(std::span<Triangle> triangles);
 
+  /// Goes on at this triangle, counted from 0.
+  void go_to(std::uint64_t triangle);
+
   /// The part of all triangles that `done` finished ones make up.
   [[nodiscard]] double fraction(std::uint64_t done) const;
 

@@ -101,7 +101,7 @@ class CsvMap final : public MapFormat {
   }
 
   void append(const MapChunk& chunk) override {
-    const AppendedRows rows(kind_.mesh, kind_.elements, count_, chunk);
+    const AppendedRows rows(kind_.mesh, kind_.elements, kind_.first_row + count_, chunk);
     const std::vector<Piece> pieces = pieces_of(rows.size(), fewest_rows);
     if (texts_.size() < pieces.size()) texts_.resize(pieces.size());
     in_parallel(pieces.size(), [&](std::size_t p) {

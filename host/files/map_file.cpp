@@ -121,7 +121,7 @@ class MapWriter::Format {
   Format(const std::filesystem::path& path, const Mesh* mesh, const MapForm& form)
       : make_(maker_for(path, form)), output_(open_output(path)) {
     refuse_unknown_length(path, output_, make_, form);
-    rows_ = make_(output_, {mesh, form.contents, form.elements, form.columns, form.rows});
+    rows_ = make_(output_, {mesh, form.contents, form.elements, form.columns, form.rows, form.first_row});
   }
 
   void append(const MapChunk& chunk) { rows_->append(chunk); }

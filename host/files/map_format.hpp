@@ -24,6 +24,7 @@ struct MapKind {
   MapElements elements;
   std::vector<MapColumn> columns;     ///< of tables; empty: those that the format has by itself
   std::optional<std::uint64_t> rows;  ///< how many there will be; nothing where that is not known
+  std::uint64_t first_row = 0;        ///< its index
 };
 
 /// What `MapWriter` was given in one call.

@@ -64,7 +64,7 @@ class NpyMap final : public MapFormat {
   }
 
   void append(const MapChunk& chunk) override {
-    const AppendedRows rows(kind_.mesh, kind_.elements, count_, chunk);
+    const AppendedRows rows(kind_.mesh, kind_.elements, kind_.first_row + count_, chunk);
     bytes_.resize(rows.size() * row_bytes_);
     const std::vector<Piece> pieces = pieces_of(rows.size(), fewest_array_rows);
     in_parallel(pieces.size(), [&](std::size_t p) {

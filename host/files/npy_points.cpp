@@ -82,6 +82,8 @@ class Numbers {
 
   [[nodiscard]] const InputFile& file() const { return file_; }
 
+  void go_to(std::uint64_t position) { file_.go_to(position); }
+
   void expect_end() {
     if (!file_.peek(1).empty()) {
       file_.fail_whole(fmt::format("byte {}: more bytes after the last point", file_.position()));
@@ -126,10 +128,18 @@ class NpyPoints : public PointSource {
   }
   [[nodiscard]] std::optional<std::uint64_t> count() const override { return count_; }
 
+  void go_to(std::uint64_t point) override {
+    read_ = std::min(point, count_);
+    go_to_point();
+    ended_ = read_ == count_;  // what follows the last point was looked at when the size of the file was known
+  }
+
  protected:
   [[nodiscard]] std::uint64_t points_read() const { return read_; }
+  [[nodiscard]] std::uint64_t header_bytes() const { return header_bytes_; }
 
  private:
+  virtual void go_to_point() = 0;
   virtual void read_part(std::span<Point> points) = 0;
   virtual void expect_end() = 0;
 
@@ -143,17 +153,22 @@ class NpyPoints : public PointSource {
 class PointsInCOrder final : public NpyPoints {
  public:
   PointsInCOrder(InputFile file, CoordinateType type, std::uint64_t count)
-      : NpyPoints(count, file.position(), 3 * type.bytes), numbers_(std::move(file), type) {}
+      : NpyPoints(count, file.position(), 3 * type.bytes),
+        row_bytes_(3 * type.bytes),
+        numbers_(std::move(file), type) {}
 
   [[nodiscard]] std::uint64_t bytes_total() const override { return numbers_.file().size(); }
+  [[nodiscard]] bool can_go_to() const override { return numbers_.file().size() > 0; }
 
  private:
+  void go_to_point() override { numbers_.go_to(header_bytes() + points_read() * row_bytes_); }
   void read_part(std::span<Point> points) override {
     double* const target = points.front().data();  // of all coordinates: Point is three numbers, no more
     numbers_.read(3 * points.size(), 3 * points_read(), 1, [&](std::size_t k, double number) { target[k] = number; });
   }
   void expect_end() override { numbers_.expect_end(); }
 
+  std::uint64_t row_bytes_;
   Numbers numbers_;
 };
 
@@ -162,17 +177,23 @@ class PointsInFortranOrder final : public NpyPoints {
  public:
   PointsInFortranOrder(const InputFile& file, const std::filesystem::path& path, CoordinateType type,
                        std::uint64_t count)
-      : NpyPoints(count, file.position(), 3 * type.bytes) {
+      : NpyPoints(count, file.position(), 3 * type.bytes), column_bytes_(count * type.bytes), bytes_(type.bytes) {
     for (std::uint64_t axis = 0; axis < 3; ++axis) {
       InputFile column(path);
-      column.go_to(file.position() + axis * count * type.bytes);
+      column.go_to(file.position() + axis * column_bytes_);
       columns_.emplace_back(std::move(column), type);
     }
   }
 
   [[nodiscard]] std::uint64_t bytes_total() const override { return columns_.front().file().size(); }
+  [[nodiscard]] bool can_go_to() const override { return true; }
 
  private:
+  void go_to_point() override {
+    for (std::uint64_t axis = 0; axis < 3; ++axis) {
+      columns_[axis].go_to(header_bytes() + axis * column_bytes_ + points_read() * bytes_);
+    }
+  }
   void read_part(std::span<Point> points) override {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       columns_[axis].read(points.size(), 3 * points_read() + axis, 3,
@@ -181,6 +202,8 @@ class PointsInFortranOrder final : public NpyPoints {
   }
   void expect_end() override { columns_.back().expect_end(); }
 
+  std::uint64_t column_bytes_;
+  std::uint64_t bytes_;
   std::vector<Numbers> columns_;
 };
 

@@ -20,6 +20,10 @@ class PointSource {
   virtual ~PointSource() = default;
 
   virtual std::size_t read(std::span<Point> points) = 0;
+  /// Whether `go_to` may be called.
+  [[nodiscard]] virtual bool can_go_to() const { return false; }
+  /// Goes on at this point, which is at most the count. Precondition: `can_go_to`.
+  virtual void go_to(std::uint64_t /*point*/) {}
   [[nodiscard]] virtual std::uint64_t bytes_read() const = 0;
   [[nodiscard]] virtual std::uint64_t bytes_total() const = 0;
   [[nodiscard]] virtual std::optional<std::uint64_t> count() const { return std::nullopt; }

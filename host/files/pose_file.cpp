@@ -1,4 +1,5 @@
 /// Streams poses from CSV.
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <verisq/pose_file.hpp>
@@ -8,7 +9,9 @@
 namespace verisq {
 
 struct PoseFile::State {
+  std::filesystem::path path;
   NumberRows rows;
+  std::uint64_t next = 0;  // pose to be read
 
   std::optional<Pose> next_pose();
 };
@@ -23,7 +26,8 @@ std::optional<Pose> PoseFile::State::next_pose() {
 }
 
 PoseFile::PoseFile(const std::filesystem::path& path)
-    : state_(new State{{InputFile(path), {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}}) {}
+    : state_(new State{path, {InputFile(path), {.item = "pose", .count = "seven", .header = "tx,ty,tz,qw,qx,qy,qz"}}}) {
+}
 PoseFile::~PoseFile() = default;
 PoseFile::PoseFile(PoseFile&&) noexcept = default;
 PoseFile& PoseFile::operator=(PoseFile&&) noexcept = default;
@@ -35,7 +39,17 @@ std::size_t PoseFile::read(std::span<Pose> poses) {
     if (!pose) break;
     poses[count++] = *pose;
   }
+  state_->next += count;
   return count;
+}
+
+void PoseFile::go_to(std::uint64_t pose) {
+  if (pose < state_->next) *this = PoseFile(state_->path);
+  std::vector<Pose> passed(1024);
+  while (state_->next < pose) {
+    const std::uint64_t most = std::min<std::uint64_t>(passed.size(), pose - state_->next);
+    if (read(std::span(passed).first(static_cast<std::size_t>(most))) == 0) break;
+  }
 }
 
 std::uint64_t PoseFile::bytes_read() const {

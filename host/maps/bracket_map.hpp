@@ -120,7 +120,7 @@ class BracketMap {
     if (bounds_.exact()) return maps_.smallest->map(source, sink);
     MapSummary summary = empty_summary();
     std::vector<Query> queries;
-    ChunkPace pace;
+    ChunkPace pace = options_.out_of_time ? ChunkPace() : ChunkPace::of_blocks(rows_per_block, most_at_once);
     do {
       queries.resize(pace.size());
       queries.resize(source(queries));
@@ -175,6 +175,8 @@ class BracketMap {
     }
     sink(queries.first(finished), results, certificates);
   }
+
+  static constexpr std::size_t most_at_once = std::size_t{1} << 16U;
 
   verify::MemberBounds bounds_;
   MapOptions options_;

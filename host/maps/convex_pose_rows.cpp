@@ -20,7 +20,7 @@ using verify::DisplacedPoint;
 using verify::Interval;
 
 /// Of one solid at its nominal pose.
-struct NominalRows {
+struct RowsOfSolid {
   std::vector<Enclosure> distances;
   std::vector<Certificate> certificates;
 };
@@ -61,8 +61,8 @@ struct ConvexPoseRows::Solid {
         distances(point_map(alone(primitive), options)) {}
 
   /// Nothing: interrupted.
-  [[nodiscard]] std::optional<NominalRows> at_nominal_pose(std::span<const Point> points) const {
-    NominalRows rows;
+  [[nodiscard]] std::optional<RowsOfSolid> at_nominal_pose(std::span<const Point> points) const {
+    RowsOfSolid rows;
     const auto source = [&](std::span<Point> chunk) {
       const std::size_t count = std::min(chunk.size(), points.size());
       std::ranges::copy(points.first(count), chunk.begin());
@@ -111,7 +111,7 @@ ConvexPoseRows& ConvexPoseRows::operator=(ConvexPoseRows&&) noexcept = default;
 namespace {
 
 /// Of each point the solid whose nominal distance is smallest.
-std::vector<std::size_t> nearest_solids(const std::vector<NominalRows>& nominal, std::size_t count) {
+std::vector<std::size_t> nearest_solids(const std::vector<RowsOfSolid>& nominal, std::size_t count) {
   std::vector<std::size_t> nearest(count);
   for (std::size_t k = 1; k < nominal.size(); ++k) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -148,9 +148,9 @@ std::vector<Enclosure> ConvexPoseRows::operator()(std::span<const Point> points)
   std::vector<DisplacedPoint> places;
   places.reserve(points.size());
   for (const Point& point : points) places.emplace_back(bounds_, point);
-  std::vector<NominalRows> nominal;
+  std::vector<RowsOfSolid> nominal;
   for (Solid& solid : solids_) {
-    std::optional<NominalRows> rows = solid.at_nominal_pose(points);
+    std::optional<RowsOfSolid> rows = solid.at_nominal_pose(points);
     if (!rows) return {};
     nominal.push_back(std::move(*rows));
   }

@@ -80,6 +80,7 @@ class MapRun {
       device_pace_.took(seconds_since(start));
       search_inside(current, found);
       finish(current, found, certificates);
+      if (summary_.interrupted) break;
       std::swap(current, next);
     }
     summary_.device_seconds += batch.device_seconds() - earlier_seconds;
@@ -102,20 +103,29 @@ class MapRun {
     for (const Query& query : queries) prover_.check(query);
   }
 
-  // A search of this many takes the host about as long as a device takes to be made ready for it: a tenth of a second,
-  // or the first time a second.
+  // Of a block (see rows_per_block): what blocks before had does not count, for where in a map a block lies must make
+  // no difference to its rows. A search of so many takes the host about as long as a device takes to be made ready for
+  // it: a tenth of a second, or the first time a second. A map that has half a block is long enough to be worth that.
   static constexpr std::size_t worth_a_search = 16;
+  static constexpr std::size_t worth_a_search_of_many = 1;
+  static constexpr std::size_t many = rows_per_block / 2;
   static constexpr std::size_t searches_at_a_time = 256;  // a fraction of a second: limits are felt between
 
   // Tightens what is open and not proven to lie outside by the device's search.
   void search_inside(std::span<const Query> queries, std::span<Enclosure> found) {
     if (!search_) return;
+    for (std::size_t first = 0; first < queries.size(); first += rows_per_block) {
+      const std::size_t count = std::min(rows_per_block, queries.size() - first);
+      search_inside_block(queries.subspan(first, count), found.subspan(first, count));
+    }
+  }
+
+  void search_inside_block(std::span<const Query> queries, std::span<Enclosure> found) {
     std::vector<std::size_t> open;
     for (std::size_t i = 0; i < queries.size(); ++i) {
       if (found[i].lo < 0.0 && !good(queries[i], found[i])) open.push_back(i);
     }
-    open_inside_ += open.size();
-    if (open.empty() || open_inside_ < worth_a_search) return;
+    if (open.size() < (queries.size() >= many ? worth_a_search_of_many : worth_a_search)) return;
     device::Batch<Query>& search = search_();
     search.discard();  // what an earlier run left when it failed
     const double earlier_seconds = search.device_seconds();
@@ -162,10 +172,14 @@ class MapRun {
 
   [[nodiscard]] bool out_of_time() const { return options_.out_of_time && options_.out_of_time(); }
 
-  // Proves on the host what `found` leaves wide, and hands the rows on. `certificates` are those of `found`; empty
-  // unless they were asked for.
+  // Proves on the host what `found` leaves wide, and hands the rows on, unless it is interrupted. `certificates` are
+  // those of `found`; empty unless they were asked for.
   void finish(std::span<const Query> queries, std::span<Enclosure> found, std::span<Certificate> certificates) {
     for (std::size_t first = 0; first < queries.size();) {
+      if (first > 0 && options_.interrupted()) {
+        summary_.interrupted = true;
+        return;
+      }
       const std::size_t count = std::min(pace_.size(), queries.size() - first);
       finish_chunk(queries.subspan(first, count), found.subspan(first, count),
                    certificates.empty() ? certificates : certificates.subspan(first, count));
@@ -228,7 +242,6 @@ class MapRun {
   const Source<Query>& source_;
   const Sink<Query>& sink_;
   Search search_;
-  std::size_t open_inside_ = 0;  // queries so far that a search may tighten
   ChunkPace pace_;               // of what the host finishes
   ChunkPace device_pace_;        // of what the device is given, where there is a time limit
   std::vector<MapResult> rows_;  // of the current chunk; kept to spare allocations

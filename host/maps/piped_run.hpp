@@ -36,7 +36,7 @@ class PipedRun {
         pipe_(pipe),
         feed_(feed),
         announce_search_(std::move(announce_search)),
-        pace_(options.out_of_time ? ChunkPace() : ChunkPace(pipe.capacity())),
+        pace_(options.out_of_time ? ChunkPace() : ChunkPace::of_blocks(pipe.capacity(), pipe.capacity())),
         open_(prover, options, no_source_, write_settled_, std::move(search)) {}
 
   /// While the device works on one chunk, the last is finished and delivered.
@@ -51,6 +51,7 @@ class PipedRun {
       const device::ChunkOutcome outcome = pipe_.collect();
       if (outcome.refused) refuse(current.points);
       finish(current, outcome.blocks);
+      if (open_.summary().interrupted) break;
       pace_.took(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
       current = next;
     }
@@ -94,13 +95,13 @@ class PipedRun {
     throw Error(ErrorKind::failure, "the device refused points that are finite");
   }
 
-  // Neighbours that are all proven, or not, at once.
+  // Neighbours that are all proven, or not, at once; those that are not, block by block of the map.
   void finish(const PointChunk& chunk, std::span<const device::RowBlock> blocks) {
-    const auto differ = [](const device::RowBlock& a, const device::RowBlock& b) {
-      return (a.sums.open > 0) != (b.sums.open > 0);
+    const auto are_apart = [](const device::RowBlock& a, const device::RowBlock& b) {
+      return (a.sums.open > 0) != (b.sums.open > 0) || (b.sums.open > 0 && b.first % rows_per_block == 0);
     };
-    while (!blocks.empty()) {
-      const auto end = std::ranges::adjacent_find(blocks, differ);
+    while (!blocks.empty() && !open_.summary().interrupted) {
+      const auto end = std::ranges::adjacent_find(blocks, are_apart);
       const std::size_t count =
           end == blocks.end() ? blocks.size() : static_cast<std::size_t>(end - blocks.begin()) + 1;
       const std::span<const device::RowBlock> alike = blocks.first(count);

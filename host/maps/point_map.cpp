@@ -7,6 +7,7 @@
 
 #include "host/batches/model_source.hpp"
 #include "host/batches/point_batch.hpp"
+#include "host/batches/rows_side_by_side.hpp"
 #include "host/batches/solid_batch.hpp"
 #include "host/maps/exact_map.hpp"
 #include "host/maps/piped_map.hpp"
@@ -23,6 +24,8 @@
 
 namespace verisq {
 namespace {
+
+static_assert(rows_per_block == device::rows_side_by_side);
 
 bool never() {
   return false;

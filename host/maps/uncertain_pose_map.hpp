@@ -47,7 +47,8 @@ class UncertainPoseMap {
     if (!options_.pose_uncertainty) return map_.map(source, sink);
     MapSummary summary = empty_summary();
     std::vector<Query> queries;
-    ChunkPace pace;
+    const bool of_blocks = !options_.out_of_time && options_.pose_divisions == 1;
+    ChunkPace pace = of_blocks ? ChunkPace::of_blocks(rows_per_block, most_at_once) : ChunkPace();
     do {
       queries.resize(pace.size());
       queries.resize(source(queries));
@@ -136,6 +137,8 @@ class UncertainPoseMap {
     summary.out_of_time = summary.out_of_time || run.out_of_time;
     return run.points;
   }
+
+  static constexpr std::size_t most_at_once = std::size_t{1} << 16U;
 
   MapOptions options_;
   double reach_;

@@ -134,6 +134,8 @@ struct MapForm {
   /// `width` is rounded upward, `x`, `y`, `z` are of vertices only. `unique` is 1 or 0, `primitive` -1 where it is not
   /// known. Empty: index, lo, hi, status, and those of closest points; of a `.npy` without index.
   std::vector<MapColumn> columns = {};
+  /// The index of the first row: of a part of a map.
+  std::uint64_t first_row = 0;
   /// How many rows there will be, where that is known: what a `.npy` says at its beginning. Only needed where the file
   /// cannot be rewritten there.
   std::optional<std::uint64_t> rows = {};

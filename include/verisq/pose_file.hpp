@@ -23,6 +23,10 @@ class PoseFile {
   /// Fills `poses` from the front; returns how many, fewer than asked only at the end of the file.
   std::size_t read(std::span<Pose> poses);
 
+  /// Goes on at this pose, counted from 0: by reading on, or again from the beginning. Behind the last one nothing is
+  /// left to read.
+  void go_to(std::uint64_t pose);
+
   [[nodiscard]] std::uint64_t bytes_read() const;  ///< for progress
   [[nodiscard]] std::uint64_t bytes_total() const;
 

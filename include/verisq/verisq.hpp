@@ -27,6 +27,7 @@
 #include <verisq/least_removal.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
+#include <verisq/map_part.hpp>
 #include <verisq/map_result.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_clearance.hpp>

@@ -1,0 +1,74 @@
+/// What a shared map asks of MPI, with errors as exceptions; mpi.h is included by communicator.cpp alone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+namespace verisq::mpi {
+
+/// MPI from its first call to its last. One of them in a program.
+class Session {
+ public:
+  Session(int& argc, char**& argv);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  [[nodiscard]] int rank() const { return rank_; }
+  [[nodiscard]] int ranks() const { return ranks_; }
+  /// Among the ranks of this machine.
+  [[nodiscard]] int local_rank() const { return local_rank_; }
+
+  void wait_for_all() const;
+  /// The largest of what all ranks give.
+  [[nodiscard]] std::uint64_t largest(std::uint64_t value) const;
+  [[nodiscard]] double sum(double value) const;
+  /// Of rank 0, to all.
+  void share(std::span<std::byte> bytes) const;
+  /// Ends all ranks: others would wait for this one for ever.
+  [[noreturn]] void abort(int status) const;
+
+ private:
+  int rank_ = 0;
+  int ranks_ = 1;
+  int local_rank_ = 0;
+};
+
+/// Numbers from 0 on, each given to one rank: a counter in the memory of rank 0, which others reach without its help.
+class Counter {
+ public:
+  Counter();
+  ~Counter();
+  Counter(const Counter&) = delete;
+  Counter& operator=(const Counter&) = delete;
+
+  [[nodiscard]] std::uint64_t next();
+
+ private:
+  struct Window;
+  std::unique_ptr<Window> window_;
+};
+
+/// A file that all ranks opened together, where each writes what is its own. Throws Error(failure).
+class SharedFile {
+ public:
+  /// Made where it is not there.
+  explicit SharedFile(const std::filesystem::path& path);
+  ~SharedFile();
+  SharedFile(const SharedFile&) = delete;
+  SharedFile& operator=(const SharedFile&) = delete;
+
+  void write_at(std::uint64_t position, std::span<const std::byte> bytes);
+  /// What is written is there, whatever happens to this process.
+  void set_size(std::uint64_t bytes);  ///< together
+
+ private:
+  struct Handle;
+  std::filesystem::path path_;
+  std::unique_ptr<Handle> handle_;
+};
+
+}  // namespace verisq::mpi

@@ -1,0 +1,101 @@
+/// `verisq-mpi`, where it is built and mpirun is there: the bytes of one process on any number of ranks, and after a
+/// kill.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <thread>
+
+#include "tests/fixtures/program_test.hpp"
+
+namespace verisq::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string model = VERISQ_EXAMPLES "/stem_mm.json";
+
+class MpiProgram : public ProgramTest {
+ protected:
+  void SetUp() override {
+    if (std::string(VERISQ_MPI_PROGRAM).empty()) GTEST_SKIP() << "built without MPI";
+    if (!std::filesystem::exists("/usr/bin/mpirun")) GTEST_SKIP() << "no mpirun";
+    std::mt19937_64 generator(5);
+    std::uniform_real_distribution<double> coordinate(-250.0, 250.0);
+    std::string text;
+    for (int i = 0; i < 30'000; ++i) {
+      text += std::to_string(coordinate(generator)) + "," + std::to_string(coordinate(generator)) + "," +
+              std::to_string(coordinate(generator)) + "\n";
+    }
+    (void)write("points.csv", text);
+    for (const char* const name : {"one.npy", "one.csv"}) {
+      ASSERT_EQ(
+          run({"map", "--model", model, "--points", path("points.csv"), "-o", path(name), "--device", "host"}).status,
+          0);
+    }
+  }
+
+  [[nodiscard]] Process job(int ranks, const std::string& output, const Arguments& more = {}) const {
+    Arguments arguments{"/usr/bin/mpirun",
+                        "--allow-run-as-root",
+                        "--oversubscribe",
+                        "-n",
+                        std::to_string(ranks),
+                        VERISQ_MPI_PROGRAM,
+                        "--model",
+                        model,
+                        "--points",
+                        path("points.csv"),
+                        "-o",
+                        path(output),
+                        "--device",
+                        "host"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return {arguments, folder_.path()};
+  }
+};
+
+TEST_F(MpiProgram, WritesTheBytesOfOneProcessOnAnyNumberOfRanks) {
+  for (const int ranks : {1, 3}) {
+    for (const std::string extension : {".npy", ".csv"}) {
+      const Outcome outcome = job(ranks, "map" + extension).wait();
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      EXPECT_THAT(outcome.out, HasSubstr("points             30000\n"));
+      EXPECT_TRUE(contents(path("map" + extension)) == contents(path("one" + extension))) << ranks << extension;
+      EXPECT_FALSE(std::filesystem::exists(path("map" + extension + ".job")));
+      EXPECT_FALSE(std::filesystem::exists(path("map" + extension + ".rows")));
+    }
+  }
+}
+
+TEST_F(MpiProgram, GoesOnWhereAKilledJobStopped) {
+  const Process killed = job(2, "map.npy");
+  while (!std::filesystem::exists(path("map.npy.job")) && !std::filesystem::exists(path("map.npy"))) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  killed.send(SIGTERM);
+  (void)killed.wait();
+  if (std::filesystem::exists(path("map.npy"))) GTEST_SKIP() << "the job was done before it was killed";
+  EXPECT_NE(job(1, "map.npy", {"--resume", "--tol", "0.5"}).wait().status, 0);
+  EXPECT_FALSE(std::filesystem::exists(path("map.npy")));
+  const Outcome outcome = job(3, "map.npy", {"--resume"}).wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(contents(path("map.npy")) == contents(path("one.npy")));
+}
+
+TEST_F(MpiProgram, RefusesWhatCannotBe) {
+  const auto refused = [&](const Process& process, const std::string& words) {
+    const Outcome outcome = process.wait();
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  refused(job(2, "map.npy", {"--resume"}), "there is no job to go on with");
+  refused(job(2, "map.vtp"), ".csv and .npy only");
+}
+
+}  // namespace
+}  // namespace verisq::testing
