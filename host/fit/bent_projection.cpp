@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr int kMostSteps = 40;
 /// Of the semi-axes: the error of the distance is of second order in that of the foot.
-constexpr double kSteady = 1e-8;
+constexpr double kSteady = 1e-6;
 /// Where |β(x) - q|² curves downwards along the axis, or hardly upwards, the step takes this share of the chord
 /// instead.
 constexpr double kLeastShare = 0.25;
@@ -35,8 +35,9 @@ Vector3d turned(const Vector3d& v, double angle) {
   return {c * v[0] + s * v[2], v[1], c * v[2] - s * v[0]};
 }
 
+/// That for tapered solids is the faster one, by far from inside.
 Projection projected(const Superquadric& solid, const Vector3d& q) {
-  return is_tapered(solid) ? TaperedProjection(solid)(q) : SuperquadricProjection(solid)(q);
+  return std::ranges::max(solid.exponents) < 2.0 ? TaperedProjection(solid)(q) : SuperquadricProjection(solid)(q);
 }
 
 }  // namespace

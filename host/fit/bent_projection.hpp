@@ -42,7 +42,7 @@ class BentProjection {
 
   Superquadric solid_;
   double curvature_;
-  Eigen::Matrix3d turn_;                 ///< to the frame of the bend
+  Eigen::Matrix3d turn_;                  ///< to the frame of the bend
   Eigen::Array3d box_lower_, box_upper_;  ///< contain the bent solid, in the frame of the bend
 };
 

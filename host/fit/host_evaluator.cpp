@@ -25,8 +25,7 @@ constexpr std::size_t kBlock = 64;
 class PlacedSolid {
  public:
   explicit PlacedSolid(const Primitive& primitive)
-      : projection_(primitive),
-        translation_(vector_of(primitive.pose.translation)) {
+      : projection_(primitive), translation_(vector_of(primitive.pose.translation)) {
     const auto& [w, x, y, z] = primitive.pose.quaternion;
     rotation_ = Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix();
   }

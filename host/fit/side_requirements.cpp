@@ -39,9 +39,9 @@ std::array<Point, 7> samples_of(const Primitive& primitive) {
   std::optional<BentProjection> bend;
   if (is_bent(primitive)) bend.emplace(primitive.superquadric, *primitive.bend);
   std::array<Point, 7> samples{};
-  std::ranges::transform(
-      unbent_samples_of(primitive.superquadric), samples.begin(),
-      [&](const Eigen::Vector3d& own) { return point_of(centre + rotation * (bend ? bend->image(own) : own)); });
+  std::ranges::transform(unbent_samples_of(primitive.superquadric), samples.begin(), [&](const Eigen::Vector3d& own) {
+    return point_of(centre + rotation * (bend ? bend->image(own) : own));
+  });
   return samples;
 }
 

@@ -80,7 +80,9 @@ class SolidPoseProver {
 
   // False for NaN.
   [[nodiscard]] bool at_limit(const Pose& pose, const Enclosure& found) const {
-    return verified(found, std::max(tightest_inside * radius_, tightest_outside * std::max(verify::largest_coordinate(pose.translation), radius_)));
+    return verified(found,
+                    std::max(tightest_inside * radius_,
+                             tightest_outside * std::max(verify::largest_coordinate(pose.translation), radius_)));
   }
 
   [[nodiscard]] CertifiedEnclosure prove(const Pose& pose) const {

@@ -86,8 +86,8 @@ struct Fit {
 /// I_r), unless an implant has a bend or set operations; all other numbers must be exact. Of such implants the search
 /// climbs by distances that are right near their faces and too small beyond their edges. The functions of the options
 /// are called by one thread at a time. Throws Error(input) for an empty series or cavity, for options and points out of
-/// their ranges, for other uncertain numbers, for sides that are not those of the implants or of a surface that has none,
-/// and for devices as Mapper.
+/// their ranges, for other uncertain numbers, for sides that are not those of the implants or of a surface that has
+/// none, and for devices as Mapper.
 [[nodiscard]] Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options);
 
 }  // namespace verisq

@@ -33,8 +33,8 @@ enum class Method {
 struct MapOptions {
   /// Absolute, in model units: rows at most as wide are verified. 0 asks for the tightest: then those are verified that
   /// are as tight as the methods get, at most 1e-12 of the largest coordinate or the model's radius wide; of points
-  /// inside, and of triangles and poses of models that are not is_union_of_convex, 2e-9 of the radius. Likewise where models
-  /// or points are uncertain, whatever part of a row's width that is; of these the tightest is what the tightest
+  /// inside, and of triangles and poses of models that are not is_union_of_convex, 2e-9 of the radius. Likewise where
+  /// models or points are uncertain, whatever part of a row's width that is; of these the tightest is what the tightest
   /// distances to the bracketing models leave.
   double tolerance;
   std::string device = "auto";      ///< "auto", "host", an index or a part of a device's name
@@ -98,7 +98,8 @@ class Mapper {
  public:
   /// Throws Error(input) for other models than those above, when no device matches `options.device`, when a named
   /// device failed its self-test, for the published method with a device or certificates, for either of these unless
-  /// the model is_union_of_convex (certificates of points know bends, too), for a model that is proven to have no point, and as `bracket`.
+  /// the model is_union_of_convex (certificates of points know bends, too), for a model that is proven to have no
+  /// point, and as `bracket`.
   Mapper(const UncertainModel& model, const MapOptions& options) requires(!std::same_as<Query, Pose>);
   /// Throws Error(input) likewise, and for options that ask for certificates or give a point radius.
   Mapper(const UncertainModel& a, const UncertainModel& b,

@@ -59,11 +59,12 @@ struct Bracket {
   double shift;                   ///< rounded up
 };
 
-/// An exact model is its own bracket. Where a difference removes solids that are uncertain, `smallest` has the largest of
-/// these and `largest` the smallest: what is removed shrinks where the solid grows. Both models then list the primitives
-/// that the tree names, those removed apart from those kept, in the order in which it does. Throws Error(input) if the
-/// translation of a primitive is so uncertain that sizes overflow, for a model that is not exact where a primitive is
-/// tapered, and for uncertain translations unless the model is the union of all its primitives, none bent.
+/// An exact model is its own bracket. Where a difference removes solids that are uncertain, `smallest` has the largest
+/// of these and `largest` the smallest: what is removed shrinks where the solid grows. Both models then list the
+/// primitives that the tree names, those removed apart from those kept, in the order in which it does. Throws
+/// Error(input) if the translation of a primitive is so uncertain that sizes overflow, for a model that is not exact
+/// where a primitive is tapered, and for uncertain translations unless the model is the union of all its primitives,
+/// none bent.
 [[nodiscard]] Bracket bracket(const UncertainModel& model);
 
 }  // namespace verisq

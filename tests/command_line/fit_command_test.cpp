@@ -509,9 +509,17 @@ TEST_F(SidedFitCommand, PutsABentAndBoredShaftInside) {
       {"name": "bore", "superquadric": {"semi_axes": [0.6, 0.6, 30], "exponents": [0.5, 1]}}],
       "csg": {"difference": [{"union": ["shaft", "neck"]}, "bore"]}})");
   const auto fit_bent = [&](Arguments arguments) {
-    arguments.insert(arguments.begin(), {"fit", "--implant", bent, "--mesh", cavity(), "--cavity", "--resection", top,
-                                         "--crossing", "neck", "-o", path("fitted.json"), "--json", "--samples", "64",
-                                         "--translation-range", "3", "--rotation-range", "5", "--tol", "1e-4"});
+    arguments.insert(arguments.begin(), {"fit",         "--implant",
+                                         bent,          "--mesh",
+                                         cavity(),      "--cavity",
+                                         "--resection", top,
+                                         "--crossing",  "neck",
+                                         "-o",          path("fitted.json"),
+                                         "--json",      "--samples",
+                                         "64",          "--translation-range",
+                                         "3",           "--rotation-range",
+                                         "5",           "--tol",
+                                         "1e-4"});
     return run(arguments);
   };
   const Outcome outcome = fit_bent({});

@@ -56,9 +56,9 @@ Model cup() {
            {"hollow", {{17.0, 17.0, 17.0}, {1.0, 1.0}}, {}},
            {"hole", {{3.0, 2.0, 10.0}, {0.5, 1.0}}, {{5.0, 3.0, -15.0}}},
            {"peg", {{2.0, 3.0, 4.0}, {0.5, 1.0}}, {{-14.0, 0.0, -15.0}, {0.9, 0.0, 0.4, 0.0}}}},
-          SetExpression{{{{{{leaf(0), leaf(1)}, SetOperation::intersect}, leaf(2), leaf(3)}, SetOperation::subtract},
-                         leaf(4)},
-                        SetOperation::unite}};
+          SetExpression{
+              {{{{{leaf(0), leaf(1)}, SetOperation::intersect}, leaf(2), leaf(3)}, SetOperation::subtract}, leaf(4)},
+              SetOperation::unite}};
 }
 
 std::vector<PointDistance> distances(const Model& model, const std::vector<Point>& points) {
@@ -115,9 +115,8 @@ TEST(BentProjection, DistancesAreThoseOfTheProof) {
     const Primitive primitive = random_bent(random);
     const fit_search::BentProjection projection(primitive.superquadric, *primitive.bend);
     const double size = primitive.superquadric.semi_axes[2];
-    const Vector3d q =
-        fit_search::BentProjection(primitive.superquadric, *primitive.bend)
-            .image({6.0 * anywhere(random), 6.0 * anywhere(random), 1.2 * size * anywhere(random)});
+    const Vector3d q = fit_search::BentProjection(primitive.superquadric, *primitive.bend)
+                           .image({6.0 * anywhere(random), 6.0 * anywhere(random), 1.2 * size * anywhere(random)});
     const fit_search::Projection found = projection(q);
     const Enclosure exact = SignedDistance({"", {primitive}, {}})(point(q), 1e-7 * size);
     EXPECT_LE(projection.lower_bound(q), exact.hi) << i;
@@ -229,13 +228,15 @@ TEST_P(SolidFit, FindsImplantsAgain) {
   const UncertainModel exact = model;
   const Fit best = fit({&exact, 1}, cavity, options);
   EXPECT_TRUE(best.within_limit);
-  EXPECT_NEAR(best.objective, static_cast<double>(cavity.points.size()), 0.02 * static_cast<double>(cavity.points.size()));
+  EXPECT_NEAR(best.objective, static_cast<double>(cavity.points.size()),
+              0.02 * static_cast<double>(cavity.points.size()));
   ASSERT_EQ(best.model.primitives.size(), model.primitives.size());
   EXPECT_EQ(best.model.csg.has_value(), model.csg.has_value());
   for (std::size_t k = 0; k < model.primitives.size(); ++k) {
     ASSERT_EQ(best.model.primitives[k].bend.has_value(), model.primitives[k].bend.has_value());
     if (model.primitives[k].bend) EXPECT_EQ(best.model.primitives[k].bend->curvature, 0.0157);
-    const Vector3d off = vector(best.model.primitives[k].pose.translation) - vector(model.primitives[k].pose.translation);
+    const Vector3d off =
+        vector(best.model.primitives[k].pose.translation) - vector(model.primitives[k].pose.translation);
     EXPECT_LE(off.norm(), 0.1) << k;
   }
   const SignedDistance proof(best.model);
@@ -257,7 +258,11 @@ TEST(SolidFitBound, IsRefused) {
   testing::expect_error(
       [&] {
         (void)bound_fit({&bent, 1}, cavity,
-                        {.fitness = cemented(kGap, 0.25), .penetration_limit = 0.0, .range = {{}, 1.0, 1.0}, .known = 1.0, .gap = 0.1});
+                        {.fitness = cemented(kGap, 0.25),
+                         .penetration_limit = 0.0,
+                         .range = {{}, 1.0, 1.0},
+                         .known = 1.0,
+                         .gap = 0.1});
       },
       ErrorKind::input, "", "bound: implants[0]: not supported for bent solids: primitives[0].bend");
 }

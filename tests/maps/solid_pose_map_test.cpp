@@ -105,7 +105,8 @@ TEST_P(SolidPoseMapTest, WidensRowsOfUncertainPoses) {
   const auto& [a, b] = GetParam();
   const std::vector<Pose> poses = poses_around(8, 8.0);
   constexpr double moved = 0.05;
-  PoseMapper mapper(a, b, {.tolerance = 0.2, .pose_uncertainty = PoseUncertainty{.translation = {moved, moved, moved}}});
+  PoseMapper mapper(a, b,
+                    {.tolerance = 0.2, .pose_uncertainty = PoseUncertainty{.translation = {moved, moved, moved}}});
   const Mapped found = map(mapper, poses);
   const ModelSearch search(a, b);
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -121,15 +122,14 @@ TEST_P(SolidPoseMapTest, WidensRowsOfUncertainPoses) {
 
 INSTANTIATE_TEST_SUITE_P(Pairs, SolidPoseMapTest,
                          ::testing::Values(std::pair(bent_rod(), ball()), std::pair(ball(), bent_rod()),
-                                         std::pair(bowl(), ball()), std::pair(bowl(), bent_rod())));
+                                           std::pair(bowl(), ball()), std::pair(bowl(), bent_rod())));
 
 /// A search ends where it is, and its row and those after it are not told; the mapper serves again.
 TEST(SolidPoseMap, EndsWithinAChunk) {
   const std::vector<Pose> poses(40, Pose{{0.0, 0.0, 0.6}, {1.0, 0.0, 0.0, 0.0}});  // a ball concentric in a hollow
   std::atomic<int> polls = 0;
   std::atomic<bool> ends = true;
-  PoseMapper mapper(bowl(), bent_rod(),
-                    {.tolerance = 1e-9, .interrupted = [&] { return ends && ++polls > 40; }});
+  PoseMapper mapper(bowl(), bent_rod(), {.tolerance = 1e-9, .interrupted = [&] { return ends && ++polls > 40; }});
   const Mapped found = map(mapper, poses);
   EXPECT_TRUE(found.summary.interrupted);
   EXPECT_LT(found.rows.size(), poses.size());

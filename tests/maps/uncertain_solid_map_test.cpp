@@ -21,11 +21,12 @@ SetExpression leaf(std::uint32_t primitive) {
 
 /// A bent rod, a ball and a bore; what the bore takes away has a core that is kept: all uncertain.
 UncertainModel scene(const SetExpression& csg) {
-  UncertainModel model = Model{"",
-                               {{"rod", {{0.6, 0.8, 3.0}, {0.6, 0.8}}, {{0.1, 0.0, 0.0}, {0.9, 0.1, 0.3, 0.2}}, Bend{0.2, 40.0}},
-                                {"ball", {{1.2, 1.2, 1.2}, {1.0, 1.0}}, {{0.5, 0.2, 1.0}}},
-                                {"bore", {{0.4, 0.4, 2.5}, {0.3, 1.0}}, {{0.4, 0.1, 0.9}, {0.9, 0.3, 0.0, 0.1}}}},
-                               csg};
+  UncertainModel model =
+      Model{"",
+            {{"rod", {{0.6, 0.8, 3.0}, {0.6, 0.8}}, {{0.1, 0.0, 0.0}, {0.9, 0.1, 0.3, 0.2}}, Bend{0.2, 40.0}},
+             {"ball", {{1.2, 1.2, 1.2}, {1.0, 1.0}}, {{0.5, 0.2, 1.0}}},
+             {"bore", {{0.4, 0.4, 2.5}, {0.3, 1.0}}, {{0.4, 0.1, 0.9}, {0.9, 0.3, 0.0, 0.1}}}},
+            csg};
   for (UncertainPrimitive& primitive : model.primitives) {
     for (Enclosure& a : primitive.semi_axes) a = {0.95 * a.lo, 1.05 * a.hi};
     for (Enclosure& e : primitive.exponents) e = {0.9 * e.lo, e.hi};
@@ -50,11 +51,10 @@ Model member(const UncertainModel& model, std::mt19937_64& random) {
   Model result{model.units, {}, model.csg};
   for (const UncertainPrimitive& p : model.primitives) {
     const auto& [a, b, c] = p.semi_axes;
-    result.primitives.push_back(
-        {p.name,
-         {{number(a), number(b), number(c)}, {number(p.exponents[0]), number(p.exponents[1])}},
-         {{p.translation[0].lo, p.translation[1].lo, p.translation[2].lo}, p.quaternion},
-         p.bend});
+    result.primitives.push_back({p.name,
+                                 {{number(a), number(b), number(c)}, {number(p.exponents[0]), number(p.exponents[1])}},
+                                 {{p.translation[0].lo, p.translation[1].lo, p.translation[2].lo}, p.quaternion},
+                                 p.bend});
   }
   return result;
 }
@@ -116,7 +116,8 @@ TEST_P(UncertainSolidMap, PointsHoldEveryMember) {
 TEST_P(UncertainSolidMap, TrianglesAndPosesHoldEveryMember) {
   const std::vector<Point> corners = points_around(12);
   std::vector<Triangle> triangles;
-  for (const Point& p : corners) triangles.push_back({p, {p[0] + 0.3, p[1], p[2] - 0.1}, {p[0], p[1] + 0.2, p[2] + 0.2}});
+  for (const Point& p : corners)
+    triangles.push_back({p, {p[0] + 0.3, p[1], p[2] - 0.1}, {p[0], p[1] + 0.2, p[2] + 0.2}});
   const auto rows = map<Triangle>(TriangleMapper(model(), {.tolerance = 1e-3, .device = "host"}), triangles);
   const Model ball{"", {{"ball", {{0.3, 0.3, 0.3}, {1.0, 1.0}}, {}}}};
   std::vector<Pose> poses;

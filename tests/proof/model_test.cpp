@@ -104,7 +104,8 @@ TEST(ModelTest, UncertainTranslationsAreForUnionsOfConvexSolids) {
 
 /// Of what a difference removes the larger one leaves the smaller solid; what is removed from that is kept.
 TEST(ModelTest, WhatIsRemovedBracketsTheOtherWay) {
-  UncertainModel model = two_balls(operation(subtract, {leaf(0), operation(subtract, {leaf(1), leaf(0)})}));
+  UncertainModel model =
+      two_balls(operation(SetOperation::subtract, {leaf(0), operation(SetOperation::subtract, {leaf(1), leaf(0)})}));
   model.primitives[0].semi_axes[0] = {1.0, 1.5};
   model.primitives[1].semi_axes[0] = {3.0, 4.0};
   model.primitives[1].exponents[0] = {0.5, 0.7};
@@ -119,7 +120,7 @@ TEST(ModelTest, WhatIsRemovedBracketsTheOtherWay) {
   EXPECT_EQ(smallest.primitives[1].superquadric.exponents[0], 0.5);
   EXPECT_EQ(largest.primitives[1].superquadric.semi_axes[0], 3.0);
   EXPECT_EQ(largest.primitives[1].superquadric.exponents[0], 0.7);
-  model.csg = operation(unite, {leaf(1), operation(subtract, {leaf(0), leaf(1)})});
+  model.csg = operation(SetOperation::unite, {leaf(1), operation(SetOperation::subtract, {leaf(0), leaf(1)})});
   const Bracket apart = bracket(model);
   ASSERT_EQ(apart.smallest.primitives.size(), 3U) << "one of them kept in one place and removed in another";
   EXPECT_EQ(apart.smallest.primitives[0].superquadric.semi_axes[0], 3.0);

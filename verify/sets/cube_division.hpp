@@ -20,8 +20,8 @@ struct RootCubeRule {
 inline constexpr double smallest_root = 0x1p-1001;
 
 /// The cube that octrees and searches grow from, on the host and on devices: it contains the box. Its half-width is the
-/// least power of two, from `smallest_root` on, for which a centre on a grid of 1/1024 of it keeps to the rule. Where no
-/// coordinate of that is farther than 2^f half-widths (and f at least 4), centres and corners of all cubes that are
+/// least power of two, from `smallest_root` on, for which a centre on a grid of 1/1024 of it keeps to the rule. Where
+/// no coordinate of that is farther than 2^f half-widths (and f at least 4), centres and corners of all cubes that are
 /// halved from it are binary64 numbers down to 2^-(51 - f) half-widths. Nothing where that overflows.
 [[nodiscard]] std::optional<Cube> root_cube(const Box& box, const RootCubeRule& rule = {});
 
