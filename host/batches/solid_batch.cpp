@@ -75,7 +75,7 @@ struct SolidModel {
   cl::Program program;
   std::optional<PointPrograms> convex_programs;  // nothing where all are bent
   cl::Buffer box_primitives;
-  RootCube root;
+  verify::Cube root;
   std::vector<Part> parts;
 };
 

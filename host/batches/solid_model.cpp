@@ -1,42 +1,30 @@
 /// This file implements the upload of models with bends or set operations.
 #include "host/batches/solid_model.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "host/batches/box_primitive_parameters.hpp"
 #include "host/batches/model_memory.hpp"
 #include "verify/sets/bounding_box.hpp"
+#include "verify/sets/cube_division.hpp"
 
 namespace verisq::device {
 namespace {
 
-// Corners are centre + (odd multiple of 2^-41) half-widths: with a centre that is a multiple of 2^-8 of them, below 2^3
-// half-widths, they have 3 + 41 bits.
-constexpr double grid_of_centre = 0x1p-8;
+// Room about the solid for points that are proven to lie outside; it makes up for the scaling's rounding, too.
+constexpr double margin = 1.0 / 64.0;
+constexpr double farthest = 16.0;
 
 }  // namespace
 
-RootCube root_cube(const Model& model, int scale_exponent) {
-  const verify::Box box = verify::bounding_box(model);
-  RootCube root{};
-  double extent = 0.0;
+verify::Cube root_cube(const Model& model, int scale_exponent) {
+  verify::Box box = verify::bounding_box(model);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double lower = std::ldexp(box.lower[i], scale_exponent);
-    const double upper = std::ldexp(box.upper[i], scale_exponent);
-    root.centre[i] = 0.5 * lower + 0.5 * upper;
-    extent = std::max({extent, upper - root.centre[i], root.centre[i] - lower});
+    box.lower[i] = std::ldexp(box.lower[i], scale_exponent);
+    box.upper[i] = std::ldexp(box.upper[i], scale_exponent);
   }
-  // A fortieth of the half-width makes up for the rounding here and for that of the centre to the grid.
-  int exponent = std::ilogb(1.025 * extent) + 1;
-  // Far from the origin the grid must not be finer than the numbers there.
-  for (const double c : root.centre)
-    if (c != 0.0) exponent = std::max(exponent, std::ilogb(c) - 3);
-  root.half_width = std::ldexp(1.0, exponent);
-  const double grid = root.half_width * grid_of_centre;
-  for (double& c : root.centre) c = std::round(c / grid) * grid;
-  return root;
+  return verify::root_cube(box, {.margin = margin, .farthest = farthest}).value();
 }
 
 cl::Buffer uploaded_box_primitives(const Device& device, const Model& model, int scale_exponent) {

@@ -4,19 +4,14 @@
 #include <string>
 
 #include "host/device/device.hpp"
+#include "verify/sets/cube.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::device {
 
-/// A cube that contains the solid in its interior. Its half-width is a power of two and its centre lies on a grid so
-/// coarse that all centres and corners of its octree are binary64 numbers down to 2^-40 of it.
-struct RootCube {
-  Point centre;
-  double half_width;
-};
-
-/// In units of 2^-scale_exponent model units. Precondition: within_device_range(model).
-[[nodiscard]] RootCube root_cube(const Model& model, int scale_exponent);
+/// The model's root cube, which holds the solid in its interior, in units of 2^-scale_exponent model units; centres and
+/// corners of its octree are binary64 numbers down to 2^-40 of it. Precondition: within_device_range(model).
+[[nodiscard]] verify::Cube root_cube(const Model& model, int scale_exponent);
 
 /// BoxPrimitiveParameters of each primitive.
 [[nodiscard]] cl::Buffer uploaded_box_primitives(const Device& device, const Model& model, int scale_exponent);

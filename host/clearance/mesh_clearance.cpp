@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "host/clearance/mesh_estimate.hpp"
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/path_check.hpp"
@@ -176,6 +177,9 @@ class MeshSearch {
     rounds_before_whole_triangles_ = verify::has_taper(model) ? rounds_of_tapered : 0;
   }
 
+  /// The samples are about right only: their bounds may contradict each other.
+  void estimate() { proves_ = false; }
+
   MeshClearance operator()() {
     for (int round = 0; !open_.empty() && !found_.interrupted; ++round) {
       const bool enough = found_.samples + open_.size() > options_.most_samples;
@@ -307,8 +311,8 @@ class MeshSearch {
         ++(triangles_[n].unresolved ? found_.undecided : found_.proven_within);
       }
     }
-    found_.smallest_distance =
-        verify::between(settled_lo_, smallest_hi_, [] { return "the smallest distance of the mesh"; });
+    const double lo = proves_ ? settled_lo_ : std::min(settled_lo_, smallest_hi_);
+    found_.smallest_distance = verify::between(lo, smallest_hi_, [] { return "the smallest distance of the mesh"; });
   }
 
   /// Half of what a piece that is not worth halving may lie away from its sample.
@@ -325,6 +329,7 @@ class MeshSearch {
   const Mesh& mesh_;
   Distances distances_;
   bool deepens_;
+  bool proves_ = true;
   const Model* whole_triangles_of_ = nullptr;
   std::optional<int> rounds_before_whole_triangles_;  ///< none where they have been asked for, or cannot be
   std::vector<TriangleState> triangles_;
@@ -340,6 +345,18 @@ MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshCle
   if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
   MeshSearch search(distances_to(model, options), mesh, options, true);
   if (is_union_of_convex(model)) search.use_whole_triangles(model);
+  return search();
+}
+
+MeshClearance mesh_estimate(const ProposedDistances& distances, const Mesh& mesh, const MeshClearanceOptions& options) {
+  const auto enclosed = [&distances](std::span<const Point> queries) {
+    std::vector<Enclosure> rows;
+    rows.reserve(queries.size());
+    for (const double distance : distances(queries)) rows.push_back({distance, distance});
+    return rows;
+  };
+  MeshSearch search(enclosed, mesh, options, true);
+  search.estimate();
   return search();
 }
 

@@ -46,8 +46,8 @@ constexpr const char* closing_words =
     "distances of all that they allow, without closest points: give a --tol above that uncertainty.\n"
     "Bent models, and csg other than the union of all primitives, are searched by branch and bound until the "
     "enclosure\n"
-    "is at most the tolerance wide: without closest points. Ctrl-C and the --time-limit end the search with the best\n"
-    "enclosure so far, which is valid.\n"
+    "is at most the tolerance wide: without closest points, of many poses on the processors alone. Ctrl-C and the\n"
+    "--time-limit end the search of one pose with the best enclosure so far, which is valid.\n"
     "With --poses, OUT has a row index,lo,hi,status for each pose, and with --closest-points the boxes, too: infinite\n"
     "where the models are not proven to be apart. Ctrl-C keeps the finished rows of a .csv or .npy under OUT.partial;\n"
     "a second Ctrl-C stops at once.\n"
@@ -111,7 +111,7 @@ void refuse_what_searches_lack(const LargestModels& models, const DistanceArgume
     refuse(fmt::format("{}: {}: not supported for bends, nor for csg other than the union of all primitives", option,
                        path));
   };
-  if (arguments.poses) refuse_option("--poses");
+  if (arguments.closest_points) refuse_option("--closest-points");
   if (arguments.certificate) refuse_option("--certificate");
   if (arguments.certificate_file) refuse_option("--certificate-file");
 }

@@ -112,6 +112,8 @@ std::string in_words(SideFinding finding, SurfaceSide required, FitSurface surfa
                          name);
     case SideFinding::on_the_surface:
       return fmt::format("is not proven to lie {} the {}: the side of its centre is not decided", side, name);
+    case SideFinding::strongly_bent:
+      return fmt::format("is not proven to lie {} the {}: its bend is too strong for the limit", side, name);
   }
   return "";
 }

@@ -191,15 +191,18 @@ class SetExpressions {
   std::map<std::string, std::uint32_t> indices_;
 };
 
-/// The models that bracket an uncertain one are unions of convex solids.
+/// What the models that bracket an uncertain one are known for.
 void check_intervals(const UncertainModel& model, std::string_view name) {
   if (is_exact(model)) return;
   Model shape{model.units, {}, model.csg};
   for (const UncertainPrimitive& primitive : model.primitives) {
     shape.primitives.push_back({primitive.name, largest(primitive), {}, primitive.bend});
   }
-  verify::require_union_of_convex(shape, fmt::format("{}: intervals", name));
   verify::require_no_taper(shape, fmt::format("{}: intervals", name));
+  const bool moves = std::ranges::any_of(model.primitives, [](const UncertainPrimitive& primitive) {
+    return std::ranges::any_of(primitive.translation, [](const Enclosure& t) { return t.lo != t.hi; });
+  });
+  if (moves) verify::require_union_of_convex(shape, fmt::format("{}: intervals of translations", name));
 }
 
 /// All that a model file says.

@@ -29,7 +29,7 @@ BoundedImplant::BoundedImplant(const UncertainModel& implant, std::span<const ve
       field_(model_, size_ / 4.0, size_),
       bound_(space_, field_, points, options.fitness, options.penetration_limit, size_) {
   std::vector<PrimitiveProjection> projections;
-  for (const Primitive& primitive : model_.primitives) projections.emplace_back(primitive.superquadric);
+  for (const Primitive& primitive : model_.primitives) projections.emplace_back(primitive);
   for (std::size_t first = 0; first < field_.slabs(); first += kSlabsBetweenPolls) {
     if (options.interrupted() || options.out_of_time()) return;
     in_parallel(std::min(kSlabsBetweenPolls, field_.slabs() - first), [&](std::size_t slab) {

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "verify/sets/set_tree.hpp"
 #include "verisq/fitness.hpp"
 #include "verisq/model.hpp"
 
@@ -14,8 +16,9 @@ namespace verisq::fit_search {
 
 /// An implant posed and sized, in the coordinates of the cavity. Rotations are taken about the pivot.
 struct Candidate {
-  std::vector<Primitive> primitives;  ///< unbent; as many in each candidate
+  std::vector<Primitive> primitives;  ///< as many in each candidate
   Point pivot;
+  std::shared_ptr<const verify::SetNode> set = {};  ///< of the primitives; nothing: their union
 };
 
 /// F over the points asked for, and how it changes with the candidate, to nearest.
@@ -36,7 +39,10 @@ struct PoseCell {
 
 /// The signed distance of one point, and its derivatives.
 struct PointDistance {
-  double distance;          ///< to the union; inside, minus the largest depth in a primitive: overlaps are deeper
+  /// To the union; inside, minus the largest depth in a primitive: overlaps are deeper. Of other sets: unions take the
+  /// least of their operands' distances, intersections the greatest, and what is removed counts with its sign turned.
+  /// The sign is that of the set; near its edges it may be farther than that, and deeper, never nearer.
+  double distance;
   Point normal;             ///< gradient by the point, a unit vector
   std::uint32_t primitive;  ///< that decides
   Point size_gradient;      ///< of the distance by this primitive's semi-axes

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <numeric>
 
@@ -85,7 +86,7 @@ Model middle_of(const UncertainModel& implant) {
          .pose = {middles(primitive.translation), primitive.quaternion},
          .bend = primitive.bend});
   }
-  verify::require_union_of_convex(model, "fit");
+  if (!is_exact(implant)) verify::require_union_of_convex(model, "sizes to choose from");
   return model;
 }
 
@@ -93,6 +94,7 @@ Model middle_of(const UncertainModel& implant) {
 
 CandidateSpace::CandidateSpace(const UncertainModel& implant, const PoseRange& range)
     : middle_(middle_of(implant)), start_rotation_(quaternion(range.start.quaternion)) {
+  set_ = std::make_shared<const verify::SetNode>(verify::normal_form(middle_, verify::Side::inside));
   const verify::Box box = verify::bounding_box(middle_);
   centre_ = (vector_of(box.lower) + vector_of(box.upper)) / 2.0;
   radius_ = (vector_of(box.upper) - vector_of(box.lower)).norm() / 2.0;
@@ -193,9 +195,8 @@ std::string CandidateSpace::name(std::size_t parameter) const {
 
 Candidate CandidateSpace::candidate(std::span<const double> parameters) const {
   const Quaterniond turned = rotation(parameters);
-  Candidate result{sized(parameters).primitives, pivot(parameters)};
+  Candidate result{sized(parameters).primitives, pivot(parameters), set_};
   for (Primitive& primitive : result.primitives) {
-    primitive.bend.reset();  // of curvature 0
     primitive.pose.translation =
         point_of(turned * (vector_of(primitive.pose.translation) - centre_) + vector_of(result.pivot));
     primitive.pose.quaternion = numbers((turned * quaternion(primitive.pose.quaternion)).normalized());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ using Parameters = std::vector<double>;
 ///     x -> exp(ω) R0 (x - c) + (R0 c + t0) + τ.
 class CandidateSpace {
  public:
-  /// Throws Error(input) unless the implant is a union of convex primitives and exact but for its semi-axes.
+  /// Throws Error(input) unless the implant is exact but, of a union of convex primitives, for its semi-axes.
   CandidateSpace(const UncertainModel& implant, const PoseRange& range);
 
   [[nodiscard]] const Parameters& lower() const { return lower_; }
@@ -65,6 +66,7 @@ class CandidateSpace {
   [[nodiscard]] Eigen::Quaterniond rotation(std::span<const double> parameters) const;
 
   Model middle_;  ///< sizes at the middle of their intervals
+  std::shared_ptr<const verify::SetNode> set_;
   std::vector<Size> sizes_;
   Eigen::Quaterniond start_rotation_;
   Eigen::Vector3d centre_;        ///< of the implant, in its own frame

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "host/device/device.hpp"
 #include "host/fit/fit_problem_check.hpp"
@@ -111,11 +113,17 @@ device::Selection selected(const std::string& device) {
   return device == "host" ? device::Selection{} : device::select_device(device);
 }
 
-MakeEvaluator evaluator_on(const std::optional<device::Device>& device) {
-  return [&device](const Cavity& cavity) {
+/// Kernels evaluate unions of convex primitives; of others a device maps what is found.
+bool kernels_evaluate(std::span<const UncertainModel> series) {
+  return std::ranges::all_of(
+      series, [](const UncertainModel& implant) { return is_union_of_convex(bracket(implant).largest); });
+}
+
+MakeEvaluator evaluator_on(const std::optional<device::Device>& device, bool kernels) {
+  return [&device, kernels](const Cavity& cavity) {
     const std::vector<double> weights = weights_of(cavity);
-    return device ? device::device_candidate_evaluator(*device, cavity.points, weights)
-                  : host_candidate_evaluator(cavity.points, weights);
+    return device && kernels ? device::device_candidate_evaluator(*device, cavity.points, weights)
+                             : host_candidate_evaluator(cavity.points, weights);
   };
 }
 
@@ -149,13 +157,14 @@ double spacing_of_surface_points(std::span<const UncertainModel> series) {
 class ImplantSearch {
  public:
   ImplantSearch(const CandidateSpace& space, std::size_t implant, SearchedCavity& cavity, const Requirements& asked,
-                const FitOptions& options, SearchWatch& watch)
+                const FitOptions& options, std::string device, SearchWatch& watch)
       : space_(space),
         implant_(implant),
         evaluator_(*cavity.point_evaluator),
         cavity_(cavity.points),
         asked_(asked),
         options_(options),
+        device_(std::move(device)),
         watch_(watch),
         weights_(weights_of(cavity_)),
         full_(space, *cavity.surface_evaluator, cavity.surface, asked, options.fitness, options.penetration_limit,
@@ -186,7 +195,7 @@ class ImplantSearch {
     const Model model = posed(space_.sized(found.parameters), space_.pose(found.parameters));
     const std::span<const PointDistance> distances = full_.at(found.parameters).distances;
     const UnionDepth depth = union_depth(model, cavity_, options_.fitness, distances.first(cavity_.points.size()),
-                                         [this] { return watch_.interrupted(); });
+                                         device_, [this] { return watch_.interrupted(); });
     return {.parameters = found.parameters,
             .objective = depth.objective,
             .deepest_penetration = depth.deepest_penetration,
@@ -237,6 +246,7 @@ class ImplantSearch {
   const Cavity& cavity_;
   const Requirements& asked_;
   const FitOptions& options_;
+  std::string device_;
   SearchWatch& watch_;
   std::vector<double> weights_;
   FullEvaluation full_;
@@ -251,7 +261,7 @@ Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitO
   const std::vector<CandidateSpace> spaces = spaces_of(series, options.range);
   const device::Selection selection = selected(options.device);
   const std::string device = selection.device ? selection.device->name : "host";
-  const MakeEvaluator make_evaluator = evaluator_on(selection.device);
+  const MakeEvaluator make_evaluator = evaluator_on(selection.device, kernels_evaluate(series));
   const double spacing = spacing_of_surface_points(series);
   SearchedCavity searched(cavity, spacing, make_evaluator);
   SearchWatch watch(options, series.size());
@@ -261,7 +271,7 @@ Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitO
   for (std::size_t i = 0; i < spaces.size() && (i == 0 || !watch.interrupted()); ++i) {
     const Requirements asked{inside ? SideRequirements(*inside, options.sides[i]) : SideRequirements(),
                              PoseConstraints(spaces[i], options.constraints, i)};
-    ImplantSearch search(spaces[i], i, searched, asked, options, watch);
+    ImplantSearch search(spaces[i], i, searched, asked, options, device, watch);
     Found found = search.best();
     if (!cavity.triangles.empty()) {
       found = within_surface(spaces[i], found, cavity, asked, spacing, options, device, make_evaluator, watch);

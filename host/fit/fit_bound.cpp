@@ -17,6 +17,7 @@
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/fit_box_bound.hpp"
+#include "verify/proof/convex_union.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 
@@ -53,6 +54,7 @@ void check_bound(std::span<const UncertainModel> series, const Cavity& cavity, c
   for (std::size_t i = 0; i < series.size(); ++i) {
     require_of_bound(is_exact(series[i]),
                      fmt::format("implants[{}]: has sizes to choose from, and the bound is of poses alone", i));
+    verify::require_union_of_convex(bracket(series[i]).largest, fmt::format("bound: implants[{}]", i));
   }
 }
 

@@ -18,6 +18,13 @@ struct Projection {
   Eigen::Vector3d nearest;  ///< the closest point of the surface
 };
 
+/// Derivatives of a distance by the semi-axes, as above.
+[[nodiscard]] inline Eigen::Vector3d size_gradient(const Eigen::Vector3d& normal, const Eigen::Vector3d& nearest,
+                                                   const Superquadric& solid) {
+  const auto& [a, b, c] = solid.semi_axes;
+  return -normal.cwiseProduct(nearest).cwiseQuotient(Eigen::Vector3d(a, b, c));
+}
+
 /// Outside by Newton's method on the optimality conditions; inside by walking along the normal of the surface where the
 /// last walk ended, which never lengthens the way and stops at a locally shortest one. Where Newton's method does not
 /// converge, the host's proof takes its place. Proves nothing.

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <optional>
 
+#include "host/clearance/mesh_estimate.hpp"
 #include "host/fit/full_evaluation.hpp"
+#include "host/fit/host_evaluator.hpp"
 #include "host/fit/penetration_limit.hpp"
 #include "host/fit/surface_points.hpp"
 #include "verisq/mesh_clearance.hpp"
@@ -37,6 +39,7 @@ constexpr double patch_spacing = 0.5;
 /// Of one proof, a coarse and a close one: where it would need more, a pose a little farther away is proven sooner.
 constexpr std::uint64_t most_coarse_samples = std::uint64_t{1} << 13U;
 constexpr std::uint64_t most_samples = std::uint64_t{1} << 16U;
+constexpr std::uint64_t most_estimates = std::uint64_t{1} << 18U;
 /// A point that is deeper in an overlap of primitives than in each of them: the search's limit is lowered in
 /// proportion, and by this factor more.
 constexpr double lowering = 0.98;
@@ -108,8 +111,13 @@ class SurfaceSearch {
     return std::vector<std::uint32_t>(mesh.vertices.size(), 0);
   }
 
-  /// Closely, where a coarse proof finds nothing too deep.
+  /// Closely, where a coarse proof finds nothing too deep. With bends and set operations a proof takes many times as
+  /// long as an estimate, which comes first.
   [[nodiscard]] MeshClearance proven(const Found& found) {
+    if (!is_union_of_convex(space_.sized(found.parameters))) {
+      MeshClearance estimate = estimated(found);
+      if (estimate.interrupted || estimate.proven_too_deep + estimate.undecided > 0) return estimate;
+    }
     MeshClearance coarsely = proven(found, coarse);
     return coarsely.proven_too_deep == 0 ? proven(found, 1.0) : coarsely;
   }
@@ -123,6 +131,25 @@ class SurfaceSearch {
                            .most_samples = coarseness > 1.0 ? most_coarse_samples : most_samples,
                            .device = device_,
                            .interrupted = [this] { return watch_.interrupted(); }});
+  }
+
+  [[nodiscard]] MeshClearance estimated(const Found& found) {
+    const Candidate candidate = space_.candidate(found.parameters);
+    const auto distances = [&](std::span<const Point> points) {
+      const std::vector<double> weights(points.size(), 0.0);
+      std::vector<PointDistance> at;
+      host_candidate_evaluator(points, weights)->distances(candidate, at);
+      std::vector<double> found_distances;
+      found_distances.reserve(at.size());
+      for (const PointDistance& each : at) found_distances.push_back(each.distance);
+      return found_distances;
+    };
+    return mesh_estimate(distances, mesh_,
+                         {.penetration_limit = options_.penetration_limit,
+                          .tolerance = coarse * options_.surface_tolerance,
+                          .limit_tolerance = options_.surface_tolerance,
+                          .most_samples = most_estimates,
+                          .interrupted = [this] { return watch_.interrupted(); }});
   }
 
   void guard(const std::vector<PointOnTriangle>& deep) {

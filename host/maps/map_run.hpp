@@ -31,7 +31,9 @@ namespace verisq {
 ///     though it may be wider than the tolerance;
 ///   witnessed(query, hi, certificate): whether the certificate is likely to prove that upper end;
 ///   check(query): throws Error(input) for what is not finite;
-///   describe(query): the query in a message.
+///   describe(query): the query in a message;
+///   begin() and interrupted(), of provers whose proofs end when the map is interrupted: called first of all; whether
+///     some did since.
 template <class Query, class Prover>
 class MapRun {
  public:
@@ -48,7 +50,8 @@ class MapRun {
     std::vector<Query> queries;
     std::vector<Enclosure> found;
     std::vector<Certificate> certificates;
-    while (!options_.interrupted()) {
+    if constexpr (requires { prover_.begin(); }) prover_.begin();
+    while (!options_.interrupted() && !proofs_interrupted()) {
       read_chunk(pace_.size(), queries);
       if (queries.empty()) return summary_;
       found.assign(queries.size(), nothing);
@@ -223,8 +226,20 @@ class MapRun {
       rows_[i] = {found[i], good(queries[i], found[i]) ? Status::host_verified : Status::wide};
     const auto is_wide = [&](std::size_t i) { return rows_[i].status == Status::wide; };
     if (std::ranges::any_of(open, is_wide) && out_of_time()) summary_.out_of_time = true;
+    rows_.resize(rows_before_interruption());
     count(summary_, rows_);
-    sink_(queries, rows_, certificates);
+    sink_(queries.first(rows_.size()), rows_, certificates.first(std::min(certificates.size(), rows_.size())));
+  }
+
+  [[nodiscard]] bool proofs_interrupted() const {
+    if constexpr (requires { prover_.interrupted(); }) return prover_.interrupted();
+    return false;
+  }
+
+  // All, unless proofs were interrupted: then those before the first that may be one of these.
+  [[nodiscard]] std::size_t rows_before_interruption() const {
+    if (!proofs_interrupted()) return rows_.size();
+    return static_cast<std::size_t>(std::ranges::find(rows_, Status::wide, &MapResult::status) - rows_.begin());
   }
 
   // Upper ends that hold, but not by their certificates.

@@ -7,9 +7,10 @@
 #include "host/batches/device_model.hpp"
 #include "host/batches/pose_batch.hpp"
 #include "host/maps/exact_map.hpp"
+#include "host/maps/pose_text.hpp"
 #include "host/maps/prepared_map.hpp"
+#include "host/maps/solid_pose_map.hpp"
 #include "host/maps/tightest_enclosure.hpp"
-#include "verify/proof/convex_union.hpp"
 #include "verify/sets/bounded_motion.hpp"
 #include "verisq/error.hpp"
 #include "verisq/model_distance.hpp"
@@ -18,11 +19,6 @@
 namespace verisq {
 namespace {
 
-const Model& supported(const Model& model) {
-  verify::require_union_of_convex(model, "maps of poses");
-  return model;
-}
-
 class PoseProver {
  public:
   PoseProver(const Model& a, const Model& b, const MapOptions& options)
@@ -30,20 +26,10 @@ class PoseProver {
         radius_(std::max(bounding_radius(a), bounding_radius(b))),
         centre_a_(a.primitives.front().pose.translation),
         centre_b_(b.primitives.front().pose.translation),
-        distance_(supported(a), supported(b)) {}
+        distance_(a, b) {}
 
-  void check(const Pose& pose) const {
-    const auto finite = [](double c) { return std::isfinite(c); };
-    if (!std::ranges::all_of(pose.translation, finite) || !std::ranges::all_of(pose.quaternion, finite))
-      throw Error(ErrorKind::input, fmt::format("pose {} is not finite", describe(pose)));
-    if (std::ranges::all_of(pose.quaternion, [](double q) { return q == 0.0; }))
-      throw Error(ErrorKind::input, fmt::format("pose {} has a zero quaternion", describe(pose)));
-  }
-
-  [[nodiscard]] std::string describe(const Pose& pose) const {
-    const auto& [t, q] = pose;
-    return fmt::format("({}, {}, {}), quaternion ({}, {}, {}, {})", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
-  }
+  void check(const Pose& pose) const { require_pose(pose); }
+  [[nodiscard]] std::string describe(const Pose& pose) const { return text_of(pose); }
 
   // False for NaN.
   [[nodiscard]] bool at_limit(const Pose& pose, const Enclosure& found) const {
@@ -74,6 +60,7 @@ class PoseProver {
 }  // namespace
 
 std::unique_ptr<ExactMap<Pose>> pose_map(const Model& a, const Model& b, const MapOptions& options) {
+  if (!is_union_of_convex(a) || !is_union_of_convex(b)) return solid_pose_map(a, b, options);
   if (options.certificates) throw Error(ErrorKind::input, "maps of poses have no certificates");
   if (options.point_radius != 0.0) throw Error(ErrorKind::input, "maps of poses have no points with a radius");
   const auto make_batch = [&](const device::Device& device) { return device::pose_batch(device, a, b); };

@@ -22,7 +22,8 @@ class PreparedMap final : public ExactMap<Query> {
   using MakeBatch = std::function<std::unique_ptr<device::Batch<Query>>(const device::Device&)>;
 
   /// `primitives` are all that the device must be able to hold; `make_batch` makes the device ready, unless
-  /// `unsuited` says why no device is to be used; `make_search`, where there is one, for MapRun::Search.
+  /// `unsuited` says why no device is to be used (for all that are, `make_batch` may be empty); `make_search`, where
+  /// there is one, for MapRun::Search.
   PreparedMap(Prover prover, const MapOptions& options, const Model& primitives, const MakeBatch& make_batch,
               const std::string& unsuited = {}, const MakeBatch& make_search = {})
       : options_(options), prover_(std::move(prover)), chosen_(chosen_device(options, primitives, unsuited)) {

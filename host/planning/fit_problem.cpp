@@ -26,11 +26,9 @@ bool is_single(const Enclosure& number) {
 
 /// The library refuses the same without naming the file.
 void check_implant(const UncertainModel& implant, const std::string& name) {
-  if (!is_union_of_convex(bracket(implant).largest)) {
-    refuse(
-        fmt::format("{}: a fit does not support bends, nor csg other than the union of all primitives: make a union of "
-                    "tapered ones of it, by `verisq mesh` and `verisq recover --primitives N --taper`",
-                    name));
+  if (!is_exact(implant) && !is_union_of_convex(bracket(implant).largest)) {
+    refuse(fmt::format("{}: sizes to choose from are for unions of primitives without bends: give a file for each size",
+                       name));
   }
   for (const UncertainPrimitive& primitive : implant.primitives) {
     if (std::ranges::all_of(primitive.exponents, is_single) && std::ranges::all_of(primitive.translation, is_single)) {

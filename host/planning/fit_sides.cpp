@@ -98,6 +98,20 @@ FitSurface surface_of(const FitRequest& request, const Mesh& mesh, bool has_side
   return cavity ? FitSurface::cavity : FitSurface::bone;
 }
 
+namespace {
+
+/// What only cuts a solid lies anywhere.
+void refuse_sides_of_cuts(const FitRequest& request, const UncertainModel& implant,
+                          const std::vector<SurfaceSide>& sides) {
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    const std::string& name = implant.primitives[k].name;
+    if (sides[k] == SurfaceSide::any && is_named(request.outside, name))
+      refuse(fmt::format("--outside {}: only cuts the implant, so that it has no side", name));
+  }
+}
+
+}  // namespace
+
 std::vector<std::vector<SurfaceSide>> sides_of(const FitRequest& request, std::span<const UncertainModel> series,
                                                FitSurface surface) {
   refuse_unknown_parts(request, series, surface);
@@ -105,12 +119,13 @@ std::vector<std::vector<SurfaceSide>> sides_of(const FitRequest& request, std::s
   const SurfaceSide all = surface == FitSurface::cavity ? SurfaceSide::inside : SurfaceSide::outside;
   std::vector<std::vector<SurfaceSide>> sides;
   for (const UncertainModel& implant : series) {
-    std::vector<SurfaceSide>& of_implant = sides.emplace_back();
-    for (const UncertainPrimitive& primitive : implant.primitives) {
-      const bool crossing = is_named(request.crossing, primitive.name);
-      const bool outside = is_named(request.outside, primitive.name);
-      of_implant.push_back(crossing ? SurfaceSide::any : (outside ? SurfaceSide::outside : all));
+    std::vector<SurfaceSide>& of_implant = sides.emplace_back(implant.primitives.size(), SurfaceSide::any);
+    for (const std::uint32_t k : covering_primitives(bracket(implant).largest)) {
+      const std::string& name = implant.primitives[k].name;
+      if (is_named(request.crossing, name)) continue;
+      of_implant[k] = is_named(request.outside, name) ? SurfaceSide::outside : all;
     }
+    refuse_sides_of_cuts(request, implant, of_implant);
     if (std::ranges::count(of_implant, SurfaceSide::any) == std::ssize(of_implant))
       refuse("--crossing: names every primitive of an implant, so that none has to lie anywhere: give --any-side");
   }

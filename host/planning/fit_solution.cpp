@@ -22,8 +22,11 @@ constexpr std::uint64_t most_surface_samples = std::uint64_t{1} << 19U;
 /// Before the search, not after it.
 void refuse_what_has_no_bound(const FitProblem& problem) {
   for (std::size_t i = 0; i < problem.series.size(); ++i) {
-    if (is_exact(problem.series[i])) continue;
-    refuse(fmt::format("--bound: {} has sizes to choose from, and the bound is of poses alone", problem.names[i]));
+    if (!is_exact(problem.series[i])) {
+      refuse(fmt::format("--bound: {} has sizes to choose from, and the bound is of poses alone", problem.names[i]));
+    }
+    if (is_union_of_convex(bracket(problem.series[i]).largest)) continue;
+    refuse(fmt::format("--bound: {}: is known of unions of primitives without bends alone", problem.names[i]));
   }
 }
 

@@ -69,23 +69,25 @@ struct Fit {
   std::size_t implant;         ///< index in the series
   Pose pose;                   ///< of the chosen implant, after its primitives' own poses
   Model model;                 ///< the implant with its chosen sizes, posed: what is to be proven
-  double objective;            ///< F of Eq. (4), to about 1e-9
-  double deepest_penetration;  ///< of a point of the cavity, to about 1e-9, 0 where none is inside; where there are
-                               ///< triangles of their surface, to a hundred times the tolerance
+  double objective;            ///< F of Eq. (4), to about 1e-9; with bends and set operations to about 1e-5
+  double deepest_penetration;  ///< of a point of the cavity, to about 1e-9 (with bends and set operations 1e-6 of the
+                               ///< size), 0 where none is inside; where there are triangles of their surface, to a
+                               ///< hundred times the tolerance
   bool within_limit;  ///< no point deeper than the limit by the search's own reckoning, no triangle proven to be
   FitMovement movement;
   bool interrupted;
   std::uint64_t poses;  ///< candidates evaluated
-  std::string device;   ///< used, or "host"
+  std::string device;   ///< used, or "host"; with bends and set operations for what is mapped, not for the search
   std::string notice;   ///< why a device was passed over; empty when nothing to say
 };
 
 /// Fits every implant of the series and returns the best: within the limit before beyond it; there the shallowest; then
 /// the largest objective; of equals the earlier. Semi-axes that are intervals are sizes to choose from (I_l <= I <=
-/// I_r); all other numbers must be exact. The functions of the options are called by one thread at a time. Throws
-/// Error(input) for an empty series or cavity, for options and points out of their ranges, for implants that are not
-/// unions of convex primitives, for other uncertain numbers, for sides that are not those of the implants or of a
-/// surface that has none, and for devices as Mapper.
+/// I_r), unless an implant has a bend or set operations; all other numbers must be exact. Of such implants the search
+/// climbs by distances that are right near their faces and too small beyond their edges. The functions of the options
+/// are called by one thread at a time. Throws Error(input) for an empty series or cavity, for options and points out of
+/// their ranges, for other uncertain numbers, for sides that are not those of the implants or of a surface that has
+/// none, and for devices as Mapper.
 [[nodiscard]] Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options);
 
 }  // namespace verisq

@@ -53,7 +53,8 @@ struct FitBound {
 
 /// Branch and bound over the poses of every implant. The limit holds at the points alone: sides, triangles and
 /// constraints of a fit leave fewer poses, so that the bound is one of theirs, too. Throws Error(input) for sizes that
-/// are intervals, for an empty series or cavity, for options out of their ranges and as `fit`.
+/// are intervals, for implants that are not unions of convex primitives, for an empty series or cavity, for options out
+/// of their ranges and as `fit`.
 [[nodiscard]] FitBound bound_fit(std::span<const UncertainModel> series, const Cavity& cavity,
                                  const FitBoundOptions& options);
 

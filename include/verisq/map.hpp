@@ -39,8 +39,8 @@ enum class Method {
 struct MapOptions {
   /// Absolute, in model units: rows at most as wide are verified. 0 asks for the tightest: then those are verified that
   /// are as tight as the methods get, at most 1e-12 of the largest coordinate or the model's radius wide; of points
-  /// inside, and of triangles about models that are not is_union_of_convex, 2e-9 of the radius. Likewise where models
-  /// or points are uncertain, whatever part of a row's width that is; of these the tightest is what the tightest
+  /// inside, and of triangles and poses of models that are not is_union_of_convex, 2e-9 of the radius. Likewise where
+  /// models or points are uncertain, whatever part of a row's width that is; of these the tightest is what the tightest
   /// distances to the bracketing models leave.
   double tolerance;
   std::string device = "auto";      ///< "auto", "host", an index or a part of a device's name
@@ -93,7 +93,8 @@ using Sink = std::function<void(std::span<const Query>, std::span<const MapResul
 ///   Point: each row encloses its signed distance to the model;
 ///   Triangle: the distance of the whole triangle, 0 where it meets the model;
 ///   Pose: the distance of model A and of model B moved by the pose (x -> R x + t, after B's primitives' own poses), 0
-///     where they meet; both must be is_union_of_convex.
+///     where they meet; unless both are is_union_of_convex the host searches each, and an interruption ends searches
+///     under way, of which no row is told.
 ///
 /// Of uncertain models and points a row encloses the distances to every member of everything within `point_radius`. The
 /// distances to the bracketing models (see Bracket) are asked for to half the tolerance each; seconds in the summary
@@ -103,7 +104,8 @@ class Mapper {
  public:
   /// Throws Error(input) for other models than those above, when no device matches `options.device`, when a named
   /// device failed its self-test, for the published method with a device or certificates, for either of these unless
-  /// the model is_union_of_convex, for a model that is proven to have no point, and as `bracket`.
+  /// the model is_union_of_convex (certificates of points know bends, too), for a model that is proven to have no
+  /// point, and as `bracket`.
   Mapper(const UncertainModel& model, const MapOptions& options) requires(!std::same_as<Query, Pose>);
   /// Throws Error(input) likewise, and for options that ask for certificates or give a point radius.
   Mapper(const UncertainModel& a, const UncertainModel& b,

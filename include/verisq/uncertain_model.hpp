@@ -22,8 +22,8 @@ struct UncertainPrimitive {
   double taper = 1.0;  ///< where it is not 1, all numbers of the model must be exact
 };
 
-/// The members of the model take their numbers from the intervals independently of each other. Bends, and set
-/// operations other than the union of all primitives, are for exact models only.
+/// The members of the model take their numbers from the intervals independently of each other. Of models with bends, or
+/// set operations other than the union of all primitives, translations are exact.
 struct UncertainModel {
   UncertainModel() = default;
   /// An ordinary model is an uncertain one with every interval a single number: it may stand wherever one is asked for.
@@ -59,9 +59,12 @@ struct Bracket {
   double shift;                   ///< rounded up
 };
 
-/// An exact model is its own bracket. Throws Error(input) if the translation of a primitive is so uncertain that sizes
-/// overflow, and for a model that is not exact unless it is the union of all its primitives, none bent: what is removed
-/// from a solid must shrink where the solid is to grow.
+/// An exact model is its own bracket. Where a difference removes solids that are uncertain, `smallest` has the largest
+/// of these and `largest` the smallest: what is removed shrinks where the solid grows. Both models then list the
+/// primitives that the tree names, those removed apart from those kept, in the order in which it does. Throws
+/// Error(input) if the translation of a primitive is so uncertain that sizes overflow, for a model that is not exact
+/// where a primitive is tapered, and for uncertain translations unless the model is the union of all its primitives,
+/// none bent.
 [[nodiscard]] Bracket bracket(const UncertainModel& model);
 
 }  // namespace verisq

@@ -441,8 +441,8 @@ void declare_maps(py::module_& module) {
              "Encloses the distance of model a and of model b moved by each pose, 0 where they meet. poses: shape\n"
              "(N, 7): translation in model units and quaternion [w, x, y, z] of any length but 0; a point x of b goes\n"
              "to R x + t. They are copied. pose_uncertainty: how well each place of b is known, in b's coordinates. "
-             "Default tolerance: 1e-6 of the larger bounding_radius. Raises Error unless\n"
-             "both models are unions of convex primitives, and as map().");
+             "Default tolerance: 1e-6 of the larger bounding_radius. Models with bends or set\n"
+             "operations are searched, pose by pose on all processors. Raises Error as map().");
 }
 
 }  // namespace verisq::python

@@ -255,8 +255,8 @@ void declare_models(py::module_& module) {
           "Whether no number of the model is an interval.")
       .def_property_readonly(
           "is_union_of_convex", [](const PythonModel& self) { return verisq::is_union_of_convex(self.largest()); },
-          "Whether the model is the union of its primitives, none of them bent: only of such there\n"
-          "are certificates and maps of poses.")
+          "Whether the model is the union of its primitives, none of them bent: others are\n"
+          "searched.")
       .def("__repr__", representation)
       .def(py::pickle([](const PythonModel& self) { return dictionary(self); },
                       [](const py::dict& description) { return from_dictionary(description); }));

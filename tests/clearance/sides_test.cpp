@@ -10,13 +10,16 @@
 #include <numbers>
 #include <vector>
 
+#include "host/fit/bent_projection.hpp"
 #include "host/fit/inside_test.hpp"
+#include "host/mesh/eigen_points.hpp"
 #include "host/mesh/rims.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "verify/containment/closed_surface.hpp"
 #include "verify/deviation/triangle_tree.hpp"
+#include "verisq/signed_distance.hpp"
 
 namespace verisq {
 namespace {
@@ -227,6 +230,75 @@ TEST(Sides, AreNotThoseOfWhatIsTurnedInsideOut) {
   EXPECT_EQ(finding(ellipsoid({2.0, 0.0, 0.0}, small), surface, SurfaceSide::inside), SideFinding::other_side);
   EXPECT_EQ(finding(ellipsoid({2.0, 0.0, 0.0}, small), surface, SurfaceSide::outside), SideFinding::other_side);
   EXPECT_EQ(finding(ellipsoid({2.0, 0.0, 0.0}, small), lobe, SurfaceSide::inside), SideFinding::kept);
+}
+
+Primitive bent(const Point& centre, const Point& semi_axes, double curvature) {
+  return {"part", {semi_axes, {1.0, 1.0}}, {centre}, Bend{curvature, 0.0}};
+}
+
+TEST(Sides, AreThoseOfBentPrimitives) {
+  const Point slender{0.08, 0.1, 0.5};
+  EXPECT_EQ(finding(bent({-0.2, 0.0, 0.0}, slender, 2.0), sphere_mesh(3), SurfaceSide::inside), SideFinding::kept);
+  EXPECT_EQ(finding(bent({1.2, 0.0, 0.0}, slender, 2.0), sphere_mesh(3), SurfaceSide::outside), SideFinding::kept);
+  EXPECT_EQ(finding(bent({1.2, 0.0, 0.0}, slender, 2.0), sphere_mesh(3), SurfaceSide::inside), SideFinding::other_side);
+  // Its ends reach through the surface; straight it would not.
+  EXPECT_EQ(finding(bent({0.72, 0.0, 0.0}, slender, 2.0), sphere_mesh(3), SurfaceSide::inside),
+            SideFinding::enters_surface);
+  EXPECT_EQ(finding(ellipsoid({0.72, 0.0, 0.0}, slender), sphere_mesh(3), SurfaceSide::inside), SideFinding::kept);
+  const Primitive shallow = bent({-0.72, 0.0, 0.0}, {0.3, 0.3, 0.4}, 0.5);
+  EXPECT_EQ(finding(shallow, sphere_mesh(4), SurfaceSide::inside), SideFinding::enters_surface);
+  EXPECT_EQ(finding(shallow, sphere_mesh(4), SurfaceSide::inside, 0.1), SideFinding::kept);
+}
+
+TEST(Sides, AreNotSaidOfWhatIsBentTooStronglyForTheLimit) {
+  const Primitive part = bent({0.0, 0.0, 0.0}, {0.4, 0.4, 0.5}, 1.8);
+  EXPECT_EQ(finding(part, sphere_mesh(3), SurfaceSide::inside, 0.13), SideFinding::kept);
+  EXPECT_EQ(finding(part, sphere_mesh(3), SurfaceSide::inside, 0.15), SideFinding::strongly_bent);
+}
+
+/// docs/mathematics.md §22: between two points that lie deeper than L the way that is straight before the bend stays so
+/// deep.
+TEST(Sides, DeepPointsOfBentSolidsAreConvexBeforeTheBend) {
+  Random random(9);
+  int tried = 0;
+  for (int round = 0; round < 60; ++round) {
+    const Primitive part{"",
+                         {{random.uniform(0.5, 1.5), random.uniform(0.5, 1.5), random.uniform(1.0, 3.0)},
+                          {random.uniform(0.2, 1.6), random.uniform(0.2, 1.6)}},
+                         {},
+                         Bend{random.uniform(-0.4, 0.4), random.uniform(-180.0, 180.0)}};
+    const double limit = random.uniform(0.0, 0.4);
+    const SignedDistance distance({"", {part}, {}});
+    const fit_search::BentProjection bend(part.superquadric, *part.bend);
+    const auto depth = [&](const Eigen::Vector3d& unbent) {
+      const Eigen::Vector3d p = bend.image(unbent);
+      return -distance({p[0], p[1], p[2]}, 1e-6).hi;
+    };
+    std::vector<Eigen::Vector3d> deep;
+    for (int i = 0; i < 60 && deep.size() < 6; ++i) {
+      const Eigen::Vector3d x(random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5), random.uniform(-3.0, 3.0));
+      if (x.cwiseAbs().cwiseQuotient(vector_of(part.superquadric.semi_axes)).maxCoeff() < 1.0 && depth(x) > limit)
+        deep.push_back(x);
+    }
+    for (std::size_t i = 1; i < deep.size(); ++i) {
+      EXPECT_GE(depth((deep[i - 1] + deep[i]) / 2.0), limit - 2e-6) << round;
+      ++tried;
+    }
+  }
+  EXPECT_GT(tried, 60);
+}
+
+/// A bowl whose hollow the surface enters: of the whole ball, which holds it, nothing can be said.
+TEST(Sides, OfSetsAreThoseOfWhatHoldsThem) {
+  Model cut{"", {ellipsoid({0.0, 0.0, 0.2}, {0.3, 0.3, 0.3}), ellipsoid({0.0, 0.0, 0.45}, {0.3, 0.3, 0.3})}, {}};
+  cut.csg = SetExpression{{{.primitive = 0}, {.primitive = 1}}, SetOperation::subtract};
+  EXPECT_EQ(covering_primitives(cut), std::vector<std::uint32_t>{0});
+  EXPECT_THAT(findings(cut, sphere_mesh(3), {SurfaceSide::inside, SurfaceSide::any}),
+              ElementsAre(SideFinding::kept, SideFinding::kept));
+  Mesh bead = scaled(sphere_mesh(1), 0.03);
+  for (Point& vertex : bead.vertices) vertex[2] += 0.4;
+  EXPECT_THAT(findings(cut, join(sphere_mesh(3), turned_round(bead)), {SurfaceSide::inside, SurfaceSide::any}),
+              ElementsAre(SideFinding::enters_surface, SideFinding::kept));
 }
 
 TEST(Sides, RefusesSurfacesWithoutAny) {

@@ -253,7 +253,8 @@ TEST_F(DistanceCommand, RefusesWhatSearchesLack) {
   const auto b = write("b.json", bent_ball);
   expect_refused(distance({a, b, "--certificate"}), "--certificate: " + b + ": not supported for bends");
   const auto poses = write("poses.csv", "0,0,0,1,0,0,0\n");
-  expect_refused(distance({b, a, "--poses", poses, "-o", path("o.csv")}), "--poses: " + b + ": not supported");
+  expect_refused(distance({b, a, "--poses", poses, "-o", path("o.csv"), "--closest-points"}),
+                 "--closest-points: " + b + ": not supported");
   expect_refused(distance({a, a, "--poses", poses, "-o", path("o.csv"), "--time-limit", "1"}), "--time-limit");
   for (const std::string seconds : {"0", "-1", "soon", "inf", ""}) {
     expect_refused(distance({a, b, "--time-limit=" + seconds}), "--time-limit");
@@ -279,6 +280,28 @@ std::string file_of(const std::vector<std::string>& lines_of_file) {
   std::string text = "tx,ty,tz,qw,qx,qy,qz\n";
   for (const std::string& line : lines_of_file) text += line + "\n";
   return text;
+}
+
+/// Bends and set operations: rows are those of single searches.
+TEST_F(DistanceCommand, MapsPosesOfBendsAndSetOperations) {
+  const auto bored = write("bored.json", bored_ball);
+  const auto bent = write("bent.json", bent_ball);
+  const auto file = write("poses.csv", file_of({poses[0], poses[1], poses[2]}));
+  const Outcome outcome =
+      distance({bored, bent, "--poses", file, "-o", path("map.csv"), "--tol", "1e-4", "--json", "--no-progress"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["poses"], 3);
+  EXPECT_EQ(summary["device"], "host");
+  EXPECT_EQ(summary["host_verified"], 3);
+  const std::vector<Row> rows = rows_of(path("map.csv"));
+  ASSERT_EQ(rows.size(), 3U);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto one = nlohmann::json::parse(distance({bored, bent, "--pose", poses[i], "--json", "--tol", "1e-6"}).out);
+    EXPECT_LE(rows[i].distance.lo, one["hi"].get<double>()) << i;
+    EXPECT_GE(rows[i].distance.hi, one["lo"].get<double>()) << i;
+    EXPECT_LE(rows[i].distance.width(), 1e-4);
+  }
 }
 
 /// With every row at a tolerance that only the tightest reach: rows and single poses differ by less than any error of

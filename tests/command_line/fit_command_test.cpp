@@ -381,7 +381,13 @@ TEST_F(FitCommand, RefusesImplantsThatDoNotServe) {
         R"(, "units": "mm", "areas": [{"name": "a", "weight": )" + weight + R"(, "box": [[0, 0, 0], [1, 1, 1]]}])");
   };
   refused({with_area("one.json", "1"), with_area("two.json", "2")}, "two.json: areas: differ from those of ");
-  refused({VERISQ_EXAMPLES "/bent_stem.json"}, "bent_stem.json: a fit does not support bends");
+  const std::string bent_sizes = write("sizes.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+      {"name": "body", "superquadric": {"semi_axes": [3, 4, [7, 8]], "exponents": [1, 1]},
+       "bend": {"curvature": 0.02, "angle_deg": 0}}]})");
+  refused({bent_sizes}, bent_sizes + ": sizes to choose from are for unions of primitives without bends");
+  expect_refused(run({"fit", "--any-side", "--mesh", mesh, "--gap", "2", "-o", fitted(), "--implant",
+                      VERISQ_EXAMPLES "/bent_stem.json", "--bound", "10"}),
+                 {"--bound: " VERISQ_EXAMPLES "/bent_stem.json: is known of unions of primitives without bends alone"});
   const std::string uncertain = write("uncertain.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
       {"name": "body", "superquadric": {"semi_axes": [3, 4, 8], "exponents": [1, [0.5, 1]]}}]})");
   refused({uncertain}, uncertain + ": primitive \"body\": only semi-axes may be intervals");
@@ -491,6 +497,45 @@ TEST_F(SidedFitCommand, PutsATaperedShaftInside) {
   EXPECT_EQ(summary["sides"]["primitives"][0],
             (json{{"primitive", "shaft"}, {"required", "inside"}, {"found", "proven"}}));
   EXPECT_EQ(read_model(path("fitted.json")).primitives[0].superquadric.taper, 1.8);
+}
+
+/// Its shaft leans over by 2 mm; a bore in it and the hole in its head have no side.
+TEST_F(SidedFitCommand, PutsABentAndBoredShaftInside) {
+  const std::string bent = write("bent.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+      {"name": "shaft", "superquadric": {"semi_axes": [2.2, 2.2, 8], "exponents": [0.5, 0.5]},
+       "bend": {"curvature": 0.04, "angle_deg": 30}, "pose": {"translation": [0, 0, -2]}},
+      {"name": "neck", "superquadric": {"semi_axes": [1.6, 1.6, 6], "exponents": [1, 1], "taper": 0.8},
+       "pose": {"translation": [0, 0, 8]}},
+      {"name": "bore", "superquadric": {"semi_axes": [0.6, 0.6, 30], "exponents": [0.5, 1]}}],
+      "csg": {"difference": [{"union": ["shaft", "neck"]}, "bore"]}})");
+  const auto fit_bent = [&](Arguments arguments) {
+    arguments.insert(arguments.begin(), {"fit",         "--implant",
+                                         bent,          "--mesh",
+                                         cavity(),      "--cavity",
+                                         "--resection", top,
+                                         "--crossing",  "neck",
+                                         "-o",          path("fitted.json"),
+                                         "--json",      "--samples",
+                                         "64",          "--translation-range",
+                                         "3",           "--rotation-range",
+                                         "5",           "--tol",
+                                         "1e-4"});
+    return run(arguments);
+  };
+  const Outcome outcome = fit_bent({});
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  const json summary = json::parse(outcome.out);
+  EXPECT_EQ(summary["sides"]["kept"], true);
+  EXPECT_EQ(summary["sides"]["primitives"][0],
+            (json{{"primitive", "shaft"}, {"required", "inside"}, {"found", "proven"}}));
+  EXPECT_EQ(summary["sides"]["primitives"][2], (json{{"primitive", "bore"}, {"required", "any"}, {"found", nullptr}}));
+  const Model fitted = read_model(path("fitted.json"));
+  EXPECT_EQ(fitted.primitives[0].bend->curvature, 0.04);
+  EXPECT_EQ(fitted.csg->operation, SetOperation::subtract);
+  expect_refused(fit_bent({"--outside", "bore"}), {"--outside bore: only cuts the implant, so that it has no side"});
+  const Outcome beside = fit_bent({"--pose-start", "30,0,0,1,0,0,0"});
+  EXPECT_EQ(beside.status, 3);
+  EXPECT_THAT(beside.err, HasSubstr("shaft is proven to lie outside the cavity, at least in part"));
 }
 
 TEST_F(SidedFitCommand, KeepsWhatIsToBePreserved) {

@@ -470,21 +470,19 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     OtherSolids, UncertainModelRefusal,
-    ::testing::Values(Refusal{"Bent", bent("[1, [1, 2], 1]", "[1, 1]", R"({"curvature": 0.1, "angle_deg": 0})"),
-                              ": intervals: not supported for bent solids: primitives[0].bend"},
-                      Refusal{"Tapered", tapered("2", "[1, 2]"),
-                              ": intervals: not supported for tapered solids: primitives[0].superquadric.taper"},
-                      Refusal{"ReachesItsCentreAtTheUpperEnd",
-                              bent("[[1, 5], 1, 1]", "[1, 1]", R"({"curvature": 0.2, "angle_deg": 0})"),
-                              curvature + " = 0.2" + too_strong + "5" + to_be_below_1},
-                      Refusal{"Difference",
-                              model_of(ball("b") + "," + superquadric("[1, [1, 2], 1]", "[1, 1]"),
-                                       R"(, "csg": {"difference": ["b", "a"]})"),
-                              ": intervals: not supported for csg other than the union of all primitives"},
-                      Refusal{"LeavesOutAPrimitive",
-                              model_of(ball("b") + "," + superquadric("[1, [1, 2], 1]", "[1, 1]"),
-                                       R"(, "csg": {"union": ["b"]})"),
-                              ": intervals: not supported for csg other than the union of all primitives"}),
+    ::testing::Values(
+        Refusal{"BentAndMoved", model_of(R"({"name": "a", "superquadric": {"semi_axes": [1, 2, 3], "exponents": [1, 1]},
+                                  "bend": {"curvature": 0.1, "angle_deg": 0}, "pose": {"translation": [0, [0, 1], 0]}})"),
+                ": intervals of translations: not supported for bent solids: primitives[0].bend"},
+        Refusal{"Tapered", tapered("2", "[1, 2]"),
+                ": intervals: not supported for tapered solids: primitives[0].superquadric.taper"},
+        Refusal{"ReachesItsCentreAtTheUpperEnd",
+                bent("[[1, 5], 1, 1]", "[1, 1]", R"({"curvature": 0.2, "angle_deg": 0})"),
+                curvature + " = 0.2" + too_strong + "5" + to_be_below_1},
+        Refusal{"MovedInADifference",
+                model_of(ball("b") + "," + posed(R"({"translation": [0, [0, 1], 0]})"),
+                         R"(, "csg": {"difference": ["b", "a"]})"),
+                ": intervals of translations: not supported for csg other than the union of all primitives"}),
     name_of);
 
 INSTANTIATE_TEST_SUITE_P(

@@ -417,7 +417,9 @@ TEST(Fit, RefusesWhatItCannotFit) {
           "implants[0]: primitives[0] \"arm\".pose.translation[2]: a fit chooses semi-axes only, not from [0, 1]");
   UncertainModel bent = exact;
   bent.primitives[0].bend = Bend{0.01, 0.0};
-  refused({bent}, cavity, usual, "implants[0]: fit: not supported for bent solids: primitives[0].bend");
+  bent.primitives[1].semi_axes[0] = {11.0, 12.0};
+  refused({bent}, cavity, usual,
+          "implants[0]: sizes to choose from: not supported for bent solids: primitives[0].bend");
 
   Cavity lost = cavity;
   lost.points[2][1] = infinity;

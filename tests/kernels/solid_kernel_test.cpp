@@ -178,7 +178,7 @@ TEST_P(SolidKernelTest, ContainsTheClosedFormOfArcs) {
 std::vector<Point> special_points(const Model& model) {
   std::vector<Point> points;
   const int scale = scale_exponent(model);
-  const RootCube root = root_cube(model, scale);
+  const verify::Cube root = root_cube(model, scale);
   const auto at = [&](double x, double y, double z) {
     Point p{root.centre[0] + x * root.half_width, root.centre[1] + y * root.half_width,
             root.centre[2] + z * root.half_width};

@@ -354,7 +354,7 @@ class Launcher {
   const CompiledKernels& kernels_;
   cl::CommandQueue queue_;
   cl::Buffer primitives_;
-  device::RootCube root_;
+  verify::Cube root_;
 };
 
 /// NaN misses everything.

@@ -92,14 +92,40 @@ TEST(ModelTest, ThePublishedMethodRefusesBentSolids) {
   EXPECT_THROW((void)unverified_distance(solid, ball()), Error);
 }
 
-TEST(ModelTest, IntervalsAreForUnionsOfConvexSolids) {
+TEST(ModelTest, UncertainTranslationsAreForUnionsOfConvexSolids) {
   expect_refusal(
       [](const Model& model) {
         UncertainModel widened = model;
-        widened.primitives[0].semi_axes[0] = {1.0, 1.5};
+        widened.primitives[0].translation[0] = {1.0, 1.5};
         (void)bracket(widened);
       },
-      "intervals");
+      "intervals of translations");
+}
+
+/// Of what a difference removes the larger one leaves the smaller solid; what is removed from that is kept.
+TEST(ModelTest, WhatIsRemovedBracketsTheOtherWay) {
+  UncertainModel model =
+      two_balls(operation(SetOperation::subtract, {leaf(0), operation(SetOperation::subtract, {leaf(1), leaf(0)})}));
+  model.primitives[0].semi_axes[0] = {1.0, 1.5};
+  model.primitives[1].semi_axes[0] = {3.0, 4.0};
+  model.primitives[1].exponents[0] = {0.5, 0.7};
+  const auto& [smallest, largest, inflated, shift] = bracket(model);
+  EXPECT_EQ(shift, 0.0);
+  EXPECT_FALSE(inflated);
+  // Kept both times it is named, and once removed.
+  ASSERT_EQ(smallest.primitives.size(), 2U);
+  EXPECT_EQ(smallest.primitives[0].superquadric.semi_axes[0], 1.0);
+  EXPECT_EQ(largest.primitives[0].superquadric.semi_axes[0], 1.5);
+  EXPECT_EQ(smallest.primitives[1].superquadric.semi_axes[0], 4.0);
+  EXPECT_EQ(smallest.primitives[1].superquadric.exponents[0], 0.5);
+  EXPECT_EQ(largest.primitives[1].superquadric.semi_axes[0], 3.0);
+  EXPECT_EQ(largest.primitives[1].superquadric.exponents[0], 0.7);
+  model.csg = operation(SetOperation::unite, {leaf(1), operation(SetOperation::subtract, {leaf(0), leaf(1)})});
+  const Bracket apart = bracket(model);
+  ASSERT_EQ(apart.smallest.primitives.size(), 3U) << "one of them kept in one place and removed in another";
+  EXPECT_EQ(apart.smallest.primitives[0].superquadric.semi_axes[0], 3.0);
+  EXPECT_EQ(apart.smallest.primitives[2].superquadric.semi_axes[0], 4.0);
+  EXPECT_EQ(apart.largest.csg->operands[1].operands[1].primitive, 2U);
 }
 
 TEST(ModelTest, ExactModelsAreTheirOwnBrackets) {

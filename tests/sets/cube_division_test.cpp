@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "verisq/enclosure.hpp"
@@ -32,6 +33,23 @@ TEST(CubeDivisionTest, AFarRootCoversTheBox) {
   ASSERT_TRUE(root);
   EXPECT_TRUE(covers(*root, box));
   EXPECT_LE(root->half_width, 4e-3);
+}
+
+/// One cube for octrees, the host's searches and the devices': what a rule asks for beyond is kept as well.
+TEST(CubeDivisionTest, TheRootKeepsToItsRule) {
+  for (const double far : {0.0, 3.0, 1e3, 1e9}) {
+    const Box box{{far - 1.0, far - 0.5, -1.0}, {far + 1.0, far + 0.25, 1.0}};
+    EXPECT_EQ(root_cube(box)->half_width, 1.0) << far;
+    const Cube cube = *root_cube(box, {.margin = 1.0 / 64.0, .farthest = 16.0});
+    const double reach = cube.half_width * 63.0 / 64.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_LE(std::fabs(cube.centre[i]), 16.0 * cube.half_width);
+      EXPECT_LE(cube.centre[i] - reach, box.lower[i]);
+      EXPECT_GE(cube.centre[i] + reach, box.upper[i]);
+      EXPECT_EQ(std::remainder(cube.centre[i], cube.half_width / 1024.0), 0.0);
+    }
+    EXPECT_EQ(cube.half_width, std::max(2.0, std::exp2(std::ceil(std::log2((far + 1.0) / 16.0))))) << far;
+  }
 }
 
 TEST(CubeDivisionTest, HalvesTileTheCubeDownToTheLastDigit) {

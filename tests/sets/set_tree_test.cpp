@@ -278,5 +278,35 @@ TEST(SetTermsTest, NothingOfTooManyOrOfPrimitivesWithoutABit) {
   EXPECT_EQ(terms_of(product, 1024)->size(), 1024U);
 }
 
+/// Every point of the solid lies in one of them; what is removed is not among them.
+TEST(CoveringPrimitivesTest, HoldEveryPointOfTheSolid) {
+  std::mt19937 random(4);
+  for (int round = 0; round < 2000; ++round) {
+    const SetExpression expression = random_expression(random, 4);
+    const std::vector<std::uint32_t> covering = covering_primitives(model_of(expression));
+    EXPECT_FALSE(covering.empty());
+    EXPECT_TRUE(std::ranges::is_sorted(covering));
+    for (std::uint32_t bits = 0; bits < (1U << primitive_count); ++bits) {
+      Membership of(primitive_count);
+      for (std::uint32_t i = 0; i < primitive_count; ++i) of[i] = ((bits >> i) & 1U) != 0;
+      if (!member(expression, of)) continue;
+      EXPECT_TRUE(std::ranges::any_of(covering, [&](std::uint32_t i) { return of[i]; })) << round;
+    }
+  }
+}
+
+TEST(CoveringPrimitivesTest, AreTheFirstOnesOfWhatIsCut) {
+  using Indices = std::vector<std::uint32_t>;
+  const auto covering = [](const SetExpression& csg) { return covering_primitives(model_of(csg)); };
+  Model all = model_of(leaf(0));
+  all.csg.reset();
+  EXPECT_EQ(covering_primitives(all), (Indices{0, 1, 2, 3, 4}));
+  EXPECT_EQ(covering({{leaf(2), leaf(1)}, SetOperation::unite}), (Indices{1, 2}));
+  EXPECT_EQ(covering({{leaf(2), leaf(1)}, SetOperation::intersect}), (Indices{2}));
+  EXPECT_EQ(covering({{leaf(2), leaf(1), leaf(0)}, SetOperation::subtract}), (Indices{2}));
+  const SetExpression bored{{leaf(3), {{leaf(4), leaf(1)}, SetOperation::subtract}}, SetOperation::subtract};
+  EXPECT_EQ(covering({{bored, leaf(0)}, SetOperation::unite}), (Indices{0, 3}));
+}
+
 }  // namespace
 }  // namespace verisq::verify

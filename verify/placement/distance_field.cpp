@@ -147,7 +147,7 @@ void DistanceField::find_slab(std::size_t slab, const ProposedNormal& normal) {
 // least (v·q - h(v)) / |v|, h rounded up. The normal of binary32 is taken as it is, v = R^T n; |n| differs from 1 by
 // less than 2^-22, and the offset from its binary32 number by less than 2^-23 of itself: the slack is more than both
 // make.
-HalfSpace DistanceField::half_space(const PosedPrimitive& primitive, const Vector3d& local_normal) const {
+RoundedHalfSpace DistanceField::half_space(const PosedPrimitive& primitive, const Vector3d& local_normal) const {
   const Eigen::Vector3f normal = (primitive.rotation * local_normal.normalized()).cast<float>();
   const Vector3d direction = normal.cast<double>();
   const Vector3d v = primitive.rotation.transpose() * direction;
@@ -156,7 +156,7 @@ HalfSpace DistanceField::half_space(const PosedPrimitive& primitive, const Vecto
 }
 
 DistanceField::Node DistanceField::node(const Vector3d& x, const ProposedNormal& normal) const {
-  const HalfSpace nothing{Eigen::Vector3f::Zero(), -kFar};
+  const RoundedHalfSpace nothing{Eigen::Vector3f::Zero(), -kFar};
   Node result{{nothing, nothing}, kFar, -1};
   std::array<double, 2> distances{kFar, kFar};
   std::vector<Vector3d> local;
@@ -175,7 +175,7 @@ DistanceField::Node DistanceField::node(const Vector3d& x, const ProposedNormal&
       result.others = std::min(result.others, static_cast<float>(to_box - slack_));
       continue;
     }
-    HalfSpace candidate = half_space(primitives_[k], proposed);
+    RoundedHalfSpace candidate = half_space(primitives_[k], proposed);
     double distance = candidate.distance(x);
     for (std::size_t i = 0; i < 2; ++i) {
       if (!(distance < distances[i])) continue;
@@ -200,7 +200,7 @@ void DistanceField::find_balls(const DistancesUp& distances_up) {
   std::vector<Point> centres;
   std::vector<std::uint32_t> node_of;
   for (std::size_t i = 0; i < fine.nodes.size(); ++i) {
-    const HalfSpace& nearest = fine.nodes[i].nearest[0];
+    const RoundedHalfSpace& nearest = fine.nodes[i].nearest[0];
     const Vector3d at = fine.place(i);
     const double distance = nearest.distance(at);
     const auto propose = [&](double depth) {

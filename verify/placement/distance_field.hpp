@@ -20,7 +20,7 @@ using DistancesUp = std::function<std::vector<double>(std::span<const Point> poi
 
 /// The primitive's signed distance at every x is at least normal·x - offset, because it lies in the half-space where
 /// that is not positive. |normal| is 1 but for roundings. In binary32: many more fit into a cache.
-struct HalfSpace {
+struct RoundedHalfSpace {
   Eigen::Vector3f normal;
   float offset;
 
@@ -40,7 +40,7 @@ struct InnerBall {
 class DistanceField {
  public:
   struct Node {
-    std::array<HalfSpace, 2> nearest;
+    std::array<RoundedHalfSpace, 2> nearest;
     float others;       ///< no larger than the distance of the node to any other primitive
     std::int32_t ball;  ///< index, -1 where there is none
   };
@@ -84,7 +84,7 @@ class DistanceField {
   [[nodiscard]] Grid grid(double margin, double spacing) const;
   [[nodiscard]] Node node(const Eigen::Vector3d& x, const ProposedNormal& normal) const;
   [[nodiscard]] double distance_to_box(const PosedPrimitive& primitive, const Eigen::Vector3d& local) const;
-  [[nodiscard]] HalfSpace half_space(const PosedPrimitive& primitive, const Eigen::Vector3d& local_normal) const;
+  [[nodiscard]] RoundedHalfSpace half_space(const PosedPrimitive& primitive, const Eigen::Vector3d& local_normal) const;
 
   std::vector<PosedPrimitive> primitives_;
   Eigen::Vector3d lower_, upper_;  ///< of the model's box

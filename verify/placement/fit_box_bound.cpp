@@ -129,8 +129,8 @@ class FitBoxBound::Sum {
   bool add(const PointCluster& cluster) {
     const PoseBoxMotion::Place place = motion_.place(cluster.centre);
     const DistanceField::Found found = bound_.field_.near(place.point);
-    const HalfSpace& first = found.node.nearest[0];
-    const HalfSpace& second = found.node.nearest[1];
+    const RoundedHalfSpace& first = found.node.nearest[0];
+    const RoundedHalfSpace& second = found.node.nearest[1];
     const double distance = first.distance(place.point) - bound_.rounding_;
     const double of_second = second.distance(place.point) - bound_.rounding_;
     const double of_others = found.node.others - (place.point - found.place).norm() - bound_.rounding_;

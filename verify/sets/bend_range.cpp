@@ -46,6 +46,12 @@ bool is_less_than_a_full_turn(const Bend& bend, const Superquadric& superquadric
   return angle(bend, superquadric).upper() < pi<Real>().lower();
 }
 
+bool is_connected_below(double depth, const Bend& bend, const Superquadric& superquadric) {
+  const PreciseInterval k = curvature_magnitude(bend);
+  const PreciseInterval nearest = PreciseInterval(1) - k * extent(bend, superquadric);  // W, of all points
+  return (PreciseInterval(10) * k * PreciseInterval(Real(depth))).upper() <= (PreciseInterval(9) * nearest).lower();
+}
+
 /// The solid lies in |r| <= e, |s| <= f, |z| <= a3. With k > 0 (k < 0 mirrors R) and γ = kz:
 /// R = 1/k - (1/k - r) cos γ is least, -e, at γ = 0; it is largest at the end of the axis, where with h = k a3 / 2 it
 /// is at most |cos 2h| e + (2/k) sin² h. |Z| = (1/k - r) |sin γ| <= (1/k + e) max |sin γ|. Nothing cancels as k -> 0.

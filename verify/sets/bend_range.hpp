@@ -19,6 +19,10 @@ namespace verisq::verify {
 /// Whether |k| a3 is proven to be below pi: the ends of the axis do not meet.
 [[nodiscard]] bool is_less_than_a_full_turn(const Bend& bend, const Superquadric& superquadric);
 
+/// Whether the points of the bent solid that lie deeper in it than `depth` are proven to be connected
+/// (docs/mathematics.md §22). Precondition: depth >= 0, and both of the above.
+[[nodiscard]] bool is_connected_below(double depth, const Bend& bend, const Superquadric& superquadric);
+
 /// Contains the bent solid, in the bend's frame (R, S, Z). Precondition: both of the above.
 [[nodiscard]] PreciseVector bent_box(const Bend& bend, const Superquadric& superquadric);
 

@@ -3,17 +3,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "verify/numbers/vector.hpp"
+#include "verisq/octree_cube.hpp"
 
 namespace verisq::verify {
 
 namespace {
 
-bool covers(const Cube& cube, const Box& box) {
+constexpr double centres_per_half_width = 1024.0;
+constexpr int smallest_exponent = std::numeric_limits<double>::min_exponent + deepest_octree_level;
+/// Above, corners overflow.
+constexpr int largest_exponent = std::numeric_limits<double>::max_exponent - 3;
+
+static_assert(smallest_exponent == -1001);  // smallest_root
+
+bool keeps(const Cube& cube, const Box& box, const RootCubeRule& rule) {
+  const double reach = (1.0 - rule.margin) * cube.half_width;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (!(add(cube.centre[i], -cube.half_width, Direction::up) <= box.lower[i])) return false;
-    if (!(add(cube.centre[i], cube.half_width, Direction::down) >= box.upper[i])) return false;
+    if (!(std::fabs(cube.centre[i]) <= rule.farthest * cube.half_width)) return false;
+    if (!(add(cube.centre[i], -reach, Direction::up) <= box.lower[i])) return false;
+    if (!(add(cube.centre[i], reach, Direction::down) >= box.upper[i])) return false;
   }
   return true;
 }
@@ -27,19 +38,20 @@ std::optional<double> exact_sum(double c, double step) {
 
 }  // namespace
 
-std::optional<Cube> root_cube(const Box& box) {
-  double extent = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) extent = std::max(extent, box.upper[i] / 2 - box.lower[i] / 2);
-  if (!std::isfinite(extent)) return std::nullopt;
-  int exponent = 0;
-  std::frexp(extent, &exponent);
-  for (double half_width = std::ldexp(1.0, std::max(exponent, -1000)); std::isfinite(half_width); half_width *= 2) {
-    Cube cube{{}, half_width};
+std::optional<Cube> root_cube(const Box& box, const RootCubeRule& rule) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) largest = std::max(largest, box.upper[i] - box.lower[i]);
+  if (!std::isfinite(largest)) return std::nullopt;
+  // A half-width of less than half the largest side holds nothing.
+  const int first = largest > 0.0 ? std::max(std::ilogb(largest) - 1, smallest_exponent) : smallest_exponent;
+  for (int exponent = first; exponent <= largest_exponent; ++exponent) {
+    Cube cube{{}, std::ldexp(1.0, exponent)};
+    const double grid = cube.half_width / centres_per_half_width;
     for (std::size_t i = 0; i < 3; ++i) {
-      const double middle = box.lower[i] / 2 + box.upper[i] / 2;
-      cube.centre[i] = std::nearbyint(middle / (half_width / 2)) * (half_width / 2);
+      const double middle = 0.5 * box.lower[i] + 0.5 * box.upper[i];
+      cube.centre[i] = std::nearbyint(middle / grid) * grid;
     }
-    if (covers(cube, box)) return cube;
+    if (keeps(cube, box, rule)) return cube;
   }
   return std::nullopt;
 }

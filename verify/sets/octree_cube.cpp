@@ -1,13 +1,14 @@
-/// The root by exact powers of two; colours by the tree of the undecided primitives alone.
+/// Exact cubes of the root; colours by the tree of the undecided primitives alone.
 #include "verify/sets/octree_cube.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 #include <span>
 
 #include "verify/numbers/rounding.hpp"
 #include "verify/sets/bounding_box.hpp"
+#include "verify/sets/cube_division.hpp"
 #include "verify/sets/tree_colours.hpp"
 #include "verisq/error.hpp"
 
@@ -20,55 +21,25 @@ double edge(const OctreeRoot& root, int level) {
 Point lower_corner(const OctreeRoot& root, const OctreeCube& cube) {
   const double size = edge(root, cube.level);
   Point corner{};
-  // Multiples of the deepest edge below 2^53 of them (octree_root): no operation rounds.
+  // Multiples of the deepest edge below 2^53 of them (root_cube): no operation rounds.
   for (std::size_t i = 0; i < 3; ++i) corner[i] = root.centre[i] - root.half_width + size * cube.position[i];
   return corner;
 }
 
 namespace verify {
 
-namespace {
-
-constexpr double centres_per_half_width = 1024.0;  // the grid of centres
-constexpr double farthest_centre = 0x1p30;  // in half-widths: corners are then multiples of the deepest half edge
-                                            // below 2^53 of them
-
-bool contains(const OctreeRoot& root, const Box& box) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!(std::abs(root.centre[i]) <= farthest_centre * root.half_width)) return false;
-    if (!(root.centre[i] - root.half_width <= box.lower[i] && box.upper[i] <= root.centre[i] + root.half_width))
-      return false;
-  }
-  return true;
-}
-
-OctreeRoot centred_on(const Box& box, double half_width) {
-  const double grid = half_width / centres_per_half_width;
-  OctreeRoot root{{}, half_width};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double middle = 0.5 * box.lower[i] + 0.5 * box.upper[i];
-    root.centre[i] = std::nearbyint(middle / grid) * grid;
-  }
-  return root;
-}
-
-}  // namespace
-
 OctreeRoot octree_root(const Model& model) {
   const Box box = bounding_box(model);
   double largest = 0.0;
   for (std::size_t i = 0; i < 3; ++i) largest = std::max(largest, box.upper[i] - box.lower[i]);
   if (!std::isfinite(largest)) throw Error(ErrorKind::input, "octree: the size of the model overflows");
-  int exponent = std::ilogb(largest) - 1;
-  // Half-widths below have cubes that underflow, those above corners that overflow.
-  exponent = std::max(exponent, std::numeric_limits<double>::min_exponent + deepest_octree_level);
-  for (; exponent < std::numeric_limits<double>::max_exponent - 2; ++exponent) {
-    const double half_width = std::ldexp(1.0, exponent);
-    const OctreeRoot root = centred_on(box, half_width);
-    if (contains(root, box)) return root;
-    if (half_width > 4.0 * largest) break;
-  }
-  throw Error(ErrorKind::input, "octree: the model is too far from the origin for its size");
+  // Corners at the deepest level are multiples of its half edge, below 2^53 of them.
+  const std::optional<Cube> root = root_cube(box, {.farthest = 0x1p+30});
+  // A cube far larger than the model would waste levels on what is empty.
+  constexpr double most_sides = 8.0;
+  const bool wasteful = root && root->half_width > most_sides * largest && root->half_width > smallest_root;
+  if (!root || wasteful) throw Error(ErrorKind::input, "octree: the model is too far from the origin for its size");
+  return {root->centre, root->half_width};
 }
 
 Cube cube_of(const OctreeRoot& root, const OctreeCube& cube) {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
+#include <set>
 #include <utility>
 
 namespace verisq::verify {
@@ -103,7 +105,30 @@ std::size_t leaves_of(const SetExpression& expression) {
   return count;
 }
 
+/// Nothing where no primitives hold the set: it need not be bounded then.
+std::optional<std::set<std::uint32_t>> covering(const SetNode& node) {
+  if (node.kind == Kind::leaf) {
+    if (node.side == Side::outside) return std::nullopt;
+    return std::set{node.primitive};
+  }
+  std::set<std::uint32_t> all;
+  for (const SetNode& operand : node.operands) {
+    const std::optional<std::set<std::uint32_t>> found = covering(operand);
+    if (node.kind == Kind::intersection_of && found) return found;
+    if (node.kind == Kind::union_of && !found) return std::nullopt;
+    if (found) all.insert(found->begin(), found->end());
+  }
+  if (node.kind == Kind::intersection_of) return std::nullopt;
+  return all;
+}
+
 }  // namespace
+
+/// The solid is bounded: trees have no complement but in differences, whose first operand comes first.
+std::vector<std::uint32_t> covering_primitives(const Model& model) {
+  const std::set<std::uint32_t> found = covering(normal_form(model, Side::inside)).value();
+  return {found.begin(), found.end()};
+}
 
 std::size_t size_of_tree(const Model& model) {
   return std::max(model.csg ? leaves_of(*model.csg) : 0, model.primitives.size());

@@ -25,6 +25,10 @@ struct SetNode {
 /// The model's solid, or with Side::outside the closure of its complement.
 [[nodiscard]] SetNode normal_form(const Model& model, Side side);
 
+/// Primitives that hold the solid together, ascending, once each: every point of it lies in one of them. All those of a
+/// union; of an intersection those of the first operand that has some, so that what is removed is not among them.
+[[nodiscard]] std::vector<std::uint32_t> covering_primitives(const Model& model);
+
 /// Primitives, or leaves of the tree where these are more: what one cube may have to look at.
 [[nodiscard]] std::size_t size_of_tree(const Model& model);
 
