@@ -3,16 +3,20 @@
 
 #include <span>
 
+#include "host/fit/contact_constraints.hpp"
 #include "host/fit/pose_constraints.hpp"
 #include "host/fit/side_requirements.hpp"
+#include "host/fit/size_aim.hpp"
 
 namespace verisq::fit_search {
 
 struct Requirements {
   SideRequirements sides;
   PoseConstraints constraints;
+  ContactConstraints contacts = {};
+  SizeAim size = {};
 
-  /// 0 where all is kept: the samples misplaced, and what is missing of the constraints in their units.
+  /// 0 where all but contact is kept: the samples misplaced, and what is missing of the constraints in their units.
   [[nodiscard]] double broken(std::span<const double> parameters, const Candidate& candidate) const {
     return static_cast<double>(sides.misplaced(candidate)) + constraints.violation(parameters);
   }
