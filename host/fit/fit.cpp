@@ -46,8 +46,10 @@ struct Round {
 constexpr std::array kRounds{Round{16.0, 16, {1e-3, 40}}, Round{4.0, 16, {1e-3, 40}}, Round{1.0, 8, {1e-4, 60}}};
 /// Starts that are refined with all points within the limit.
 constexpr std::size_t kFinalists = 4;
-/// In parts of the fitness' scale: poses whose surfaces are about so close are one finalist.
+/// In parts of the fitness' scale: poses whose surfaces are about so close are one finalist, and one start: both would
+/// climb to the same maximum.
 constexpr double kDistinct = 0.1;
+constexpr double kDistinctStarts = 0.25;
 /// Added between the points for them: they tell most poses that cut the surface from those that do not.
 constexpr std::size_t kSurfacePoints = 4096;
 /// Shares of the work on an implant, when sampling and the rounds are done.
@@ -195,7 +197,7 @@ class ImplantSearch {
     std::ranges::stable_sort(ranked, better);
     std::vector<Found> distinct;
     for (const Found& found : ranked) {
-      const auto is_close = [&](const Found& other) { return close(found.parameters, other.parameters); };
+      const auto is_close = [&](const Found& other) { return close(found.parameters, other.parameters, kDistinct); };
       if (std::ranges::none_of(distinct, is_close)) distinct.push_back(found);
     }
     if (!distinct.empty()) distinct.erase(distinct.begin());
@@ -229,16 +231,25 @@ class ImplantSearch {
     if (full_.best_since()) refined_.push_back(*full_.best_since());
   }
 
-  [[nodiscard]] bool close(const Parameters& a, const Parameters& b) const {
+  [[nodiscard]] bool close(const Parameters& a, const Parameters& b, double scales) const {
     for (std::size_t i = 0; i < a.size(); ++i) {
-      if (std::fabs(a[i] - b[i]) > kDistinct * options_.fitness.scale * space_.units()[i]) return false;
+      if (std::fabs(a[i] - b[i]) > scales * options_.fitness.scale * space_.units()[i]) return false;
     }
     return true;
   }
 
-  static void keep_best(std::vector<Ranked>& starts, std::size_t count) {
+  /// Of those that are close to each other the best alone.
+  void keep_best(std::vector<Ranked>& starts, std::size_t count) const {
     std::ranges::stable_sort(starts, [](const Ranked& a, const Ranked& b) { return a.objective > b.objective; });
-    starts.resize(std::min(starts.size(), count));
+    std::vector<Ranked> kept;
+    for (const Ranked& start : starts) {
+      if (kept.size() == count) break;
+      const auto is_close = [&](const Ranked& other) {
+        return close(start.parameters, other.parameters, kDistinctStarts);
+      };
+      if (std::ranges::none_of(kept, is_close)) kept.push_back(start);
+    }
+    starts = std::move(kept);
   }
 
   void climb(std::vector<Ranked>& starts, const Round& round) {

@@ -39,7 +39,7 @@ FitCondition condition_of_limit(const FitProblem& problem, const FitProof& proof
   FitCondition condition{.name = "smallest distance",
                          .unit = ConditionUnit::length,
                          .value = proof.surface ? proof.surface->smallest_distance : clearance.smallest_distance,
-                         .range = Enclosure{-problem.options.penetration_limit, infinity}};
+                         .range = Enclosure{0.0 - problem.options.penetration_limit, infinity}};
   const bool broken = clearance.proven_too_deep > 0 || (proof.surface && proof.surface->proven_too_deep > 0);
   const bool proven =
       clearance.proven_shallow == clearance.map.points && (!proof.surface || proof.surface->undecided == 0);
