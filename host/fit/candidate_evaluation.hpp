@@ -3,10 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "verisq/cavity.hpp"
 #include "verisq/fitness.hpp"
 #include "verisq/model.hpp"
 
@@ -57,5 +60,7 @@ class CandidateEvaluator {
   /// Of every point.
   virtual void distances(const Candidate& candidate, std::vector<PointDistance>& distances) = 0;
 };
+
+using MakeEvaluator = std::function<std::unique_ptr<CandidateEvaluator>(const Cavity&)>;
 
 }  // namespace verisq::fit_search

@@ -71,8 +71,9 @@ void check(const Cavity& cavity, const FitOptions& options) {
             fmt::format("constraint {}: needs a range, a positive unit and a value", constraint.name));
   }
   for (const FitContact& contact : options.contacts) {
-    require(contact.weights.size() == cavity.points.size() && contact.share.lo <= contact.share.hi,
-            fmt::format("contact {}: needs a range, and a weight for each point", contact.name));
+    require(!contact.points.empty() && contact.weights.size() == contact.points.size() &&
+                contact.share.lo <= contact.share.hi,
+            fmt::format("contact {}: needs a range, points, and a weight for each", contact.name));
   }
   require(cavity.triangles.empty() || (options.surface_tolerance > 0.0 && std::isfinite(options.surface_tolerance)),
           fmt::format("surface tolerance: must be finite and positive, not {}", options.surface_tolerance));
@@ -192,7 +193,7 @@ class ImplantSearch {
   }
 
   /// What each start was refined to, but for the best and what is close to a better one.
-  [[nodiscard]] std::vector<Found> others() const {
+  [[nodiscard]] std::vector<Found> others() {
     std::vector<Found> ranked = refined_;
     std::ranges::stable_sort(ranked, better);
     std::vector<Found> distinct;
@@ -201,7 +202,7 @@ class ImplantSearch {
       if (std::ranges::none_of(distinct, is_close)) distinct.push_back(found);
     }
     if (!distinct.empty()) distinct.erase(distinct.begin());
-    for (Found& found : distinct) found.objective -= asked_.size.value(space_.sized(found.parameters).primitives);
+    for (Found& found : distinct) found = found_in_union(found);
     return distinct;
   }
 
@@ -214,7 +215,8 @@ class ImplantSearch {
             .objective = depth.objective,
             .deepest_penetration = depth.deepest_penetration,
             .within_limit = depth.deepest_penetration <= options_.penetration_limit,
-            .broken = found.broken};
+            .broken = found.broken,
+            .apart = found.apart};
   }
 
  private:
@@ -297,7 +299,8 @@ struct FoundOfImplant {
 
 /// Of two implants of the series.
 bool better(const FoundOfImplant& a, const FoundOfImplant& b, FitObjective objective) {
-  const bool alike = a.best.broken == b.best.broken && a.best.within_limit == b.best.within_limit &&
+  const bool alike = a.best.broken == b.best.broken && a.best.apart == b.best.apart &&
+                     a.best.within_limit == b.best.within_limit &&
                      (a.best.within_limit || a.best.deepest_penetration == b.best.deepest_penetration);
   if (objective == FitObjective::size && alike && a.size != b.size) return a.size > b.size;
   return fit_search::better(a.best, b.best);
@@ -311,7 +314,7 @@ FitFinalist finalist(const CandidateSpace& space, std::size_t implant, const Fou
           .objective = found.objective,
           .deepest_penetration = found.deepest_penetration,
           .within_limit = found.within_limit,
-          .kept = found.broken == 0.0};
+          .kept = found.broken == 0.0 && found.apart == 0.0};
 }
 
 std::vector<FitFinalist> finalists_of(std::span<const CandidateSpace> spaces, std::span<const FoundOfImplant> found,
@@ -348,7 +351,7 @@ Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitO
   for (std::size_t i = 0; i < spaces.size() && (i == 0 || !watch.interrupted()); ++i) {
     const Requirements asked{inside ? SideRequirements(*inside, options.sides[i]) : SideRequirements(),
                              PoseConstraints(spaces[i], options.constraints, i),
-                             ContactConstraints(options.contacts, options.fitness.scale),
+                             ContactAim(options.contacts, options.fitness.scale, weight, make_evaluator),
                              options.objective == FitObjective::size ? SizeAim(spaces[i], weight) : SizeAim()};
     ImplantSearch search(spaces[i], i, searched, asked, options, watch);
     Found found = search.best();

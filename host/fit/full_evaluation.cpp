@@ -31,14 +31,16 @@ const FullEvaluation::Result& FullEvaluation::at(std::span<const double> paramet
   result_.evaluation = sum.result();
   result_.deepest_penetration = std::max(-result_.evaluation.smallest_distance, 0.0);
   result_.within_limit = -result_.evaluation.smallest_distance <= penetration_limit_;
-  const double broken = asked_.broken(parameters_, candidate) + asked_.contacts.violation(result_.distances);
+  const double broken = asked_.broken(parameters_, candidate);
   if (result_.within_limit && broken == 0.0) watch_.found(result_.evaluation.objective);
   asked_.size.add_to(result_.evaluation, candidate);
+  const double apart = asked_.contacts.add_to(result_.evaluation, candidate);
   const Found found{.parameters = parameters_,
                     .objective = result_.evaluation.objective,
                     .deepest_penetration = result_.deepest_penetration,
                     .within_limit = result_.within_limit,
-                    .broken = broken};
+                    .broken = broken,
+                    .apart = apart};
   incumbent_.offer(found);
   latest_.offer(found);
   return result_;

@@ -15,7 +15,7 @@ namespace verisq::fit_search {
 class FullEvaluation {
  public:
   struct Result {
-    Evaluation evaluation;  ///< what the size adds to the objective included
+    Evaluation evaluation;  ///< what size and contact add to the objective included
     std::vector<PointDistance> distances;
     double deepest_penetration;
     bool within_limit;

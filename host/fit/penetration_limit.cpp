@@ -80,12 +80,12 @@ class LimitedRefinement {
 
   /// The objective, the watched points as constraints in parts of the scale.
   [[nodiscard]] MaximisationProblem limited_problem() {
-    MaximisationProblem result = problem(weight_ + cavity_.asked().size.most(), [this](std::span<const double> x, std::span<double> gradient) {
+    MaximisationProblem result = problem(weight_ + cavity_.asked().most(), [this](std::span<const double> x, std::span<double> gradient) {
       const Evaluation& found = cavity_.at(x).evaluation;
       std::ranges::copy(cavity_.space().gradient(x, found.pose_gradient, found.size_gradient), gradient.begin());
       return found.objective;
     });
-    result.constraints = watched_.size() + cavity_.asked().constraints.rows() + cavity_.asked().contacts.rows();
+    result.constraints = watched_.size() + cavity_.asked().constraints.rows();
     result.constraint_tolerance = kMargin / 2.0;
     result.constrain = [this](std::span<const double> x, std::span<double> values, std::span<double> jacobian) {
       const FullEvaluation::Result& found = cavity_.at(x);
@@ -99,12 +99,6 @@ class LimitedRefinement {
       std::ranges::transform(asked.slack(x), values.begin() + static_cast<std::ptrdiff_t>(watched_.size()),
                              [](double slack) { return slack - kMargin; });
       std::ranges::copy(asked.jacobian(x), jacobian.begin() + static_cast<std::ptrdiff_t>(watched_.size() * x.size()));
-      const std::size_t before = watched_.size() + asked.rows();
-      const ContactConstraints& contacts = cavity_.asked().contacts;
-      std::ranges::transform(contacts.slack(found.distances), values.begin() + static_cast<std::ptrdiff_t>(before),
-                             [](double slack) { return slack - kMargin; });
-      contacts.write_jacobian(cavity_.space(), x, cavity_.cavity().points, found.distances,
-                              jacobian.subspan(before * x.size()));
     };
     return result;
   }
@@ -119,29 +113,12 @@ class LimitedRefinement {
   /// The squares of what is missing of the constraints; their derivatives are taken off the gradient.
   [[nodiscard]] double add_missing(std::span<const double> x, std::span<double> gradient) const {
     const PoseConstraints& asked = cavity_.asked().constraints;
-    return add_missing(asked.slack(x), [&] { return asked.jacobian(x); }, x, gradient) +
-           add_missing_contact(x, gradient);
-  }
-
-  [[nodiscard]] double add_missing_contact(std::span<const double> x, std::span<double> gradient) const {
-    const ContactConstraints& contacts = cavity_.asked().contacts;
-    const std::vector<PointDistance>& distances = cavity_.at(x).distances;
-    const auto jacobian = [&] {
-      std::vector<double> derivatives(contacts.rows() * x.size());
-      contacts.write_jacobian(cavity_.space(), x, cavity_.cavity().points, distances, derivatives);
-      return derivatives;
-    };
-    return add_missing(contacts.slack(distances), jacobian, x, gradient);
-  }
-
-  template <class Jacobian>
-  [[nodiscard]] static double add_missing(std::vector<double> missing, const Jacobian& jacobian,
-                                          std::span<const double> x, std::span<double> gradient) {
+    std::vector<double> missing = asked.slack(x);
     for (double& slack : missing) slack = std::min(slack - 2.0 * kMargin, 0.0);
     double sum = 0.0;
     for (const double part : missing) sum += part * part;
     if (sum == 0.0) return sum;  // derivatives cost a dozen values each
-    const std::vector<double> derivatives = jacobian();
+    const std::vector<double> derivatives = asked.jacobian(x);
     for (std::size_t j = 0; j < missing.size(); ++j) {
       for (std::size_t k = 0; k < x.size(); ++k) gradient[k] -= 2.0 * missing[j] * derivatives[j * x.size() + k];
     }
@@ -150,10 +127,8 @@ class LimitedRefinement {
 
   /// From a candidate beyond the limit to one within it, if one is near: least squares of what all points are too deep.
   [[nodiscard]] Parameters restored(const Parameters& parameters) const {
-    const auto& [sides, asked, contacts, size] = cavity_.asked();
-    const FullEvaluation::Result& start = cavity_.at(parameters);
-    if (start.within_limit && asked.violation(parameters) == 0.0 && contacts.violation(start.distances) == 0.0)
-      return parameters;
+    const PoseConstraints& asked = cavity_.asked().constraints;
+    if (cavity_.at(parameters).within_limit && asked.violation(parameters) == 0.0) return parameters;
     std::vector<double> row(parameters.size());
     Parameters best = parameters;
     double least = infinity;

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "host/fit/contact_constraints.hpp"
+#include "host/fit/contact_aim.hpp"
 #include "host/fit/pose_constraints.hpp"
 #include "host/fit/side_requirements.hpp"
 #include "host/fit/size_aim.hpp"
@@ -13,8 +13,11 @@ namespace verisq::fit_search {
 struct Requirements {
   SideRequirements sides;
   PoseConstraints constraints;
-  ContactConstraints contacts = {};
+  ContactAim contacts = {};
   SizeAim size = {};
+
+  /// What size and contact make of the objective at most.
+  [[nodiscard]] double most() const { return size.most() + contacts.most(); }
 
   /// 0 where all but contact is kept: the samples misplaced, and what is missing of the constraints in their units.
   [[nodiscard]] double broken(std::span<const double> parameters, const Candidate& candidate) const {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/errors/refusal.hpp"
@@ -17,9 +18,12 @@ namespace {
 constexpr std::string_view whole = "contact";
 constexpr std::string_view of_area = "contact:";
 constexpr std::string_view of_implant = "implant_contact";
-/// Of a share, and of the samples that this may take.
+/// Of a share, where nothing is asked of it, and where something is; and of the samples that this may take.
 constexpr double share_width = 0.005;
+constexpr double asked_share_width = 0.001;
 constexpr std::uint64_t most_samples = std::uint64_t{1} << 19U;
+/// Of an area, for the search, about.
+constexpr double samples_of_contact = 4096.0;
 
 std::optional<std::size_t> area_named(const FitProblem& problem, std::string_view name) {
   const auto found = std::ranges::find(problem.cavity.areas, name, &Area::name);
@@ -64,18 +68,40 @@ double area(const Point& a, const Point& b, const Point& c) {
   return 0.5 * std::hypot(normal[0], normal[1], normal[2]);
 }
 
-/// Of the triangles of one area, or of all.
-std::vector<double> areas_about_vertices(const FitProblem& problem, const std::optional<std::size_t>& of) {
+/// The centres of k^2 equal parts of a triangle.
+void add_parts(const Triangle& corners, double of_triangle, int k, FitContact& contact) {
+  const auto& [a, b, c] = corners;
+  const auto add = [&](double along_b, double along_c) {
+    Point point;
+    for (std::size_t i = 0; i < 3; ++i)
+      point[i] = a[i] + along_b / (3 * k) * (b[i] - a[i]) + along_c / (3 * k) * (c[i] - a[i]);
+    contact.points.push_back(point);
+    contact.weights.push_back(of_triangle / (k * k));
+  };
+  for (int i = 0; i < k; ++i) {
+    for (int j = 0; i + j < k; ++j) {
+      add(3 * i + 1, 3 * j + 1);
+      if (i + j + 1 < k) add(3 * i + 2, 3 * j + 2);
+    }
+  }
+}
+
+/// About evenly over the triangles of one area, or of all; none where there are no triangles.
+void sample(const FitProblem& problem, const std::optional<std::size_t>& of, FitContact& contact) {
   const std::vector<std::uint32_t> area_of = area_of_triangles(problem);
-  const std::vector<Point>& vertices = problem.mesh.vertices;
-  std::vector<double> areas(vertices.size(), 0.0);
+  std::vector<std::pair<Triangle, double>> triangles;
+  double total = 0.0;
   for (std::size_t n = 0; n < area_of.size(); ++n) {
     if (of && area_of[n] != *of) continue;
     const auto& [a, b, c] = problem.mesh.triangles[n];
-    const double third = area(vertices[a], vertices[b], vertices[c]) / 3.0;
-    for (const std::uint32_t corner : {a, b, c}) areas[corner] += third;
+    const Triangle corners{problem.mesh.vertices[a], problem.mesh.vertices[b], problem.mesh.vertices[c]};
+    triangles.emplace_back(corners, area(corners[0], corners[1], corners[2]));
+    total += triangles.back().second;
   }
-  return areas;
+  for (const auto& [corners, of_triangle] : triangles) {
+    const double parts = samples_of_contact * of_triangle / total;
+    add_parts(corners, of_triangle, std::max(1, static_cast<int>(std::ceil(std::sqrt(parts)))), contact);
+  }
 }
 
 }  // namespace
@@ -86,10 +112,13 @@ std::vector<FitContact> contacts_of(const FitProblem& problem) {
     if (kept.name == of_implant) continue;
     std::optional<std::size_t> of;
     if (kept.name != whole) of = area_named(problem, std::string_view(kept.name).substr(of_area.size()));
-    contacts.push_back({.name = kept.name,
-                        .distance = contact_distance(problem),
-                        .weights = areas_about_vertices(problem, of),
-                        .share = {kept.range.lo / 100.0, kept.range.hi / 100.0}});
+    FitContact contact{.name = kept.name,
+                       .points = {},
+                       .weights = {},
+                       .distance = contact_distance(problem),
+                       .share = {kept.range.lo / 100.0, kept.range.hi / 100.0}};
+    sample(problem, of, contact);
+    if (!contact.points.empty()) contacts.push_back(std::move(contact));
   }
   return contacts;
 }
@@ -128,7 +157,7 @@ std::optional<ContactAreas> proven_contact(const FitProblem& problem, std::size_
   if (problem.mesh.triangles.empty()) return std::nullopt;
   return contact_areas(posed, problem.mesh,
                        {.distance = contact_distance(problem),
-                        .share_width = share_width,
+                        .share_width = problem.contacts.empty() ? share_width : asked_share_width,
                         .region_of = area_of_triangles(problem),
                         .regions = static_cast<std::uint32_t>(problem.cavity.areas.size()),
                         .of_model = asks_of_implant(problem),

@@ -12,8 +12,7 @@ namespace verisq::planning {
 /// Whether a name of `KeptFeature` is one of contact.
 [[nodiscard]] bool is_contact(std::string_view name);
 
-/// What the search keeps to: the area about each vertex is a third of its triangles'. What is asked of the implant's own
-/// surface no vertex says.
+/// What the search keeps to, by samples. What is asked of the implant's own surface it does not know.
 [[nodiscard]] std::vector<FitContact> contacts_of(const FitProblem& problem);
 
 /// Throws Error(input) for areas that are not there, and for a mesh without triangles.

@@ -44,12 +44,13 @@ enum class FitObjective : std::uint8_t {
 /// several of them hold counts as often. Bends change no volume; what set operations cut away counts, too.
 [[nodiscard]] double implant_size(const Model& implant);
 
-/// What is asked of contact: that the share of the weights of those points which the implant is no farther from lies
-/// within a range.
+/// What is asked of contact: that of these points, by weight, the share that the implant is no farther from lies within
+/// a range.
 struct FitContact {
   std::string name;
+  std::vector<Point> points;    ///< about evenly over an area; at least one
+  std::vector<double> weights;  ///< one a point, >= 0, their sum above 0
   double distance;              ///< no farther is contact; model units
-  std::vector<double> weights;  ///< of the cavity's points: >= 0, finite
   Enclosure share;              ///< in [0, 1]
 };
 
