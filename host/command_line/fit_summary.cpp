@@ -261,9 +261,9 @@ ReportLine contact_line(const FitSummary& summary, const std::string& name, cons
 Lines contact_lines(const FitSummary& summary) {
   if (!summary.contact) return {};
   const auto& [of_mesh, by_region, of_implant, samples, interrupted] = *summary.contact;
-  Lines lines{{"area in contact",
-               fmt::format("at most {:.10g}{} apart, proven", summary.contact_distance, units_of(summary))},
-              contact_line(summary, "contact", of_mesh)};
+  Lines lines{
+      {"area in contact", fmt::format("at most {:.10g}{} apart, proven", summary.contact_distance, units_of(summary))},
+      contact_line(summary, "contact", of_mesh)};
   for (std::size_t k = 0; k < by_region.size() && by_region.size() > 1; ++k) {
     if (by_region[k].area.hi > 0.0)
       lines.push_back(contact_line(summary, "contact:" + summary.clearance.areas[k].area.name, by_region[k]));
@@ -312,9 +312,8 @@ Lines size_lines(const FitSummary& summary) {
 /// What is known of one that was not chosen.
 std::string in_words(const FitSummary& summary, const FitTrial& trial) {
   const FitFinalist& found = trial.fit;
-  std::string text = fmt::format("{}, F about {:.6g}",
-                                 std::filesystem::path(summary.names[found.implant]).filename().string(),
-                                 found.objective);
+  std::string text = fmt::format(
+      "{}, F about {:.6g}", std::filesystem::path(summary.names[found.implant]).filename().string(), found.objective);
   if (summary.maximised == FitObjective::size || summary.implants > 1) text += ", size " + volume(summary, trial.size);
   if (found.deepest_penetration > summary.penetration_limit)
     text += fmt::format(", bone about {:.3g}{} deep in it", found.deepest_penetration, units_of(summary));
@@ -524,10 +523,7 @@ JsonValue constraints_json(const FitSummary& summary) {
 }
 
 JsonObject contact_json(const std::string& name, const AreaWithin& contact) {
-  return {{"name", name},
-          {"area", contact.area},
-          {"within", contact.within},
-          {"percent", in_percent(contact.share)}};
+  return {{"name", name}, {"area", contact.area}, {"within", contact.within}, {"percent", in_percent(contact.share)}};
 }
 
 JsonValue contacts_json(const FitSummary& summary) {
@@ -535,8 +531,7 @@ JsonValue contacts_json(const FitSummary& summary) {
   JsonValue::Array shares;
   shares.push_back(contact_json("contact", summary.contact->of_mesh));
   for (std::size_t k = 0; k < summary.contact->by_region.size(); ++k) {
-    shares.push_back(
-        contact_json("contact:" + summary.clearance.areas[k].area.name, summary.contact->by_region[k]));
+    shares.push_back(contact_json("contact:" + summary.clearance.areas[k].area.name, summary.contact->by_region[k]));
   }
   if (summary.contact->of_model) shares.push_back(contact_json("implant_contact", *summary.contact->of_model));
   return JsonObject{{"distance", summary.contact_distance}, {"shares", shares}};
@@ -642,8 +637,8 @@ std::vector<std::string> broken_sides(const FitSummary& summary) {
 }
 
 std::vector<ReportLine> report_lines(const FitSummary& summary) {
-  return joined({proven_lines(summary), area_lines(summary), pose_lines(summary), trial_lines(summary),
-                 point_lines(summary)});
+  return joined(
+      {proven_lines(summary), area_lines(summary), pose_lines(summary), trial_lines(summary), point_lines(summary)});
 }
 
 std::string readable(const FitSummary& summary) {

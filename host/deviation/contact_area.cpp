@@ -21,7 +21,7 @@ namespace {
 
 /// Of the bounding radius: distances are asked for to this, of solids that are told at once; and of others.
 constexpr double fine = 1e-6;
-constexpr double coarse = 1e-4;
+constexpr double coarse = 1e-3;
 
 void check_options(const Model& model, const ContactAreaOptions& options) {
   if (!(options.distance >= 0.0 && std::isfinite(options.distance)))
@@ -42,8 +42,7 @@ verify::DeviationSearch search_of(const Model& model, const MappedDistances& to_
       .to_model = to_model,
       .convex = model.primitives.size() == 1 && is_union_of_convex(model),
       .allowed = [](double) { return 0.0; },  // shares have a width of their own
-      .in_parallel = [](std::size_t count,
-                        const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
+      .in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
       .ended = options.interrupted,
       .progress = [](double) {},
       .most_samples = options.most_samples};

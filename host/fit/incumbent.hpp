@@ -13,12 +13,12 @@ struct Found {
   double objective;
   double deepest_penetration;  ///< >= 0
   bool within_limit;
-  double broken;         ///< of what is asked besides, as Requirements counts
-  double apart = 0.0;    ///< what is missing of contact
+  double broken;       ///< of what is asked besides, as Requirements counts
+  double apart = 0.0;  ///< what is missing of contact
 };
 
-/// What breaks less of what is asked; within the limit before beyond it; beyond it, the shallower; then what misses less
-/// of contact, which is worth no bone; then the larger objective.
+/// What breaks less of what is asked; within the limit before beyond it; beyond it, the shallower; then what misses
+/// less of contact, which is worth no bone; then the larger objective.
 [[nodiscard]] inline bool better(const Found& a, const Found& b) {
   if (a.broken != b.broken) return a.broken < b.broken;
   if (a.within_limit != b.within_limit) return a.within_limit;

@@ -11,8 +11,7 @@ constexpr double weights_of_all_points = 100.0;
 
 }  // namespace
 
-SizeAim::SizeAim(const CandidateSpace& space, double weight)
-    : least_size_(implant_size(space.sized(space.lower()))) {
+SizeAim::SizeAim(const CandidateSpace& space, double weight) : least_size_(implant_size(space.sized(space.lower()))) {
   const double range = implant_size(space.sized(space.upper())) - least_size_;
   if (!(range > 0.0)) return;  // nothing to choose
   most_ = weights_of_all_points * weight;

@@ -53,8 +53,8 @@ std::vector<bool> primitives_with_a_side(const FitProblem& problem, std::size_t 
 }
 
 bool asks_of_implant(const FitProblem& problem) {
-  return problem.implant_contact || std::ranges::find(problem.contacts, of_implant, &KeptFeature::name) !=
-                                        problem.contacts.end();
+  return problem.implant_contact ||
+         std::ranges::find(problem.contacts, of_implant, &KeptFeature::name) != problem.contacts.end();
 }
 
 /// To nearest.

@@ -20,13 +20,13 @@ struct AreaWithin {
 };
 
 struct ContactAreaOptions {
-  double distance;              ///< no farther is contact; model units, >= 0
-  double share_width = 0.01;    ///< how wide the enclosure of a share may be, > 0
+  double distance;            ///< no farther is contact; model units, >= 0
+  double share_width = 0.01;  ///< how wide the enclosure of a share may be, > 0
   /// A region of each triangle, below `regions`. Empty: none are asked for.
   std::vector<std::uint32_t> region_of = {};
   std::uint32_t regions = 0;
-  bool of_model = false;            ///< the model's surface, too
-  std::vector<bool> counted = {};   ///< whose surface that is, one a primitive; empty: all
+  bool of_model = false;                   ///< the model's surface, too
+  std::vector<bool> counted = {};          ///< whose surface that is, one a primitive; empty: all
   std::uint64_t most_samples = 1U << 22U;  ///< of the mesh's and of the model's surface, each; what is left is wide
   std::string device = "auto";             ///< as MapOptions
   std::function<bool()> interrupted = [] { return false; };

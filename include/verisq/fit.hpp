@@ -116,8 +116,8 @@ struct Fit {
 };
 
 /// Fits every implant of the series and returns the best: within the limit before beyond it; there the shallowest; then
-/// the largest objective, or size; of equals the earlier. Semi-axes that are intervals are sizes to choose from (I_l <= I <=
-/// I_r); all other numbers must be exact. The functions of the options are called by one thread at a time. Throws
+/// the largest objective, or size; of equals the earlier. Semi-axes that are intervals are sizes to choose from (I_l <=
+/// I <= I_r); all other numbers must be exact. The functions of the options are called by one thread at a time. Throws
 /// Error(input) for an empty series or cavity, for options and points out of their ranges, for implants that are not
 /// unions of convex primitives, for other uncertain numbers, for sides that are not those of the implants or of a
 /// surface that has none, and for devices as Mapper.

@@ -85,7 +85,7 @@ struct FitProblem {
   std::string units;                              ///< of all implants; empty when none has any
   Mesh mesh;                                      ///< cut off at the resection
   FitSurface surface = FitSurface::unsided;
-  std::optional<FitLandmarks> bone;  ///< its landmarks, where they are given
+  std::optional<FitLandmarks> bone;   ///< its landmarks, where they are given
   std::vector<KeptFeature> kept;      ///< of features
   std::vector<KeptFeature> contacts;  ///< of contact
   bool implant_contact = false;

@@ -77,7 +77,8 @@ class MeshSearch::Pieces {
 
   void search_within(double distance, double width) {
     halve_while_chosen([=, this](std::vector<bool>& chosen) {
-      for (const std::vector<std::size_t>& region : leaves_by_region()) choose_for_share(region, distance, width, chosen);
+      for (const std::vector<std::size_t>& region : leaves_by_region())
+        choose_for_share(region, distance, width, chosen);
     });
   }
 
