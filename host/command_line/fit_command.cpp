@@ -49,7 +49,8 @@ constexpr const char* closing_words =
     "The implant's centre moves by at most the translation range along each axis, and the implant turns about it by a\n"
     "rotation vector of at most the rotation range along each axis. Semi-axes that are intervals in the model file\n"
     "are sizes to choose from; of several --implant the best is chosen. The same seed on the same device gives the\n"
-    "same pose.\n"
+    "same pose. With --objective size the largest implant (by the volumes of its primitives) is tried first, and the\n"
+    "first of which all that is asked is proven is chosen; that no larger one can keep it is not proven.\n"
     "\n"
     "The search proves nothing. Of the pose that it found, every printed enclosure is proven: F, the signed distance\n"
     "of each vertex, the smallest one, the deepest penetration; of the triangles, too, whether they keep the limit\n"
@@ -238,6 +239,7 @@ void explain(const FitSummary& summary) {
   }
   for (const std::string& sentence : broken_sides(summary)) tell(sentence);
   for (const std::string& sentence : broken_features(summary)) tell(sentence);
+  for (const std::string& sentence : broken_contacts(summary)) tell(sentence);
 }
 
 bool was_interrupted(const FitSolution& solution) {
@@ -298,11 +300,18 @@ void declare_preservation(Options& options, FitArguments& arguments) {
               "How well they are known, in model units (default 0)");
   options.add_each("--keep", arguments.kept, parse_kept, "NAME=LO,HI",
                    "A change that has to be within these ends: offset_change, length_change, head_distance, in model "
-                   "units; version_change, ccd_change, implant_ccd, implant_tilt, in degrees; may be repeated");
+                   "units; version_change, ccd_change, implant_ccd, implant_tilt, in degrees; or an area in contact, "
+                   "in percent: contact (of the mesh), contact:AREA, implant_contact; may be repeated");
+  options.add_flag("--implant-contact", arguments.implant_contact,
+                   "Encloses how much of the implant's own surface is in contact, too");
 }
 
 /// Which pose is best, and which are allowed at all.
 void declare_aims(Options& options, FitArguments& arguments) {
+  options.add("--objective", arguments.objective,
+              choice<FitObjective>({{"fitness", FitObjective::fitness}, {"size", FitObjective::size}}), "WHAT",
+              "fitness (default): the largest F; or size: the largest implant of the series, or sizes, of which all "
+              "that is asked is proven");
   options.add("--completion", arguments.completion,
               choice<Completion>({{"cementless", Completion::cementless}, {"cemented", Completion::cemented}}), "WHAT",
               "cementless (default): as close as can be, at most the gap apart; or cemented: a layer of the gap");
@@ -389,6 +398,12 @@ ExitStatus run_fit(const FitArguments& arguments) {
                            .sides = proof.sides,
                            .changes = proof.changes,
                            .kept = problem.kept,
+                           .contact = proof.contact,
+                           .contact_distance = problem.options.fitness.serves.hi,
+                           .conditions = proof.conditions,
+                           .trials = solution.trials,
+                           .names = problem.names,
+                           .maximised = problem.options.objective,
                            .landmark_radius = arguments.landmark_radius,
                            .implant = problem.names[found.implant],
                            .implants = problem.series.size(),

@@ -28,6 +28,8 @@ struct FitArguments {
   std::string landmarks;              ///< of the bone; empty when not given
   double landmark_radius = 0.0;
   std::vector<KeptFeature> kept;
+  bool implant_contact = false;
+  FitObjective objective = FitObjective::fitness;
   Completion completion = Completion::cementless;
   std::optional<double> gap;
   std::optional<double> gap_tolerance;

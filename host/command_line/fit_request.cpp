@@ -36,6 +36,8 @@ FitRequest read_fit_request(const FitArguments& arguments) {
                      .crossing = arguments.crossing,
                      .outside = arguments.outside,
                      .kept = arguments.kept,
+                     .objective = arguments.objective,
+                     .implant_contact = arguments.implant_contact,
                      .completion = arguments.completion,
                      .gap = arguments.gap,
                      .gap_tolerance = arguments.gap_tolerance,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <span>
 #include <tuple>
 
@@ -233,6 +234,104 @@ Lines bound_lines(const FitSummary& summary) {
   return lines;
 }
 
+/// Of shares, rounded outward.
+Enclosure in_percent(const Enclosure& share) {
+  return {std::max(0.0, verify::multiply(100.0, share.lo, verify::Direction::down)),
+          std::min(100.0, verify::multiply(100.0, share.hi, verify::Direction::up))};
+}
+
+/// What is asked of contact, after its enclosure.
+std::string verdict_of_contact(const FitSummary& summary, const std::string& name) {
+  std::string text;
+  for (const FitCondition& condition : summary.conditions) {
+    if (condition.name != name || condition.unit != ConditionUnit::percent) continue;
+    const char* const broken_or_kept = condition.kept == true ? "kept, proven" : "BROKEN, proven";
+    text += fmt::format("; {:.10g} to {:.10g} %: {}", condition.range->lo, condition.range->hi,
+                        condition.kept ? broken_or_kept : "not decided");
+  }
+  return text;
+}
+
+ReportLine contact_line(const FitSummary& summary, const std::string& name, const AreaWithin& contact) {
+  constexpr int digits = 4;
+  const std::string squares = summary.units.empty() ? std::string() : fmt::format(" {}^2", summary.units);
+  return {"  " + name, fmt::format("{} %, {} of {}{}{}", outward_digits(in_percent(contact.share), digits),
+                                   outward_digits(contact.within, digits), outward_digits(contact.area, digits),
+                                   squares, verdict_of_contact(summary, name))};
+}
+
+Lines contact_lines(const FitSummary& summary) {
+  if (!summary.contact) return {};
+  const auto& [of_mesh, by_region, of_implant, samples, interrupted] = *summary.contact;
+  Lines lines{
+      {"area in contact", fmt::format("at most {:.10g}{} apart, proven", summary.contact_distance, units_of(summary))},
+      contact_line(summary, "contact", of_mesh)};
+  for (std::size_t k = 0; k < by_region.size() && by_region.size() > 1; ++k) {
+    if (by_region[k].area.hi > 0.0)
+      lines.push_back(contact_line(summary, "contact:" + summary.clearance.areas[k].area.name, by_region[k]));
+  }
+  if (of_implant) lines.push_back(contact_line(summary, "implant_contact", *of_implant));
+  return lines;
+}
+
+/// Conditions, ranges and sizes.
+std::vector<std::string> what_binds(const FitSummary& summary) {
+  std::vector<std::string> names;
+  for (const FitCondition& condition : summary.conditions) {
+    if (!condition.binds) continue;
+    names.push_back(fmt::format("{} at {:.10g}", condition.name,
+                                *condition.binds == RangeEnd::lower ? condition.range->lo : condition.range->hi));
+  }
+  for (const std::string& limit : summary.fit.movement.at_limits) names.push_back(limit);
+  return names;
+}
+
+Lines binding_lines(const FitSummary& summary) {
+  const std::vector<std::string> names = what_binds(summary);
+  return {{"binding", names.empty() ? "no condition, no range" : fmt::format("{}", fmt::join(names, ", "))}};
+}
+
+std::string volume(const FitSummary& summary, double size) {
+  return fmt::format("about {:.4g}{}", size, summary.units.empty() ? "" : fmt::format(" {}^3", summary.units));
+}
+
+Lines size_lines(const FitSummary& summary) {
+  if (summary.maximised != FitObjective::size) return {};
+  const double size = implant_size(summary.fit.model);
+  const bool all_kept =
+      std::ranges::all_of(summary.conditions, [](const FitCondition& condition) { return condition.kept == true; });
+  const auto larger = std::ranges::count_if(summary.trials, [&](const FitTrial& trial) { return trial.size > size; });
+  std::string text = fmt::format("{}, the volumes of the primitives; ", volume(summary, size));
+  if (!all_kept)
+    text += "NOT PROVEN to keep all that is asked, nor is any other";
+  else if (larger == 0)
+    text += summary.implants > 1 ? "the largest of the series" : "the largest that the search found";
+  else
+    text += fmt::format("of {} larger no pose was found that is proven to keep all that is asked", larger);
+  return {{"size", text}};
+}
+
+/// What is known of one that was not chosen.
+std::string in_words(const FitSummary& summary, const FitTrial& trial) {
+  const FitFinalist& found = trial.fit;
+  std::string text = fmt::format(
+      "{}, F about {:.6g}", std::filesystem::path(summary.names[found.implant]).filename().string(), found.objective);
+  if (summary.maximised == FitObjective::size || summary.implants > 1) text += ", size " + volume(summary, trial.size);
+  if (found.deepest_penetration > summary.penetration_limit)
+    text += fmt::format(", bone about {:.3g}{} deep in it", found.deepest_penetration, units_of(summary));
+  for (const Feature& change : trial.changes.features)
+    text += fmt::format("; {} {} {}", change.name, outward_digits(change.value, 4), unit_of(change, summary));
+  if (!trial.open.empty()) text += fmt::format("; not proven: {}", fmt::join(trial.open, ", "));
+  return text + (trial.kept ? "" : "; limit, sides and contact not tried to be proven");
+}
+
+Lines trial_lines(const FitSummary& summary) {
+  Lines lines;
+  for (const FitTrial& trial : summary.trials)
+    lines.push_back({fmt::format("finalist {}", lines.size() + 2), in_words(summary, trial)});
+  return lines;
+}
+
 Lines proven_lines(const FitSummary& summary) {
   const Clearance& clearance = summary.clearance;
   const std::string units = units_of(summary);
@@ -248,7 +347,8 @@ Lines proven_lines(const FitSummary& summary) {
     const Lines of_surface = surface_lines(*summary.surface, units);
     lines.insert(lines.end(), of_surface.begin(), of_surface.end());
   }
-  return joined({side_lines(summary), bound_lines(summary), lines, change_lines(summary)});
+  return joined({size_lines(summary), side_lines(summary), bound_lines(summary), lines, change_lines(summary),
+                 contact_lines(summary), binding_lines(summary)});
 }
 
 Lines point_lines(const FitSummary& summary) {
@@ -399,6 +499,77 @@ JsonValue changes_json(const FitSummary& summary) {
   return changes;
 }
 
+JsonValue unit_json(ConditionUnit unit) {
+  switch (unit) {
+    case ConditionUnit::length: return "length";
+    case ConditionUnit::degrees: return "degrees";
+    case ConditionUnit::percent: return "percent";
+    case ConditionUnit::none: break;
+  }
+  return {};
+}
+
+JsonValue constraints_json(const FitSummary& summary) {
+  JsonValue::Array constraints;
+  for (const FitCondition& condition : summary.conditions) {
+    JsonValue binds;
+    if (condition.binds) binds = condition.binds == RangeEnd::lower ? "lower" : "upper";
+    constraints.push_back(JsonObject{{"name", condition.name},
+                                     {"unit", unit_json(condition.unit)},
+                                     {"value", condition.value ? JsonValue(*condition.value) : JsonValue()},
+                                     {"asked", condition.range ? JsonValue(*condition.range) : JsonValue()},
+                                     {"kept", condition.kept ? JsonValue(*condition.kept) : JsonValue()},
+                                     {"binds", binds}});
+  }
+  return constraints;
+}
+
+JsonObject contact_json(const std::string& name, const AreaWithin& contact) {
+  return {{"name", name}, {"area", contact.area}, {"within", contact.within}, {"percent", in_percent(contact.share)}};
+}
+
+JsonValue contacts_json(const FitSummary& summary) {
+  if (!summary.contact) return {};
+  JsonValue::Array shares;
+  shares.push_back(contact_json("contact", summary.contact->of_mesh));
+  for (std::size_t k = 0; k < summary.contact->by_region.size(); ++k) {
+    shares.push_back(contact_json("contact:" + summary.clearance.areas[k].area.name, summary.contact->by_region[k]));
+  }
+  if (summary.contact->of_model) shares.push_back(contact_json("implant_contact", *summary.contact->of_model));
+  return JsonObject{{"distance", summary.contact_distance}, {"shares", shares}};
+}
+
+JsonObject finalist_json(const FitSummary& summary, const FitTrial& trial) {
+  JsonValue::Array changes;
+  for (const Feature& change : trial.changes.features)
+    changes.push_back(JsonObject{{"name", change.name}, {"value", change.value}});
+  JsonValue::Array open;
+  for (const std::string& name : trial.open) open.emplace_back(name);
+  const FitFinalist& found = trial.fit;
+  return {{"implant", summary.names[found.implant]},
+          {"implant_index", found.implant},
+          {"pose", JsonObject{{"translation", found.pose.translation}, {"quaternion", found.pose.quaternion}}},
+          {"size", trial.size},
+          {"objective", found.objective},
+          {"deepest_penetration", found.deepest_penetration},
+          {"within_limit", found.within_limit},
+          {"changes", changes},
+          {"kept", trial.kept ? JsonValue(*trial.kept) : JsonValue()},
+          {"not_proven", open}};
+}
+
+JsonValue finalists_json(const FitSummary& summary) {
+  JsonValue::Array finalists;
+  for (const FitTrial& trial : summary.trials) finalists.push_back(finalist_json(summary, trial));
+  return finalists;
+}
+
+JsonValue binding_json(const FitSummary& summary) {
+  JsonValue::Array names;
+  for (const std::string& name : what_binds(summary)) names.emplace_back(name);
+  return names;
+}
+
 JsonValue areas(const FitSummary& summary) {
   JsonValue::Array areas;
   for (const AreaClearance& area : summary.clearance.areas) {
@@ -445,6 +616,17 @@ std::vector<std::string> broken_features(const FitSummary& summary) {
   return sentences;
 }
 
+std::vector<std::string> broken_contacts(const FitSummary& summary) {
+  std::vector<std::string> sentences;
+  for (const FitCondition& condition : summary.conditions) {
+    if (condition.unit != ConditionUnit::percent || condition.kept == true) continue;
+    sentences.push_back(fmt::format("{} is {} %, {} within what --keep asks", condition.name,
+                                    outward_digits(*condition.value, 4),
+                                    condition.kept ? "proven not to be" : "not proven to be"));
+  }
+  return sentences;
+}
+
 std::vector<std::string> broken_sides(const FitSummary& summary) {
   std::vector<std::string> sentences;
   for (std::size_t k = 0; k < summary.required_sides.size(); ++k) {
@@ -457,12 +639,13 @@ std::vector<std::string> broken_sides(const FitSummary& summary) {
 }
 
 std::vector<ReportLine> report_lines(const FitSummary& summary) {
-  return joined({proven_lines(summary), area_lines(summary), pose_lines(summary), point_lines(summary)});
+  return joined(
+      {proven_lines(summary), area_lines(summary), pose_lines(summary), trial_lines(summary), point_lines(summary)});
 }
 
 std::string readable(const FitSummary& summary) {
   return text_of(joined({pose_lines(summary), proven_lines(summary), point_lines(summary)})) + area_table(summary) +
-         text_of(run_lines(summary));
+         text_of(joined({trial_lines(summary), run_lines(summary)}));
 }
 
 std::string json(const FitSummary& summary) {
@@ -487,6 +670,12 @@ std::string json(const FitSummary& summary) {
       {"sides", sides_json(summary)},
       {"changes", changes_json(summary)},
       {"landmark_radius", summary.landmark_radius},
+      {"contact", contacts_json(summary)},
+      {"constraints", constraints_json(summary)},
+      {"binding", binding_json(summary)},
+      {"maximised", summary.maximised == FitObjective::size ? "size" : "fitness"},
+      {"size", implant_size(fit.model)},
+      {"finalists", finalists_json(summary)},
       {"areas", areas(summary)},
       {"points", map.points},
       {"device_verified", map.device_verified},

@@ -8,6 +8,8 @@
 #include <verisq/features.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/fit_bound.hpp>
+#include <verisq/fit_conditions.hpp>
+#include <verisq/fit_solution.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/report.hpp>
 #include <verisq/sides.hpp>
@@ -35,6 +37,12 @@ struct FitSummary {
   std::optional<Sides> sides;               ///< likewise
   FemurFeatures changes;                    ///< of the bone's features; none where its landmarks are not given
   std::vector<KeptFeature> kept;            ///< ranges asked of them
+  std::optional<ContactAreas> contact;      ///< nothing for a mesh without triangles
+  double contact_distance;                  ///< no farther is contact
+  std::vector<FitCondition> conditions;     ///< all that is asked
+  std::vector<FitTrial> trials;             ///< what was not chosen
+  std::vector<std::string> names;           ///< files of the series
+  FitObjective maximised;
   double landmark_radius;
   std::string implant;               ///< file of the chosen one
   std::size_t implants;              ///< in the series
@@ -54,6 +62,9 @@ struct FitSummary {
 
 /// A sentence for each change that is not known, or not proven to be within what is asked.
 [[nodiscard]] std::vector<std::string> broken_features(const FitSummary& summary);
+
+/// A sentence for each area of contact that is not proven to be within what is asked.
+[[nodiscard]] std::vector<std::string> broken_contacts(const FitSummary& summary);
 
 /// A sentence for each primitive that is not proven to lie where it has to.
 [[nodiscard]] std::vector<std::string> broken_sides(const FitSummary& summary);

@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <span>
 #include <utility>
 
+#include "host/deviation/deviation_check.hpp"
+#include "host/deviation/mapped_distances.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/deviation/farthest_patch.hpp"
@@ -30,30 +31,6 @@ constexpr double finest_share = 1e-6;
 constexpr double coarse_share = 1e-2;
 /// Of the width allowed: how wide samples between the vertices may be where tight ones are searched for.
 constexpr double share_of_samples = 0.05;
-
-void check_mesh(const Mesh& mesh) {
-  if (mesh.vertices.empty()) refuse("the mesh has no vertices");
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const auto& [x, y, z] = mesh.vertices[i];
-    if (std::isfinite(x) && std::isfinite(y) && std::isfinite(z)) continue;
-    refuse(fmt::format("vertex {} of the mesh, ({}, {}, {}), is not finite", i, x, y, z));
-  }
-  for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
-    for (const std::uint32_t corner : mesh.triangles[n]) {
-      if (corner < mesh.vertices.size()) continue;
-      refuse(fmt::format("triangle {} of the mesh names vertex {}, of {}", n, corner, mesh.vertices.size()));
-    }
-  }
-}
-
-void check_regions(const Mesh& mesh, const DeviationOptions& options) {
-  if (options.regions == 0) return;
-  if (options.region_of.size() != mesh.triangles.size())
-    refuse(fmt::format("{} regions for {} triangles", options.region_of.size(), mesh.triangles.size()));
-  for (const std::uint32_t region : options.region_of) {
-    if (region >= options.regions) refuse(fmt::format("there is no region {} of {}", region, options.regions));
-  }
-}
 
 void check_options(const DeviationOptions& options) {
   const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
@@ -76,33 +53,6 @@ double allowed_width(double size, const DeviationOptions& options, double boundi
 Enclosure larger(const Enclosure& a, const Enclosure& b) {
   return {std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
 }
-
-/// A mapper as a source of enclosures.
-class MappedDistances {
- public:
-  MappedDistances(const Model& model, const MapOptions& options)
-      : mapper_(std::make_shared<PointMapper>(model, options)), out_of_time_(options.out_of_time) {}
-
-  bool operator()(std::span<const Point> points, std::span<Enclosure> rows) const {
-    return !map(points, rows).interrupted && !(out_of_time_ && out_of_time_());
-  }
-
-  [[nodiscard]] MapSummary map(std::span<const Point> points, std::span<Enclosure> rows) const {
-    std::vector<Status> status(rows.size(), Status::wide);
-    return map(points, rows, status);
-  }
-
-  [[nodiscard]] MapSummary map(std::span<const Point> points, std::span<Enclosure> rows,
-                               std::span<Status> status) const {
-    if (points.empty()) return {};
-    constexpr std::ptrdiff_t stride = sizeof(Enclosure) / sizeof(double);
-    return mapper_->map(points, {rows.size(), {&rows[0].lo, stride}, {&rows[0].hi, stride}, {status.data()}});
-  }
-
- private:
-  std::shared_ptr<PointMapper> mapper_;
-  std::function<bool()> out_of_time_;
-};
 
 class DeviationRun {
  public:
@@ -278,7 +228,7 @@ bool to_tolerance(const Enclosure& distance, const DeviationOptions& options, do
 Deviation deviation(const Model& model, const Mesh& mesh, const DeviationOptions& options) {
   check_mesh(mesh);
   check_options(options);
-  check_regions(mesh, options);
+  check_regions(mesh, options.region_of, options.regions);
   return DeviationRun(model, mesh, options)();
 }
 

@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "verisq/cavity.hpp"
 #include "verify/sets/set_tree.hpp"
 #include "verisq/fitness.hpp"
 #include "verisq/model.hpp"
@@ -63,5 +65,7 @@ class CandidateEvaluator {
   /// Of every point.
   virtual void distances(const Candidate& candidate, std::vector<PointDistance>& distances) = 0;
 };
+
+using MakeEvaluator = std::function<std::unique_ptr<CandidateEvaluator>(const Cavity&)>;
 
 }  // namespace verisq::fit_search

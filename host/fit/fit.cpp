@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "host/device/device.hpp"
@@ -47,6 +48,10 @@ struct Round {
 constexpr std::array kRounds{Round{16.0, 16, {1e-3, 40}}, Round{4.0, 16, {1e-3, 40}}, Round{1.0, 8, {1e-4, 60}}};
 /// Starts that are refined with all points within the limit.
 constexpr std::size_t kFinalists = 4;
+/// In parts of the fitness' scale: poses whose surfaces are about so close are one finalist, and one start: both would
+/// climb to the same maximum.
+constexpr double kDistinct = 0.1;
+constexpr double kDistinctStarts = 0.25;
 /// Added between the points for them: they tell most poses that cut the surface from those that do not.
 constexpr std::size_t kSurfacePoints = 4096;
 /// Shares of the work on an implant, when sampling and the rounds are done.
@@ -66,6 +71,11 @@ void check(const Cavity& cavity, const FitOptions& options) {
   for (const FitConstraint& constraint : options.constraints) {
     require(constraint.range.lo <= constraint.range.hi && constraint.unit > 0.0 && constraint.value != nullptr,
             fmt::format("constraint {}: needs a range, a positive unit and a value", constraint.name));
+  }
+  for (const FitContact& contact : options.contacts) {
+    require(!contact.points.empty() && contact.weights.size() == contact.points.size() &&
+                contact.share.lo <= contact.share.hi,
+            fmt::format("contact {}: needs a range, points, and a weight for each", contact.name));
   }
   require(cavity.triangles.empty() || (options.surface_tolerance > 0.0 && std::isfinite(options.surface_tolerance)),
           fmt::format("surface tolerance: must be finite and positive, not {}", options.surface_tolerance));
@@ -182,13 +192,27 @@ class ImplantSearch {
       watch_.at(implant_, kSampled + (kClimbed - kSampled) * static_cast<double>(round + 1) / std::size(kRounds));
     }
     keep_best(starts, kFinalists);
-    for (const Pose& pose : options_.tried) refine_within_limit(full_, space_.nearest(pose));
+    for (const Pose& pose : options_.tried) refine(space_.nearest(pose));
     for (std::size_t i = 0; i < starts.size() && !watch_.interrupted(); ++i) {
-      refine_within_limit(full_, starts[i].parameters);
+      refine(starts[i].parameters);
       watch_.at(implant_,
                 kClimbed + (1.0 - kClimbed) * static_cast<double>(i + 1) / static_cast<double>(starts.size()));
     }
     return cavity_.triangles.empty() ? settled(*full_.best()) : *full_.best();
+  }
+
+  /// What each start was refined to, but for the best and what is close to a better one.
+  [[nodiscard]] std::vector<Found> others() {
+    std::vector<Found> ranked = refined_;
+    std::ranges::stable_sort(ranked, better);
+    std::vector<Found> distinct;
+    for (const Found& found : ranked) {
+      const auto is_close = [&](const Found& other) { return close(found.parameters, other.parameters, kDistinct); };
+      if (std::ranges::none_of(distinct, is_close)) distinct.push_back(found);
+    }
+    if (!distinct.empty()) distinct.erase(distinct.begin());
+    for (Found& found : distinct) found = found_in_union(found);
+    return distinct;
   }
 
   Found found_in_union(const Found& found) {
@@ -200,7 +224,8 @@ class ImplantSearch {
             .objective = depth.objective,
             .deepest_penetration = depth.deepest_penetration,
             .within_limit = depth.deepest_penetration <= options_.penetration_limit,
-            .broken = found.broken};
+            .broken = found.broken,
+            .apart = found.apart};
   }
 
  private:
@@ -211,9 +236,31 @@ class ImplantSearch {
     return {widened(options_.fitness, widening), stride, weight > 0.0 ? weight : 1.0};
   }
 
-  static void keep_best(std::vector<Ranked>& starts, std::size_t count) {
+  void refine(const Parameters& start) {
+    full_.begin_anew();
+    refine_within_limit(full_, start);
+    if (full_.best_since()) refined_.push_back(*full_.best_since());
+  }
+
+  [[nodiscard]] bool close(const Parameters& a, const Parameters& b, double scales) const {
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      if (std::fabs(a[i] - b[i]) > scales * options_.fitness.scale * space_.units()[i]) return false;
+    }
+    return true;
+  }
+
+  /// Of those that are close to each other the best alone.
+  void keep_best(std::vector<Ranked>& starts, std::size_t count) const {
     std::ranges::stable_sort(starts, [](const Ranked& a, const Ranked& b) { return a.objective > b.objective; });
-    starts.resize(std::min(starts.size(), count));
+    std::vector<Ranked> kept;
+    for (const Ranked& start : starts) {
+      if (kept.size() == count) break;
+      const auto is_close = [&](const Ranked& other) {
+        return close(start.parameters, other.parameters, kDistinctStarts);
+      };
+      if (std::ranges::none_of(kept, is_close)) kept.push_back(start);
+    }
+    starts = std::move(kept);
   }
 
   void climb(std::vector<Ranked>& starts, const Round& round) {
@@ -250,7 +297,48 @@ class ImplantSearch {
   SearchWatch& watch_;
   std::vector<double> weights_;
   FullEvaluation full_;
+  std::vector<Found> refined_;  ///< from each start
 };
+
+/// The best of an implant, and what else was refined.
+struct FoundOfImplant {
+  Found best;
+  double size;
+  std::vector<Found> others;
+};
+
+/// Of two implants of the series.
+bool better(const FoundOfImplant& a, const FoundOfImplant& b, FitObjective objective) {
+  const bool alike = a.best.broken == b.best.broken && a.best.apart == b.best.apart &&
+                     a.best.within_limit == b.best.within_limit &&
+                     (a.best.within_limit || a.best.deepest_penetration == b.best.deepest_penetration);
+  if (objective == FitObjective::size && alike && a.size != b.size) return a.size > b.size;
+  return fit_search::better(a.best, b.best);
+}
+
+FitFinalist finalist(const CandidateSpace& space, std::size_t implant, const Found& found) {
+  const Pose pose = space.pose(found.parameters);
+  return {.implant = implant,
+          .pose = pose,
+          .model = posed(space.sized(found.parameters), pose),
+          .objective = found.objective,
+          .deepest_penetration = found.deepest_penetration,
+          .within_limit = found.within_limit,
+          .kept = found.broken == 0.0 && found.apart == 0.0};
+}
+
+std::vector<FitFinalist> finalists_of(std::span<const CandidateSpace> spaces, std::span<const FoundOfImplant> found,
+                                      std::size_t chosen) {
+  std::vector<FitFinalist> finalists;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (i != chosen) finalists.push_back(finalist(spaces[i], i, found[i].best));
+  }
+  for (const Found& other : found[chosen].others) finalists.push_back(finalist(spaces[chosen], chosen, other));
+  std::ranges::stable_sort(finalists, [](const FitFinalist& a, const FitFinalist& b) {
+    return std::tuple(a.kept, a.within_limit, a.objective) > std::tuple(b.kept, b.within_limit, b.objective);
+  });
+  return finalists;
+}
 
 }  // namespace
 
@@ -267,28 +355,33 @@ Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitO
   SearchWatch watch(options, series.size());
   const std::optional<InsideTest> inside = inside_test(cavity, options);
   std::size_t implant = 0;
-  std::optional<Found> best;
+  std::vector<FoundOfImplant> all;
+  double weight = 0.0;
+  for (const double each : weights_of(cavity)) weight += each;
   for (std::size_t i = 0; i < spaces.size() && (i == 0 || !watch.interrupted()); ++i) {
     const Requirements asked{inside ? SideRequirements(*inside, options.sides[i]) : SideRequirements(),
-                             PoseConstraints(spaces[i], options.constraints, i)};
+                             PoseConstraints(spaces[i], options.constraints, i),
+                             ContactAim(options.contacts, options.fitness.scale, weight, make_evaluator),
+                             options.objective == FitObjective::size ? SizeAim(spaces[i], weight) : SizeAim()};
     ImplantSearch search(spaces[i], i, searched, asked, options, device, watch);
     Found found = search.best();
     if (!cavity.triangles.empty()) {
       found = within_surface(spaces[i], found, cavity, asked, spacing, options, device, make_evaluator, watch);
       found.objective = search.found_in_union(found).objective;
     }
-    if (best && !better(found, *best)) continue;
-    best = found;
-    implant = i;
+    all.push_back({found, implant_size(spaces[i].sized(found.parameters)), search.others()});
+    if (better(all.back(), all[implant], options.objective)) implant = i;
   }
-  const Pose pose = spaces[implant].pose(best->parameters);
+  const Found& best = all[implant].best;
+  const Pose pose = spaces[implant].pose(best.parameters);
   return {.implant = implant,
           .pose = pose,
-          .model = posed(spaces[implant].sized(best->parameters), pose),
-          .objective = best->objective,
-          .deepest_penetration = best->deepest_penetration,
-          .within_limit = best->within_limit,
-          .movement = spaces[implant].movement(best->parameters),
+          .model = posed(spaces[implant].sized(best.parameters), pose),
+          .objective = best.objective,
+          .deepest_penetration = best.deepest_penetration,
+          .within_limit = best.within_limit,
+          .movement = spaces[implant].movement(best.parameters),
+          .finalists = finalists_of(spaces, all, implant),
           .interrupted = watch.interrupted(),
           .poses = watch.poses(),
           .device = device,

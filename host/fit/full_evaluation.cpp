@@ -32,12 +32,17 @@ const FullEvaluation::Result& FullEvaluation::at(std::span<const double> paramet
   result_.deepest_penetration = std::max(-result_.evaluation.smallest_distance, 0.0);
   result_.within_limit = -result_.evaluation.smallest_distance <= penetration_limit_;
   const double broken = asked_.broken(parameters_, candidate);
-  incumbent_.offer({.parameters = parameters_,
+  if (result_.within_limit && broken == 0.0) watch_.found(result_.evaluation.objective);
+  asked_.size.add_to(result_.evaluation, candidate);
+  const double apart = asked_.contacts.add_to(result_.evaluation, candidate);
+  const Found found{.parameters = parameters_,
                     .objective = result_.evaluation.objective,
                     .deepest_penetration = result_.deepest_penetration,
                     .within_limit = result_.within_limit,
-                    .broken = broken});
-  if (result_.within_limit && broken == 0.0) watch_.found(result_.evaluation.objective);
+                    .broken = broken,
+                    .apart = apart};
+  incumbent_.offer(found);
+  latest_.offer(found);
   return result_;
 }
 

@@ -15,7 +15,7 @@ namespace verisq::fit_search {
 class FullEvaluation {
  public:
   struct Result {
-    Evaluation evaluation;
+    Evaluation evaluation;  ///< what size and contact add to the objective included
     std::vector<PointDistance> distances;
     double deepest_penetration;
     bool within_limit;
@@ -34,6 +34,9 @@ class FullEvaluation {
   [[nodiscard]] SearchWatch& watch() { return watch_; }
   /// The best of all that were evaluated.
   [[nodiscard]] const std::optional<Found>& best() const { return incumbent_.best(); }
+  /// The best of those since then.
+  void begin_anew() { latest_ = {}; }
+  [[nodiscard]] const std::optional<Found>& best_since() const { return latest_.best(); }
 
  private:
   const CandidateSpace& space_;
@@ -44,6 +47,7 @@ class FullEvaluation {
   double penetration_limit_;
   SearchWatch& watch_;
   Incumbent incumbent_;
+  Incumbent latest_;
   Parameters parameters_;
   Result result_;
 };

@@ -13,16 +13,18 @@ struct Found {
   double objective;
   double deepest_penetration;  ///< >= 0
   bool within_limit;
-  double broken;  ///< of what is asked besides, as Requirements counts
+  double broken;       ///< of what is asked besides, as Requirements counts
+  double apart = 0.0;  ///< what is missing of contact
 };
 
-/// What breaks less of what is asked; within the limit before beyond it; beyond it, the shallower; then the larger
-/// objective.
+/// What breaks less of what is asked; within the limit before beyond it; beyond it, the shallower; then what misses
+/// less of contact, which is worth no bone; then the larger objective.
 [[nodiscard]] inline bool better(const Found& a, const Found& b) {
   if (a.broken != b.broken) return a.broken < b.broken;
   if (a.within_limit != b.within_limit) return a.within_limit;
   if (!a.within_limit && a.deepest_penetration != b.deepest_penetration)
     return a.deepest_penetration < b.deepest_penetration;
+  if (a.apart != b.apart) return a.apart < b.apart;
   return a.objective > b.objective;
 }
 

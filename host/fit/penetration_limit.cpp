@@ -80,11 +80,12 @@ class LimitedRefinement {
 
   /// The objective, the watched points as constraints in parts of the scale.
   [[nodiscard]] MaximisationProblem limited_problem() {
-    MaximisationProblem result = problem(weight_, [this](std::span<const double> x, std::span<double> gradient) {
-      const Evaluation& found = cavity_.at(x).evaluation;
-      std::ranges::copy(cavity_.space().gradient(x, found.pose_gradient, found.size_gradient), gradient.begin());
-      return found.objective;
-    });
+    MaximisationProblem result =
+        problem(weight_ + cavity_.asked().most(), [this](std::span<const double> x, std::span<double> gradient) {
+          const Evaluation& found = cavity_.at(x).evaluation;
+          std::ranges::copy(cavity_.space().gradient(x, found.pose_gradient, found.size_gradient), gradient.begin());
+          return found.objective;
+        });
     result.constraints = watched_.size() + cavity_.asked().constraints.rows();
     result.constraint_tolerance = kMargin / 2.0;
     result.constrain = [this](std::span<const double> x, std::span<double> values, std::span<double> jacobian) {

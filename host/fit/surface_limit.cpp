@@ -89,7 +89,7 @@ class SurfaceSearch {
         if (futile > patient_rounds) kept_away_ *= impatience;
       } else {
         // A repaired pose is not yet the best nearby: the search goes on from there while that pays.
-        if (best && found.broken > best->broken) break;
+        if (best && (found.broken > best->broken || found.apart > best->apart)) break;
         if (best && found.objective <= best->objective + worthwhile * std::abs(best->objective)) break;
         best = found;
         futile = 0;

@@ -14,8 +14,6 @@
 
 namespace verisq::fit_search {
 
-using MakeEvaluator = std::function<std::unique_ptr<CandidateEvaluator>(const Cavity&)>;
-
 /// Constraint generation once more: a search nearby keeps off a grid of points, `spacing` apart, on the surface about
 /// the implant; where a triangle is proven to be cut deeper than the limit all the same, the deepest point known of it
 /// is added, until no triangle is. `device` is for the proofs. Returns the last candidate looked at, whose

@@ -11,6 +11,7 @@
 #include "host/errors/refusal.hpp"
 #include "host/mesh/extent.hpp"
 #include "host/planning/fit_constraints.hpp"
+#include "host/planning/fit_contacts.hpp"
 #include "host/planning/fit_sides.hpp"
 
 namespace verisq {
@@ -178,10 +179,14 @@ FitProblem fit_problem(FitRequest request) {
                      .units = {},
                      .mesh = {},
                      .bone = request.landmarks,
-                     .kept = request.kept,
+                     .kept = {},
+                     .contacts = {},
+                     .implant_contact = request.implant_contact,
                      .cavity = {},
                      .options = {.fitness = {}, .penetration_limit = request.penetration_limit, .range = {}},
                      .notices = {}};
+  for (const KeptFeature& kept : request.kept)
+    (planning::is_contact(kept.name) ? problem.contacts : problem.kept).push_back(kept);
   for (const FitImplant& implant : request.implants) {
     check_implant(implant.model, implant.name);
     problem.names.push_back(implant.name);
@@ -202,6 +207,8 @@ FitProblem fit_problem(FitRequest request) {
   problem.cavity = cavity_of(request, cut);
   tell_of_empty_areas(problem.cavity, problem.notices);
   problem.mesh = std::move(cut.mesh);
+  planning::check_contacts(problem);
+  problem.options.objective = request.objective;
   problem.options.range = range_of(request, problem.mesh);
   problem.options.seed = request.seed;
   problem.options.samples = request.samples;

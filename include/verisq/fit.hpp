@@ -34,6 +34,26 @@ struct FitConstraint {
   std::function<Enclosure(std::size_t implant, const Pose& pose)> value;
 };
 
+/// What a fit makes as large as it can.
+enum class FitObjective : std::uint8_t {
+  fitness,  ///< F of Eq. (4)
+  size,     ///< the implant: of sizes to choose from, and of a series; what is left free then serves F
+};
+
+/// The volumes of all primitives, added up, to nearest: which of several sizes of an implant is the larger. What
+/// several of them hold counts as often. Bends change no volume; what set operations cut away counts, too.
+[[nodiscard]] double implant_size(const Model& implant);
+
+/// What is asked of contact: that of these points, by weight, the share that the implant is no farther from lies within
+/// a range.
+struct FitContact {
+  std::string name;
+  std::vector<Point> points;    ///< about evenly over an area; at least one
+  std::vector<double> weights;  ///< one a point, >= 0, their sum above 0
+  double distance;              ///< no farther is contact; model units
+  Enclosure share;              ///< in [0, 1]
+};
+
 struct FitProgress {
   double objective;     ///< of the best pose so far that respects the limits; -infinity where there is none
   double done;          ///< share of the work, in [0, 1]
@@ -50,6 +70,8 @@ struct FitOptions {
   std::vector<std::vector<SurfaceSide>> sides = {};
   /// Which the search keeps to where it can: whether the values do at its pose is the caller's to see.
   std::vector<FitConstraint> constraints = {};
+  std::vector<FitContact> contacts = {};  ///< likewise
+  FitObjective objective = FitObjective::fitness;
   std::vector<Pose> tried = {};                              ///< refined besides what the search samples
   std::uint64_t seed = 1;                                    ///< the same seed on the same device gives the same pose
   std::size_t samples = 4096;                                ///< poses of the global start
@@ -65,6 +87,17 @@ struct FitMovement {
   std::vector<std::string> at_limits;  ///< which ranges end here: "translation along x", "semi-axis 2 of body", ...
 };
 
+/// What the search came across and did not choose. Nothing of it is proven.
+struct FitFinalist {
+  std::size_t implant;  ///< index in the series
+  Pose pose;
+  Model model;                 ///< of its sizes, posed
+  double objective;            ///< F, about
+  double deepest_penetration;  ///< about, where the search looked
+  bool within_limit;           ///< likewise
+  bool kept;                   ///< sides and constraints, likewise
+};
+
 struct Fit {
   std::size_t implant;         ///< index in the series
   Pose pose;                   ///< of the chosen implant, after its primitives' own poses
@@ -75,6 +108,8 @@ struct Fit {
                                ///< hundred times the tolerance
   bool within_limit;  ///< no point deeper than the limit by the search's own reckoning, no triangle proven to be
   FitMovement movement;
+  /// The best of every other implant, and the other poses of the chosen one that were refined: the best first.
+  std::vector<FitFinalist> finalists;
   bool interrupted;
   std::uint64_t poses;  ///< candidates evaluated
   std::string device;   ///< used, or "host"; with bends and set operations for what is mapped, not for the search
@@ -82,12 +117,12 @@ struct Fit {
 };
 
 /// Fits every implant of the series and returns the best: within the limit before beyond it; there the shallowest; then
-/// the largest objective; of equals the earlier. Semi-axes that are intervals are sizes to choose from (I_l <= I <=
-/// I_r), unless an implant has a bend or set operations; all other numbers must be exact. Of such implants the search
-/// climbs by distances that are right near their faces and too small beyond their edges. The functions of the options
-/// are called by one thread at a time. Throws Error(input) for an empty series or cavity, for options and points out of
-/// their ranges, for other uncertain numbers, for sides that are not those of the implants or of a surface that has
-/// none, and for devices as Mapper.
+/// the largest objective, or size; of equals the earlier. Semi-axes that are intervals are sizes to choose from (I_l <=
+/// I <= I_r), unless an implant has a bend or set operations; all other numbers must be exact. Of such implants the
+/// search climbs by distances that are right near their faces and too small beyond their edges. The functions of the
+/// options are called by one thread at a time. Throws Error(input) for an empty series or cavity, for options and
+/// points out of their ranges, for other uncertain numbers, for sides that are not those of the implants or of a
+/// surface that has none, and for devices as Mapper.
 [[nodiscard]] Fit fit(std::span<const UncertainModel> series, const Cavity& cavity, const FitOptions& options);
 
 }  // namespace verisq

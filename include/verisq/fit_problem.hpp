@@ -26,9 +26,11 @@ enum class FitSurface : std::uint8_t {
   unsided,  ///< sides do not matter
 };
 
-/// What a change of a feature has to be within.
+/// What a change of a feature, or an area of contact, has to be within.
 struct KeptFeature {
-  std::string name;  ///< as implant_changes names it
+  /// As implant_changes names it; of contact, in percent: "contact" (of the mesh's area), "contact:AREA" (of one area
+  /// of it), "implant_contact" (of the surface of the primitives that have to lie on a side; of all where none has to).
+  std::string name;
   Enclosure range;
 };
 
@@ -59,6 +61,8 @@ struct FitRequest {
   std::vector<std::string> outside = {};   ///< primitives that have to lie outside of the cavity
   std::optional<FitLandmarks> landmarks = {};
   std::vector<KeptFeature> kept = {};
+  FitObjective objective = FitObjective::fitness;
+  bool implant_contact = false;  ///< whether the implant's area of contact is asked for, too
   Completion completion = Completion::cementless;
   std::optional<double> gap = {};            ///< finite, >= 0; by default 2, where the implants' units are mm
   std::optional<double> gap_tolerance = {};  ///< finite, > 0; of cemented completion, by default half the gap
@@ -81,10 +85,12 @@ struct FitProblem {
   std::string units;                              ///< of all implants; empty when none has any
   Mesh mesh;                                      ///< cut off at the resection
   FitSurface surface = FitSurface::unsided;
-  std::optional<FitLandmarks> bone;  ///< its landmarks, where they are given
-  std::vector<KeptFeature> kept;
+  std::optional<FitLandmarks> bone;   ///< its landmarks, where they are given
+  std::vector<KeptFeature> kept;      ///< of features
+  std::vector<KeptFeature> contacts;  ///< of contact
+  bool implant_contact = false;
   Cavity cavity;                     ///< the vertices of the mesh
-  FitOptions options;                ///< but for its constraints: solve_fit adds those of `kept`
+  FitOptions options;                ///< but for its constraints: solve_fit adds those of `kept` and `contacts`
   std::vector<std::string> notices;  ///< what was taken for granted, a sentence each
 };
 

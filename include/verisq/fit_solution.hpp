@@ -5,9 +5,11 @@
 #include <optional>
 #include <vector>
 #include <verisq/clearance.hpp>
+#include <verisq/contact_area.hpp>
 #include <verisq/features.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/fit_bound.hpp>
+#include <verisq/fit_conditions.hpp>
 #include <verisq/fit_problem.hpp>
 #include <verisq/map.hpp>
 #include <verisq/mesh_clearance.hpp>
@@ -24,15 +26,31 @@ struct FitSolutionOptions {
   std::function<void(const Fit&)> found = [](const Fit&) {};  ///< a second time where the bound met a better pose
 };
 
+/// An implant in a pose that was not chosen. Of `fit` nothing is proven.
+struct FitTrial {
+  FitFinalist fit;
+  double size;            ///< implant_size
+  FemurFeatures changes;  ///< proven of this pose; none without the bone's landmarks
+  /// Whether all conditions were proven of it; nothing where that was not tried, and no change is proven to be beyond
+  /// what is asked.
+  std::optional<bool> kept;
+  std::vector<std::string> open;  ///< conditions that were not proven, by their names
+};
+
 /// Nothing of `fit` is proven.
 struct FitSolution {
   Fit fit;
+  /// What else was found, the best first; where the size is to be largest, each larger implant that was tried.
+  std::vector<FitTrial> trials = {};
   std::optional<FitBound> bound = {};  ///< nothing where it is not asked for, or the search was interrupted
   double bound_seconds = 0.0;          ///< wall time
 };
 
 /// Searches; then, where a gap is given, bounds; then searches again from what the bound came across: the better fit
-/// counts. Throws Error(input) for a gap where implants have sizes to choose from, and as `fit` and `bound_fit`.
+/// counts. Where the size is to be largest, the implants are searched and proven one after the other, the largest
+/// first, until all conditions are proven of one; where they are of none, the one counts that `fit` would choose by F.
+/// Throws Error(input) for a gap where implants have sizes to choose from, or are to be largest, and as `fit` and
+/// `bound_fit`.
 [[nodiscard]] FitSolution solve_fit(const FitProblem& problem, const FitSolutionOptions& options);
 
 /// What is proven of the fitted implant, as its numbers state it.
@@ -41,6 +59,8 @@ struct FitProof {
   std::optional<MeshClearance> surface;  ///< nothing where only vertices keep the limit
   std::optional<Sides> sides;            ///< nothing where the surface is unsided
   FemurFeatures changes;                 ///< none where the bone's landmarks are not given
+  std::optional<ContactAreas> contact;   ///< nothing for a mesh without triangles
+  std::vector<FitCondition> conditions;  ///< all that is asked
   /// What the proven objective is below the bound at most, as a share of the bound, rounded up; nothing without a
   /// bound, and unless every vertex is proven to keep the limit that the bound is for, and the objective to be
   /// positive.

@@ -10,6 +10,7 @@
 #include <verisq/closest_point.hpp>
 #include <verisq/closest_points.hpp>
 #include <verisq/columns.hpp>
+#include <verisq/contact_area.hpp>
 #include <verisq/containment.hpp>
 #include <verisq/deviation.hpp>
 #include <verisq/device.hpp>

@@ -45,15 +45,25 @@ inline constexpr std::size_t member_count<Sides> = 2;
 template <>
 inline constexpr std::size_t member_count<FitMovement> = 3;
 template <>
-inline constexpr std::size_t member_count<Fit> = 11;
+inline constexpr std::size_t member_count<FitFinalist> = 7;
+template <>
+inline constexpr std::size_t member_count<Fit> = 12;
 template <>
 inline constexpr std::size_t member_count<PromisingPose> = 3;
 template <>
 inline constexpr std::size_t member_count<FitBound> = 7;
 template <>
-inline constexpr std::size_t member_count<FitSolution> = 3;
+inline constexpr std::size_t member_count<FitTrial> = 5;
 template <>
-inline constexpr std::size_t member_count<FitProof> = 5;
+inline constexpr std::size_t member_count<FitSolution> = 4;
+template <>
+inline constexpr std::size_t member_count<AreaWithin> = 3;
+template <>
+inline constexpr std::size_t member_count<ContactAreas> = 5;
+template <>
+inline constexpr std::size_t member_count<FitCondition> = 6;
+template <>
+inline constexpr std::size_t member_count<FitProof> = 7;
 
 namespace {
 
@@ -104,6 +114,12 @@ Completion completion_of(const std::string& word) {
   if (word == "cementless") return Completion::cementless;
   if (word == "cemented") return Completion::cemented;
   throw py::value_error(fmt::format("completion must be \"cementless\" or \"cemented\", not \"{}\"", word));
+}
+
+FitObjective objective_of(const std::string& word) {
+  if (word == "fitness") return FitObjective::fitness;
+  if (word == "size") return FitObjective::size;
+  throw py::value_error(fmt::format("objective must be \"fitness\" or \"size\", not \"{}\"", word));
 }
 
 std::optional<bool> on_triangles(const std::optional<std::string>& word) {
@@ -246,8 +262,8 @@ PythonFit fit_of(const py::object& implants, const PythonMesh& mesh, const std::
                  const py::object& resection, const std::vector<std::string>& crossing,
                  const std::vector<std::string>& outside, const std::optional<py::dict>& landmarks,
                  const std::optional<std::string>& landmark_side, double landmark_radius, const Ranges& keep,
-                 const std::string& completion, const std::optional<double>& gap,
-                 const std::optional<double>& gap_tolerance, double penetration_limit,
+                 const std::string& objective, bool implant_contact, const std::string& completion,
+                 const std::optional<double>& gap, const std::optional<double>& gap_tolerance, double penetration_limit,
                  const std::optional<std::string>& on, const py::object& pose_start,
                  const std::optional<double>& translation_range, double rotation_range, const py::object& labels,
                  const Weights& weights, const std::optional<double>& bound, double bound_time, std::uint64_t seed,
@@ -260,6 +276,8 @@ PythonFit fit_of(const py::object& implants, const PythonMesh& mesh, const std::
                      .crossing = crossing,
                      .outside = outside,
                      .kept = kept_of(keep),
+                     .objective = objective_of(objective),
+                     .implant_contact = implant_contact,
                      .completion = completion_of(completion),
                      .gap = gap,
                      .gap_tolerance = gap_tolerance,
@@ -300,6 +318,32 @@ py::object sides(const PythonFit& self) {
   return result;
 }
 
+/// By the names that `keep` knows them by.
+py::object contact(const PythonFit& self) {
+  if (!self.proof.contact) return py::none();
+  py::dict result;
+  result["contact"] = self.proof.contact->of_mesh;
+  for (std::size_t k = 0; k < self.proof.contact->by_region.size(); ++k)
+    result[py::str("contact:" + self.proof.clearance.areas[k].area.name)] = self.proof.contact->by_region[k];
+  if (self.proof.contact->of_model) result["implant_contact"] = *self.proof.contact->of_model;
+  return result;
+}
+
+py::object unit(const FitCondition& self) {
+  switch (self.unit) {
+    case ConditionUnit::length: return py::str("length");
+    case ConditionUnit::degrees: return py::str("degrees");
+    case ConditionUnit::percent: return py::str("percent");
+    case ConditionUnit::none: break;
+  }
+  return py::none();
+}
+
+py::object binds(const FitCondition& self) {
+  if (!self.binds) return py::none();
+  return py::str(*self.binds == RangeEnd::lower ? "lower" : "upper");
+}
+
 std::string representation(const PythonFit& self) {
   const Enclosure& objective = self.proof.clearance.objective;
   return fmt::format("<verisq.Fit: objective in [{}, {}]{}>", objective.lo, objective.hi,
@@ -336,6 +380,36 @@ void declare_areas(py::module_& module) {
       .def_readonly("out_of_time", &FitBound::out_of_time, "Whether bound_time ended it.")
       .def_readonly("boxes", &FitBound::boxes, "Of poses, looked at.")
       .def(pickled<FitBound>());
+}
+
+void declare_conditions(py::module_& module) {
+  py::class_<AreaWithin>(module, "AreaWithin", "How much of an area is in contact, proven.")
+      .def_readonly("area", &AreaWithin::area, "Enclosure of all of it.")
+      .def_readonly("within", &AreaWithin::within, "Enclosure of what is in contact.")
+      .def_readonly("share", &AreaWithin::share, "Enclosure, in [0, 1], of that over all.")
+      .def(pickled<AreaWithin>());
+  py::class_<FitCondition>(module, "FitCondition", "What is asked of a fit, and what is proven of it.")
+      .def_readonly("name", &FitCondition::name, "\"smallest distance\", \"side of stem\", or as `keep` has it.")
+      .def_property_readonly("unit", unit, "\"length\", \"degrees\", \"percent\"; None of sides.")
+      .def_readonly("value", &FitCondition::value, "Enclosure, or None.")
+      .def_readonly("asked", &FitCondition::range, "Enclosure that it has to lie in, or None.")
+      .def_readonly("kept", &FitCondition::kept, "True or False where that is proven, else None.")
+      .def_property_readonly("binds", binds, "\"lower\" or \"upper\" where it comes close to that end, else None.")
+      .def(pickled<FitCondition>());
+  py::class_<FitTrial>(module, "FitTrial", "What a fit found and did not choose: by a search that proves nothing.")
+      .def_property_readonly(
+          "implant", [](const FitTrial& self) { return self.fit.implant; }, "Which of the series.")
+      .def_property_readonly("model", [](const FitTrial& self) { return PythonModel(self.fit.model, {}); })
+      .def_property_readonly(
+          "objective", [](const FitTrial& self) { return self.fit.objective; }, "About.")
+      .def_property_readonly(
+          "deepest_penetration", [](const FitTrial& self) { return self.fit.deepest_penetration; }, "About.")
+      .def_readonly("size", &FitTrial::size, "The volumes of the primitives, added up.")
+      .def_property_readonly(
+          "changes", [](const FitTrial& self) { return self.changes.features; }, "A list of Feature, proven.")
+      .def_readonly("kept", &FitTrial::kept, "Whether all that is asked was proven; None where it was not tried.")
+      .def_readonly("not_proven", &FitTrial::open, "Names of conditions that were not proven.")
+      .def(pickled<FitTrial>());
 }
 
 void declare_class_of_fits(py::module_& module) {
@@ -378,13 +452,22 @@ void declare_class_of_fits(py::module_& module) {
       .def_property_readonly(
           "changes", [](const PythonFit& self) { return self.proof.changes.features; },
           "A list of Feature: what the implant changes of the bone's; empty without its landmarks.")
+      .def_property_readonly("contact", contact,
+                             "For the mesh, each area and, where asked for, the implant, by the names of `keep`, an\n"
+                             "AreaWithin; None for a mesh without triangles.")
+      .def_property_readonly(
+          "conditions", [](const PythonFit& self) { return self.proof.conditions; },
+          "A list of FitCondition: all that was asked.")
+      .def_property_readonly(
+          "finalists", [](const PythonFit& self) { return self.solution.trials; },
+          "A list of FitTrial: what else was found.")
       .def_property_readonly(
           "bound", [](const PythonFit& self) { return self.solution.bound; }, "FitBound, or None.")
       .def_property_readonly(
           "gap", [](const PythonFit& self) { return self.proof.gap; },
           "What the objective is below the bound at most, as a share of it, proven; None where that is not known.")
       .def_readonly("as_asked", &PythonFit::as_asked,
-                    "Every row verified, nothing proven too deep, sides and features kept, the bound reached.")
+                    "Every row verified, nothing proven too deep, sides, features and contact kept, the bound reached.")
       .def("__repr__", representation)
       .def(pickled<PythonFit>());
 }
@@ -393,21 +476,25 @@ void declare_class_of_fits(py::module_& module) {
 
 void declare_fits(py::module_& module) {
   declare_areas(module);
+  declare_conditions(module);
   declare_class_of_fits(module);
   module.def(
       "fit", fit_of, py::arg("implants"), py::arg("mesh"), py::kw_only(), py::arg("surface") = py::none(),
       py::arg("resection") = py::none(), py::arg("crossing") = std::vector<std::string>(),
       py::arg("outside") = std::vector<std::string>(), py::arg("landmarks") = py::none(),
       py::arg("landmark_side") = py::none(), py::arg("landmark_radius") = 0.0, py::arg("keep") = Ranges(),
-      py::arg("completion") = "cementless", py::arg("gap") = py::none(), py::arg("gap_tolerance") = py::none(),
-      py::arg("penetration_limit") = 0.0, py::arg("on") = py::none(), py::arg("pose_start") = py::none(),
-      py::arg("translation_range") = py::none(), py::arg("rotation_range") = 30.0, py::arg("labels") = py::none(),
-      py::arg("weights") = Weights(), py::arg("bound") = py::none(), py::arg("bound_time") = 300.0, py::arg("seed") = 1,
-      py::arg("samples") = 4096, py::arg("tolerance") = py::none(), py::arg("device") = "auto",
+      py::arg("objective") = "fitness", py::arg("implant_contact") = false, py::arg("completion") = "cementless",
+      py::arg("gap") = py::none(), py::arg("gap_tolerance") = py::none(), py::arg("penetration_limit") = 0.0,
+      py::arg("on") = py::none(), py::arg("pose_start") = py::none(), py::arg("translation_range") = py::none(),
+      py::arg("rotation_range") = 30.0, py::arg("labels") = py::none(), py::arg("weights") = Weights(),
+      py::arg("bound") = py::none(), py::arg("bound_time") = 300.0, py::arg("seed") = 1, py::arg("samples") = 4096,
+      py::arg("tolerance") = py::none(), py::arg("device") = "auto",
       "fit(implants, mesh, *, surface=None, resection=None, crossing=(), outside=(), landmarks=None,\n"
-      "    landmark_side=None, landmark_radius=0.0, keep={}, completion=\"cementless\", gap=None, gap_tolerance=None,\n"
-      "    penetration_limit=0.0, on=None, pose_start=None, translation_range=None, rotation_range=30.0, labels=None,\n"
-      "    weights={}, bound=None, bound_time=300.0, seed=1, samples=4096, tolerance=None, device=\"auto\") -> Fit\n\n"
+      "    landmark_side=None, landmark_radius=0.0, keep={}, objective=\"fitness\", implant_contact=False,\n"
+      "    completion=\"cementless\", gap=None, gap_tolerance=None, penetration_limit=0.0, on=None, pose_start=None,\n"
+      "    translation_range=None, rotation_range=30.0, labels=None, weights={}, bound=None, bound_time=300.0, "
+      "seed=1,\n"
+      "    samples=4096, tolerance=None, device=\"auto\") -> Fit\n\n"
       "Searches for the pose and the sizes of an implant, a Model or a series of them, that serve the vertices of a\n"
       "Mesh best, and proves what it found. Semi-axes that are intervals are sizes to choose from, of unions without\n"
       "bends. Lengths are in the implants' units.\n\n"
@@ -417,7 +504,10 @@ void declare_fits(py::module_& module) {
       "crossing, outside: names of primitives that may lie anywhere, that have to lie outside. What only cuts an\n"
       "    implant lies anywhere.\n"
       "landmarks, landmark_side, landmark_radius: the bone's (a dictionary as Femur.landmarks, mm), how well known.\n"
-      "keep: for changes of the bone's features by their names (lo, hi), in which they have to be.\n"
+      "keep: for changes of the bone's features by their names (lo, hi), in which they have to be; for areas in\n"
+      "    contact (\"contact\", \"contact:AREA\", \"implant_contact\") in percent.\n"
+      "objective: \"fitness\", or \"size\": the largest implant, or sizes, of which all that is asked is proven.\n"
+      "implant_contact: encloses how much of the implant's own surface is in contact, too.\n"
       "completion, gap, gap_tolerance: \"cementless\", at most the gap apart; \"cemented\", a layer of it, to within\n"
       "    the tolerance. Defaults: 2 where units are mm; half the gap.\n"
       "penetration_limit, on: no \"triangles\" (default where there are any) or \"vertices\" deeper in the implant.\n"

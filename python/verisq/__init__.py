@@ -38,6 +38,7 @@ from . import _verisq
 from ._chunks import map_chunks
 from ._verisq import (
     AreaClearance,
+    AreaWithin,
     Bounce,
     Certificates,
     Checker,
@@ -58,6 +59,8 @@ from ._verisq import (
     Findings,
     Fit,
     FitBound,
+    FitCondition,
+    FitTrial,
     Map,
     Mapper,
     Mesh,
@@ -126,6 +129,7 @@ class Verdict(_enum.IntEnum):
 
 __all__ = [
     "AreaClearance",
+    "AreaWithin",
     "Bounce",
     "Certificates",
     "Checker",
@@ -147,6 +151,8 @@ __all__ = [
     "Findings",
     "Fit",
     "FitBound",
+    "FitCondition",
+    "FitTrial",
     "Map",
     "Mapper",
     "Mesh",

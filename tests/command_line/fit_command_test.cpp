@@ -244,6 +244,84 @@ TEST_F(FitCommand, ChoosesFromASeries) {
   EXPECT_EQ(summary["implants"], 3);
 }
 
+/// F prefers the one that leaves half a millimetre all around; larger ones fit, too, and the largest does not.
+TEST_F(FitCommand, ChoosesTheLargestThatIsProven) {
+  const std::string right = implant("right.json", "[3, 4, 8]");
+  const std::string tight = implant("tight.json", "[3.25, 4.25, 8.25]");
+  const std::string huge = implant("huge.json", "[5, 6, 10]");
+  const Outcome outcome = fit({"--implant", tight, "--implant", huge, "--implant", right, "--mesh", bone(), "-o",
+                               fitted(), "--completion", "cemented", "--gap", "0.5", "--objective", "size"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const json summary = json::parse(outcome.out);
+  EXPECT_EQ(summary["implant"], tight);
+  EXPECT_EQ(summary["maximised"], "size");
+  EXPECT_NEAR(summary["size"], 4.0 / 3.0 * std::numbers::pi * 3.25 * 4.25 * 8.25, 1e-3);
+  ASSERT_EQ(summary["finalists"].size(), 1U) << "the smaller one is not tried";
+  const json& refused = summary["finalists"][0];
+  EXPECT_EQ(refused["implant"], huge);
+  EXPECT_EQ(refused["kept"], false);
+  EXPECT_EQ(refused["not_proven"][0], "smallest distance");
+  EXPECT_EQ(read_model(fitted()).primitives[0].superquadric.semi_axes[0], 3.25);
+}
+
+TEST_F(FitCommand, SaysThatNoSizeIsProven) {
+  const std::string large = implant("large.json", "[4, 5, 9]");
+  const std::string huge = implant("huge.json", "[5, 6, 10]");
+  const Outcome outcome =
+      run({"fit",       "--any-side", "--implant",   large,  "--implant",           huge, "--mesh",           bone(),
+           "-o",        fitted(),     "--objective", "size", "--translation-range", "1",  "--rotation-range", "5",
+           "--samples", "64",         "--device",    "host", "--no-progress"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("NOT PROVEN to keep all that is asked, nor is any other"));
+  EXPECT_THAT(outcome.out, HasSubstr("finalist 2"));
+}
+
+TEST_F(FitCommand, MakesSizesAsLargeAsTheyFit) {
+  const Outcome outcome = fit({"--implant", implant("body.json", "[[2, 5], 4.2, 8.2]"), "--mesh", bone(), "-o",
+                               fitted(), "--completion", "cemented", "--gap", "0.5", "--objective", "size"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const json summary = json::parse(outcome.out);
+  EXPECT_GT(summary["sizes"][0]["semi_axes"][0], 3.1) << "of at most 3.5 between coarse facets";
+  ASSERT_EQ(summary["constraints"].size(), 1U);
+  EXPECT_EQ(summary["constraints"][0]["name"], "smallest distance");
+  EXPECT_EQ(summary["constraints"][0]["kept"], true);
+  EXPECT_EQ(summary["constraints"][0]["binds"], "lower");
+  EXPECT_EQ(summary["binding"][0], "smallest distance at 0");
+}
+
+TEST_F(FitCommand, SaysWhatASizeEndsAt) {
+  const Outcome outcome = fit(
+      {"--implant", implant("body.json", "[[2, 2.5], 4, 8]"), "--mesh", bone(), "-o", fitted(), "--objective", "size"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(json::parse(outcome.out)["binding"], ::testing::Contains("semi-axis 1 of body"));
+}
+
+/// Half a millimetre all around, but for what the facets cut off.
+TEST_F(FitCommand, EnclosesAreasInContact) {
+  const std::string boxes = R"(, "units": "mm", "areas": [{"name": "top", "box": [[-9, -9, 2], [9, 9, 99]]}])";
+  const auto shares = [&](const std::string& gap, Arguments more) {
+    more.insert(more.begin(), {"--implant", implant("body.json", "[3, 4, 8]", boxes), "--mesh", bone(), "-o", fitted(),
+                               "--pose-start", "1,-0.5,2,1,0,0,0", "--gap", gap, "--implant-contact"});
+    return fit(more);
+  };
+  const json all = json::parse(shares("0.6", {}).out)["contact"];
+  EXPECT_EQ(all["distance"], 0.6);
+  ASSERT_EQ(all["shares"].size(), 4U);
+  EXPECT_EQ(all["shares"][0]["name"], "contact");
+  EXPECT_EQ(all["shares"][1]["name"], "contact:top");
+  EXPECT_EQ(all["shares"][3]["name"], "implant_contact");
+  EXPECT_GT(all["shares"][0]["percent"]["lo"], 98.0);
+  EXPECT_LE(all["shares"][0]["percent"]["hi"], 100.0);
+  EXPECT_GT(all["shares"][3]["percent"]["lo"], 80.0) << "the poles lie open";
+
+  const Outcome kept = shares("0.6", {"--keep", "contact:top=90,100", "--keep", "implant_contact=50,100"});
+  EXPECT_EQ(kept.status, 0) << kept.err;
+  const Outcome broken = shares("0.6", {"--keep", "contact=0,50", "--translation-range", "0"});
+  EXPECT_EQ(broken.status, 3);
+  EXPECT_THAT(broken.err, HasSubstr("contact is ["));
+  EXPECT_THAT(broken.err, HasSubstr("proven not to be within what --keep asks"));
+}
+
 TEST_F(FitCommand, ChoosesSizes) {
   const Outcome outcome = fit(
       {"--implant", implant("body.json", "[[2, 5], 4.4, 8.4]"), "--mesh", bone(), "--on", "vertices", "-o", fitted()});
@@ -334,6 +412,9 @@ TEST_F(FitCommand, RefusesBadUsage) {
     expect_refused(run(options), {message});
     EXPECT_FALSE(std::filesystem::exists(fitted()));
   };
+  refused({"--objective", "beauty"}, "--objective: beauty is not one of fitness, size");
+  refused({"--objective", "size", "--bound", "5"}, "--bound: is of F, which --objective size does not maximise");
+  refused({"--keep", "contact:nose=1,2"}, "--keep contact:nose: no area has the name nose; known are elsewhere");
   refused({"--completion", "screwed"}, "--completion: screwed is not one of cementless, cemented");
   refused({"--gap", "0"}, "--gap: 0 is not above 0");
   refused({"--gap", "-1"}, "--gap: -1 is not a finite number of at least 0");

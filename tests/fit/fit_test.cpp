@@ -18,6 +18,7 @@
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
 #include "tests/fixtures/requested_count.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
 #include "verify/sets/bounding_box.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
@@ -342,6 +343,96 @@ TEST(Fit, ChoosesFromTheSeries) {
   const Fit best = fit(series, cavity, how);
   EXPECT_EQ(best.implant, 1U);
   EXPECT_LE(deviation(right, best.pose).degrees, 0.1);
+}
+
+/// Points on a sphere of this radius.
+Cavity sphere_cavity(double radius) {
+  Mesh mesh = testing::sphere_mesh(4);
+  for (Point& vertex : mesh.vertices)
+    for (double& x : vertex) x *= radius;
+  Cavity cavity{mesh.vertices, {{"all", 1.0}}, std::vector<std::uint32_t>(mesh.vertices.size(), 0)};
+  cavity.triangles = mesh.triangles;
+  return cavity;
+}
+
+UncertainModel ball(double smallest, double largest) {
+  UncertainModel ball = Model{"mm", {{"ball", {{largest, largest, largest}, {1.0, 1.0}}, {}}}, {}};
+  ball.primitives[0].semi_axes.fill({smallest, largest});
+  return ball;
+}
+
+/// F wants a layer of cement half a millimetre thick, the largest size none.
+TEST(Fit, MakesSizesAsLargeAsTheLimitLetsThem) {
+  const Cavity cavity{sphere_cavity(5.0).points, {{"all", 1.0}}, sphere_cavity(5.0).area_of};
+  const UncertainModel sizes = ball(3.0, 7.0);
+  FitOptions how = options({{0.3, -0.2, 0.1}, {1.0, 0.0, 0.0, 0.0}}, 2.0, 10.0);
+  how.samples = 128;
+  const Fit served = fit({&sizes, 1}, cavity, how);
+  how.objective = FitObjective::size;
+  const Fit largest = fit({&sizes, 1}, cavity, how);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(served.model.primitives[0].superquadric.semi_axes[axis], 4.5, 0.01);
+    EXPECT_NEAR(largest.model.primitives[0].superquadric.semi_axes[axis], 5.0, 0.01);
+  }
+  EXPECT_TRUE(largest.within_limit);
+  EXPECT_LE(largest.objective, served.objective) << "F, without what the size adds";
+  EXPECT_NEAR(implant_size(largest.model), 4.0 / 3.0 * std::numbers::pi * 125.0, 1.0);
+}
+
+/// By integration over height of what a taper makes of the sections of an ellipsoid and of a box-like solid.
+TEST(Fit, SizesAreVolumes) {
+  const auto size = [](const Superquadric& solid) { return implant_size({"", {{"", solid, {}}}, {}}); };
+  EXPECT_NEAR(size({{1.0, 2.0, 3.0}, {1.0, 1.0}}), 8.0 * std::numbers::pi, 1e-9);
+  EXPECT_NEAR(size({{1.0, 2.0, 3.0}, {1e-4, 1e-4}}), 48.0, 0.05);
+  // A frustum: sections 2/(1 + t) and 2t/(1 + t) times the middle one, which is linear in between.
+  const double t = 1.5;
+  const double a = 2.0 / (1.0 + t);
+  const double b = 2.0 * t / (1.0 + t);
+  EXPECT_NEAR(size({{1.0, 2.0, 3.0}, {1e-4, 1e-4}, t}), 48.0 * (a * a + a * b + b * b) / 3.0, 0.2);
+}
+
+/// In the middle nothing is within half a millimetre; 1 mm off it, 21 % of the sphere is.
+TEST(Fit, SeeksContactThatIsAskedFor) {
+  const Cavity cavity = sphere_cavity(5.0);
+  const UncertainModel exact = ball(4.0, 4.0);
+  FitOptions how = options({{0.1, -0.1, 0.1}, {1.0, 0.0, 0.0, 0.0}}, 1.5, 10.0);
+  how.fitness = cemented(1.0, 0.5);
+  how.surface_tolerance = 1e-3;
+  how.samples = 128;
+  const auto off_centre = [](const Fit& fit) { return vector(fit.pose.translation).norm(); };
+  EXPECT_LE(off_centre(fit({&exact, 1}, cavity, how)), 0.05);
+  how.contacts = {{.name = "contact",
+                   .points = cavity.points,
+                   .weights = std::vector<double>(cavity.points.size(), 1.0),
+                   .distance = 0.5,
+                   .share = {0.12, 1.0}}};
+  const Fit sought = fit({&exact, 1}, cavity, how);
+  EXPECT_TRUE(sought.within_limit);
+  const double t = off_centre(sought);  // the share is (1 - (4.75 + t^2)/(10 t))/2
+  EXPECT_NEAR((1.0 - (4.75 + t * t) / (10.0 * t)) / 2.0, 0.13, 0.02);
+  how.contacts[0].share = {0.9, 1.0};
+  EXPECT_TRUE(fit({&exact, 1}, cavity, how).within_limit) << "contact is worth no bone";
+  how.contacts[0].weights.pop_back();
+  EXPECT_THROW((void)fit({&exact, 1}, cavity, how), Error);
+}
+
+/// Of the others the best poses, and other poses of the chosen one.
+TEST(Fit, TellsWhatElseWasFound) {
+  const Model right = hook();
+  Model small = right;
+  for (Primitive& primitive : small.primitives)
+    for (double& axis : primitive.superquadric.semi_axes) axis *= 0.85;
+  const Cavity cavity = testing::offset_cavity(right, kGap, 60);
+  const std::vector<UncertainModel> series{small, right};
+  FitOptions how = options(moved_off(right, {2.0, -1.0, 3.0}, {0.1, 0.1, -0.1}), 8.0, 20.0);
+  how.samples = 128;
+  const Fit best = fit(series, cavity, how);
+  ASSERT_FALSE(best.finalists.empty());
+  EXPECT_TRUE(std::ranges::any_of(best.finalists, [](const FitFinalist& other) { return other.implant == 0; }));
+  for (const FitFinalist& other : best.finalists) {
+    EXPECT_LE(other.within_limit ? other.objective : -infinity, best.objective);
+    EXPECT_EQ(other.model.primitives.size(), 2U);
+  }
 }
 
 TEST(Fit, LimitHoldsInOverlapsToo) {

@@ -75,6 +75,25 @@ class MeshSearch::Pieces {
     measure(all_cells());
   }
 
+  void search_within(double distance, double width) {
+    halve_while_chosen([=, this](std::vector<bool>& chosen) {
+      for (const std::vector<std::size_t>& region : leaves_by_region())
+        choose_for_share(region, distance, width, chosen);
+    });
+  }
+
+  [[nodiscard]] std::vector<AreaWithin> within_by_region(double distance) const {
+    std::vector<AreaWithin> found;
+    for (const std::vector<std::size_t>& region : leaves_by_region()) {
+      std::vector<WeightedCell> cells;
+      for (const std::size_t i : region) cells.push_back(cell(leaves_[i]));
+      found.push_back(area_within(cells, distance));
+    }
+    return found;
+  }
+
+  [[nodiscard]] AreaWithin within(double distance) const { return area_within(all_cells(), distance); }
+
   [[nodiscard]] MeshDistances found() const {
     MeshDistances found = found_;
     const std::vector<double> uppers = largest_by_region();
@@ -289,6 +308,29 @@ class MeshSearch::Pieces {
     }
   }
 
+  [[nodiscard]] std::vector<std::vector<std::size_t>> leaves_by_region() const {
+    std::vector<std::vector<std::size_t>> regions(lower_.size());
+    for (std::size_t i = 0; i < leaves_.size(); ++i) regions[region_of(leaves_[i].piece.triangle)].push_back(i);
+    return regions;
+  }
+
+  /// Those of which it is least known how much is no farther.
+  void choose_for_share(const std::vector<std::size_t>& region, double distance, double width,
+                        std::vector<bool>& chosen) const {
+    double area = 0.0;
+    double open = 0.0;
+    std::vector<std::pair<double, std::size_t>> widths;
+    for (const std::size_t i : region) {
+      const WeightedCell leaf = cell(leaves_[i]);
+      const Enclosure part = part_up_to(leaf, distance);
+      area += leaf.weight.hi;
+      if (!(part.hi > part.lo)) continue;
+      widths.emplace_back(leaf.weight.hi * (part.hi - part.lo), i);
+      open += widths.back().first;
+    }
+    if (open > width * area) choose_widest(widths, width * area, chosen);
+  }
+
   /// False where it ended early: the leaves are as before.
   [[nodiscard]] bool halve(const std::vector<std::size_t>& chosen) {
     std::vector<Point> middles(chosen.size());
@@ -343,6 +385,18 @@ void MeshSearch::search_statistics(std::span<const double> percentiles) {
 
 std::vector<MeshDistances> MeshSearch::found_by_region() const {
   return pieces_->found_by_region();
+}
+
+void MeshSearch::search_within(double distance, double width) {
+  pieces_->search_within(distance, width);
+}
+
+std::vector<AreaWithin> MeshSearch::within_by_region(double distance) const {
+  return pieces_->within_by_region(distance);
+}
+
+AreaWithin MeshSearch::within(double distance) const {
+  return pieces_->within(distance);
 }
 
 MeshDistances MeshSearch::found() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "verify/deviation/deviation_search.hpp"
+#include "verisq/contact_area.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
 
@@ -43,6 +44,13 @@ class MeshSearch {
   void search_largest();
   /// Until mean and percentiles are.
   void search_statistics(std::span<const double> percentiles);
+
+  /// Until of each region the share of its area that is no farther than `distance` is no wider than `width`.
+  void search_within(double distance, double width);
+  /// Of each region; of one without triangles all are 0.
+  [[nodiscard]] std::vector<AreaWithin> within_by_region(double distance) const;
+  /// Of all of them.
+  [[nodiscard]] AreaWithin within(double distance) const;
 
   /// Of each region, `largest`, `where` and `mean`: its largest is as narrow as that of all if `search_largest` was not
   /// ended, its mean as it came. Of a region without triangles all are 0.

@@ -33,10 +33,11 @@ struct Part {
 class PatchMeanSearch {
  public:
   PatchMeanSearch(const Model& model, const TriangleTree& triangles, std::span<const double> percentiles,
-                  double largest, const DeviationSearch& search)
+                  double largest, const DeviationSearch& search, const std::vector<bool>& counted = {})
       : triangles_(triangles), percentiles_(percentiles), largest_(largest), search_(search) {
     for (std::uint32_t k = 0; k < model.primitives.size(); ++k) {
       surfaces_.emplace_back(model.primitives[k], k);
+      if (!counted.empty() && !counted[k]) continue;
       for (const PatchCell& octant : surfaces_.back().octants()) {
         parts_.push_back({.cell = octant, .whole = search.to_each_primitive.empty()});
       }
@@ -57,7 +58,56 @@ class PatchMeanSearch {
     return found_;
   }
 
+  ModelWithin within(double distance, double width) {
+    bool open = place(parts_);
+    ModelWithin result{.within = measured_within(distance)};
+    while (open) {
+      if (result.within.share.width() <= width) break;
+      const std::vector<std::size_t> chosen = chosen_for_share(result.within, distance, width);
+      if (chosen.empty()) break;
+      open = !search_.ended() && found_.patches + 2 * chosen.size() <= search_.most_samples && halve(chosen);
+      if (open) result.within = measured_within(distance);
+    }
+    result.patches = found_.patches;
+    result.samples = found_.samples;
+    result.ended = !open;
+    return result;
+  }
+
  private:
+  AreaWithin measured_within(double distance) {
+    cells_.clear();
+    for (const Part& part : parts_) cells_.push_back(cell(part));
+    return area_within(cells_, distance);
+  }
+
+  /// Nothing is proven by what is chosen.
+  [[nodiscard]] std::vector<std::size_t> chosen_for_share(const AreaWithin& within, double distance,
+                                                          double width) const {
+    const double share = 0.5 * within.share.lo + 0.5 * within.share.hi;
+    double area = 0.0;
+    std::vector<std::pair<double, std::size_t>> widths;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const Enclosure part = part_up_to(cells_[i], distance);
+      const Enclosure& weight = cells_[i].weight;
+      area += 0.5 * weight.lo + 0.5 * weight.hi;
+      const double open = weight.hi * (part.hi - part.lo) +
+                          weight.width() * std::max(std::abs(part.hi - share), std::abs(part.lo - share));
+      if (open > 0.0) widths.emplace_back(open, i);
+    }
+    std::vector<bool> chosen(parts_.size(), false);
+    choose_widest(widths, width * area, chosen);
+    return divisible_of(chosen);
+  }
+
+  [[nodiscard]] std::vector<std::size_t> divisible_of(const std::vector<bool>& chosen) const {
+    std::vector<std::size_t> indices;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      if (chosen[i] && surfaces_[parts_[i].cell.primitive].halves(parts_[i].cell)) indices.push_back(i);
+    }
+    return indices;
+  }
+
   void bound(std::vector<Part>& parts) {
     for (const Part& part : parts) surfaces_[part.cell.primitive].prepare(part.cell);
     const std::size_t tasks = (parts.size() + parts_a_task - 1) / parts_a_task;
@@ -192,11 +242,7 @@ class PatchMeanSearch {
     choose_for_mean(chosen);
     for (std::size_t i = 0; i < percentiles_.size(); ++i)
       choose_for_percentile(found_.percentiles[i], percentiles_[i] / 100.0, chosen);
-    std::vector<std::size_t> indices;
-    for (std::size_t i = 0; i < chosen.size(); ++i) {
-      if (chosen[i] && surfaces_[parts_[i].cell.primitive].halves(parts_[i].cell)) indices.push_back(i);
-    }
-    return indices;
+    return divisible_of(chosen);
   }
 
   void choose_for_mean(std::vector<bool>& chosen) const {
@@ -269,6 +315,11 @@ class PatchMeanSearch {
 ModelDistances distances_of_model(const Model& model, const TriangleTree& triangles,
                                   std::span<const double> percentiles, double largest, const DeviationSearch& search) {
   return PatchMeanSearch(model, triangles, percentiles, largest, search)();
+}
+
+ModelWithin model_within(const Model& model, const TriangleTree& triangles, const std::vector<bool>& counted,
+                         double distance, double width, const DeviationSearch& search) {
+  return PatchMeanSearch(model, triangles, {}, infinity, search, counted).within(distance, width);
 }
 
 }  // namespace verisq::verify

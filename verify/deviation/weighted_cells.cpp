@@ -136,6 +136,36 @@ Enclosure mean_of(std::span<const WeightedCell> cells) {
   return mean;
 }
 
+/// The mean of what the parts are.
+Enclosure share_up_to(std::span<const WeightedCell> cells, double distance) {
+  const Limit limit = limit_of(distance);
+  std::vector<WeightedCell> parts;
+  parts.reserve(cells.size());
+  for (const WeightedCell& cell : cells) parts.push_back({cell.weight, {0.0, 1.0}, part_up_to(cell, limit)});
+  return mean_of(parts);
+}
+
+Enclosure weight_up_to(std::span<const WeightedCell> cells, double distance) {
+  const Limit limit = limit_of(distance);
+  Enclosure weight{0.0, 0.0};
+  for (const WeightedCell& cell : cells) {
+    const Enclosure part = part_up_to(cell, limit);
+    weight.lo = sum(weight.lo, multiply(cell.weight.lo, part.lo, Direction::down), Direction::down);
+    weight.hi = sum(weight.hi, multiply(cell.weight.hi, part.hi, Direction::up), Direction::up);
+  }
+  return weight;
+}
+
+AreaWithin area_within(std::span<const WeightedCell> cells, double distance) {
+  if (cells.empty()) return {};
+  AreaWithin found{.area = {0.0, 0.0}, .within = weight_up_to(cells, distance), .share = share_up_to(cells, distance)};
+  for (const WeightedCell& cell : cells) {
+    found.area.lo = sum(found.area.lo, cell.weight.lo, Direction::down);
+    found.area.hi = sum(found.area.hi, cell.weight.hi, Direction::up);
+  }
+  return found;
+}
+
 Distribution::Distribution(std::span<const WeightedCell> cells) : cells_(cells) {
   lower_.reserve(cells.size());
   upper_.reserve(cells.size());

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "verisq/contact_area.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -34,6 +35,16 @@ struct WeightedCell {
 /// Of all cells together, by weight, whichever of its interval each is; where the total is not proven above 0, the hull
 /// of all ranges. Precondition: at least one cell.
 [[nodiscard]] Enclosure mean_of(std::span<const WeightedCell> cells);
+
+/// Which part of all weight, whichever of its interval each is, has distances of at most `distance`: in [0, 1].
+/// Precondition: at least one cell.
+[[nodiscard]] Enclosure share_up_to(std::span<const WeightedCell> cells, double distance);
+
+/// How much weight that is.
+[[nodiscard]] Enclosure weight_up_to(std::span<const WeightedCell> cells, double distance);
+
+/// Both, and all weight, as areas. Nothing but zeros of no cells.
+[[nodiscard]] AreaWithin area_within(std::span<const WeightedCell> cells, double distance);
 
 /// Chooses the widest of (width, index), until the others leave no more than a share of what is allowed; sorts them.
 /// Nothing is proven by this.
