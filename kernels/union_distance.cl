@@ -29,7 +29,7 @@ ALWAYS_INLINE real tapered_separation_down(local_point own, MODEL_SPACE const su
 
 // Lower bound of the signed distance of w to one primitive, by the normal at its radial projection: positive, up to
 // rounding, exactly where w is outside.
-ALWAYS_INLINE real separation_down(vector3 w, MODEL_SPACE const superquadric* s) {
+CALLED_ON_PROCESSORS real separation_down(vector3 w, MODEL_SPACE const superquadric* s) {
   const local_point q = to_local(w, s);
   if (s->taper != 0.0) return tapered_separation_down(q, s);
   const vector3 log_q = {log_or_lowest(q.point.x), log_or_lowest(q.point.y), log_or_lowest(q.point.z)};
@@ -63,7 +63,7 @@ ALWAYS_INLINE escape nearer_escape(escape known, vector3 point, real distance, i
 }
 
 // Sought from x along v, from `start` on.
-ALWAYS_INLINE escape escape_along(vector3 x, vector3 v, real start, uint count,
+CALLED_ON_PROCESSORS escape escape_along(vector3 x, vector3 v, real start, uint count,
                                   MODEL_SPACE const superquadric* primitives) {
   const real inverse_length = 1.0 / sqrt(dot_nearest(v, v));
   const vector3 u = {v.x * inverse_length, v.y * inverse_length, v.z * inverse_length};

@@ -43,9 +43,9 @@ PointPrograms point_programs(const Device& device, const std::string& memory, bo
 
 ConvexDistance::ConvexDistance(const Device& device, const PointPrograms& programs, ChunkQueue& queue,
                                std::size_t capacity, double tolerance)
-    : groups_per_block_(device.vector_width > 1 ? block_points_of_vector_work_item / device.vector_width : 1),
+    : capacity_(capacity),
+      groups_per_block_(device.vector_width > 1 ? block_points_of_vector_work_item / device.vector_width : 1),
       listed_(queue.numbers(capacity / 2 + 1)),  // as 32-bit numbers
-      scratch_(queue.numbers(capacity * scratch_per_point)),
       untapered_(kernels_of(programs.untapered, kernels::embedded_point_sources(), tolerance)) {
   if (programs.tapered) tapered_ = kernels_of(*programs.tapered, kernels::embedded_tapered_sources(), tolerance);
 }
@@ -57,27 +57,35 @@ ConvexDistance::Kernels ConvexDistance::kernels_of(const cl::Program& program, s
     kernel->set("groups_per_block", groups_per_block_);
   kernels.distance.set("listed", listed_);
   kernels.depth.set("tolerance", std::max(tolerance, smallest_interior_tolerance));
-  kernels.depth.set("scratch", scratch_);
   return kernels;
 }
 
-void ConvexDistance::enqueue(ChunkQueue& queue, const Points& points, const cl::Buffer& primitives, std::size_t index,
-                             bool tapered, std::size_t groups, const EvidenceBuffers& evidence) {
+void ConvexDistance::enqueue_distances(ChunkQueue& queue, const Points& points, const Primitive& primitive,
+                                       std::size_t groups, const EvidenceBuffers& evidence) {
   points_ = points;
-  primitives_ = primitives;
-  Kernels& kernels = tapered ? *tapered_ : untapered_;
-  kernels.distance.set("nearest", points_.nearest);
-  for (NamedKernel* const kernel : {&kernels.distance, &kernels.depth}) {
-    kernel->set("groups", groups);
-    kernel->set(coordinate_arguments, points_.coordinates);
-    kernel->set("primitives", primitives_);
-    kernel->set("index", index);
-    kernel->set(evidence_arguments, evidence);
-  }
+  of(primitive).distance.set("nearest", points_.nearest);
+  enqueue(queue, of(primitive).distance, points, primitive, groups, evidence);
+}
+
+void ConvexDistance::enqueue_depths(ChunkQueue& queue, const Points& points, const Primitive& primitive,
+                                    std::size_t groups, const EvidenceBuffers& evidence) {
+  if (scratch_() == nullptr) scratch_ = queue.numbers(capacity_ * scratch_per_point);
+  of(primitive).depth.set("scratch", scratch_);
+  enqueue(queue, of(primitive).depth, points, primitive, groups, evidence);
+}
+
+void ConvexDistance::enqueue(ChunkQueue& queue, NamedKernel& kernel, const Points& points, const Primitive& primitive,
+                             std::size_t groups, const EvidenceBuffers& evidence) {
+  points_ = points;
+  primitives_ = primitive.primitives;
+  kernel.set("groups", groups);
+  kernel.set(coordinate_arguments, points_.coordinates);
+  kernel.set("primitives", primitives_);
+  kernel.set("index", primitive.index);
+  kernel.set(evidence_arguments, evidence);
   // A vector work-item with a block is long: one a work-group lets the cores share them evenly.
   const std::size_t blocks = (groups + groups_per_block_ - 1) / groups_per_block_;
-  for (const NamedKernel* const kernel : {&kernels.distance, &kernels.depth})
-    groups_per_block_ > 1 ? queue.launch(*kernel, blocks, 1) : queue.launch(*kernel, blocks);
+  groups_per_block_ > 1 ? queue.launch(kernel, blocks, 1) : queue.launch(kernel, blocks);
 }
 
 }  // namespace verisq::device

@@ -48,11 +48,21 @@ class ConvexDistance {
     cl::Buffer nearest;  ///< smallest upper end so far
   };
 
-  /// Enqueues the primitive `index` of `primitives` for the first `groups` vectors of points. With index 0 nothing is
-  /// known yet about the points; a later one is passed over where a sphere or a box about it is farther than what was
-  /// found.
-  void enqueue(ChunkQueue& queue, const Points& points, const cl::Buffer& primitives, std::size_t index, bool tapered,
-               std::size_t groups, const EvidenceBuffers& evidence);
+  /// Of `primitives` the one of that index.
+  struct Primitive {
+    cl::Buffer primitives;
+    std::size_t index;
+    bool tapered;
+  };
+
+  /// Enqueues the distances of the first `groups` vectors of points. With index 0 nothing is known yet about the points;
+  /// a later primitive is passed over where a sphere or a box about it is farther than what was found.
+  void enqueue_distances(ChunkQueue& queue, const Points& points, const Primitive& primitive, std::size_t groups,
+                         const EvidenceBuffers& evidence);
+  /// After these, for points inside: without it their upper ends are those of any. Its kernel is compiled, and its memory
+  /// is taken, when it is first enqueued.
+  void enqueue_depths(ChunkQueue& queue, const Points& points, const Primitive& primitive, std::size_t groups,
+                      const EvidenceBuffers& evidence);
 
  private:
   /// Of one program.
@@ -61,13 +71,17 @@ class ConvexDistance {
   };
 
   [[nodiscard]] Kernels kernels_of(const cl::Program& program, std::string_view sources, double tolerance) const;
+  Kernels& of(const Primitive& primitive) { return primitive.tapered ? *tapered_ : untapered_; }
+  void enqueue(ChunkQueue& queue, NamedKernel& kernel, const Points& points, const Primitive& primitive,
+               std::size_t groups, const EvidenceBuffers& evidence);
 
+  std::size_t capacity_;
   std::size_t groups_per_block_;
   // Kernels do not keep the buffers that they are given.
   Points points_;
   cl::Buffer primitives_;
   cl::Buffer listed_;
-  cl::Buffer scratch_;
+  cl::Buffer scratch_;  // nothing until depths are enqueued
   Kernels untapered_;
   std::optional<Kernels> tapered_;
 };

@@ -39,8 +39,32 @@ PointKernels::PointKernels(const Device& device, const PointPrograms& programs, 
 }
 
 void PointKernels::enqueue(ChunkQueue& queue, std::size_t groups) {
+  enqueue_distances(queue, groups);
+  enqueue_depths(queue, groups);
+  enqueue_union(queue, groups);
+}
+
+void PointKernels::enqueue_outside(ChunkQueue& queue, std::size_t groups) {
+  enqueue_distances(queue, groups);
+  enqueue_union(queue, groups);
+}
+
+void PointKernels::enqueue_inside(ChunkQueue& queue, std::size_t groups) {
+  enqueue_depths(queue, groups);
+  enqueue_union(queue, groups);
+}
+
+void PointKernels::enqueue_distances(ChunkQueue& queue, std::size_t groups) {
   for (std::size_t index = 0; index < count_; ++index)
-    convex_distance_.enqueue(queue, points_, primitives_, index, tapered_[index], groups, views_[index]);
+    convex_distance_.enqueue_distances(queue, points_, {primitives_, index, tapered_[index]}, groups, views_[index]);
+}
+
+void PointKernels::enqueue_depths(ChunkQueue& queue, std::size_t groups) {
+  for (std::size_t index = 0; index < count_; ++index)
+    convex_distance_.enqueue_depths(queue, points_, {primitives_, index, tapered_[index]}, groups, views_[index]);
+}
+
+void PointKernels::enqueue_union(ChunkQueue& queue, std::size_t groups) {
   if (count_ == 1) return;
   union_distance_.set("groups", groups);
   queue.launch(union_distance_, groups);

@@ -30,8 +30,17 @@ class PointKernels {
 
   /// For the first `groups` vectors of points.
   void enqueue(ChunkQueue& queue, std::size_t groups);
+  /// Likewise, and final where a lower end is above 0, or an enclosure not wider than the tolerance. Others are
+  /// valid: upper ends are those of any point inside.
+  void enqueue_outside(ChunkQueue& queue, std::size_t groups);
+  /// After that: all of the others, too.
+  void enqueue_inside(ChunkQueue& queue, std::size_t groups);
 
  private:
+  void enqueue_distances(ChunkQueue& queue, std::size_t groups);
+  void enqueue_depths(ChunkQueue& queue, std::size_t groups);
+  void enqueue_union(ChunkQueue& queue, std::size_t groups);
+
   std::size_t count_;  // of primitives
   // Kernels do not keep the buffers that they are given.
   cl::Buffer primitives_;

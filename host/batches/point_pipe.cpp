@@ -5,6 +5,7 @@
 #include <array>
 #include <deque>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -76,8 +77,10 @@ class PipeSlot {
     point_rows_.set("of_items", cl::Local(group_size_ * sizeof(RowSums)));
   }
 
-  void start(const PointColumns& points, const ResultColumns& rows) {
+  /// `searched`: whether points inside are searched at once, or when it is known that there are some.
+  void start(const PointColumns& points, const ResultColumns& rows, bool searched) {
     size_ = points.size();
+    searched_ = searched;
     bound_ = memory_->bind(queue_, points, rows);
     point_columns_.set("size", size_);
     for (std::size_t i = 0; i < 3; ++i) set(point_columns_, std::string(axes[i]), bound_.coordinates[i]);
@@ -86,25 +89,29 @@ class PipeSlot {
     set(point_rows_, "hi", bound_.ends[1]);
     set(point_rows_, "status", bound_.status);
 
-    const std::size_t groups = (size_ + width_ - 1) / width_;
-    const std::size_t column_items = (groups + vectors_of_columns() - 1) / vectors_of_columns();
+    const std::size_t column_items = (groups() + vectors_of_columns() - 1) / vectors_of_columns();
     group_size_ == 1 ? queue_.launch(point_columns_, column_items, 1) : queue_.launch(point_columns_, column_items);
-    kernels_.enqueue(queue_, groups);
-    queue_.launch(point_rows_, blocks_of(size_) * group_size_, group_size_);
-    memory_->fetch(queue_);
-    sums_of_blocks_.resize(blocks_of(size_));
-    queue_.read_bytes(sums_, std::as_writable_bytes(std::span(sums_of_blocks_)));
     queue_.read_bytes(refused_, std::as_writable_bytes(std::span(&is_refused_, 1)));
-    queue_.flush();
+    searched_ ? kernels_.enqueue(queue_, groups()) : kernels_.enqueue_outside(queue_, groups());
+    enqueue_rows();
   }
 
   std::vector<Running> finish() {
     const Release release(*this);
     std::vector<Running> times = queue_.finish();
+    if (!searched_ && may_be_inside()) {
+      searched_ = true;
+      kernels_.enqueue_inside(queue_, groups());
+      enqueue_rows();
+      std::ranges::copy(queue_.finish(), std::back_inserter(times));
+    }
     memory_->deliver();
     if (is_refused_ != 0) forget_refused();
     return times;
   }
+
+  /// Of the chunk that was finished last.
+  [[nodiscard]] bool searched() const { return searched_; }
 
   // Precondition: finished.
   [[nodiscard]] ChunkOutcome outcome() {
@@ -134,6 +141,20 @@ class PipeSlot {
     PipeSlot& slot_;
   };
 
+  void enqueue_rows() {
+    queue_.launch(point_rows_, blocks_of(size_) * group_size_, group_size_);
+    memory_->fetch(queue_);
+    sums_of_blocks_.resize(blocks_of(size_));
+    queue_.read_bytes(sums_, std::as_writable_bytes(std::span(sums_of_blocks_)));
+    queue_.flush();
+  }
+
+  // A point inside whose depth is not searched has a row as wide as it is deep, so that it is open, or wide.
+  [[nodiscard]] bool may_be_inside() const {
+    return std::ranges::any_of(sums_of_blocks_, [](const RowSums& s) { return s.open > 0 || s.wide_inside > 0; });
+  }
+
+  [[nodiscard]] std::size_t groups() const { return (size_ + width_ - 1) / width_; }
   static std::size_t blocks_of(std::size_t size) { return (size + rows_of_block - 1) / rows_of_block; }
   // A graphics processor's work-item takes one point, next to those of its neighbours.
   [[nodiscard]] std::size_t vectors_of_columns() const { return group_size_ == 1 ? rows_of_block / width_ : 1; }
@@ -152,6 +173,7 @@ class PipeSlot {
   cl::Buffer sums_;
   BoundChunk bound_;
   std::size_t size_ = 0;
+  bool searched_ = false;
   std::vector<RowSums> sums_of_blocks_;
   cl_uint is_refused_ = 0;
   std::vector<RowBlock> blocks_;
@@ -176,13 +198,14 @@ class DevicePipe final : public PointPipe {
     PipeSlot& slot = slots_[next_];
     in_flight_.push_back(next_);  // first: what begins before a failure must end, too
     next_ = (next_ + 1) % slots_.size();
-    reporting_failures(device_, [&] { slot.start(points, rows); });
+    reporting_failures(device_, [&] { slot.start(points, rows, has_points_inside_); });
   }
 
   ChunkOutcome collect() override {
     PipeSlot& oldest = slots_[in_flight_.front()];
     in_flight_.pop_front();
     busy_.add(reporting_failures(device_, [&] { return oldest.finish(); }));
+    has_points_inside_ = has_points_inside_ || oldest.searched();
     return oldest.outcome();
   }
 
@@ -214,6 +237,9 @@ class DevicePipe final : public PointPipe {
   std::vector<PipeSlot> slots_;
   std::deque<std::size_t> in_flight_;
   std::size_t next_ = 0;
+  // Depths are searched together with distances once a chunk has asked for them: before, maps without any wait neither
+  // for their kernel's compilation nor, in every chunk, for it to find nothing.
+  bool has_points_inside_ = false;
   BusyTime busy_;
 };
 

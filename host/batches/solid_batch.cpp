@@ -167,7 +167,13 @@ class SolidSlot : public ChunkSlot {
 
   // On its own: what was found for other primitives says nothing about a tree of set operations.
   void enqueue_convex(std::size_t i) {
-    convex_distance_->enqueue(queue_, points_, parts_[i].convex, 0, parts_[i].tapered, groups(), views_[i]);
+    enqueue_convex(points_, {parts_[i].convex, 0, parts_[i].tapered}, views_[i]);
+  }
+
+  void enqueue_convex(const ConvexDistance::Points& points, const ConvexDistance::Primitive& primitive,
+                      const EvidenceBuffers& evidence) {
+    convex_distance_->enqueue_distances(queue_, points, primitive, groups(), evidence);
+    convex_distance_->enqueue_depths(queue_, points, primitive, groups(), evidence);
   }
 
   void enqueue_bent(std::size_t i) {
@@ -194,7 +200,7 @@ class SolidSlot : public ChunkSlot {
     of_balls_[1] = window(ball_his_);
     const ConvexDistance::Points centres{{window(centres_[0]), window(centres_[1]), window(centres_[2])},
                                          window(wanted_balls_)};
-    convex_distance_->enqueue(queue_, centres, parts_[i].convex, 1, parts_[i].tapered, groups(), of_balls_);
+    enqueue_convex(centres, {parts_[i].convex, 1, parts_[i].tapered}, of_balls_);
   }
 
   std::size_t solid_width_;  // of the kernels of the model's own program
