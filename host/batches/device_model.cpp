@@ -8,7 +8,7 @@
 
 #include "host/batches/model_memory.hpp"
 #include "host/batches/primitive_parameters.hpp"
-#include "verify/proof/convex_union.hpp"
+#include "verify/search/has_taper.hpp"
 
 namespace verisq::device {
 namespace {

@@ -14,6 +14,7 @@
 #include "host/maps/rough_distance.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "verify/proof/convex_union.hpp"
+#include "verify/search/has_taper.hpp"
 #include "verify/search/witness_estimate.hpp"
 #include "verify/sets/coarse_distance.hpp"
 #include "verify/sets/set_tree.hpp"
