@@ -26,6 +26,10 @@ struct MapKind {
   std::optional<std::uint64_t> rows;  ///< how many there will be; nothing where that is not known
 };
 
+[[nodiscard]] constexpr bool has_certificates(MapContents contents) {
+  return contents == MapContents::certified || contents == MapContents::covered;
+}
+
 /// What `MapWriter` was given in one call.
 struct MapChunk {
   std::span<const Point> points;  ///< may be left out where there is a mesh

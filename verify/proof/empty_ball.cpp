@@ -185,8 +185,8 @@ struct EmptyBall::Look {
     const auto side = [&](std::size_t i) { return subtracts && i > 0 ? opposite(wanted) : wanted; };
     cut_by(set, wanted);
     for (std::size_t i = 0; !unites && i < set.operands.size(); ++i) cut_by(set.operands[i], side(i));
-    bool result = !unites && is_far();
-    for (std::size_t i = 0; i < set.operands.size() && result != unites; ++i) {
+    bool result = unites || is_far();  // of a union all operands have to be far, of an intersection one
+    for (std::size_t i = 0; i < set.operands.size() && result == unites; ++i) {
       if (unites || !set.operands[i].operands.empty()) result = is_far(set.operands[i], side(i));
     }
     cuts = before;
@@ -229,17 +229,11 @@ EmptyBall::EmptyBall(const SetExpression& set, std::span<const PosedPrimitive> p
   }
 }
 
-EmptyBall::Cell EmptyBall::whole() const {
-  return {{}, {radius_, radius_, radius_}};
-}
-
 std::array<EmptyBall::Cell, 2> EmptyBall::halves(const Cell& cell) {
   const auto axis = static_cast<std::size_t>(cell.depth % 3);
   std::array<Cell, 2> result{cell, cell};
-  for (Cell& half : result) {
-    half.half[axis] = multiply(cell.half[axis], Real(0.5), Direction::up);
-    ++half.depth;
-  }
+  for (Cell& each : result) each.half[axis] = multiply(cell.half[axis], Real(0.5), Direction::up);
+  for (Cell& each : result) ++each.depth;
   result[0].offset[axis] = subtract(cell.offset[axis], result[0].half[axis], Direction::down);
   result[1].offset[axis] = add(cell.offset[axis], result[1].half[axis], Direction::up);
   return result;
@@ -260,10 +254,7 @@ bool EmptyBall::is_covered_by(const std::vector<bool>& cover) const {
     const Cell cell = open.back();
     open.pop_back();
     if (!halved && !is_empty(cell)) return false;
-    if (!halved) continue;
-    const auto [first, second] = halves(cell);
-    open.push_back(second);
-    open.push_back(first);
+    if (halved) open.insert(open.end(), {halves(cell)[1], halves(cell)[0]});
   }
   return open.empty();
 }

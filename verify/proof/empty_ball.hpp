@@ -41,7 +41,7 @@ class EmptyBall {
   /// Whether the cells of the cover, as Certificate states it, are all proven.
   [[nodiscard]] bool is_covered_by(const std::vector<bool>& cover) const;
 
-  [[nodiscard]] Cell whole() const;
+  [[nodiscard]] Cell whole() const { return {{}, {radius_, radius_, radius_}}; }
   [[nodiscard]] static std::array<Cell, 2> halves(const Cell& cell);  ///< across x, y, z in turn
   /// Whether the part of the ball in the cell is proven to hold nothing of the set.
   [[nodiscard]] bool is_empty(const Cell& cell) const;
