@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "verify/proof/posed_superquadric.hpp"
+#include "verify/search/certified_distance.hpp"
 
 namespace verisq::device {
 namespace {

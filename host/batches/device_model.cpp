@@ -9,7 +9,7 @@
 #include "host/batches/model_memory.hpp"
 #include "host/batches/primitive_parameters.hpp"
 #include "host/batches/rows_side_by_side.hpp"
-#include "verify/proof/convex_union.hpp"
+#include "verify/search/has_taper.hpp"
 
 namespace verisq::device {
 namespace {

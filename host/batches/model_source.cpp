@@ -9,7 +9,7 @@
 
 #include "host/batches/model_terms.hpp"
 #include "kernels/embedded_sources.hpp"
-#include "verify/proof/convex_union.hpp"
+#include "verify/search/has_taper.hpp"
 #include "verify/sets/set_tree.hpp"
 
 namespace verisq::device {

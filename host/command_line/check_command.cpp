@@ -28,7 +28,6 @@
 #include "host/maps/tightest_enclosure.hpp"
 #include "host/mesh/extent.hpp"
 #include "host/threads/parallel.hpp"
-#include "verify/proof/convex_union.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -233,14 +232,10 @@ ExitStatus check_map_file(const CheckArguments& arguments) {
   watch_for_interruption();
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
   const Model largest = bracket(model).largest;
-  if (!verify::is_union(largest)) {
-    refuse(fmt::format("{}: has no certificates to check, because of csg other than the union of all primitives",
-                       arguments.inputs.model));
-  }
   MapReader map(arguments.map);
   if (map.elements() == MapElements::triangles && !is_union_of_convex(largest)) {
-    refuse(fmt::format("{}: triangles about bent solids, as in {}, have no certificates to check", arguments.map,
-                       arguments.inputs.model));
+    refuse(fmt::format("{}: triangles about bent solids or set operations, as in {}, have no certificates to check",
+                       arguments.map, arguments.inputs.model));
   }
   const Checker checker(model, arguments.point_radius);
 

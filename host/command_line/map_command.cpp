@@ -81,12 +81,26 @@ double tolerance_of(const MapArguments& arguments, const Model& largest) {
 /// The library refuses the same without naming file and option.
 void refuse_what_needs_convexity(const Model& model, const MapArguments& arguments) {
   if (is_union_of_convex(model)) return;
-  const bool has_certificates = verify::is_union(model) && arguments.on == MapElements::vertices;
   const auto refuse_option = [&](std::string_view option) {
     refuse(fmt::format("{}: {}: not supported for bends, nor for csg other than the union of all primitives", option,
                        arguments.inputs.model));
   };
-  if (arguments.certificates && !has_certificates) refuse_option("--certificates");
+  if (arguments.certificates && arguments.on == MapElements::triangles)
+    refuse_option("--certificates with --on triangles");
+  if (arguments.certificates && !verify::is_union(model)) {
+    if (!arguments.report.html.empty()) {
+      refuse(
+          fmt::format("--report with --certificates: {}: the page proves unions of primitives, not other csg; write "
+                      "the certificates by -o alone",
+                      arguments.inputs.model));
+    }
+    if (arguments.point_radius > 0.0) {
+      refuse(
+          fmt::format("--certificates with --point-radius: {}: not supported for csg other than the union of all "
+                      "primitives",
+                      arguments.inputs.model));
+    }
+  }
   if (arguments.method == Method::published) refuse_option("--method published");
 }
 
@@ -121,7 +135,15 @@ void check_closest_points(const MapArguments& arguments) {
   if (arguments.on == MapElements::triangles) refuse("--closest-points: of vertices or points, not --on triangles");
 }
 
-MapContents contents_of(const MapArguments& arguments) {
+/// A page proves by single primitives alone, and so its map does; and what is not exact.
+bool has_covers(const UncertainModel& model, const MapArguments& arguments) {
+  const bool single = model.primitives.size() == 1 && is_union_of_convex(bracket(model).largest);
+  return arguments.certificates && arguments.on == MapElements::vertices && arguments.report.html.empty() &&
+         arguments.point_radius == 0.0 && is_exact(model) && !single;
+}
+
+MapContents contents_of(const UncertainModel& model, const MapArguments& arguments) {
+  if (has_covers(model, arguments)) return MapContents::covered;
   if (arguments.certificates) return MapContents::certified;
   return asks_for_closest_points(arguments) ? MapContents::closest_points : MapContents::enclosures;
 }
@@ -307,7 +329,7 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
     return mapper;
   };
   MapRequest request{.elements = elements,
-                     .contents = contents_of(arguments),
+                     .contents = contents_of(model, arguments),
                      .output = arguments.output,
                      .format = format_of(arguments),
                      .columns = arguments.columns,
@@ -327,7 +349,7 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
     };
   }
   // At a time limit there is another reason.
-  if (arguments.certificates && !limit.given()) {
+  if (arguments.certificates && !limit.given() && !options.covers) {
     const bool bent = !is_union_of_convex(bracket(model).largest);
     if (bent) request.why_wide_inside = depth_of_bends;
     if (!bent && model.primitives.size() > 1) request.why_wide_inside = depth_of_overlaps;
@@ -398,9 +420,9 @@ void declare_map(Options& options, MapArguments& arguments) {
   options.add_flag(
       "--certificates", arguments.certificates,
       "Write what proves each enclosure again, for `verisq check`: .csv .vtp; the page of --report then proves itself\n"
-      "again in any browser. Points inside are proven by one primitive alone: where primitives overlap, rows are "
-      "wider\n"
-      "than without, and may be wide. Of bent primitives rows of points, by the host, and not by the page");
+      "again in any browser, but for set operations; there, rows in overlaps are proven by one primitive alone, and "
+      "may\n"
+      "be wide. What single primitives do not prove, of bends, overlaps and set operations, the host proves by covers");
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
@@ -416,6 +438,7 @@ ExitStatus run_map(const MapArguments& arguments) {
   MapOptions options{.tolerance = tolerance_of(arguments, largest),
                      .device = arguments.device,
                      .certificates = arguments.certificates,
+                     .covers = has_covers(model, arguments),
                      .method = arguments.method,
                      .point_radius = arguments.point_radius,
                      .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty, arguments.inputs.pose),

@@ -28,6 +28,10 @@ void CertificateColumns::append(const Certificate& certificate) {
     further_normal.push_back(normals[k].vector);
   }
   further_normals_end.push_back(static_cast<std::int64_t>(further_primitive.size()));
+  if (!covered) return;
+  witness.push_back(certificate.witness.value_or(no_escape));
+  cover.insert(cover.end(), certificate.cover.begin(), certificate.cover.end());
+  cover_end.push_back(static_cast<std::int64_t>(cover.size()));
 }
 
 CertificateColumns::Range CertificateColumns::further_normals(std::size_t row) const {
@@ -47,6 +51,11 @@ void CertificateColumns::read(std::size_t row, Certificate& certificate) const {
   const bool of_vertex = elements == MapElements::vertices;
   certificate.escape = of_vertex ? unless_none(escape[row]) : std::nullopt;
   certificate.weights = of_vertex ? std::nullopt : unless_none(weights[row]);
+  certificate.witness = covered ? unless_none(witness[row]) : std::nullopt;
+  certificate.cover.clear();
+  if (!covered) return;
+  const std::int64_t first = row == 0 ? 0 : cover_end[row - 1];
+  certificate.cover.assign(cover.begin() + first, cover.begin() + cover_end[row]);
 }
 
 }  // namespace verisq

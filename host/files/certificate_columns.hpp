@@ -27,6 +27,11 @@ struct CertificateColumns {
   std::vector<std::int32_t> further_primitive;
   std::vector<Point> further_normal;
 
+  bool covered = false;                 ///< whether there are those below
+  std::vector<Point> witness;           ///< or no_escape
+  std::vector<std::int64_t> cover_end;  ///< after the last of the row's in the table below
+  std::vector<std::uint8_t> cover;      ///< 1 or 0
+
   /// Precondition: indices of primitives below 2^31 (those of any model in memory are), the escape and the
   /// weights not NaN.
   void append(const Certificate& certificate);

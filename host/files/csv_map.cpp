@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/files/cover_digits.hpp"
 #include "host/files/csv_map_header.hpp"
 #include "host/files/map_columns.hpp"
 #include "host/files/map_format.hpp"
@@ -38,7 +39,7 @@ void append_fields(fmt::memory_buffer& text, const std::optional<std::array<doub
 }
 
 /// The certificate's fields, each after a comma.
-void append_certificate(fmt::memory_buffer& text, const Certificate& certificate, MapElements elements) {
+void append_certificate(fmt::memory_buffer& text, const Certificate& certificate, const MapKind& kind) {
   const auto end = std::back_inserter(text);
   if (certificate.normals.empty()) {
     fmt::format_to(end, FMT_COMPILE(",,,,,"));
@@ -50,11 +51,14 @@ void append_certificate(fmt::memory_buffer& text, const Certificate& certificate
     const auto& [primitive, vector] = certificate.normals[k];
     fmt::format_to(end, FMT_COMPILE("{}{}:{}:{}:{}"), k == 1 ? "" : " ", primitive, vector[0], vector[1], vector[2]);
   }
-  if (elements == MapElements::vertices) {
+  if (kind.elements == MapElements::vertices) {
     append_fields(text, certificate.escape);
   } else {
     append_fields(text, certificate.weights);
   }
+  if (kind.contents != MapContents::covered) return;
+  append_fields(text, certificate.witness);
+  fmt::format_to(end, FMT_COMPILE(",{}"), digits_of_cover(certificate.cover));
 }
 
 std::vector<MapColumn> columns_of(const MapKind& kind) {
@@ -67,6 +71,7 @@ std::vector<MapColumn> columns_of(const MapKind& kind) {
 }
 
 std::string header(const MapKind& kind) {
+  if (kind.contents == MapContents::covered) return std::string(csv_covered_map_header);
   if (kind.contents == MapContents::certified) {
     return std::string(kind.elements == MapElements::vertices ? csv_certified_map_header
                                                               : csv_certified_triangle_map_header);
@@ -108,8 +113,7 @@ class CsvMap final : public MapFormat {
       texts_[p].clear();
       for (std::size_t k = pieces[p].first; k < pieces[p].first + pieces[p].count; ++k) {
         append_row(texts_[p], rows[k]);
-        if (kind_.contents == MapContents::certified)
-          append_certificate(texts_[p], chunk.certificates[k], kind_.elements);
+        if (has_certificates(kind_.contents)) append_certificate(texts_[p], chunk.certificates[k], kind_);
         texts_[p].push_back('\n');
       }
     });

@@ -12,6 +12,11 @@ inline constexpr std::string_view csv_map_header = "index,lo,hi,status";
 inline constexpr std::string_view csv_certified_map_header =
     "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,escape_x,escape_y,escape_z";
 
+/// The same with witnesses and covers, these as hexadecimal digits.
+inline constexpr std::string_view csv_covered_map_header =
+    "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,escape_x,escape_y,escape_z,"
+    "witness_x,witness_y,witness_z,cover";
+
 /// The same of triangles, whose certificates have weights instead of an escape.
 inline constexpr std::string_view csv_certified_triangle_map_header =
     "index,lo,hi,status,primitive,normal_x,normal_y,normal_z,further_normals,weight_1,weight_2";

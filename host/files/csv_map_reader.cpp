@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
 
+#include "host/files/cover_digits.hpp"
 #include "host/files/csv_map_header.hpp"
 #include "host/files/input_file.hpp"
 #include "host/files/map_rows.hpp"
@@ -31,6 +35,8 @@ std::array<std::string_view, N> split(std::string_view text, char separator) {
   return parts;
 }
 
+constexpr std::array<std::string_view, 3> escape_names{"escape_x", "escape_y", "escape_z"};
+
 class CsvRows final : public MapRows {
  public:
   CsvRows(const std::filesystem::path& path, MapExtent extent)
@@ -54,7 +60,8 @@ class CsvRows final : public MapRows {
 
   MapElements read_header() {
     const std::string_view header = file_.next_line().value_or("");
-    if (header == csv_certified_map_header) return MapElements::vertices;
+    covered_ = header == csv_covered_map_header;
+    if (covered_ || header == csv_certified_map_header) return MapElements::vertices;
     if (header == csv_certified_triangle_map_header) return MapElements::triangles;
     if (header == csv_map_header) file_.fail(without_certificates);
     file_.fail(fmt::format("{}: not the header of a map: expected {}; of triangles {}", in_quotes(header),
@@ -68,8 +75,8 @@ class CsvRows final : public MapRows {
         split<10>(line, ',');
     check_index(index);
     row.result = {{end(lo, "lo"), end(hi, "hi")}, status_of(status)};
-    auto& [normals, escape, weights] = row.certificate;
-    normals.clear();
+    row.certificate = {};
+    std::vector<Normal>& normals = row.certificate.normals;
     if (const auto vector = optional_numbers<3>({normal_x, normal_y, normal_z}, {"normal_x", "normal_y", "normal_z"})) {
       normals.push_back({primitive_of(primitive), *vector});
       read_further_normals(further_normals, normals);
@@ -77,19 +84,31 @@ class CsvRows final : public MapRows {
       expect_none(primitive, "primitive");
       expect_none(further_normals, "further_normals");
     }
-    escape.reset();
-    weights.reset();
-    if (elements_ == MapElements::vertices) {
-      escape = optional_numbers(split<3>(rest, ','), {"escape_x", "escape_y", "escape_z"});
+    if (covered_) {
+      read_covered(rest, row.certificate);
+    } else if (elements_ == MapElements::vertices) {
+      row.certificate.escape = optional_numbers(split<3>(rest, ','), escape_names);
     } else {
-      weights = optional_numbers(split<2>(rest, ','), {"weight_1", "weight_2"});
+      row.certificate.weights = optional_numbers(split<2>(rest, ','), {"weight_1", "weight_2"});
     }
+  }
+
+  /// Escape, witness and cover.
+  void read_covered(std::string_view text, Certificate& certificate) const {
+    const auto [escape_x, escape_y, escape_z, x, y, z, digits] = split<7>(text, ',');
+    certificate.escape = optional_numbers<3>({escape_x, escape_y, escape_z}, escape_names);
+    certificate.witness = optional_numbers<3>({x, y, z}, {"witness_x", "witness_y", "witness_z"});
+    if (digits.empty()) return;
+    std::optional<std::vector<bool>> cover = cover_from(digits);
+    if (!cover) file_.fail(fmt::format("cover = {}: not the digits of a whole cover", in_quotes(digits)));
+    certificate.cover = *std::move(cover);
   }
 
   void check_fields(std::string_view line) const {
     const std::size_t fields = fields_of(line);
-    const std::size_t expected =
-        fields_of(elements_ == MapElements::vertices ? csv_certified_map_header : csv_certified_triangle_map_header);
+    const std::size_t expected = fields_of(covered_                             ? csv_covered_map_header
+                                           : elements_ == MapElements::vertices ? csv_certified_map_header
+                                                                                : csv_certified_triangle_map_header);
     if (fields == expected) return;
     file_.fail(fmt::format("{}: {} fields, expected {}", in_quotes(line), fields, expected));
   }
@@ -154,6 +173,7 @@ class CsvRows final : public MapRows {
 
   InputFile file_;
   MapExtent extent_;
+  bool covered_ = false;  ///< set by reading the header: declared before
   MapElements elements_;
   std::int64_t next_index_ = 0;
 };

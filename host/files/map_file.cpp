@@ -59,7 +59,7 @@ Maker maker_for(const std::filesystem::path& path, const MapForm& form) {
     refuse(fmt::format("unknown map format {}: known are .csv, .npy, .vtp, .ply, .json",
                        in_quotes(form.format.empty() ? path.extension().string() : form.format)));
   }
-  const bool certified = form.contents == MapContents::certified;
+  const bool certified = has_certificates(form.contents);
   if (form.elements == MapElements::poses) {
     if (!format->poses) {
       refuse(fmt::format("maps of poses are written to {} only", extensions_with(&FormatTraits::poses)));
@@ -68,6 +68,9 @@ Maker maker_for(const std::filesystem::path& path, const MapForm& form) {
   }
   if (certified && !format->certificates) {
     refuse(fmt::format("certificates are written to {} only", extensions_with(&FormatTraits::certificates)));
+  }
+  if (form.contents == MapContents::covered && form.elements != MapElements::vertices) {
+    refuse("covers are those of points only");
   }
   if (form.contents == MapContents::closest_points) {
     if (form.elements == MapElements::triangles) refuse("closest points are those of points and poses only");

@@ -27,6 +27,10 @@ struct MapKind {
   std::uint64_t first_row = 0;        ///< its index
 };
 
+[[nodiscard]] constexpr bool has_certificates(MapContents contents) {
+  return contents == MapContents::certified || contents == MapContents::covered;
+}
+
 /// What `MapWriter` was given in one call.
 struct MapChunk {
   std::span<const Point> points;  ///< may be left out where there is a mesh

@@ -37,6 +37,9 @@ class Declarations {
     text_ += "    <FieldData>\n";
     add("Int32", "further_primitive", 1, sizeof(std::int32_t) * count, length);
     add("Float64", "further_normal", 3, 3 * word * count, length);
+    if (const auto bits = layout_.cover_bits) {
+      add("UInt8", "cover", 1, *bits, fmt::format(" NumberOfTuples=\"{}\"", *bits));
+    }
     text_ += "    </FieldData>\n";
   }
 
@@ -73,6 +76,9 @@ class Declarations {
       add("Float64", "weights", 2, 2 * word * rows);
     }
     add("Int64", "further_normals_end", 1, word * rows);
+    if (!layout_.cover_bits) return;
+    add("Float64", "witness", 3, 3 * word * rows);
+    add("Int64", "cover_end", 1, word * rows);
   }
 
   void add_closest_points(std::uint64_t rows) {

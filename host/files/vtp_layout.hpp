@@ -15,6 +15,7 @@ struct VtpLayout {
   std::uint64_t triangles;
   std::optional<std::uint64_t> further_normals;  ///< how many; nothing without certificates
   bool closest_points = false;
+  std::optional<std::uint64_t> cover_bits = {};  ///< how many; nothing without covers
 
   [[nodiscard]] bool has_triangles() const { return elements == MapElements::triangles || triangles > 0; }
   /// Triangles, or a vertex cell for each point: points without cells are invisible.

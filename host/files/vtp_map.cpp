@@ -33,7 +33,8 @@ Point middle(const EnclosedPoint& box) {
 class VtpMap final : public MapFormat {
  public:
   VtpMap(OutputFile& output, const MapKind& kind) : output_(output), map_(kind) {
-    if (kind.contents == MapContents::certified) certificates_.emplace().elements = kind.elements;
+    if (has_certificates(kind.contents)) certificates_.emplace().elements = kind.elements;
+    if (kind.contents == MapContents::covered) certificates_->covered = true;
     if (kind.contents == MapContents::closest_points) closest_.emplace();
   }
 
@@ -64,6 +65,7 @@ class VtpMap final : public MapFormat {
   [[nodiscard]] VtpLayout layout() const {
     VtpLayout layout{map_.elements(), map_.vertices().size(), map_.triangles().size(), {}};
     if (certificates_) layout.further_normals = certificates_->further_primitive.size();
+    if (certificates_ && certificates_->covered) layout.cover_bits = certificates_->cover.size();
     layout.closest_points = closest_.has_value();
     return layout;
   }
@@ -71,6 +73,7 @@ class VtpMap final : public MapFormat {
   void write_further_normals(const CertificateColumns& columns) {
     write_array<std::int32_t>(columns.further_primitive);
     write_vectors(columns.further_normal);
+    if (columns.covered) write_array<std::uint8_t>(columns.cover);
   }
 
   void write_certificates(const CertificateColumns& columns) {
@@ -82,6 +85,9 @@ class VtpMap final : public MapFormat {
       write_tuples<2>(columns.weights);
     }
     write_array<std::int64_t>(columns.further_normals_end);
+    if (!columns.covered) return;
+    write_vectors(columns.witness);
+    write_array<std::int64_t>(columns.cover_end);
   }
 
   void write_closest_points(const std::vector<ClosestPoint>& rows) {

@@ -12,6 +12,7 @@
 
 #include "host/files/byte_order.hpp"
 #include "host/files/certificate_columns.hpp"
+#include "host/files/cover_digits.hpp"
 #include "host/files/input_file.hpp"
 #include "host/files/map_picture.hpp"
 #include "host/files/map_rows.hpp"
@@ -123,6 +124,7 @@ class VtpRows final : public MapRows {
     if (file.size() == 0) file.fail_whole("not a regular file: a map as .vtp needs a known size");
     read_columns(file);
     check_further_normals(file);
+    if (certificates_.covered) check_covers(file);
     for (std::size_t row = 0; row < lo_.size(); ++row) check_row(file, row);
   }
 
@@ -161,7 +163,12 @@ class VtpRows final : public MapRows {
       file.fail_whole(fmt::format("{} of further_primitive, but {} of further_normal",
                                   certificates_.further_primitive.size(), further_normals));
     }
-    const VtpLayout layout = document.layout(*elements, further_normals);
+    certificates_.covered = document.elements_with("cover_end") == MapElements::vertices;
+    VtpLayout layout = document.layout(*elements, further_normals);
+    if (certificates_.covered) {
+      certificates_.cover = arrays.read<std::uint8_t>(document.field_array("cover", "UInt8", 1));
+      layout.cover_bits = certificates_.cover.size();
+    }
     read_geometry(arrays, document, layout);
     lo_ = arrays.read<double>(declared("dist_lo", "Float64", 1));
     hi_ = arrays.read<double>(declared("dist_hi", "Float64", 1));
@@ -175,6 +182,10 @@ class VtpRows final : public MapRows {
       certificates_.weights = arrays.read<Weights>(declared("weights", "Float64", 2));
     }
     certificates_.further_normals_end = arrays.read<std::int64_t>(declared("further_normals_end", "Int64", 1));
+    if (certificates_.covered) {
+      certificates_.witness = arrays.read<Point>(declared("witness", "Float64", 3));
+      certificates_.cover_end = arrays.read<std::int64_t>(declared("cover_end", "Int64", 1));
+    }
     document.expect_only(layout);
     arrays.expect_end();
   }
@@ -210,6 +221,25 @@ class VtpRows final : public MapRows {
         fail(file, "further normal", k, fmt::format("{}: not finite", fmt::join(normals[k], " ")));
       }
     }
+  }
+
+  /// Likewise; and each cover is a whole one.
+  void check_covers(const InputFile& file) const {
+    if (!std::ranges::all_of(certificates_.cover, [](std::uint8_t bit) { return bit <= 1; })) {
+      file.fail_whole("cover: neither 0 nor 1");
+    }
+    std::int64_t end = 0;
+    const auto bits = static_cast<std::int64_t>(certificates_.cover.size());
+    for (std::size_t row = 0; row < certificates_.cover_end.size(); ++row) {
+      const std::int64_t start = std::exchange(end, certificates_.cover_end[row]);
+      if (end < start || end > bits) fail(file, element(), row, fmt::format("cover_end = {}", end));
+      const auto first = certificates_.cover.begin();
+      const std::vector<bool> cover(first + start, first + end);
+      if (!cover.empty() && !is_whole_cover(cover)) fail(file, element(), row, "not a whole cover");
+      const Point& witness = certificates_.witness[row];
+      if (!is_finite_or_none(witness)) fail(file, element(), row, fmt::format("witness = {}", fmt::join(witness, " ")));
+    }
+    if (end != bits) file.fail_whole(fmt::format("cover_end = {} at the last {}: expected {}", end, element(), bits));
   }
 
   void check_row(const InputFile& file, std::size_t row) const {

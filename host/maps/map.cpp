@@ -20,7 +20,9 @@ using verify::MemberBounds;
 
 /// Of the bracketing models' maps: each end to half the tolerance.
 MapOptions of_one_end(const MemberBounds& bounds, MapOptions options) {
-  if (!bounds.exact()) options.tolerance = options.tolerance / 2;
+  if (bounds.exact()) return options;
+  options.tolerance = options.tolerance / 2;
+  options.covers = false;  // of several primitives together
   return options;
 }
 
@@ -29,6 +31,7 @@ MapOptions of_one_end(const MemberBounds& bounds, MapOptions options) {
 MapOptions by_single_primitives(const Bracket& models, MapOptions options) {
   if (models.inflated) {
     options.certificates = true;
+    options.covers = false;
     options.method = Method::duality;  // the published one has none
   }
   return options;

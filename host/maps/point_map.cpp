@@ -15,6 +15,7 @@
 #include "host/maps/rough_distance.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "verify/proof/convex_union.hpp"
+#include "verify/search/has_taper.hpp"
 #include "verify/search/witness_estimate.hpp"
 #include "verify/sets/coarse_distance.hpp"
 #include "verify/sets/set_tree.hpp"
@@ -41,6 +42,7 @@ class PointProver {
       : model_(model),
         tolerance_(options.tolerance),
         certificates_(options.certificates),
+        covers_(options.covers),
         published_(options.method == Method::published),
         out_of_time_(options.out_of_time ? options.out_of_time : never),
         radius_(bounding_radius(model)),
@@ -51,7 +53,7 @@ class PointProver {
       throw Error(ErrorKind::input, "the published method runs on the host alone and has no certificates");
     if (published_) verify::require_union_of_convex(model, "the published method");
     if (published_) verify::require_no_taper(model, "the published method");
-    if (certificates_) verify::require_union(model, "certificates");
+    if (certificates_ && !covers_) verify::require_union(model, "certificates without covers");
     refuse_empty(model, distance_, options.interrupted);
     if (!options.out_of_time) return;
     if (certificates_) {
@@ -76,7 +78,7 @@ class PointProver {
 
   [[nodiscard]] CertifiedEnclosure prove(const Point& point) const {
     if (published_) return {published(point), {}};
-    return certificates_ ? distance_.certified(point, tolerance_, out_of_time_)
+    return certificates_ ? distance_.certified(point, tolerance_, out_of_time_, covers_)
                          : CertifiedEnclosure{distance_(point, tolerance_, out_of_time_), {}};
   }
 
@@ -102,6 +104,7 @@ class PointProver {
   Model model_;
   double tolerance_;
   bool certificates_;
+  bool covers_;
   bool published_;
   std::function<bool()> out_of_time_;
   double radius_;
@@ -126,7 +129,7 @@ std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions&
   std::string unsuited = device::why_not_in_cubes(model);
   if (unsuited.empty()) unsuited = device::why_not_compiled(model);
   if (!is_union_of_convex(model)) {
-    if (options.certificates) unsuited = "certificates of bent solids are the host's";
+    if (options.certificates) unsuited = "certificates of bent solids and set operations are the host's";
     const auto make_batch = [&](const device::Device& device) {
       return device::solid_batch(device, model, options.tolerance);
     };

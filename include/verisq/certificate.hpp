@@ -22,16 +22,23 @@ struct Normal {
   [[nodiscard]] bool operator==(const Normal&) const = default;
 };
 
-/// The certificate of one enclosure [lo, hi] of the signed distance of a point q to a union of primitives, or of the
-/// distance of a triangle (0 where it meets the union).
+/// The certificate of one enclosure [lo, hi] of the signed distance of a point q to a solid, or of the distance of a
+/// triangle (0 where it meets the union).
 ///
-/// Of a point:
+/// Of a point and a union of primitives:
 /// Lower end: with lo > 0, every primitive is farther than lo, by one of `normals` or by its bounding sphere. With
 /// lo <= 0, `escape` is a point outside all primitives that is no farther than -lo from q; in a model of a single
 /// primitive a normal serves as well.
 /// Upper end: by one of `normals`; with hi < 0, the ball of radius -hi about q lies inside the primitive of the first
-/// normal, which is proven by covering the ball with cones (the branch and bound needs no more than the radius). Where
-/// primitives overlap, a union may be deeper than each of them: no certificate says so, and hi is loose by that.
+/// normal, which is proven by covering the ball with cones (the branch and bound needs no more than the radius), or by
+/// `cover`.
+///
+/// Of a point and any model, also of set operations: `witness` is a point inside, no farther than hi from q where that
+/// is not negative, `escape` one outside, no farther than -lo where lo is not positive. With lo > 0, or hi < 0, `cover`
+/// divides the cube about the ball of radius lo, or -hi, about q into cells of which each is proven to hold nothing of
+/// the solid, or of its complement, in the ball (docs/mathematics.md §28): in preorder true for a cell that is halved
+/// across x, y, z in turn, false for one that is not. `normals` tell on which side of their primitives the whole ball
+/// lies.
 ///
 /// Of a triangle with corners t_i: a normal v proves the lower end (min_i v·t_i - h(v)) / |v| for its primitive; the
 /// upper end is that of the point q = t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0) by the first normal, w being `weights`; 0
@@ -41,6 +48,8 @@ struct Certificate {
   std::optional<Point> escape;                        ///< of a point only
   std::optional<std::array<double, 2>> weights = {};  ///< of a triangle only; they prove nothing unless w_1, w_2 >= 0
                                                       ///< and w_1 + w_2 <= 1 exactly
+  std::optional<Point> witness = {};                  ///< of a point only
+  std::vector<bool> cover = {};                       ///< of a point only; empty where there is none
 
   [[nodiscard]] bool operator==(const Certificate&) const = default;
 };

@@ -43,8 +43,12 @@ struct MapOptions {
   /// models or points are uncertain, whatever part of a row's width that is; of these the tightest is what the tightest
   /// distances to the bracketing models leave.
   double tolerance;
-  std::string device = "auto";      ///< "auto", "host", an index or a part of a device's name
-  bool certificates = false;        ///< deliver what proves each enclosure again; of poses there is nothing
+  std::string device = "auto";  ///< "auto", "host", an index or a part of a device's name
+  bool certificates = false;    ///< deliver what proves each enclosure again; of poses there is nothing
+  /// With certificates, of points that are exact about a model that is: prove what single primitives leave wide by
+  /// covers (docs/mathematics.md §28), on the host. Models that are not the union of their primitives have no other
+  /// certificates.
+  bool covers = true;
   Method method = Method::duality;  ///< of points; triangles and poses know duality alone
   /// Each point is any within this radius of the one given, each triangle any whose corners are; of poses 0.
   /// Precondition: finite, at least 0.

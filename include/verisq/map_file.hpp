@@ -20,7 +20,8 @@ namespace verisq {
 
 enum class MapContents {
   enclosures,
-  certified,  ///< with the certificate of each enclosure; `.csv` and `.vtp` only
+  certified,  ///< with the certificate of each enclosure, but for witness and cover; `.csv` and `.vtp` only
+  covered,    ///< of vertices: with all of the certificate; likewise
   /// Of vertices with the closest point of each: `.csv`, `.npy` and `.vtp` only. Of poses with the closest points of
   /// both models: `.csv` and `.npy` only.
   closest_points,
@@ -164,9 +165,9 @@ class MapWriter {
   MapWriter(MapWriter&&) noexcept;
   MapWriter& operator=(MapWriter&&) noexcept;
 
-  /// Precondition: spans of the same length; `certificates` empty unless the contents are certified, and all their
-  /// numbers finite; an escape in a map of vertices only, weights in a map of triangles only. Indices continue from the
-  /// last call.
+  /// Precondition: spans of the same length; `certificates` empty unless the contents are certified or covered, and all
+  /// their numbers finite; an escape in a map of vertices only, a witness and a cover, which must be whole, in a
+  /// covered one only, weights in a map of triangles only. Indices continue from the last call.
   void append(std::span<const Point> points, std::span<const MapResult> results,
               std::span<const Certificate> certificates = {});
   /// The same where a mesh has the points, and for poses. Precondition: as above, and a mesh or poses.

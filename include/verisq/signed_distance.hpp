@@ -33,13 +33,14 @@ class SignedDistance {
 
   /// The same with what proves it: `Checker` proves the enclosure again from the certificate. The enclosure is what the
   /// certificate's binary64 numbers prove, which may be wider than the other's by their rounding; inside overlaps also
-  /// because the upper end is always proven by one primitive alone (as the obligation of `Bracket` asks), and beside
-  /// bent ones where §9 proves nothing. Throws Error(input) unless the model is the union of its primitives.
+  /// because a cover would have too many cells. Of several primitives together, and of set operations, covers and
+  /// witnesses prove it (docs/mathematics.md §28): some milliseconds to some tenths of a second a point.
   [[nodiscard]] CertifiedEnclosure certified(const Point& point, double tolerance) const;
 
-  /// The same, interrupted as above.
+  /// The same, interrupted as above. Without `covers` every end is proven by one primitive alone, as the obligation of
+  /// `Bracket` asks; throws Error(input) then, unless the model is the union of its primitives.
   [[nodiscard]] CertifiedEnclosure certified(const Point& point, double tolerance,
-                                             const std::function<bool()>& interrupted) const;
+                                             const std::function<bool()>& interrupted, bool covers = true) const;
 
   /// Where the model's surface is closest to `point`. Of models that are is_union_of_convex as tight as binary64
   /// allows, whatever the tolerance, wherever that is unique: always outside, but where two primitives are as near as

@@ -33,6 +33,8 @@ py::dict dictionary(const Certificate& certificate) {
   result["normals"] = normals;
   result["escape"] = certificate.escape;
   result["weights"] = certificate.weights;
+  result["witness"] = certificate.witness;
+  result["cover"] = certificate.cover;
   return result;
 }
 
@@ -114,7 +116,8 @@ void declare_certificates(py::module_& module) {
   py::class_<CertificateList, std::shared_ptr<CertificateList>>(
       module, "Certificates",
       "What proves the rows of a map again, in their order. An item is a dictionary: normals, a list of\n"
-      "(primitive, (x, y, z)) in the primitive's own frame; escape, a point, or None; weights, of a triangle, or None.")
+      "(primitive, (x, y, z)) in the primitive's own frame; escape, a point, or None; weights, of a triangle, or None;\n"
+      "witness, a point, or None; cover, a list of bool, empty where there is none.")
       .def("__len__", [](const CertificateList& self) { return self.certificates.size(); })
       .def("__getitem__", item)
       .def(pickled<CertificateList>());
@@ -130,7 +133,7 @@ void declare_certificates(py::module_& module) {
   py::class_<Checker>(
       module, "Checker",
       "Checker(model, point_radius=0.0)\n\nProves the rows of maps again from their certificates: MPFR, "
-      "no OpenCL, no solver.\nRaises Error unless the model is a union of convex primitives.")
+      "no OpenCL, no solver.\nRaises Error where points have a radius and the model is not a union of primitives.")
       .def(py::init([](const PythonModel& model, double point_radius) {
              check_length(point_radius, "point_radius");
              return std::make_unique<Checker>(model.model(), point_radius);

@@ -44,7 +44,7 @@ inline constexpr std::size_t member_count<MapSummary> = 14;
 template <>
 inline constexpr std::size_t member_count<Normal> = 2;
 template <>
-inline constexpr std::size_t member_count<Certificate> = 3;
+inline constexpr std::size_t member_count<Certificate> = 5;
 template <>
 inline constexpr std::size_t member_count<ClosestPoint> = 5;
 template <>

@@ -342,7 +342,7 @@ TEST_F(CommandLine, ToleranceZeroCallsRowsWideThatTheTimeLimitLeaves) {
   EXPECT_EQ(rows_of(path("map.csv")).at(0).status, "wide");
 }
 
-/// Where primitives overlap, their union is deeper than each of them: no certificate says so.
+/// Where primitives overlap, their union is deeper than each of them: covers say so, of what is exact.
 TEST_F(CommandLine, SaysWhyRowsWithCertificatesAreWideInOverlaps) {
   const auto model = write("two.json", R"({"format": "verisq-model/1", "primitives": [
     {"name": "a", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}},
@@ -353,6 +353,9 @@ TEST_F(CommandLine, SaysWhyRowsWithCertificatesAreWideInOverlaps) {
   EXPECT_EQ(map(arguments).status, 0);
   auto certified = arguments;
   certified.emplace_back("--certificates");
+  EXPECT_EQ(map(certified).status, 0);
+  EXPECT_EQ(run({"check", "--model", model, "--points", points, "--map", path("map.csv")}).status, 0);
+  certified.insert(certified.end(), {"--point-radius", "1e-9"});
   const auto outcome = map(certified);
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.err, HasSubstr("verisq: 1 row inside the model is wide: certificates prove a depth by one "
@@ -1435,10 +1438,9 @@ TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {
       return map(arguments);
     };
     if (name != std::string("bow.json")) {
-      expect_refused(with({"--certificates"}), {"--certificates", name, "not supported", "bends", "csg"});
-      expect_refused(
-          run({"check", "--model", model, "--mesh", mesh, "--map", write("old.csv", "index,lo,hi,status\n")}),
-          {name, "certificates", "csg"});
+      expect_refused(with({"--certificates", "--point-radius", "0.1"}),
+                     {"--certificates", "--point-radius", name, "not supported", "csg"});
+      expect_refused(with({"--certificates", "--report", path("page.html")}), {"--report", name, "csg"});
     }
     expect_refused(with({"--certificates", "--on", "triangles"}), {"--certificates", name, "not supported", "bends"});
     expect_refused(with({"--method", "published"}), {"--method published", name, "not supported", "bends", "csg"});

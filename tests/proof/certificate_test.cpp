@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "verify/search/certified_distance.hpp"
 #include "verify/search/contact.hpp"
 #include "verify/search/exterior.hpp"
 #include "verify/search/interior.hpp"

@@ -114,7 +114,7 @@ TEST(SupportMappingTest, PosedIsTheFrameOfTheProofs) {
     const Vector v = random.direction();
     const Vector x = posed_set<double>(solid)(v);
     const Proposal local = midpoint(posed.motion().local_point(x));
-    const Proposal u = midpoint(posed.motion().local_direction({v[0], v[1], v[2]}));
+    const Proposal u = midpoint(posed.motion().rotation.transpose() * precise(Point{v[0], v[1], v[2]}));
     const auto reached = static_cast<double>(dot<long double>(local, u));
     const double support = posed.bounds().support(precise(u)).upper().to_double(Direction::up);
     ASSERT_NEAR(reached, support, 1e-14 * (size + norm(solid.pose.translation))) << "case " << i;

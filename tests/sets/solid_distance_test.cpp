@@ -337,11 +337,15 @@ TEST(SolidDistanceTest, OverlapsNoLongerWidenUnions) {
     const Enclosure found = search(x, 1e-6);
     EXPECT_LE(found.width(), 1e-6);
     inside += found.hi < 0.0 ? 1 : 0;
-    const CertifiedEnclosure certified = search.certified(x, 1e-6);
-    EXPECT_LE(certified.distance.lo, found.hi);
-    EXPECT_GE(certified.distance.hi, found.lo);
+    const CertifiedEnclosure certified = search.certified(x, 1e-6, [] { return false; }, false);
+    const CertifiedEnclosure covered = search.certified(x, 1e-6);
+    for (const Enclosure& e : {certified.distance, covered.distance}) {
+      EXPECT_LE(e.lo, found.hi);
+      EXPECT_GE(e.hi, found.lo);
+    }
+    EXPECT_LE(covered.distance.width(), certified.distance.width());
     if (!(found.hi < 0.0)) continue;
-    // The lower end is as good; one primitive alone proves the upper one.
+    // The lower end is as good; without covers one primitive alone proves the upper one.
     EXPECT_GE(certified.distance.lo, found.lo - 2e-6);
     double single = infinity;
     for (const Primitive& primitive : primitives) {
@@ -352,12 +356,13 @@ TEST(SolidDistanceTest, OverlapsNoLongerWidenUnions) {
   EXPECT_GT(inside, 15U);
 }
 
-TEST(SolidDistanceTest, CertificatesAreForUnionsOfConvexPrimitives) {
+TEST(SolidDistanceTest, CertificatesOfSetOperationsAreCovers) {
   const TwoBalls balls{-0.5, 1.0, 0.625, 0.75};
   const SignedDistance difference(balls.model(SetOperation::subtract));
   const Point x{0.1, 0.9, 0.3};
   expect_encloses(difference(x, 1e-8), balls.signed_distance(SetOperation::subtract, x), 1e-8, x);
-  EXPECT_THROW(static_cast<void>(difference.certified(x, 1e-8)), Error);
+  expect_encloses(difference.certified(x, 1e-8).distance, balls.signed_distance(SetOperation::subtract, x), 1e-8, x);
+  EXPECT_THROW(static_cast<void>(difference.certified(x, 1e-8, [] { return false; }, false)), Error);
 }
 
 TEST(SolidDistanceTest, TheTightestIsAskedForWithZero) {

@@ -19,11 +19,6 @@ Proposal midpoint(const PreciseVector& v) {
   return {middle(v[0]), middle(v[1]), middle(v[2])};
 }
 
-std::array<double, 3> rounded(const Proposal& v) {
-  const std::array result{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-  return std::ranges::all_of(result, [](double c) { return std::isfinite(c); }) ? result : std::array<double, 3>{};
-}
-
 bool usable(const Proposal& v) {
   return std::ranges::all_of(v, [](long double c) { return std::isfinite(c); }) &&
          std::ranges::any_of(v, [](long double c) { return c != 0.0L; });

@@ -5,19 +5,11 @@
 #include <array>
 
 #include "verify/proof/superquadric.hpp"
-#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
 /// A direction or point found in floating point. It need not be accurate: a poor one proves a poor bound.
 using Proposal = std::array<long double, 3>;
-
-/// An enclosure of the signed distance and what certifies its ends, in the solid's frame.
-struct CertifiedDistance {
-  Enclosure distance;
-  Proposal direction;     ///< of the lower end
-  Proposal witness = {};  ///< of the upper end outside: leads from a point near the solid's surface to the query
-};
 
 /// sd(q) >= (v·q - h(v)) / |v| for every v, because K lies in the half-space {v·x <= h(v)}; rounded down. Minus
 /// infinity for a zero or non-finite v. The bound holds for every point of the box q, given in the solid's frame.
@@ -35,9 +27,6 @@ struct CertifiedDistance {
 
 /// A floating-point point near the middle of a thin box.
 [[nodiscard]] Proposal midpoint(const PreciseVector& v);
-
-/// To nearest; zero, which proves nothing, where that is not finite.
-[[nodiscard]] std::array<double, 3> rounded(const Proposal& v);
 
 /// Whether every coordinate is finite and one of them is not zero.
 [[nodiscard]] bool usable(const Proposal& v);

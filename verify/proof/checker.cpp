@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "verify/proof/bracketed.hpp"
+#include "verify/proof/convex_union.hpp"
 #include "verify/proof/exact_checker.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/proof/judgement.hpp"
@@ -47,9 +48,13 @@ struct Checker::State {
       const Enclosure proven = checkers.smallest(query, claimed, certificate);
       return verify::judged(claimed, proven, proven);
     }
-    const Enclosure above = checkers.smallest(query, at_most(bounds.upper_asked_for(claimed.hi)), certificate);
-    const Enclosure below = checkers.of_largest()(query, at_least(claimed.lo), certificate);
-    const Enclosure proven = verify::between(lower(query, claimed, below, certificate), bounds.upper(above.hi),
+    // A cover, and a witness, are of several primitives together, between which small motions may open a gap (§8).
+    Certificate one_by_one = certificate;
+    one_by_one.witness.reset();
+    one_by_one.cover.clear();
+    const Enclosure above = checkers.smallest(query, at_most(bounds.upper_asked_for(claimed.hi)), one_by_one);
+    const Enclosure below = checkers.of_largest()(query, at_least(claimed.lo), one_by_one);
+    const Enclosure proven = verify::between(lower(query, claimed, below, one_by_one), bounds.upper(above.hi),
                                              [] { return "a distance to the uncertain model"; });
     // Both models are members themselves: the midpoints of their translations lie in the intervals.
     return verify::judged(claimed, proven, {above.lo, below.hi});
@@ -60,7 +65,9 @@ struct Checker::State {
 };
 
 Checker::Checker(const UncertainModel& model, double point_radius)
-    : state_(std::make_unique<State>(bracket(model), point_radius)) {}
+    : state_(std::make_unique<State>(bracket(model), point_radius)) {
+  if (!state_->bounds.exact()) verify::require_union(bracket(model).largest, "certificates of intervals");
+}
 Checker::~Checker() = default;
 Checker::Checker(Checker&&) noexcept = default;
 Checker& Checker::operator=(Checker&&) noexcept = default;

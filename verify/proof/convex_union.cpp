@@ -34,21 +34,12 @@ void require_union(const Model& model, std::string_view what) {
   if (!is_union(model)) refuse(what, "csg other than the union of all primitives");
 }
 
-bool has_taper(const Model& model) {
-  return std::ranges::any_of(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
-}
-
 void require_no_taper(const Model& model, std::string_view what) {
   const auto tapered =
       std::ranges::find_if(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
   if (tapered == model.primitives.end()) return;
   refuse(what,
          "tapered solids: primitives[" + std::to_string(tapered - model.primitives.begin()) + "].superquadric.taper");
-}
-
-void require_convex(const Primitive& primitive, std::string_view what) {
-  if (is_bent(primitive)) refuse(what, "bent solids");
-  if (is_tapered(primitive.superquadric)) refuse(what, "tapered solids");
 }
 
 }  // namespace verisq::verify

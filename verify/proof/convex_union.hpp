@@ -17,12 +17,6 @@ void require_union_of_convex(const Model& model, std::string_view what);
 /// For certificates of points: throws likewise unless is_union(model).
 void require_union(const Model& model, std::string_view what);
 
-/// The same of a primitive on its own, which may not be tapered either.
-void require_convex(const Primitive& primitive, std::string_view what);
-
-/// Whether a primitive has a taper that changes anything.
-[[nodiscard]] bool has_taper(const Model& model);
-
 /// Throws Error(input), "WHAT: not supported for tapered solids ...", where a primitive has a taper.
 void require_no_taper(const Model& model, std::string_view what);
 

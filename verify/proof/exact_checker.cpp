@@ -1,12 +1,14 @@
-/// The checker's whole logic: what normals, spheres, escapes, contained balls and weights prove about one point or
-/// triangle.
+/// The checker's whole logic: what normals, spheres, escapes, witnesses, contained balls, covers and weights prove
+/// about one point or triangle.
 #include "verify/proof/exact_checker.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 
 #include "verify/proof/convex_union.hpp"
+#include "verify/proof/empty_ball.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/proof/triangle_certificate.hpp"
 #include "verisq/enclosure.hpp"
@@ -23,14 +25,6 @@ Proposal proposal(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
-bool contains_ball_at(const PosedSuperquadric& primitive, const Point& x, double radius, const Proposal& /*anywhere*/) {
-  return primitive.contains_ball_about(x, radius);
-}
-
-bool contains_ball_at(const PosedBent& primitive, const Point& x, double radius, const Proposal& v) {
-  return primitive.contains_ball_about(x, radius, v);
-}
-
 /// An upper end: `claimed` or less if it can be proven with v, else what can be.
 double upper_end(const PosedPrimitive& primitive, const Point& x, const Proposal& v, double claimed) {
   return std::visit(
@@ -38,7 +32,7 @@ double upper_end(const PosedPrimitive& primitive, const Point& x, const Proposal
         const double by_normal = claimed > 0.0 ? solid.upper_by_normal(x, v) : infinity;
         if (by_normal <= claimed) return by_normal;
         if (!solid.contains(x)) return solid.upper_by_normal(x, v);
-        return claimed < 0.0 && contains_ball_at(solid, x, -claimed, v) ? claimed : 0.0;
+        return claimed < 0.0 && solid.contains_ball_about(x, -claimed, v) ? claimed : 0.0;
       },
       primitive);
 }
@@ -59,19 +53,14 @@ double lower_by_normals(Primitives primitives, const Point& x, std::span<const N
   return least > 0.0 || primitives.size() == 1 ? least : -infinity;
 }
 
-/// A point outside all primitives is no deeper inside than another outside of all is far.
-double lower_by_escape(Primitives primitives, const Point& x, const Point& escape) {
-  const auto excludes = [&](const PosedPrimitive& primitive) {
-    return std::visit([&](const auto& solid) { return solid.excludes(escape); }, primitive);
-  };
-  const bool proven = usable(proposal(escape)) && std::ranges::all_of(primitives, excludes);
-  return proven ? -distance_up(x, escape) : -infinity;
-}
-
-double lower(Primitives primitives, const Point& x, const Certificate& certificate) {
-  const double by_normals = lower_by_normals(primitives, x, certificate.normals);
-  if (by_normals > 0.0 || !certificate.escape) return by_normals;
-  return std::max(by_normals, lower_by_escape(primitives, x, *certificate.escape));
+/// The union of all primitives, where the model says nothing else.
+SetExpression set_of(const Model& model) {
+  if (model.csg) return *model.csg;
+  SetExpression all;
+  for (std::uint32_t i = 0; i < model.primitives.size(); ++i) {
+    all.operands.push_back({.operands = {}, .operation = SetOperation::unite, .primitive = i});
+  }
+  return all;
 }
 
 /// `claimed` or less as soon as a normal proves it, else the least that one proves.
@@ -116,16 +105,18 @@ double upper(Primitives primitives, const Triangle& triangle, double claimed, co
   return least;
 }
 
-/// The normals of primitives that exist.
-std::vector<Normal> known(Primitives primitives, std::vector<Normal> normals) {
-  std::erase_if(normals, [&](const Normal& normal) { return normal.primitive >= primitives.size(); });
-  return normals;
+/// What is usable: normals of primitives that exist, finite points.
+Certificate known(Primitives primitives, Certificate certificate) {
+  std::erase_if(certificate.normals, [&](const Normal& normal) { return normal.primitive >= primitives.size(); });
+  for (std::optional<Point>* const point : {&certificate.escape, &certificate.witness}) {
+    if (*point && !std::ranges::all_of(**point, [](double c) { return std::isfinite(c); })) point->reset();
+  }
+  return certificate;
 }
 
 }  // namespace
 
-ExactChecker::ExactChecker(const Model& model) {
-  require_union(model, "certificates");
+ExactChecker::ExactChecker(const Model& model) : set_(set_of(model)), is_union_(is_union(model)) {
   for (const Primitive& primitive : model.primitives) {
     if (is_bent(primitive)) {
       primitives_.emplace_back(std::in_place_type<PosedBent>, primitive);
@@ -135,16 +126,43 @@ ExactChecker::ExactChecker(const Model& model) {
   }
 }
 
+/// Whether the ball is proven to hold nothing of the solid, or of the closure of its complement.
+bool ExactChecker::is_covered(const Point& x, double radius, Place wanted, const Certificate& certificate) const {
+  if (!(radius > 0.0) || !std::isfinite(radius) || certificate.cover.empty()) return false;
+  const std::optional<Point>& near = wanted == Place::outside ? certificate.witness : certificate.escape;
+  return EmptyBall(set_, primitives_, x, radius, wanted, certificate.normals, near).is_covered_by(certificate.cover);
+}
+
+/// How far a point is that is proven to have the place.
+double ExactChecker::distance_of(const Point& x, const std::optional<Point>& p, Place place) const {
+  return p && place_of(*p, set_, primitives_) == place ? distance_up(x, *p) : infinity;
+}
+
+/// A point outside is no deeper inside than another point outside is far.
+double ExactChecker::proven_lower(const Point& x, double claimed, const Certificate& certificate) const {
+  const double by_normals = is_union_ ? lower_by_normals(primitives_, x, certificate.normals) : -infinity;
+  if (by_normals > 0.0 && (by_normals >= claimed || certificate.cover.empty())) return by_normals;
+  if (is_covered(x, claimed, Place::outside, certificate)) return claimed;
+  return std::max(by_normals, -distance_of(x, certificate.escape, Place::outside));
+}
+
+double ExactChecker::proven_upper(const Point& x, double claimed, const Certificate& certificate) const {
+  const double by_normals = is_union_ ? upper(primitives_, x, claimed, certificate.normals) : infinity;
+  if (by_normals <= claimed) return by_normals;
+  if (is_covered(x, -claimed, Place::inside, certificate)) return claimed;
+  return std::min(by_normals, distance_of(x, certificate.witness, Place::inside));
+}
+
 Enclosure ExactChecker::operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate) const {
-  Certificate used = certificate;
-  used.normals = known(primitives_, certificate.normals);
-  return between(lower(primitives_, point, used), upper(primitives_, point, claimed.hi, used.normals),
+  const Certificate used = known(primitives_, certificate);
+  return between(proven_lower(point, claimed.lo, used), proven_upper(point, claimed.hi, used),
                  [&] { return "the signed distance at " + text_of(point); });
 }
 
 Enclosure ExactChecker::operator()(const Triangle& triangle, const Enclosure& claimed,
                                    const Certificate& certificate) const {
-  const std::vector<Normal> normals = known(primitives_, certificate.normals);
+  if (!is_union_) throw Error(ErrorKind::input, "certificates of triangles: not supported for csg");
+  const std::vector<Normal> normals = known(primitives_, certificate).normals;
   return between(lower(primitives_, triangle, normals),
                  upper(primitives_, triangle, claimed.hi, certificate.weights, normals),
                  [&] { return "the distance of the triangle from " + text_of(triangle[0]); });

@@ -1,36 +1,44 @@
 /// What certificates prove of the distances to an ordinary model.
 #pragma once
 
-#include <variant>
+#include <span>
 #include <vector>
 
-#include "verify/proof/posed_bent.hpp"
-#include "verify/proof/posed_superquadric.hpp"
+#include "verify/proof/empty_ball.hpp"
 #include "verisq/certificate.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
 
-using PosedPrimitive = std::variant<PosedSuperquadric, PosedBent>;
-
 /// Immutable after construction: safe to call from many threads.
 class ExactChecker {
  public:
-  /// Throws Error(input) unless the model is_union.
   explicit ExactChecker(const Model& model);
 
-  /// What the certificate proves, whatever it holds: an enclosure of the exact signed distance; an inner end is proven
-  /// no farther than claimed. Preconditions as for Checker.
+  /// What the certificate proves, whatever it holds: an enclosure of the exact signed distance; an inner end, and what
+  /// a cover proves, no farther than claimed. Preconditions as for Checker.
   [[nodiscard]] Enclosure operator()(const Point& point, const Enclosure& claimed,
                                      const Certificate& certificate) const;
 
-  /// The same of the distance of a triangle. Throws Error(input) where a primitive is bent.
+  /// The same of the distance of a triangle. Throws Error(input) where a primitive is bent, and unless the model is the
+  /// union of its primitives.
   [[nodiscard]] Enclosure operator()(const Triangle& triangle, const Enclosure& claimed,
                                      const Certificate& certificate) const;
 
+  /// What covers are of.
+  [[nodiscard]] const SetExpression& set() const { return set_; }
+  [[nodiscard]] std::span<const PosedPrimitive> primitives() const { return primitives_; }
+
  private:
+  [[nodiscard]] bool is_covered(const Point& x, double radius, Place wanted, const Certificate& certificate) const;
+  [[nodiscard]] double distance_of(const Point& x, const std::optional<Point>& p, Place place) const;
+  [[nodiscard]] double proven_lower(const Point& x, double claimed, const Certificate& certificate) const;
+  [[nodiscard]] double proven_upper(const Point& x, double claimed, const Certificate& certificate) const;
+
   std::vector<PosedPrimitive> primitives_;
+  SetExpression set_;
+  bool is_union_;
 };
 
 }  // namespace verisq::verify

@@ -88,6 +88,32 @@ PreciseVector PosedBent::pulled_back(const PreciseVector& v, const PreciseVector
   return turned_back({c * u[0] - s * u[2], u[1], (PreciseInterval(1) - k_ * x[0]) * (s * u[0] + c * u[2])});
 }
 
+/// The derivative of β⁻¹ where it has these values: β' inverted. Precondition: 1 - k r > 0.
+PreciseMatrix PosedBent::unbending(const PreciseVector& unbent) const {
+  const PreciseVector x = turned(unbent);
+  const PreciseInterval c = cosine_of(k_ * x[2]);
+  const PreciseInterval s = sine_of(k_ * x[2]);
+  const PreciseInterval w = PreciseInterval(1) - k_ * x[0];
+  const PreciseMatrix turn({cosine_, sine_, 0}, {-sine_, cosine_, 0}, {0, 0, 1});
+  return turn.transpose() * (PreciseMatrix({c, 0, -s}, {0, 1, 0}, {s / w, 0, c / w}) * turn);
+}
+
+/// The range is also what the derivative says (mean value theorem), which is tighter in small regions.
+std::optional<OwnRegion> PosedBent::over(const PreciseVector& centre, const std::array<Real, 3>& half) const {
+  const PreciseMatrix to_own = motion_.rotation.transpose();
+  const PreciseVector own = to_own * (centre - motion_.translation);
+  const std::optional<PreciseVector> at = unbent(own);
+  const std::optional<PreciseVector> all = unbent(own + to_own * box_of(half));
+  if (!at || !all || !((PreciseInterval(1) - k_ * turned(*all)[0]).lower() > Real(0))) return std::nullopt;
+  OwnRegion result{*at - focus_, *all - focus_, unbending(*all) * to_own};
+  const PreciseVector linear = result.centre + result.derivative * box_of(half);
+  for (std::size_t i = 0; i < 3; ++i) {
+    result.range[i] = {std::max(result.range[i].lower(), linear[i].lower()),
+                       std::min(result.range[i].upper(), linear[i].upper())};
+  }
+  return result;
+}
+
 PosedBent::Query PosedBent::query(const Point& x) const {
   const PreciseVector own = motion_.local_point(x);
   return {own, unbent(own)};
@@ -131,12 +157,6 @@ double PosedBent::upper_by_normal(const Point& x, const Proposal& v) const {
   const std::optional<PreciseVector> x0 = unbent(q.bent - precise(v));
   const std::optional<Real> above = x0 ? upper(q, *x0) : std::nullopt;
   return above ? above->to_double(Direction::up) : infinity;
-}
-
-bool PosedBent::excludes(const Point& x) const {
-  if (lower_by_sphere(x) > 0.0) return true;
-  const std::optional<PreciseVector> own = query(x).unbent;
-  return own && bounds_.gauge_down(*own - focus_) > Real(1);
 }
 
 bool PosedBent::contains(const Point& x) const {

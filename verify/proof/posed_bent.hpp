@@ -4,8 +4,7 @@
 
 #include <optional>
 
-#include "verify/proof/certificate.hpp"
-#include "verify/proof/rigid_motion.hpp"
+#include "verify/proof/posed_superquadric.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 
@@ -19,6 +18,9 @@ class PosedBent {
   /// Precondition: `primitive` has a bend.
   explicit PosedBent(const Primitive& primitive);
 
+  [[nodiscard]] const Superquadric& superquadric() const { return superquadric_; }
+  [[nodiscard]] const SuperquadricBounds<Real>& bounds() const { return bounds_; }
+
   [[nodiscard]] double lower_by_sphere(const Point& x) const;
 
   /// From below, with p = x - v: d(x, β(K))² >= |v|² - 2 (h(-w) + w·β⁻¹(p)), w = β'(β⁻¹(p))ᵀ (p - x), where f is proven
@@ -30,12 +32,14 @@ class PosedBent {
   /// The upper end alone.
   [[nodiscard]] double upper_by_normal(const Point& x, const Proposal& v) const;
 
-  [[nodiscard]] bool excludes(const Point& x) const;
   [[nodiscard]] bool contains(const Point& x) const;
 
   /// Whether the ball is proven to lie in β(K), as it does where it is more curved at x - v, |v| = radius, than the
   /// boundary. `v` may have any length.
   [[nodiscard]] bool contains_ball_about(const Point& x, double radius, const Proposal& v) const;
+
+  /// Unbent, about the focus. Nothing where the region may meet the half plane in which the angle jumps.
+  [[nodiscard]] std::optional<OwnRegion> over(const PreciseVector& centre, const std::array<Real, 3>& half) const;
 
   /// How far f rises above its tangent planes at points of K: the condition's left side less its right one, >= 0,
   /// rounded down, and the largest turn |δ| of the points that count.
@@ -59,6 +63,7 @@ class PosedBent {
   [[nodiscard]] PreciseVector turned_back(const PreciseVector& v) const;
   [[nodiscard]] PreciseVector bent(const PreciseVector& unbent) const;
   [[nodiscard]] std::optional<PreciseVector> unbent(const PreciseVector& bent) const;
+  [[nodiscard]] PreciseMatrix unbending(const PreciseVector& unbent) const;
   [[nodiscard]] PreciseVector pulled_back(const PreciseVector& v, const PreciseVector& unbent) const;
   [[nodiscard]] Query query(const Point& x) const;
   [[nodiscard]] std::optional<Real> upper(const Query& q, const PreciseVector& x0) const;

@@ -45,16 +45,18 @@ double PosedSuperquadric::upper_by_normal(const Point& x, const Proposal& v) con
   return upper_bound_at(bounds_, q, PreciseVector(q - precise(v)));
 }
 
-bool PosedSuperquadric::excludes(const Point& x) const {
-  return lower_by_sphere(x) > 0.0 || bounds_.gauge(motion_.local_point(x)).lower() > Real(1);
-}
-
 bool PosedSuperquadric::contains(const Point& x) const {
   return bounds_.gauge(motion_.local_point(x)).upper() <= Real(1);
 }
 
-bool PosedSuperquadric::contains_ball_about(const Point& x, double radius) const {
+bool PosedSuperquadric::contains_ball_about(const Point& x, double radius, const Proposal& /*v*/) const {
   return contains_ball(superquadric_, bounds_, motion_.local_point(x), radius);
+}
+
+std::optional<OwnRegion> PosedSuperquadric::over(const PreciseVector& centre, const std::array<Real, 3>& half) const {
+  const PreciseMatrix to_own = motion_.rotation.transpose();
+  const PreciseVector own = to_own * (centre - motion_.translation);
+  return OwnRegion{own, own + to_own * box_of(half), to_own};
 }
 
 }  // namespace verisq::verify

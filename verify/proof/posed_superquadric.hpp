@@ -3,10 +3,23 @@
 /// The origin of K's own frame is its focus (docs/mathematics.md §18), without a taper its centre.
 #pragma once
 
+#include <optional>
+
 #include "verify/proof/certificate.hpp"
 #include "verify/proof/rigid_motion.hpp"
 
 namespace verisq::verify {
+
+/// Where the points c + e of the model frame, |e_i| <= half[i], lie in a primitive's own frame, about the origin of its
+/// gauge: y(c + e) lies in `range`, and is centre + D e for a D in `derivative`.
+struct OwnRegion {
+  PreciseVector centre, range;
+  PreciseMatrix derivative;
+};
+
+[[nodiscard]] inline PreciseVector box_of(const std::array<Real, 3>& half) {
+  return {{-half[0], half[0]}, {-half[1], half[1]}, {-half[2], half[2]}};
+}
 
 /// Distances are rounded outward to binary64: comparing them with claims loses nothing, because the claims are binary64
 /// numbers themselves.
@@ -31,14 +44,13 @@ class PosedSuperquadric {
   /// sd(x) <= |x - b|, where b = (x - v) / g(x - v) lies in K.
   [[nodiscard]] double upper_by_normal(const Point& x, const Proposal& v) const;
 
-  /// Whether x is proven to lie outside.
-  [[nodiscard]] bool excludes(const Point& x) const;
-
   /// Whether g(x) <= 1 is proven.
   [[nodiscard]] bool contains(const Point& x) const;
 
-  /// Whether the ball is proven to lie in K, by covering it with cones.
-  [[nodiscard]] bool contains_ball_about(const Point& x, double radius) const;
+  /// Whether the ball is proven to lie in K, by covering it with cones, whatever v is.
+  [[nodiscard]] bool contains_ball_about(const Point& x, double radius, const Proposal& v = {}) const;
+
+  [[nodiscard]] std::optional<OwnRegion> over(const PreciseVector& centre, const std::array<Real, 3>& half) const;
 
  private:
   Superquadric superquadric_;

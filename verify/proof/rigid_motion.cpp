@@ -39,14 +39,6 @@ PreciseVector RigidMotion::local_point(const Point& x) const {
   return rotation.transpose() * PreciseVector(precise(x) - translation);
 }
 
-PreciseVector RigidMotion::local_direction(const Proposal& v) const {
-  return rotation.transpose() * precise(v);
-}
-
-Proposal RigidMotion::model_direction(const Proposal& v) const {
-  return usable(v) ? midpoint(rotation * precise(v)) : Proposal{};
-}
-
 PreciseVector precise(const Point& x) {
   return {Real(x[0]), Real(x[1]), Real(x[2])};
 }

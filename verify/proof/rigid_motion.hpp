@@ -22,10 +22,6 @@ struct RigidMotion {
 
   /// R^T (x - t)
   [[nodiscard]] PreciseVector local_point(const Point& x) const;
-  /// R^T v
-  [[nodiscard]] PreciseVector local_direction(const Proposal& v) const;
-  /// R v, to nearest: a direction to be certified. Zero if v is not usable.
-  [[nodiscard]] Proposal model_direction(const Proposal& v) const;
 };
 
 /// The exact point, for interval arithmetic. Precondition: finite.

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "verify/search/certified_distance.hpp"
 #include "verify/search/contact.hpp"
 #include "verify/search/enclosing_box.hpp"
 #include "verify/search/interior.hpp"

@@ -23,14 +23,14 @@ CertifiedDistance ConvexPrimitive::signed_distance(const Point& x, double tolera
 
 double ConvexPrimitive::ray_clearance(const Point& x, const Proposal& u) const {
   const PreciseVector q = proof_.motion().local_point(x);
-  const PreciseVector v = proof_.motion().local_direction(u);
+  const PreciseVector v = proof_.motion().rotation.transpose() * precise(u);
   const PreciseInterval squared_length = square(v[0]) + square(v[1]) + square(v[2]);
   return ((proof_.bounds().support(v) - v.dot(q)) / squared_length).upper().to_double(Direction::up);
 }
 
 bool ConvexPrimitive::separated(const Point& x, const Proposal& u, double s) const {
   const PreciseVector q =
-      proof_.motion().local_point(x) + proof_.motion().local_direction(u) * PreciseInterval(Real(s));
+      proof_.motion().local_point(x) + proof_.motion().rotation.transpose() * precise(u) * PreciseInterval(Real(s));
   if ((length<Real>(q) - proof_.radius()).lower() > Real(0)) return true;
   return lower_bound(proof_.bounds(), q, fast_contact(proof_.superquadric(), midpoint(q)).normal) > 0.0;
 }

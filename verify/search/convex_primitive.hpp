@@ -2,6 +2,7 @@
 #pragma once
 
 #include "verify/proof/posed_superquadric.hpp"
+#include "verify/search/certified_distance.hpp"
 
 namespace verisq::verify {
 
@@ -13,7 +14,9 @@ class ConvexPrimitive {
   [[nodiscard]] CertifiedDistance signed_distance(const Point& x, double tolerance) const;
 
   /// A direction of the solid's frame in the model's, to nearest. Zero if v is not usable.
-  [[nodiscard]] Proposal model_direction(const Proposal& v) const { return proof_.motion().model_direction(v); }
+  [[nodiscard]] Proposal model_direction(const Proposal& v) const {
+    return usable(v) ? midpoint(proof_.motion().rotation * precise(v)) : Proposal{};
+  }
 
   /// What needs no search.
   [[nodiscard]] const PosedSuperquadric& proof() const { return proof_; }
@@ -24,6 +27,11 @@ class ConvexPrimitive {
 
   /// Whether x + s u is proven to lie outside, at a positive distance.
   [[nodiscard]] bool separated(const Point& x, const Proposal& u, double s) const;
+
+  /// Whether x is proven to lie outside.
+  [[nodiscard]] bool excludes(const Point& x) const {
+    return proof_.lower_by_sphere(x) > 0.0 || proof_.bounds().gauge(proof_.motion().local_point(x)).lower() > Real(1);
+  }
 
   /// The corners of the bounding box of the solid's posed box, along each axis of the model frame.
   [[nodiscard]] PreciseVector bounding_box() const;

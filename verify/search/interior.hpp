@@ -1,7 +1,7 @@
 /// Signed distance of points inside one superquadric.
 #pragma once
 
-#include "verify/proof/certificate.hpp"
+#include "verify/search/certified_distance.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {

@@ -12,6 +12,7 @@
 #include "verify/proof/posed_pairs.hpp"
 #include "verify/proof/uncertain_distance.hpp"
 #include "verify/search/candidates.hpp"
+#include "verify/search/certified_distance.hpp"
 #include "verify/search/closest_points.hpp"
 #include "verify/search/near_pairs.hpp"
 #include "verify/search/pair_contact.hpp"

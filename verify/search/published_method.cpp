@@ -9,13 +9,14 @@
 #include "verisq/published_method.hpp"
 
 #include <algorithm>
+#include <string>
 #include <string_view>
 
-#include "verify/proof/convex_union.hpp"
 #include "verify/proof/rigid_motion.hpp"
 #include "verify/search/bisected_enclosure.hpp"
 #include "verify/search/gjk.hpp"
 #include "verify/search/support_mapping.hpp"
+#include "verisq/error.hpp"
 
 namespace verisq {
 
@@ -24,6 +25,13 @@ namespace {
 using namespace verify;
 
 constexpr std::string_view method_name = "the published method";
+
+void require_convex(const Primitive& primitive, std::string_view what) {
+  if (is_bent(primitive)) throw Error(ErrorKind::input, std::string(what) + ": not supported for bent solids");
+  if (is_tapered(primitive.superquadric)) {
+    throw Error(ErrorKind::input, std::string(what) + ": not supported for tapered solids");
+  }
+}
 
 Interval rounded_outward(const PreciseInterval& x) {
   return {x.lower().to_double(Direction::down), x.upper().to_double(Direction::up)};

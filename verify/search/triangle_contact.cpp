@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "verify/proof/triangle.hpp"
+#include "verify/search/certified_distance.hpp"
 #include "verify/search/contact_problem.hpp"
 #include "verify/search/support_mapping.hpp"
 #include "verify/search/tapered_contact_problem.hpp"

@@ -11,6 +11,7 @@
 #include "verify/proof/triangle.hpp"
 #include "verify/proof/triangle_certificate.hpp"
 #include "verify/search/candidates.hpp"
+#include "verify/search/certified_distance.hpp"
 #include "verify/search/contact.hpp"
 #include "verify/search/triangle_contact.hpp"
 #include "verisq/enclosure.hpp"

@@ -10,6 +10,7 @@
 #include "verify/proof/intersection.hpp"
 #include "verify/proof/triangle.hpp"
 #include "verify/search/candidates.hpp"
+#include "verify/search/certified_distance.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -69,8 +70,7 @@ std::optional<Escape> escape(std::span<const ConvexPrimitive> primitives, const 
     const Point w{static_cast<double>(x[0] + s * u[0]), static_cast<double>(x[1] + s * u[1]),
                   static_cast<double>(x[2] + s * u[2])};
     if (!std::ranges::all_of(w, [](double c) { return std::isfinite(c); })) return std::nullopt;
-    if (std::ranges::all_of(primitives,
-                            [&](const ConvexPrimitive& primitive) { return primitive.proof().excludes(w); })) {
+    if (std::ranges::all_of(primitives, [&](const ConvexPrimitive& primitive) { return primitive.excludes(w); })) {
       return Escape{w, distance_up(x, w)};
     }
   }

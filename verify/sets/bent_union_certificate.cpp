@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "verify/search/candidates.hpp"
+#include "verify/search/certified_distance.hpp"
 #include "verify/search/union_of_convex.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -20,18 +21,6 @@ bool contains(const UnionPart& part, const Point& x) {
   return std::visit([&](const auto& solid) { return solid.proof().contains(x); }, part);
 }
 
-/// What one part proves alone.
-CertifiedEnclosure of_part(const UnionPart& part, std::uint32_t index, const Point& x) {
-  if (const auto* const convex = std::get_if<ConvexPrimitive>(&part)) {
-    constexpr double tightest = 0.0;  // one vector then proves both ends, as a rule
-    CertifiedEnclosure found = signed_distance({convex, 1}, x, tightest);
-    for (Normal& normal : found.certificate.normals) normal.primitive = index;
-    return found;
-  }
-  const auto [distance, normal] = std::get<BentDistance>(part).foot(x);
-  return {distance, {{{index, rounded(normal)}}, std::nullopt}};
-}
-
 /// The ends and the normals of all parts that may be the nearest, that of the upper end first.
 CertifiedEnclosure of_parts(std::span<const UnionPart> parts, const Point& x) {
   CertifiedEnclosure result{{infinity, infinity}, {}};
@@ -39,7 +28,7 @@ CertifiedEnclosure of_parts(std::span<const UnionPart> parts, const Point& x) {
   const auto bound_of = [&](std::size_t i) { return sphere_bound_of(parts[i], x); };
   for (const auto& [bound, i] : nearest_spheres_first(parts.size(), bound_of)) {
     if (bound > distance.hi) break;  // neither this part nor a later one can be the nearest
-    const CertifiedEnclosure found = of_part(parts[i], static_cast<std::uint32_t>(i), x);
+    const CertifiedEnclosure found = certificate_of_part(parts[i], static_cast<std::uint32_t>(i), x);
     const auto& normals = found.certificate.normals;
     const bool decides = found.distance.hi < distance.hi;
     if (decides) {
@@ -74,6 +63,17 @@ std::optional<CertifiedEnclosure> deeper(std::span<const UnionPart> parts, const
 }
 
 }  // namespace
+
+CertifiedEnclosure certificate_of_part(const UnionPart& part, std::uint32_t index, const Point& x) {
+  if (const auto* const convex = std::get_if<ConvexPrimitive>(&part)) {
+    constexpr double tightest = 0.0;  // one vector then proves both ends, as a rule
+    CertifiedEnclosure found = signed_distance({convex, 1}, x, tightest);
+    for (Normal& normal : found.certificate.normals) normal.primitive = index;
+    return found;
+  }
+  const auto [distance, normal] = std::get<BentDistance>(part).foot(x);
+  return {distance, {{{index, rounded(normal)}}, std::nullopt}};
+}
 
 CertifiedEnclosure bent_union_certificate(std::span<const UnionPart> parts, const ExactChecker& checker, const Point& x,
                                           const FindEscape& find_escape) {

@@ -1,6 +1,7 @@
 /// Signed distances to unions with bent primitives, with what proves them.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -9,6 +10,9 @@
 #include "verify/sets/union_closest_point.hpp"
 
 namespace verisq::verify {
+
+/// What one part, the model's primitive `index`, proves alone.
+[[nodiscard]] CertifiedEnclosure certificate_of_part(const UnionPart& part, std::uint32_t index, const Point& x);
 
 /// Asked for where x may lie inside: a point outside the union, hardly farther than any is.
 using FindEscape = std::function<std::optional<Point>()>;

@@ -10,6 +10,7 @@
 #include "verify/search/union_of_convex.hpp"
 #include "verify/sets/bent_union_certificate.hpp"
 #include "verify/sets/set_closest_point.hpp"
+#include "verify/sets/solid_certificate.hpp"
 #include "verify/sets/solid_distance.hpp"
 #include "verify/sets/union_closest_point.hpp"
 #include "verisq/enclosure.hpp"
@@ -33,8 +34,7 @@ bool never() {
 
 /// What certificates of convex primitives need.
 struct ConvexUnion {
-  explicit ConvexUnion(const Model& model)
-      : checker(model), primitives(model.primitives.begin(), model.primitives.end()) {}
+  explicit ConvexUnion(const Model& model) : primitives(model.primitives.begin(), model.primitives.end()) {}
 
   /// Outside, and of a single primitive, certificates are tight; where primitives may overlap, their union is deeper
   /// than each of them, and the escape along a ray may be far from the shortest.
@@ -42,12 +42,10 @@ struct ConvexUnion {
     return primitives.size() > 1 && !(found.lo > 0.0) && !verified(found, tolerance);
   }
 
-  verify::ExactChecker checker;
   std::vector<verify::ConvexPrimitive> primitives;
 };
 
-/// Precondition: is_union.
-std::vector<verify::UnionPart> parts_of_bent_union(const Model& model) {
+std::vector<verify::UnionPart> parts_of(const Model& model) {
   std::vector<verify::UnionPart> parts;
   for (const Primitive& primitive : model.primitives) parts.push_back(verify::part_of(primitive));
   return parts;
@@ -57,15 +55,15 @@ std::vector<verify::UnionPart> parts_of_bent_union(const Model& model) {
 
 struct SignedDistance::State {
   explicit State(const Model& model)
-      : search(model), resolution(search_limit * bounding_radius(model)), primitives(model.primitives.size()) {
-    if (is_union_of_convex(model)) {
+      : search(model),
+        checker(model),
+        parts(parts_of(model)),
+        is_union(verify::is_union(model)),
+        resolution(search_limit * bounding_radius(model)) {
+    if (is_union_of_convex(model))
       convex.emplace(model);
-    } else if (verify::is_union(model)) {
-      bent_union = parts_of_bent_union(model);
-      bent_checker.emplace(model);
-    } else {
+    else if (!is_union)
       operations.emplace(model);
-    }
   }
 
   [[nodiscard]] Enclosure searched(const Point& point, double tolerance, const Enclosure& known,
@@ -77,22 +75,42 @@ struct SignedDistance::State {
   [[nodiscard]] std::optional<ClosestPoint> proven_closest_point(const Point& point, const Enclosure& known) const {
     if (convex) return verify::closest_point(convex->primitives, point);
     if (operations) return (*operations)(point, std::max(-known.lo, known.hi));
-    return verify::closest_point(bent_union, point);
+    return verify::closest_point(parts, point);
   }
 
   [[nodiscard]] ClosestPoint closest_point_within(const Enclosure& distance, const Point& point) const {
     ClosestPoint result = verisq::closest_point_within(distance, point);
-    if (primitives == 1) result.primitive = 0;  // no other has a surface
+    if (parts.size() == 1) result.primitive = 0;  // no other has a surface
     return result;
   }
 
+  /// What single primitives prove of a union, without covers.
+  [[nodiscard]] CertifiedEnclosure certified(const Point& point, double tolerance,
+                                             const std::function<bool()>& interrupted) const {
+    const double width = std::max(tolerance, resolution);
+    if (!convex) {
+      return verify::bent_union_certificate(parts, checker, point,
+                                            [&] { return search.escape(point, share_of_escape * width, interrupted); });
+    }
+    const auto proven = [&](CertifiedEnclosure found) {
+      found.distance = checker(point, found.distance, found.certificate);
+      return found;
+    };
+    const CertifiedEnclosure found = proven(verify::signed_distance(convex->primitives, point, tolerance));
+    if (!convex->loose(found.distance, width)) return found;
+    CertifiedEnclosure nearer = found;
+    nearer.certificate.escape = search.escape(point, std::max(share_of_escape * tolerance, resolution), interrupted);
+    nearer = proven(nearer);
+    return nearer.distance.lo > found.distance.lo ? nearer : found;
+  }
+
   std::optional<ConvexUnion> convex;
-  std::vector<verify::UnionPart> bent_union;  ///< nothing where there is no bend
-  std::optional<verify::ExactChecker> bent_checker;
   std::optional<verify::SetClosestPoint> operations;  ///< where there are others than the union
   verify::SolidDistance search;
+  verify::ExactChecker checker;
+  std::vector<verify::UnionPart> parts;
+  bool is_union;
   double resolution;
-  std::size_t primitives;
 };
 
 SignedDistance::SignedDistance(const Model& model) : state_(std::make_unique<State>(model)) {}
@@ -130,25 +148,14 @@ CertifiedEnclosure SignedDistance::certified(const Point& point, double toleranc
 }
 
 CertifiedEnclosure SignedDistance::certified(const Point& point, double tolerance,
-                                             const std::function<bool()>& interrupted) const {
-  if (state_->bent_checker) {
-    const double resolution = std::max(tolerance, state_->resolution);
-    return verify::bent_union_certificate(state_->bent_union, *state_->bent_checker, point, [&] {
-      return state_->search.escape(point, share_of_escape * resolution, interrupted);
-    });
-  }
-  if (!state_->convex) throw Error(ErrorKind::input, "certificates: only for unions of primitives");
-  const auto proven = [&](CertifiedEnclosure found) {
-    found.distance = state_->convex->checker(point, found.distance, found.certificate);
-    return found;
-  };
-  const CertifiedEnclosure found = proven(verify::signed_distance(state_->convex->primitives, point, tolerance));
-  if (!state_->convex->loose(found.distance, std::max(tolerance, state_->resolution))) return found;
-  CertifiedEnclosure nearer = found;
-  nearer.certificate.escape =
-      state_->search.escape(point, std::max(share_of_escape * tolerance, state_->resolution), interrupted);
-  nearer = proven(nearer);
-  return nearer.distance.lo > found.distance.lo ? nearer : found;
+                                             const std::function<bool()>& interrupted, bool covers) const {
+  const State& state = *state_;
+  if (!covers && !state.is_union) throw Error(ErrorKind::input, "certificates without covers: only for unions");
+  const CertifiedEnclosure found =
+      state.is_union ? state.certified(point, tolerance, interrupted) : CertifiedEnclosure{nothing_known, {}};
+  if (!covers) return found;
+  const double width = std::max(tolerance, state.resolution);
+  return verify::covered({state.parts, state.search, state.checker}, point, found, width, interrupted);
 }
 
 }  // namespace verisq

@@ -401,7 +401,7 @@ Enclosure SolidDistance::operator()(const Point& x, double tolerance, const Encl
   const Scene& scene = state_->scene;
   if (!scene.root) return known;
   const std::vector<Colour> at_x = colours_at(scene, x);
-  const Colour here = contains(*scene.root, x) ? colour(scene.inside, at_x) : Colour::white;
+  const Colour here = contains(*scene.root, x) ? verify::colour(scene.inside, at_x) : Colour::white;
   // Where the sign is open, the distances to either side bound half of the enclosure each.
   const double share = here == Colour::gray ? tolerance / 2 : tolerance;
   Enclosure result{-infinity, infinity};
@@ -420,13 +420,17 @@ Enclosure SolidDistance::operator()(const Point& x, double tolerance, const Encl
   return intersection(known, result, [&] { return "the signed distance at " + text_of(x); });
 }
 
-std::optional<Point> SolidDistance::escape(const Point& x, double tolerance,
-                                           const std::function<bool()>& interrupted) const {
+std::optional<Point> SolidDistance::nearest(const Point& x, Side side, double tolerance,
+                                            const std::function<bool()>& interrupted) const {
   const Scene& scene = state_->scene;
-  if (!scene.root || !contains(*scene.root, x)) return std::nullopt;
-  Search search(scene, Side::outside, x, colours_at(scene, x), tolerance, {0.0, infinity});
+  if (!scene.root || (side == Side::outside && !contains(*scene.root, x))) return std::nullopt;
+  Search search(scene, side, x, colours_at(scene, x), tolerance, {0.0, infinity});
   static_cast<void>(search.run(interrupted));
   return search.witness();
+}
+
+Colour SolidDistance::colour(const Point& x) const {
+  return verify::colour(state_->scene.inside, colours_at(state_->scene, x));
 }
 
 }  // namespace verisq::verify

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "verify/sets/cube.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 
@@ -22,9 +23,17 @@ class SolidDistance {
   [[nodiscard]] Enclosure operator()(const Point& x, double tolerance, const Enclosure& known,
                                      const std::function<bool()>& interrupted) const;
 
-  /// A point proven to lie outside the solid, hardly farther from x than any is; nothing where none was found.
+  /// A point proven to lie in the solid, or with Side::outside beyond it, hardly farther from x than any is; nothing
+  /// where none was found.
+  [[nodiscard]] std::optional<Point> nearest(const Point& x, Side side, double tolerance,
+                                             const std::function<bool()>& interrupted) const;
   [[nodiscard]] std::optional<Point> escape(const Point& x, double tolerance,
-                                            const std::function<bool()>& interrupted) const;
+                                            const std::function<bool()>& interrupted) const {
+    return nearest(x, Side::outside, tolerance, interrupted);
+  }
+
+  /// Of a point.
+  [[nodiscard]] Colour colour(const Point& x) const;
 
  private:
   struct State;

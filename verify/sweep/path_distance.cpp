@@ -16,6 +16,7 @@
 #include "verify/proof/convex_union.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/search/candidates.hpp"
+#include "verify/search/certified_distance.hpp"
 #include "verify/search/pair_contact.hpp"
 #include "verify/sweep/moving_pairs.hpp"
 
