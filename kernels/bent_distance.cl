@@ -150,46 +150,119 @@ ALWAYS_INLINE interval distance_by_point(vector3 q, unbent unbent_q, vector3 at,
   return interval_of(select(REAL(0.0), sqrt_down(square), valid), upper);
 }
 
-// For points proven to lie outside or inside; others get nothing (-infinity, infinity), as do those inside of which no
-// ball is proven. Normals lead from the closest point to the query in the frame of the bend, inside from the query.
-kernel void bent_distance(ulong groups, global const double* xs, global const double* ys, global const double* zs,
-                          MODEL_SPACE const box_primitive* primitives, uint index, global double* los,
-                          global double* his, global double* normal_xs, global double* normal_ys,
-                          global double* normal_zs) {
-  const ulong group = get_global_id(0);
-  if (group >= groups) return;
-  MODEL_SPACE const box_primitive* p = primitives + index;
-  const vector3 x = {LOAD(group, xs), LOAD(group, ys), LOAD(group, zs)};
-  const cube here = {x, REAL(0.0)};
-  const colour own = bent_colour(here, p);
+// Column by column: ends of enclosures, and normals.
+typedef struct {
+  global double *los, *his, *normal_xs, *normal_ys, *normal_zs;
+} evidence_columns;
+
+// Nothing is known of them.
+ALWAYS_INLINE void forget_group(ulong group, evidence_columns columns) {
+  STORE(REAL(-INFINITY), group, columns.los);
+  STORE(REAL(INFINITY), group, columns.his);
+  STORE(REAL(0.0), group, columns.normal_xs);
+  STORE(REAL(0.0), group, columns.normal_ys);
+  STORE(REAL(0.0), group, columns.normal_zs);
+}
+
+// How many points of a block are proven to lie outside, and inside.
+typedef struct {
+  uint outside, inside;
+} block_counts;
+
+// Lists those outside from the first place on, those inside from the last place back. `size` is that of the block.
+ALWAYS_INLINE block_counts list_by_side(ulong first, uint size, global const double* xs, global const double* ys,
+                                        global const double* zs, MODEL_SPACE const box_primitive* p,
+                                        evidence_columns columns, global uint* listed) {
+  block_counts counts = {0, 0};
+  for (ulong group = first; group < first + size / VECTOR_WIDTH; ++group) {
+    forget_group(group, columns);
+    const cube here = {point_at(group, xs, ys, zs), REAL(0.0)};
+    const colour own = bent_colour(here, p);
+    long is_outside[VECTOR_WIDTH], is_inside[VECTOR_WIDTH];
+    STORE(own.white, 0, is_outside);
+    STORE(own.black, 0, is_inside);
+    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {
+      const uint point = (uint)(group * VECTOR_WIDTH + lane);
+      if (is_outside[lane] != 0) listed[counts.outside++] = point;
+      if (is_inside[lane] != 0) listed[size - ++counts.inside] = point;
+    }
+  }
+  return counts;
+}
+
+// Of those outside from `start` on, or of those inside; lanes beyond the last repeat it.
+ALWAYS_INLINE void take_outside(uint start, block_counts counts, global const uint* listed, lane_indices* indices) {
+  for (uint lane = 0; lane < VECTOR_WIDTH; ++lane)
+    indices->of_lane[lane] = listed[min(start + lane, counts.outside - 1)];
+}
+ALWAYS_INLINE void take_inside(uint start, uint size, block_counts counts, global const uint* listed,
+                               lane_indices* indices) {
+  for (uint lane = 0; lane < VECTOR_WIDTH; ++lane)
+    indices->of_lane[lane] = listed[size - 1 - min(start + lane, counts.inside - 1)];
+}
+
+// A point in the frame of the bend, and unbent.
+typedef struct {
+  vector3 q;
+  real frame_error;
+  unbent u;
+  vector3 middle; // of u
+  integer usable;
+} bent_query;
+
+ALWAYS_INLINE bent_query query_at(vector3 x, MODEL_SPACE const box_primitive* p) {
   const vector3 d = {x.x - p->solid.translation[0], x.y - p->solid.translation[1], x.z - p->solid.translation[2]};
   const vector3 q = {dot3(p->frame[0], p->frame[1], p->frame[2], d), dot3(p->frame[3], p->frame[4], p->frame[5], d),
                      dot3(p->frame[6], p->frame[7], p->frame[8], d)};
   const real size = add_up(fabs(d.x), add_up(fabs(d.y), fabs(d.z)));
   const real frame_error = fma_up(REAL(p->frame_error), size, REAL(0x1p-1000));
   const unbent u = unbend_point(q, p->curvature);
-  const vector3 unbent_q = {middle_of(u.r), q.y, middle_of(u.z)};
-  const integer usable = own.white & MASK(fabs(unbent_q.x) <= DBL_MAX) & MASK(fabs(unbent_q.z) <= DBL_MAX);
-  interval distance = interval_of(REAL(-INFINITY), REAL(INFINITY));
-  vector3 normal = {REAL(0.0), REAL(0.0), REAL(0.0)};
-  if (any(usable)) {
-    const vector3 at = bend_nearest(closest_unbent(q, where(usable, unbent_q), u.w.hi, p), p->curvature);
-    const interval found = distance_by_point(q, u, at, p);
-    distance.lo = select(distance.lo, sub_down(found.lo, frame_error), usable);
-    distance.hi = select(distance.hi, add_up(found.hi, frame_error), usable);
-    const vector3 apart = {q.x - at.x, q.y - at.y, q.z - at.z};
-    normal = where(usable, apart);
+  const vector3 middle = {middle_of(u.r), q.y, middle_of(u.z)};
+  const bent_query query = {q, frame_error, u, middle, MASK(fabs(middle.x) <= DBL_MAX) & MASK(fabs(middle.z) <= DBL_MAX)};
+  return query;
+}
+
+// Of the first `count` lanes, where usable.
+ALWAYS_INLINE void scatter_evidence(interval distance, vector3 normal, bent_query query, uint count,
+                                    const lane_indices* indices, evidence_columns columns) {
+  const integer usable = query.usable;
+  scatter(select(REAL(-INFINITY), sub_down(distance.lo, query.frame_error), usable), count, indices, columns.los);
+  scatter(select(REAL(INFINITY), add_up(distance.hi, query.frame_error), usable), count, indices, columns.his);
+  const vector3 known = where(usable, normal);
+  scatter(known.x, count, indices, columns.normal_xs);
+  scatter(known.y, count, indices, columns.normal_ys);
+  scatter(known.z, count, indices, columns.normal_zs);
+}
+
+// For points proven to lie outside or inside; others get nothing (-infinity, infinity), as do those inside of which no
+// ball is proven. Normals lead from the closest point to the query in the frame of the bend, inside from the query. A
+// work-item owns a block of groups; the points on either side are gathered from it, because what is proven of them is
+// different. `listed` has room for all points.
+kernel void bent_distance(ulong groups, uint groups_per_block, global const double* xs, global const double* ys,
+                          global const double* zs, MODEL_SPACE const box_primitive* primitives, uint index,
+                          global uint* listed, global double* los, global double* his, global double* normal_xs,
+                          global double* normal_ys, global double* normal_zs) {
+  MODEL_SPACE const box_primitive* p = primitives + index;
+  const ulong first = get_global_id(0) * groups_per_block;
+  if (first >= groups) return;
+  const uint size = (uint)(min(first + groups_per_block, groups) - first) * VECTOR_WIDTH;
+  const evidence_columns columns = {los, his, normal_xs, normal_ys, normal_zs};
+  global uint* own = listed + first * VECTOR_WIDTH;
+  const block_counts counts = list_by_side(first, size, xs, ys, zs, p, columns, own);
+  lane_indices indices;
+  for (uint start = 0; start < counts.outside; start += VECTOR_WIDTH) {
+    take_outside(start, counts, own, &indices);
+    const bent_query x = query_at(gathered_point(&indices, xs, ys, zs), p);
+    const vector3 at = bend_nearest(closest_unbent(x.q, where(x.usable, x.middle), x.u.w.hi, p), p->curvature);
+    const interval found = distance_by_point(x.q, x.u, at, p);
+    const vector3 apart = {x.q.x - at.x, x.q.y - at.y, x.q.z - at.z};
+    scatter_evidence(found, apart, x, min(counts.outside - start, (uint)VECTOR_WIDTH), &indices, columns);
   }
-  const integer deep = own.black & MASK(fabs(unbent_q.x) <= DBL_MAX) & MASK(fabs(unbent_q.z) <= DBL_MAX);
-  if (p->solid.p_down[0] >= 2.0 && p->solid.p_down[1] >= 2.0 && any(deep)) {
-    const proven_depth found = depth_by_ball(q, u, deep, p);
-    distance.lo = select(distance.lo, sub_down(found.distance.lo, frame_error), deep);
-    distance.hi = select(distance.hi, add_up(found.distance.hi, frame_error), deep);
-    normal = select_vector(normal, found.way, deep);
+  if (p->solid.p_down[0] < 2.0 || p->solid.p_down[1] < 2.0) return; // bent_depth.clh is for others
+  for (uint start = 0; start < counts.inside; start += VECTOR_WIDTH) {
+    take_inside(start, size, counts, own, &indices);
+    const bent_query x = query_at(gathered_point(&indices, xs, ys, zs), p);
+    const proven_depth found = depth_by_ball(x.q, x.u, x.usable, p);
+    scatter_evidence(found.distance, found.way, x, min(counts.inside - start, (uint)VECTOR_WIDTH), &indices, columns);
   }
-  STORE(distance.lo, group, los);
-  STORE(distance.hi, group, his);
-  STORE(normal.x, group, normal_xs);
-  STORE(normal.y, group, normal_ys);
-  STORE(normal.z, group, normal_zs);
 }

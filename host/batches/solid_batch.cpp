@@ -31,6 +31,10 @@ namespace {
 constexpr cl_uint round_limit_of_processor = 4096;
 constexpr cl_uint round_limit = 512;
 
+// Lanes of a processor's work-item share a block of points about a bent primitive, one vector of which lies on one side
+// of it; a graphics processor's work-item owns one point.
+constexpr std::size_t block_points_of_vector_work_item = 512;
+
 // What is known of each primitive on its own.
 constexpr std::array<std::string_view, 5> part_arguments{"part_los", "part_his", "normal_xs", "normal_ys", "normal_zs"};
 // Of points whose nearest one may lie on an edge.
@@ -91,6 +95,7 @@ class SolidSlot : public ChunkSlot {
         box_primitives_(model.box_primitives),
         points_{{queue_.numbers(capacity_), queue_.numbers(capacity_), queue_.numbers(capacity_)},
                 queue_.numbers(capacity_)},
+        bent_groups_per_block_(solid_width_ > 1 ? block_points_of_vector_work_item / solid_width_ : 1),
         bent_distance_(model.program, kernels::embedded_bent_distance(), "bent_distance"),
         set_feet_(model.program, kernels::embedded_set_bounds(), "set_feet"),
         set_bounds_(model.program, kernels::embedded_set_bounds(), "set_bounds"),
@@ -125,6 +130,9 @@ class SolidSlot : public ChunkSlot {
       kernel->set("tolerance", own_tolerance);
       kernel->set(part_arguments, per_primitive_);
     }
+    bent_distance_.set("groups_per_block", static_cast<cl_uint>(bent_groups_per_block_));
+    listed_ = queue_.numbers(capacity_ / 2 + 1);  // as 32-bit numbers
+    bent_distance_.set("listed", listed_);
     set_feet_.set("wanted_balls", wanted_balls_);
     set_bounds_.set("ball_his", ball_his_);
     solid_distance_.set("root_x", model.root.centre[0]);
@@ -177,10 +185,13 @@ class SolidSlot : public ChunkSlot {
   }
 
   void enqueue_bent(std::size_t i) {
-    bent_distance_.set("groups", padded() / solid_width_);
+    const std::size_t vectors = padded() / solid_width_;
+    bent_distance_.set("groups", vectors);
     bent_distance_.set("index", i);
     bent_distance_.set(evidence_arguments, views_[i]);
-    queue_.launch(bent_distance_, padded() / solid_width_);
+    // A vector work-item with a block is long: one a work-group lets the cores share them evenly.
+    const std::size_t blocks = (vectors + bent_groups_per_block_ - 1) / bent_groups_per_block_;
+    bent_groups_per_block_ > 1 ? queue_.launch(bent_distance_, blocks, 1) : queue_.launch(bent_distance_, blocks);
   }
 
   // What needs no search: feet are proposed, balls about them proven, then bounds.
@@ -209,6 +220,8 @@ class SolidSlot : public ChunkSlot {
   cl::Buffer box_primitives_;
   ConvexDistance::Points points_;
   std::optional<ConvexDistance> convex_distance_;  // nothing where all are bent
+  std::size_t bent_groups_per_block_;
+  cl::Buffer listed_;
   NamedKernel bent_distance_;
   NamedKernel set_feet_;
   NamedKernel set_bounds_;

@@ -108,9 +108,11 @@ class KernelRun {
     const auto coordinates = point_columns();
     const cl::Buffer parameters = box_primitives();
     const std::size_t primitives = solid_model().primitives.size();
+    const cl::Buffer listed(context_, CL_MEM_READ_WRITE, queries_ * sizeof(cl_uint));
     const auto of_primitives = outputs<5>(queries_ * primitives);
     for (cl_uint index = 0; index < primitives; ++index)
-      launch("bent_distance", cl_ulong{groups}, coordinates, parameters, index, views(of_primitives, index));
+      launch("bent_distance", cl_ulong{groups}, groups_per_block, coordinates, parameters, index, listed,
+             views(of_primitives, index));
     const auto ends = outputs<2>(queries_);
     const auto edges = outputs<5>(queries_);  // other terms, numbers, feet
     const auto centres = outputs<3>(queries_ * primitives);
@@ -459,7 +461,8 @@ TEST_P(KernelMemoryTest, FindsAnAccessBeyondTheBuffers) {
   EXPECT_THAT(reported_of(&KernelRun::pairs,
                           unguarded(kernels::embedded_pair_sources(), "MODEL_SPACE const superquadric* solid_a")),
               HasSubstr("Invalid read"));
-  EXPECT_THAT(reported_of(&KernelRun::solids, unguarded(solid_sources(), "MODEL_SPACE const box_primitive* p")),
+  EXPECT_THAT(reported_of(&KernelRun::solids, broken(solid_sources(), "min(first + groups_per_block, groups) - first",
+                                                     "min(first + groups_per_block, groups + 1) - first")),
               HasSubstr("Invalid read"));
   EXPECT_THAT(
       reported_of(&KernelRun::solids, broken(solid_sources(), "if (index >= count || his[index]", "if (his[index]")),
@@ -503,8 +506,9 @@ TEST_P(KernelMemoryTest, FindsAReadOfWhatWasNotWritten) {
   EXPECT_THAT(reported_of(&KernelRun::pairs,
                           broken(kernels::embedded_pair_sources(), "STORE(fmin(known_lo, lo), group, los);", "")),
               HasSubstr("ninitialized"));
-  EXPECT_THAT(reported_of(&KernelRun::solids, broken(solid_sources(), "  STORE(distance.hi, group, his);\n", "")),
-              HasSubstr("ninitialized"));
+  EXPECT_THAT(
+      reported_of(&KernelRun::solids, broken(solid_sources(), "  STORE(REAL(INFINITY), group, columns.his);\n", "")),
+      HasSubstr("ninitialized"));
   EXPECT_THAT(
       reported_of(&KernelRun::solids, broken(solid_sources(), "  STORE(REAL(NO_EDGE), group, out.edges);\n", "")),
       HasSubstr("ninitialized"));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 #include "host/batches/box_primitive_parameters.hpp"
 #include "tests/mutation/gauge_square.hpp"
@@ -188,14 +189,25 @@ Long equal_stretch(RandomCases& random, const Superquadric& s, const LongMatrix&
   return square > 1e-8L && square < 1e8L ? std::sqrt(square) : 1;
 }
 
+template <class Function>
 Long stretch_at(RandomCases& random, const Superquadric& s, const LongVector& x) {
   if (random.choice(3) == 0) return random.uniform(0.2, 1.5);
-  return equal_stretch(random, s, GaugeSquare(s).second_derivative(x), x);
+  const LongMatrix second = Function(s).second_derivative(x);
+  if (std::is_same_v<Function, GaugeSquare>) return equal_stretch(random, s, second, x);
+  const LongMatrix section{second[0], second[1], LongVector{}};
+  const Long square = second[2][2] / largest_step(section, 1).value;
+  return square > 1e-8L && square < 1e8L ? std::sqrt(square) : 1;
 }
 
+/// Infinite where an entry is.
+Long largest_of(const LongMatrix& second, Long stretch) {
+  return std::isfinite(second[2][2]) ? largest_step(second, stretch).value : second[2][2];
+}
+
+template <class Function>
 SecondCase second_case(RandomCases& random, const Superquadric& s) {
   const LongVector middle = place(random, s);
-  const auto stretch = static_cast<double>(stretch_at(random, s, middle));
+  const auto stretch = static_cast<double>(stretch_at<Function>(random, s, middle));
   SecondCase made{};
   const double size = random.choice(2) == 0 ? 0.0 : random.log_uniform(1e-9, 0.5);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -204,7 +216,7 @@ SecondCase second_case(RandomCases& random, const Superquadric& s) {
     made.given[2 * i + 1] = at + size * random.uniform(0.0, 1.0);
   }
   made.given[6] = stretch;
-  const GaugeSquare gauge(s);
+  const Function function(s);
   for (std::size_t n = 0; n < (size == 0.0 ? 1 : 16); ++n) {
     LongVector x{};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -212,13 +224,14 @@ SecondCase second_case(RandomCases& random, const Superquadric& s) {
       const Long hi = made.given[2 * i + 1];
       x[i] = n < 8 ? ((n >> i & 1U) == 0 ? lo : hi) : lo + (hi - lo) * random.uniform(0.0, 1.0);
     }
-    made.largest = std::max(made.largest, static_cast<double>(largest_step(gauge.second_derivative(x), stretch).value));
+    made.largest = std::max(made.largest, static_cast<double>(largest_of(function.second_derivative(x), stretch)));
   }
   return made;
 }
 
-/// 2 times the integral of (1 - s) e'G''(c + s e) e over |e|^2.
-Long weighted(const GaugeSquare& gauge, const LongVector& c, const LongVector& e, Long stretch) {
+/// 2 times the integral of (1 - s) e'f''(c + s e) e over |e|^2.
+template <class Function>
+Long weighted(const Function& function, const LongVector& c, const LongVector& e, Long stretch) {
   constexpr int pieces = 256;
   const Long square = e[0] * e[0] + e[1] * e[1] + stretch * stretch * e[2] * e[2];
   Long sum = 0;
@@ -230,7 +243,8 @@ Long weighted(const GaugeSquare& gauge, const LongVector& c, const LongVector& e
       x[k] = c[k] + s * e[k];
       if (x[k] < 0) step[k] = -step[k];
     }
-    const LongMatrix second = gauge.second_derivative(x);
+    const LongMatrix second = function.second_derivative(x);
+    if (!std::isfinite(second[2][2])) return infinity;
     Long value = 0;
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t l = 0; l < 3; ++l) value += step[k] * second[k][l] * step[l];
@@ -239,11 +253,12 @@ Long weighted(const GaugeSquare& gauge, const LongVector& c, const LongVector& e
   return sum / square;
 }
 
+template <class Function>
 WayCase way_case(RandomCases& random, const Superquadric& s) {
-  const GaugeSquare gauge(s);
+  const Function function(s);
   const LongVector c = place(random, s);
-  const auto stretch = static_cast<double>(stretch_at(random, s, c));
-  const LongVector best = largest_step(gauge.second_derivative(c), stretch).step;
+  const auto stretch = static_cast<double>(stretch_at<Function>(random, s, c));
+  const LongVector best = largest_step(function.second_derivative(c), stretch).step;
   const double length = (random.choice(2) == 0 ? -1.0 : 1.0) * random.log_uniform(1e-4, 1.0);
   const bool point = random.choice(2) == 0;
   WayCase made{};
@@ -266,12 +281,13 @@ WayCase way_case(RandomCases& random, const Superquadric& s) {
     made.given[3 + i] = -made.given[3 + i];
   }
   made.given[9] = stretch;
-  made.weighted = static_cast<double>(weighted(gauge, from, step, stretch));
+  made.weighted = static_cast<double>(weighted(function, from, step, stretch));
   return made;
 }
 
+template <class Function>
 GradientCase gradient_case(RandomCases& random, const Superquadric& s) {
-  const GaugeSquare gauge(s);
+  const Function function(s);
   const LongVector at = place(random, s);
   const double size = random.choice(2) == 0 ? 0.0 : random.log_uniform(1e-9, 0.3);
   GradientCase made{};
@@ -279,17 +295,21 @@ GradientCase gradient_case(RandomCases& random, const Superquadric& s) {
     made.given[2 * i] = std::max(0.0, static_cast<double>(at[i]) - size * random.uniform(0.0, 1.0));
     made.given[2 * i + 1] = static_cast<double>(at[i]) + size * random.uniform(0.0, 1.0);
   }
+  // Profiles end there.
+  const double end = 0.999 * s.semi_axes[2];
+  for (std::size_t i = 4; i < 6; ++i) made.given[i] = std::min(made.given[i], end);
   made.least = {infinity, infinity, infinity};
+  made.twice = -infinity;
   for (std::size_t n = 0; n < 8; ++n) {
     LongVector x{};
     for (std::size_t i = 0; i < 3; ++i) x[i] = made.given[2 * i + (n >> i & 1U)];
-    if (!(x[0] + x[1] + x[2] > 0)) continue;
-    const LongVector found = gauge.gradient(x);
+    if (!(x[0] + x[1] > 0)) continue;
+    const LongVector found = function.gradient(x);
     for (std::size_t i = 0; i < 3; ++i) {
       made.least[i] = std::min(made.least[i], static_cast<double>(found[i]));
       made.largest[i] = std::max(made.largest[i], static_cast<double>(found[i]));
     }
-    made.square = std::max(made.square, static_cast<double>(2 * gauge.half_square(x)));
+    made.twice = std::max(made.twice, static_cast<double>(2 * function.value(x)));
   }
   return made;
 }
@@ -394,6 +414,19 @@ std::vector<Case> made(std::size_t solids, std::size_t of_solid, const Make& mak
   return all;
 }
 
+template <class Function>
+FunctionCases function_cases(const DepthSolids& solids) {
+  const auto shape = [&](std::size_t i) { return solids.all[i].superquadric; };
+  const std::size_t count = solids.of_lemmas;
+  return {made<SecondCase>(count, seconds_of_solid,
+                           [&](RandomCases& random, std::size_t i) { return second_case<Function>(random, shape(i)); }),
+          made<WayCase>(count, ways_of_solid,
+                        [&](RandomCases& random, std::size_t i) { return way_case<Function>(random, shape(i)); }),
+          made<GradientCase>(count, gradients_of_solid, [&](RandomCases& random, std::size_t i) {
+            return gradient_case<Function>(random, shape(i));
+          })};
+}
+
 }  // namespace
 
 DepthSolids depth_solids() {
@@ -406,15 +439,10 @@ DepthSolids depth_solids() {
 
 DepthCases::DepthCases(const DepthSolids& solids) : depths(solids.all.size()) {
   const std::vector<PlacedPrimitive> placed(solids.all.begin(), solids.all.end());
-  const auto shape = [&](std::size_t i) { return solids.all[i].superquadric; };
   const std::size_t count = solids.of_lemmas;
   metrics = made<MetricCase>(1, metric_count, [](RandomCases& random, std::size_t) { return metric_case(random); });
-  seconds = made<SecondCase>(count, seconds_of_solid,
-                             [&](RandomCases& random, std::size_t i) { return second_case(random, shape(i)); });
-  ways = made<WayCase>(count, ways_of_solid,
-                       [&](RandomCases& random, std::size_t i) { return way_case(random, shape(i)); });
-  gradients = made<GradientCase>(count, gradients_of_solid,
-                                 [&](RandomCases& random, std::size_t i) { return gradient_case(random, shape(i)); });
+  of_gauge = function_cases<GaugeSquare>(solids);
+  of_profile = function_cases<SectionProfile>(solids);
   balls = made<BallCase>(count, balls_of_solid, [&](RandomCases& random, std::size_t i) {
     return ball_case(random, placed[i], device::box_primitive_parameters(solids.all[i], 0));
   });

@@ -33,7 +33,7 @@ struct MetricCase {
   double reach_r, reach_z;  ///< how far points of the ball lie from q
 };
 
-/// Points of a box, where the second derivative is known.
+/// Points of a box, where the second derivative of a function is known.
 struct SecondCase {
   std::array<double, 7> given;  ///< lower and upper ends of x, y, z, and the stretch
   double largest;
@@ -45,11 +45,18 @@ struct WayCase {
   double weighted;
 };
 
-/// The gradient and the square at points of a box.
+/// The gradient and twice the value at points of a box.
 struct GradientCase {
   std::array<double, 6> given;  ///< lower and upper ends of |x|, |y|, |z|
   std::array<double, 3> least, largest;
-  double square;
+  double twice;
+};
+
+/// Of one of the functions of gauge_square.hpp.
+struct FunctionCases {
+  std::vector<SecondCase> seconds;
+  std::vector<WayCase> ways;
+  std::vector<GradientCase> gradients;
 };
 
 /// The ball about q with p on its border.
@@ -69,9 +76,7 @@ struct DepthCases {
   explicit DepthCases(const DepthSolids& solids);
 
   std::vector<MetricCase> metrics;
-  std::vector<SecondCase> seconds;
-  std::vector<WayCase> ways;
-  std::vector<GradientCase> gradients;
+  FunctionCases of_gauge, of_profile;
   std::vector<BallCase> balls;
   std::vector<std::vector<DepthCase>> depths;  ///< of each of all solids
 };

@@ -44,16 +44,20 @@ kernel void examine_metrics(ulong groups, ulong stride, global const double* giv
   STORE(middle_of(c.z) - middle_of(q.z), group, results + 6 * stride);
 }
 kernel void examine_seconds(ulong groups, ulong stride, global const double* given,
-                            constant const box_primitive* primitives, uint count, global double* results) {
+                            constant const box_primitive* primitives, uint count, uint by_profile,
+                            global double* results) {
   const ulong group = get_global_id(0);
   if (group >= groups) return;
   constant const box_primitive* p = primitives + group % count;
   const interval3 at = {ends_at(given, stride, 0, group), ends_at(given, stride, 2, group),
                         ends_at(given, stride, 4, group)};
-  STORE(second_derivative_up(ratios_in(at, p), LOAD(group, given + 6 * stride), p), group, results);
+  const real a = LOAD(group, given + 6 * stride);
+  STORE(by_profile ? second_derivative_by_profile_up(at, a, p) : second_derivative_up(ratios_in(at, p), a, p), group,
+        results);
 }
 kernel void examine_ways(ulong groups, ulong stride, global const double* given,
-                         constant const box_primitive* primitives, uint count, global double* results) {
+                         constant const box_primitive* primitives, uint count, uint by_profile,
+                         global double* results) {
   const ulong group = get_global_id(0);
   if (group >= groups) return;
   interval at[9];
@@ -62,25 +66,28 @@ kernel void examine_ways(ulong groups, ulong stride, global const double* given,
   const interval3 q = {at[3], at[4], at[5]};
   const vector3 reach = {at[6].hi, at[7].hi, at[8].hi};
   const real stretch = LOAD(group, given + 9 * stride);
-  STORE(weighted_second_derivative_up(c, q, reach, stretch, primitives + group % count), group, results);
+  STORE(weighted_second_derivative_up(c, q, reach, stretch, by_profile, primitives + group % count), group, results);
 }
 kernel void examine_gradients(ulong groups, ulong stride, global const double* given,
-                              constant const box_primitive* primitives, uint count, global double* results) {
+                              constant const box_primitive* primitives, uint count, uint by_profile,
+                              global double* results) {
   const ulong group = get_global_id(0);
   if (group >= groups) return;
+  constant const box_primitive* p = primitives + group % count;
   const interval3 at = {ends_at(given, stride, 0, group), ends_at(given, stride, 2, group),
                         ends_at(given, stride, 4, group)};
-  const gauge_square found = gauge_square_at(at, primitives + group % count);
+  const boundary_function found = by_profile ? profile_at(at, p) : gauge_square_at(at, p);
   STORE(found.gradient.x.lo, group, results);
   STORE(found.gradient.x.hi, group, results + stride);
   STORE(found.gradient.y.lo, group, results + 2 * stride);
   STORE(found.gradient.y.hi, group, results + 3 * stride);
   STORE(found.gradient.z.lo, group, results + 4 * stride);
   STORE(found.gradient.z.hi, group, results + 5 * stride);
-  STORE(found.square_up, group, results + 6 * stride);
+  STORE(found.twice_up, group, results + 6 * stride);
 }
 kernel void examine_balls(ulong groups, ulong stride, global const double* given,
-                          constant const box_primitive* primitives, uint count, global double* results) {
+                          constant const box_primitive* primitives, uint count, uint by_profile,
+                          global double* results) {
   const ulong group = get_global_id(0);
   if (group >= groups) return;
   constant const box_primitive* p = primitives + group % count;
@@ -90,7 +97,8 @@ kernel void examine_balls(ulong groups, ulong stride, global const double* given
   const vector3 border = {at[3].lo, at[4].lo, at[5].lo};
   const unbent q_0 = unbend(at[0], at[2], p->curvature);
   const unbent x = unbend(at[3], at[5], p->curvature);
-  STORE(TO_REAL(ball_is_inside(q, q_0, border, x, p)), group, results);
+  const unbent_ball ball = ball_in_own_axes(q, q_0, border, x, p);
+  STORE(TO_REAL(function_stays_below(ball, by_profile, p)), group, results);
 }
 )";
 
@@ -121,11 +129,12 @@ class Launcher {
 
   /// What a kernel with the usual arguments makes of the cases of all solids, in so many columns.
   template <class Case>
-  [[nodiscard]] Columns of_solids(const char* name, const std::vector<Case>& cases, std::size_t columns) const {
+  [[nodiscard]] Columns of_solids(const char* name, const std::vector<Case>& cases, bool by_profile,
+                                  std::size_t columns) const {
     const std::size_t length = cases.size();
     const cl::Buffer results = zeros(kernels_, columns * length);
     run(name, length, groups_of(length), cl_ulong{length}, uploaded(kernels_, columns_of(cases)), primitives_, count_,
-        results);
+        static_cast<cl_uint>(by_profile), results);
     return split(results, columns, length);
   }
 
@@ -140,8 +149,9 @@ class Launcher {
     }
     std::array<cl::Buffer, 5> results;
     for (cl::Buffer& column : results) column = zeros(kernels_, length);
-    run("bent_distance", length, groups_of(length), axes[0], axes[1], axes[2], primitives_, static_cast<cl_uint>(solid),
-        results[0], results[1], results[2], results[3], results[4]);
+    run("bent_distance", length, groups_of(length), groups_per_block, axes[0], axes[1], axes[2], primitives_,
+        static_cast<cl_uint>(solid), zeros(kernels_, length), results[0], results[1], results[2], results[3],
+        results[4]);
     const std::vector<double> los = read(queue_, results[0], length);
     const std::vector<double> his = read(queue_, results[1], length);
     std::vector<Enclosure> found;
@@ -207,8 +217,8 @@ std::string metrics_fault(const Launcher& launcher, const std::vector<MetricCase
 }
 
 /// NaN is no bound.
-std::string seconds_fault(const Launcher& launcher, const std::vector<SecondCase>& cases) {
-  const std::vector<double> found = launcher.of_solids("examine_seconds", cases, 1).front();
+std::string seconds_fault(const Launcher& launcher, const std::vector<SecondCase>& cases, bool by_profile) {
+  const std::vector<double> found = launcher.of_solids("examine_seconds", cases, by_profile, 1).front();
   for (std::size_t n = 0; n < cases.size(); ++n)
     if (!(found[n] >= (1.0 - slack) * cases[n].largest))
       return fmt::format("second derivative {} of {:.17g}: {:.17g} is above {:.17g}", n,
@@ -216,8 +226,8 @@ std::string seconds_fault(const Launcher& launcher, const std::vector<SecondCase
   return {};
 }
 
-std::string ways_fault(const Launcher& launcher, const std::vector<WayCase>& cases) {
-  const std::vector<double> found = launcher.of_solids("examine_ways", cases, 1).front();
+std::string ways_fault(const Launcher& launcher, const std::vector<WayCase>& cases, bool by_profile) {
+  const std::vector<double> found = launcher.of_solids("examine_ways", cases, by_profile, 1).front();
   for (std::size_t n = 0; n < cases.size(); ++n)
     if (!(found[n] >= (1.0 - slack) * cases[n].weighted))
       return fmt::format("way {} of {:.17g}: {:.17g} is above {:.17g}", n, fmt::join(cases[n].given, ", "),
@@ -225,8 +235,8 @@ std::string ways_fault(const Launcher& launcher, const std::vector<WayCase>& cas
   return {};
 }
 
-std::string gradients_fault(const Launcher& launcher, const std::vector<GradientCase>& cases) {
-  const Columns found = launcher.of_solids("examine_gradients", cases, 7);
+std::string gradients_fault(const Launcher& launcher, const std::vector<GradientCase>& cases, bool by_profile) {
+  const Columns found = launcher.of_solids("examine_gradients", cases, by_profile, 7);
   for (std::size_t n = 0; n < cases.size(); ++n) {
     const GradientCase& known = cases[n];
     for (std::size_t i = 0; i < 3; ++i) {
@@ -236,15 +246,22 @@ std::string gradients_fault(const Launcher& launcher, const std::vector<Gradient
         return fmt::format("gradient {}, {} of {:.17g}: [{:.17g}, {:.17g}], the truth is [{:.17g}, {:.17g}]", n, i,
                            fmt::join(known.given, ", "), lo, hi, known.least[i], known.largest[i]);
     }
-    if (!(found[6][n] >= (1.0 - gradient_slack) * known.square))
-      return fmt::format("square {} of {:.17g}: {:.17g} is above {:.17g}", n, fmt::join(known.given, ", "),
-                         known.square, found[6][n]);
+    if (!(found[6][n] >= known.twice - gradient_slack * std::max(1.0, std::fabs(known.twice))))
+      return fmt::format("twice the value {} of {:.17g}: {:.17g} is above {:.17g}", n, fmt::join(known.given, ", "),
+                         known.twice, found[6][n]);
   }
   return {};
 }
 
-std::string balls_fault(const Launcher& launcher, const std::vector<BallCase>& cases) {
-  const std::vector<double> found = launcher.of_solids("examine_balls", cases, 1).front();
+std::string function_fault(const Launcher& launcher, const FunctionCases& cases, bool by_profile) {
+  std::string fault = seconds_fault(launcher, cases.seconds, by_profile);
+  if (fault.empty()) fault = ways_fault(launcher, cases.ways, by_profile);
+  if (fault.empty()) fault = gradients_fault(launcher, cases.gradients, by_profile);
+  return fault.empty() || !by_profile ? fault : "profile: " + fault;
+}
+
+std::string balls_fault(const Launcher& launcher, const std::vector<BallCase>& cases, bool by_profile) {
+  const std::vector<double> found = launcher.of_solids("examine_balls", cases, by_profile, 1).front();
   for (std::size_t n = 0; n < cases.size(); ++n)
     if (found[n] != 0.0 && cases[n].outside)
       return fmt::format("ball {} of {:.17g} is not inside", n, fmt::join(cases[n].given, ", "));
@@ -277,10 +294,10 @@ std::string DepthJudge::sources() {
 std::string DepthJudge::false_claim(const CompiledKernels& kernels) const {
   const Launcher launcher(kernels, solids_);
   std::string fault = metrics_fault(launcher, cases_.metrics);
-  if (fault.empty()) fault = seconds_fault(launcher, cases_.seconds);
-  if (fault.empty()) fault = ways_fault(launcher, cases_.ways);
-  if (fault.empty()) fault = gradients_fault(launcher, cases_.gradients);
-  if (fault.empty()) fault = balls_fault(launcher, cases_.balls);
+  if (fault.empty()) fault = function_fault(launcher, cases_.of_gauge, false);
+  if (fault.empty()) fault = function_fault(launcher, cases_.of_profile, true);
+  for (const bool by_profile : {false, true})
+    if (fault.empty()) fault = balls_fault(launcher, cases_.balls, by_profile);
   for (std::size_t i = 0; i < solids_.all.size() && fault.empty(); ++i)
     fault = depths_fault(launcher, cases_.depths[i], i);
   return fault;
@@ -289,7 +306,9 @@ std::string DepthJudge::false_claim(const CompiledKernels& kernels) const {
 DepthJudge::Shares DepthJudge::shares(const CompiledKernels& kernels) const {
   const Launcher launcher(kernels, solids_);
   const std::vector<double> valid = launcher.metrics(cases_.metrics)[5];
-  const std::vector<double> balls = launcher.of_solids("examine_balls", cases_.balls, 1).front();
+  const auto balls = [&](bool by_profile) {
+    return launcher.of_solids("examine_balls", cases_.balls, by_profile, 1).front();
+  };
   std::size_t inside = 0;
   for (const BallCase& ball : cases_.balls) inside += ball.outside ? 0 : 1;
   std::size_t known = 0;
@@ -305,7 +324,8 @@ DepthJudge::Shares DepthJudge::shares(const CompiledKernels& kernels) const {
   const auto all = [](const std::vector<double>& masks) {
     return masks.size() - static_cast<std::size_t>(std::count(masks.begin(), masks.end(), 0.0));
   };
-  return {share(all(valid), valid.size()), share(all(balls), inside), share(tight, known)};
+  return {share(all(valid), valid.size()), share(all(balls(false)), inside), share(all(balls(true)), inside),
+          share(tight, known)};
 }
 
 }  // namespace verisq::mutation

@@ -21,7 +21,8 @@ class DepthJudge {
   /// How much is claimed of what might be: where that is little, nothing is judged.
   struct Shares {
     double metrics;  ///< that are valid
-    double balls;    ///< claimed, of those not known to reach outside
+    double balls;    ///< claimed by the gauge, of those not known to reach outside
+    double balls_by_profile;
     double depths;   ///< claimed from both sides to 1e-9, of those known to it
   };
   [[nodiscard]] Shares shares(const CompiledKernels& kernels) const;

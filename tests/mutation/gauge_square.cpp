@@ -2,6 +2,7 @@
 #include "tests/mutation/gauge_square.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace verisq::mutation {
 namespace {
@@ -21,7 +22,7 @@ void add_outer(LongMatrix& sum, Long factor, const LongVector& a) {
 
 }  // namespace
 
-Long GaugeSquare::half_square(const LongVector& x) const {
+Long GaugeSquare::value(const LongVector& x) const {
   const Long gauge = norm_.gauge(x);
   return gauge * gauge / 2;
 }
@@ -61,6 +62,26 @@ LongMatrix GaugeSquare::second_derivative(const LongVector& x) const {
             {of_r * std::pow(in_y, p_2 / 2) * half(in_x, p_2) / axes[0],
              -of_r * std::pow(in_x, p_2 / 2) * half(in_y, p_2) / axes[1], 0});
   return sum;
+}
+
+Long SectionProfile::value(const LongVector& x) const {
+  return section_.value({x[0], x[1], 0}) - std::pow(1 - std::pow(std::fabs(x[2]) / end_, p_1_), 2 / p_1_) / 2;
+}
+
+LongVector SectionProfile::gradient(const LongVector& x) const {
+  const Long z = std::fabs(x[2]) / end_;
+  LongVector n = section_.gradient({x[0], x[1], 0});
+  n[2] = std::pow(z, p_1_ - 1) * std::pow(1 - std::pow(z, p_1_), 2 / p_1_ - 1) / end_;
+  return n;
+}
+
+LongMatrix SectionProfile::second_derivative(const LongVector& x) const {
+  const Long z = std::fabs(x[2]) / end_;
+  const Long n = std::pow(z, p_1_);
+  LongMatrix second = section_.second_derivative({x[0], x[1], 0});
+  second[2][2] = z < 1 ? std::pow(z, p_1_ - 2) * std::pow(1 - n, 2 / p_1_ - 2) * (p_1_ - 1 - n) / (end_ * end_)
+                       : std::numeric_limits<Long>::infinity();
+  return second;
 }
 
 LargestStep largest_step(const LongMatrix& second, Long stretch) {

@@ -1,4 +1,5 @@
-/// Half the square of a superquadric's gauge, and its derivatives (docs/mathematics.md §9), in extended precision.
+/// The functions by which balls are proven to lie in bent superquadrics, half the square of the gauge and that of the
+/// section's norm over its profile, and their derivatives (docs/mathematics.md §9), in extended precision.
 #pragma once
 
 #include <array>
@@ -17,7 +18,7 @@ class GaugeSquare {
  public:
   explicit GaugeSquare(const Superquadric& superquadric) : norm_(superquadric) {}
 
-  [[nodiscard]] Long half_square(const LongVector& x) const;
+  [[nodiscard]] Long value(const LongVector& x) const;
 
   /// Sizes of the gradient's components; x != 0.
   [[nodiscard]] LongVector gradient(const LongVector& x) const;
@@ -27,6 +28,26 @@ class GaugeSquare {
 
  private:
   oracle::MixedNorm<Long> norm_;
+};
+
+/// (r² - h²)/2, r the norm of the section, h(z) = (1 - |z/a3|^p1)^(1/p1). Likewise, between the ends.
+class SectionProfile {
+ public:
+  explicit SectionProfile(const Superquadric& superquadric)
+      : section_(superquadric),
+        end_(superquadric.semi_axes[2]),
+        p_1_(2 / static_cast<Long>(superquadric.exponents[0])) {}
+
+  [[nodiscard]] Long value(const LongVector& x) const;
+  [[nodiscard]] LongVector gradient(const LongVector& x) const;
+
+  /// Infinite at the ends and beyond.
+  [[nodiscard]] LongMatrix second_derivative(const LongVector& x) const;
+
+ private:
+  GaugeSquare section_;  // at z = 0
+  Long end_;
+  Long p_1_;
 };
 
 /// A step of length 1 along which `second` is all but largest, and its value; z counts `stretch` times in the length.

@@ -12,6 +12,9 @@ namespace verisq::mutation {
 
 using Columns = std::vector<std::vector<double>>;
 
+/// Of kernels whose work-items own blocks of points.
+inline constexpr cl_uint groups_per_block = 4;
+
 /// The least multiple of the vector width that is not below `queries`.
 [[nodiscard]] inline std::size_t padded(std::size_t queries, const CompiledKernels& kernels) {
   const auto width = static_cast<std::size_t>(kernels.vector_width);

@@ -283,10 +283,11 @@ TEST_F(ConvexMutationTest, AllOfSetBoundsAreKilled) {
 }
 
 /// What the judge of depths compares with.
-TEST(GaugeSquareTest, DerivativesAreThoseOfDifferences) {
+template <class Function>
+void expect_derivatives_of_differences() {
   constexpr Long step = 1e-4L;
   for (const auto& exponents : {std::array{1.0, 1.0}, std::array{0.3, 0.7}, std::array{0.8, 0.25}}) {
-    const GaugeSquare gauge({{0.7, 0.4, 1.3}, exponents});
+    const Function gauge({{0.7, 0.4, 1.3}, exponents});
     for (const LongVector& x :
          {LongVector{0.3L, 0.2L, 0.9L}, LongVector{0.5L, 0.35L, 0.4L}, LongVector{0.1L, 0.3L, 1.1L}}) {
       const LongVector gradient = gauge.gradient(x);
@@ -296,7 +297,7 @@ TEST(GaugeSquareTest, DerivativesAreThoseOfDifferences) {
         LongVector down = x;
         up[i] += step;
         down[i] -= step;
-        const Long slope = (gauge.half_square(up) - gauge.half_square(down)) / (2 * step);
+        const Long slope = (gauge.value(up) - gauge.value(down)) / (2 * step);
         EXPECT_NEAR(static_cast<double>(gradient[i]), static_cast<double>(slope), 1e-5);
         for (std::size_t j = 0; j < 3; ++j) {
           const Long change = (gauge.gradient(up)[j] - gauge.gradient(down)[j]) / (2 * step);
@@ -310,16 +311,25 @@ TEST(GaugeSquareTest, DerivativesAreThoseOfDifferences) {
   }
 }
 
+TEST(GaugeSquareTest, DerivativesAreThoseOfDifferences) {
+  expect_derivatives_of_differences<GaugeSquare>();
+}
+
+TEST(SectionProfileTest, DerivativesAreThoseOfDifferences) {
+  expect_derivatives_of_differences<SectionProfile>();
+}
+
 TEST_F(ConvexMutationTest, AllOfBentDepthsAreKilled) {
   const DepthJudge judge;
   const Find find = depth_faults(judge);
   const std::string sources = DepthJudge::sources();
   EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
   const DepthJudge::Shares shares = judge.shares(compiled_on(Arithmetic::usual, Program::bent_depths, sources));
-  fmt::print("claimed: {:.3f} of metrics, {:.3f} of balls, {:.3f} of depths\n", shares.metrics, shares.balls,
-             shares.depths);
+  fmt::print("claimed: {:.3f} of metrics, {:.3f} and {:.3f} of balls, {:.3f} of depths\n", shares.metrics, shares.balls,
+             shares.balls_by_profile, shares.depths);
   EXPECT_GT(shares.metrics, 0.3);
   EXPECT_GT(shares.balls, 0.3);
+  EXPECT_GT(shares.balls_by_profile, 0.3);
   EXPECT_GT(shares.depths, 0.3);
   expect_all_killed("bent_depth.clh", depth_mutants(), sources, find);
 }

@@ -250,11 +250,12 @@ constexpr std::array multipliers{
            "return select(REAL(0.05), 0.7 * root, MASK(below_value > 0.0)"},
 };
 constexpr std::array bent_proposals{
-    Mutant{"closest point's place",
-           "const vector3 at = bend_nearest(closest_unbent(q, where(usable, unbent_q), u.w.hi, p), p->curvature);",
-           R"(const vector3 found_x = closest_unbent(q, where(usable, unbent_q), u.w.hi, p);
-    const integer low = MASK((BITS(x.x) & INTEGER(1L << 30)) == INTEGER(0L));
-    const integer high = MASK((BITS(x.x) & INTEGER(1L << 31)) == INTEGER(0L));
+    Mutant{
+        "closest point's place",
+        "const vector3 at = bend_nearest(closest_unbent(x.q, where(x.usable, x.middle), x.u.w.hi, p), p->curvature);",
+        R"(const vector3 found_x = closest_unbent(x.q, where(x.usable, x.middle), x.u.w.hi, p);
+    const integer low = MASK((BITS(x.q.x) & INTEGER(1L << 30)) == INTEGER(0L));
+    const integer high = MASK((BITS(x.q.x) & INTEGER(1L << 31)) == INTEGER(0L));
     const real scale = select(select(REAL(0.3), REAL(0.9), low), select(REAL(0.3), REAL(1.0 + 0x1.8p-22), low), high);
     const real end = select(found_x.z * scale, REAL(0.9 * p->solid.semi_axes[2]), ~low & high);
     const vector3 spoilt = {found_x.x * scale, found_x.y * scale, end};

@@ -283,8 +283,10 @@ class Launcher {
     const auto axes = uploaded_axes(points, length);
     std::array<cl::Buffer, 5> results;
     for (cl::Buffer& column : results) column = zeros(kernels_, length);
-    run("bent_distance", groups_of(length), groups_of(length), axes[0], axes[1], axes[2], primitives_, cl_uint{0},
-        results[0], results[1], results[2], results[3], results[4]);
+    const cl::Buffer listed = zeros(kernels_, length);
+    const std::size_t blocks = (groups_of(length) + groups_per_block - 1) / groups_per_block;
+    run("bent_distance", blocks, groups_of(length), groups_per_block, axes[0], axes[1], axes[2], primitives_,
+        cl_uint{0}, listed, results[0], results[1], results[2], results[3], results[4]);
     Columns columns;
     for (const cl::Buffer& column : results) columns.push_back(read(queue_, column, length));
     return columns;

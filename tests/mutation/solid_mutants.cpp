@@ -204,12 +204,11 @@ constexpr std::array mutants{
            "const real square = sub_up(dot_down(", Arithmetic::loose_above},
     Mutant{"bent, point outside of the solid", "add_up(length_up(upper_ends(apart)), moved)",
            "length_up(upper_ends(apart))", Arithmetic::poor_search},
-    Mutant{"bent, lower end without the frame's error", "sub_down(found.lo, frame_error)", "found.lo",
+    Mutant{"bent, lower end without the frame's error", "sub_down(distance.lo, query.frame_error)", "distance.lo",
            Arithmetic::displaced},
-    Mutant{"bent, upper end without the frame's error", "add_up(found.hi, frame_error)", "found.hi",
+    Mutant{"bent, upper end without the frame's error", "add_up(distance.hi, query.frame_error)", "distance.hi",
            Arithmetic::displaced},
-    Mutant{"bent, points inside", "const integer usable = own.white & MASK(fabs(unbent_q.x)",
-           "const integer usable = MASK(fabs(unbent_q.x)"},
+    Mutant{"bent, points inside", "STORE(own.white, 0, is_outside);", "STORE(~own.white, 0, is_outside);"},
 
     // solid_distance.cl
     Mutant{"search, x of the children", "(double)(2 * (2 * parent.x + (child & 1)) + 1)",
