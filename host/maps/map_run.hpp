@@ -114,21 +114,24 @@ class MapRun {
   static constexpr std::size_t many = rows_per_block / 2;
   static constexpr std::size_t searches_at_a_time = 256;  // a fraction of a second: limits are felt between
 
+  // To `open` those of a block that a search may tighten, if they are worth it.
+  void add_open_of_block(std::span<const Query> queries, std::span<const Enclosure> found, std::size_t first,
+                         std::vector<std::size_t>& open) const {
+    const std::size_t count = std::min(rows_per_block, queries.size() - first);
+    const std::size_t before = open.size();
+    for (std::size_t i = first; i < first + count; ++i) {
+      if (found[i].lo < 0.0 && !good(queries[i], found[i])) open.push_back(i);
+    }
+    if (open.size() - before < (count >= many ? worth_a_search_of_many : worth_a_search)) open.resize(before);
+  }
+
   // Tightens what is open and not proven to lie outside by the device's search.
   void search_inside(std::span<const Query> queries, std::span<Enclosure> found) {
     if (!search_) return;
-    for (std::size_t first = 0; first < queries.size(); first += rows_per_block) {
-      const std::size_t count = std::min(rows_per_block, queries.size() - first);
-      search_inside_block(queries.subspan(first, count), found.subspan(first, count));
-    }
-  }
-
-  void search_inside_block(std::span<const Query> queries, std::span<Enclosure> found) {
     std::vector<std::size_t> open;
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      if (found[i].lo < 0.0 && !good(queries[i], found[i])) open.push_back(i);
-    }
-    if (open.size() < (queries.size() >= many ? worth_a_search_of_many : worth_a_search)) return;
+    for (std::size_t first = 0; first < queries.size(); first += rows_per_block)
+      add_open_of_block(queries, found, first, open);
+    if (open.empty()) return;
     device::Batch<Query>& search = search_();
     search.discard();  // what an earlier run left when it failed
     const double earlier_seconds = search.device_seconds();

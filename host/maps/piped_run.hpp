@@ -95,17 +95,29 @@ class PipedRun {
     throw Error(ErrorKind::failure, "the device refused points that are finite");
   }
 
-  // Neighbours that are all proven, or not, at once; those that are not, block by block of the map.
+  // How many, from the first on, belong to the first one's block of the map.
+  static std::size_t of_one_block(std::span<const device::RowBlock> blocks) {
+    const std::size_t beyond = blocks.front().first - blocks.front().first % rows_per_block + rows_per_block;
+    const auto is_beyond = [beyond](const device::RowBlock& block) { return block.first >= beyond; };
+    return static_cast<std::size_t>(std::ranges::find_if(blocks, is_beyond) - blocks.begin());
+  }
+
+  static bool any_open(std::span<const device::RowBlock> blocks) {
+    return std::ranges::any_of(blocks, [](const device::RowBlock& block) { return block.sums.open > 0; });
+  }
+
+  // Neighbours that are all proven, or not, at once: whole blocks of the map, because these are settled each by itself.
   void finish(const PointChunk& chunk, std::span<const device::RowBlock> blocks) {
-    const auto are_apart = [](const device::RowBlock& a, const device::RowBlock& b) {
-      return (a.sums.open > 0) != (b.sums.open > 0) || (b.sums.open > 0 && b.first % rows_per_block == 0);
-    };
     while (!blocks.empty() && !open_.summary().interrupted) {
-      const auto end = std::ranges::adjacent_find(blocks, are_apart);
-      const std::size_t count =
-          end == blocks.end() ? blocks.size() : static_cast<std::size_t>(end - blocks.begin()) + 1;
+      std::size_t count = of_one_block(blocks);
+      const bool open = any_open(blocks.first(count));
+      while (count < blocks.size()) {
+        const std::size_t next = of_one_block(blocks.subspan(count));
+        if (any_open(blocks.subspan(count, next)) != open) break;
+        count += next;
+      }
       const std::span<const device::RowBlock> alike = blocks.first(count);
-      if (alike.front().sums.open > 0)
+      if (open)
         settle(chunk, alike);
       else
         take(chunk, alike);
