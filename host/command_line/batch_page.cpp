@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "host/command_line/batch_tables.hpp"
@@ -56,9 +57,9 @@ std::vector<std::size_t> order_of(std::span<const CaseResult> results) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto rank = [&](std::size_t i) {
     const CaseResult& result = results[i];
-    if (result.outcome == CaseOutcome::failed) return std::pair(0, 0.0);
-    if (result.outcome == CaseOutcome::not_run) return std::pair(3, 0.0);
-    return result.smallest ? std::pair(1, result.smallest->lo) : std::pair(2, 0.0);
+    if (result.outcome == CaseOutcome::failed) return std::tuple(0, std::string(), 0.0);
+    if (result.outcome == CaseOutcome::not_run) return std::tuple(3, std::string(), 0.0);
+    return result.smallest ? std::tuple(1, result.units, result.smallest->lo) : std::tuple(2, std::string(), 0.0);
   };
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
   return order;
@@ -75,7 +76,8 @@ std::string chart_of(std::span<const BatchCase> cases, std::span<const CaseResul
     const auto& smallest = results[i].smallest;
     if (smallest && std::isfinite(smallest->lo) && std::isfinite(smallest->hi)) shown.push_back(i);
   }
-  if (shown.empty()) return {};
+  if (shown.empty()) return "<p>There are none.</p>";
+  if (!totals_of(results).same_units) return "<p>Not drawn: the cases have several units.</p>";
   double least = 0.0;  // contact belongs into every such picture
   double most = 0.0;
   for (const std::size_t i : shown) {
@@ -139,7 +141,8 @@ void write_page(const std::filesystem::path& path, const std::string& title, std
                          statement_of(results)));
   file.write(fmt::format("<section><h2>Proven minima</h2>{}</section>\n", chart_of(cases, results, order)));
   file.write(
-      "<section><h2>Cases</h2><p>Failures first, then from the nearest on.</p>\n<table><thead><tr><th>case</th>"
+      "<section><h2>Cases</h2><p>Failures first, then from the nearest on, units by "
+      "units.</p>\n<table><thead><tr><th>case</th>"
       "<th>command</th><th>outcome</th><th class=\"number\">smallest distance</th><th class=\"number\">rows</th>"
       "<th class=\"number\">wide</th><th class=\"number\">seconds</th><th>message</th></tr></thead>\n<tbody>\n");
   for (const std::size_t i : order) file.write(row_of(cases[i], results[i]));

@@ -86,11 +86,25 @@ class Batch {
     return folder_ / "logs" / (of.name + ".err");
   }
 
+  // What cannot be read is the case's failure, like all that its process finds.
+  [[nodiscard]] std::optional<std::vector<SubjectFile>> digests_of_inputs(std::size_t place) {
+    std::vector<SubjectFile> inputs;
+    try {
+      for (const std::filesystem::path& file : inputs_of(cases_[place], manifest_folder_)) {
+        inputs.push_back(digest_of_file(file));
+      }
+    } catch (const Error& error) {
+      run_.results[place] = {.outcome = CaseOutcome::failed, .message = error.what()};
+      return std::nullopt;
+    }
+    return inputs;
+  }
+
   void begin(std::size_t place) {
     const BatchCase& of = cases_[place];
-    std::vector<SubjectFile> inputs;
-    for (const std::filesystem::path& file : inputs_of(of, manifest_folder_)) inputs.push_back(digest_of_file(file));
-    if (auto known = read_record(record_of(of), of, inputs)) {
+    std::optional<std::vector<SubjectFile>> inputs = digests_of_inputs(place);
+    if (!inputs) return;
+    if (auto known = read_record(record_of(of), of, *inputs)) {
       run_.results[place] = std::move(*known);
       ++run_.taken_over;
       return;
@@ -102,7 +116,7 @@ class Batch {
       arguments.push_back("--output=" + (folder_ / "maps" / (of.name + ".npy")).string());
     }
     running_.push_back(
-        {place, std::move(inputs), BatchProcess(arguments, manifest_folder_, output_of(of), log_of(of))});
+        {place, std::move(*inputs), BatchProcess(arguments, manifest_folder_, output_of(of), log_of(of))});
   }
 
   void collect() {
@@ -127,8 +141,13 @@ class Batch {
       const CaseOutcome outcome =
           status == static_cast<int>(ExitStatus::verified) ? CaseOutcome::verified : CaseOutcome::wide;
       const std::string json = text_of(output_of(of));
-      result = result_of(json, outcome, of.name);
-      write_record(record_of(of), of, ended.inputs, outcome, seconds, json);
+      try {
+        result = result_of(json, outcome, of.name);
+        write_record(record_of(of), of, ended.inputs, outcome, seconds, json);
+      } catch (const Error& error) {
+        if (error.kind() != ErrorKind::input) throw;
+        result = {.outcome = CaseOutcome::failed, .message = error.what()};
+      }
     } else {
       result.outcome = CaseOutcome::failed;
       result.message = last_line_of(log_of(of));

@@ -49,8 +49,10 @@ BatchTotals totals_of(std::span<const CaseResult> results) {
       case CaseOutcome::not_run: ++totals.not_run; break;
     }
     if (!results[i].smallest) continue;
+    if (totals.nearest && results[i].units != results[*totals.nearest].units) totals.same_units = false;
     if (!totals.nearest || results[i].smallest->hi < results[*totals.nearest].smallest->hi) totals.nearest = i;
   }
+  if (!totals.same_units) totals.nearest.reset();
   return totals;
 }
 

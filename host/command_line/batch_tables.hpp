@@ -16,6 +16,7 @@ struct BatchTotals {
   std::size_t wide = 0;
   std::size_t failed = 0;
   std::size_t not_run = 0;
+  bool same_units = true;                   ///< of all cases with a smallest distance: only then they are compared
   std::optional<std::size_t> nearest = {};  ///< the case with the smallest upper end
 };
 

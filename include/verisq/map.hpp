@@ -24,9 +24,9 @@ namespace verisq {
 /// for "host" where "auto" was meant.
 inline constexpr std::size_t few_rows = 128;
 
-/// Rows `k rows_per_block` ... `(k + 1) rows_per_block - 1` of a map are a block: on a processor's device some are proven
-/// side by side, and what one asks for its neighbours get, too. A row depends on its own block alone, so that maps of
-/// whole blocks are, on the same device, bit by bit what one map of all has; not with a time limit, nor with
+/// Rows `k rows_per_block` ... `(k + 1) rows_per_block - 1` of a map are a block: on a processor's device some are
+/// proven side by side, and what one asks for its neighbours get, too. A row depends on its own block alone, so that
+/// maps of whole blocks are, on the same device, bit by bit what one map of all has; not with a time limit, nor with
 /// `pose_divisions`, where it depends on others', and on the clock.
 inline constexpr std::size_t rows_per_block = 2048;
 

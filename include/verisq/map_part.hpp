@@ -79,7 +79,7 @@ struct MergedMap {
 /// its name only when it is complete. Throws Error(input), one line, for parts that are missing or there twice, of
 /// other models, inputs, settings, devices or versions, whose files are not those that were written, and for an output
 /// that is a part. Throws Error(failure) when the output cannot be written.
-MergedMap merge_maps(std::span<const std::filesystem::path> parts, const std::filesystem::path& output,
+MergedMap merge_maps(std::span<const std::filesystem::path> paths, const std::filesystem::path& output,
                      const MergeOptions& options = {});
 
 }  // namespace verisq

@@ -90,7 +90,7 @@ class BatchCommand : public ProgramTest {
       case 1: (void)write(name + ".json", "{ \"format\": \"verisq-model/1\" "); break;
       case 2: (void)write(name + ".json", R"({"format": "verisq-model/1", "primitives": []})"); break;
       case 3: (void)write(name + ".off", "OFF\n3 1 0\n0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n"); break;
-      default: (void)write(name + ".off", "OFF\n"); break;
+      default: (void)write(name + ".off", ""); break;
     }
   }
 
@@ -150,6 +150,21 @@ TEST_F(BatchCommand, RunsAgainWhatHasChanged) {
   EXPECT_THAT(batch("out").out, HasSubstr("taken over         2 of an earlier run\n"));
   (void)write("out/cases/bone_0.json", "{\"format\"");
   EXPECT_THAT(batch("out").out, HasSubstr("taken over         2 of an earlier run\n"));
+}
+
+TEST_F(BatchCommand, TakesCommandsWithoutSummaryForFailuresAndComparesOneUnitAlone) {
+  (void)cohort(3);
+  (void)write("metres.json", R"({"format": "verisq-model/1", "units": "m", "primitives": [{"name": "ball",
+      "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}}]})");
+  (void)write("cohort.csv",
+              "case,command,model,mesh\none,map,bone_0.json,bone_0.off\nother,,metres.json,bone_0.off\n"
+              "help,help,,\nnone,nonsense,,\n");
+  const Outcome outcome = batch("out", {"--json"});
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json.at("failed"), 2);
+  EXPECT_FALSE(json.contains("nearest"));
+  EXPECT_THAT(contents(path("out/overview.html")), HasSubstr("several units"));
 }
 
 TEST_F(BatchCommand, ReadsQuotesAndFlags) {

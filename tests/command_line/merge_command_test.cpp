@@ -229,8 +229,8 @@ TEST_F(MergeCommand, GnuParallelRunsTheExample) {
   (void)points();
   ASSERT_EQ(map("whole.npy").status, 0);
   const Outcome outcome =
-      Process({"/usr/bin/env", std::string("VERISQ=") + VERISQ_PROGRAM, "HOME=" + folder_.path().string(),
-               VERISQ_EXAMPLES "/cluster/map_in_parallel", stem, path("points.csv"), path("all"), "3"},
+      Process({"/usr/bin/env", std::string("VERISQ=") + VERISQ_PROGRAM, VERISQ_EXAMPLES "/cluster/map_in_parallel",
+               stem, path("points.csv"), path("all"), "3"},
               folder_.path())
           .wait();
   EXPECT_EQ(outcome.status, 0) << outcome.err;
