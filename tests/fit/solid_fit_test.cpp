@@ -116,7 +116,7 @@ TEST(BentProjection, DistancesAreThoseOfTheProof) {
     const fit_search::BentProjection projection(primitive.superquadric, *primitive.bend);
     const double size = primitive.superquadric.semi_axes[2];
     const Vector3d q = fit_search::BentProjection(primitive.superquadric, *primitive.bend)
-                           .image({6.0 * anywhere(random), 6.0 * anywhere(random), 1.2 * size * anywhere(random)});
+                           .image({3.5 * anywhere(random), 3.5 * anywhere(random), 1.2 * size * anywhere(random)});
     const fit_search::Projection found = projection(q);
     const Enclosure exact = SignedDistance({"", {primitive}, {}})(point(q), 1e-7 * size);
     EXPECT_LE(projection.lower_bound(q), exact.hi) << i;
