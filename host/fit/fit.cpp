@@ -49,6 +49,8 @@ constexpr std::size_t kFinalists = 4;
 /// In parts of the fitness' scale: poses whose surfaces are about so close are one finalist, and one start: both would
 /// climb to the same maximum.
 constexpr double kDistinct = 0.1;
+/// Of the steps by which points count as in contact: first as wide as the fitness' scale.
+constexpr double kContactWidening = 10.0;
 constexpr double kDistinctStarts = 0.25;
 /// Added between the points for them: they tell most poses that cut the surface from those that do not.
 constexpr std::size_t kSurfacePoints = 4096;
@@ -164,6 +166,8 @@ class ImplantSearch {
         implant_(implant),
         evaluator_(*cavity.point_evaluator),
         cavity_(cavity.points),
+        surface_(cavity.surface),
+        surface_evaluator_(*cavity.surface_evaluator),
         asked_(asked),
         options_(options),
         watch_(watch),
@@ -229,8 +233,18 @@ class ImplantSearch {
 
   void refine(const Parameters& start) {
     full_.begin_anew();
-    refine_within_limit(full_, start);
+    refine_within_limit(full_, asked_.contacts.asks() ? towards_contact(start) : start);
     if (full_.best_since()) refined_.push_back(*full_.best_since());
+  }
+
+  /// Near a pose that serves best there may be no contact that a small step would change.
+  [[nodiscard]] Parameters towards_contact(const Parameters& start) {
+    Requirements wide = asked_;
+    wide.contacts = asked_.contacts.widened(kContactWidening);
+    FullEvaluation guided(space_, surface_evaluator_, surface_, wide, options_.fitness, options_.penetration_limit,
+                          watch_);
+    refine_within_limit(guided, start);
+    return guided.best()->parameters;
   }
 
   [[nodiscard]] bool close(const Parameters& a, const Parameters& b, double scales) const {
@@ -282,6 +296,8 @@ class ImplantSearch {
   std::size_t implant_;
   CandidateEvaluator& evaluator_;
   const Cavity& cavity_;
+  const Cavity& surface_;  ///< with points between those of the cavity
+  CandidateEvaluator& surface_evaluator_;
   const Requirements& asked_;
   const FitOptions& options_;
   SearchWatch& watch_;
