@@ -36,7 +36,7 @@ std::optional<RangeEnd> binding_end(const FitCondition& condition, const FitProb
 /// The bone is no nearer than minus the limit.
 FitCondition condition_of_limit(const FitProblem& problem, const FitProof& proof) {
   const Clearance& clearance = proof.clearance;
-  FitCondition condition{.name = "smallest distance",
+  FitCondition condition{.name = std::string(limit_condition),
                          .unit = ConditionUnit::length,
                          .value = proof.surface ? proof.surface->smallest_distance : clearance.smallest_distance,
                          .range = Enclosure{0.0 - problem.options.penetration_limit, infinity}};

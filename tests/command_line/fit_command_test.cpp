@@ -249,8 +249,9 @@ TEST_F(FitCommand, ChoosesTheLargestThatIsProven) {
   const std::string right = implant("right.json", "[3, 4, 8]");
   const std::string tight = implant("tight.json", "[3.25, 4.25, 8.25]");
   const std::string huge = implant("huge.json", "[5, 6, 10]");
-  const Outcome outcome = fit({"--implant", tight, "--implant", huge, "--implant", right, "--mesh", bone(), "-o",
-                               fitted(), "--completion", "cemented", "--gap", "0.5", "--objective", "size"});
+  const Outcome outcome =
+      fit({"--implant", tight, "--implant", huge, "--implant", right, "--mesh", bone(), "-o", fitted(), "--completion",
+           "cemented", "--gap", "0.5", "--objective", "size", "--on", "vertices"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const json summary = json::parse(outcome.out);
   EXPECT_EQ(summary["implant"], tight);
@@ -268,9 +269,9 @@ TEST_F(FitCommand, SaysThatNoSizeIsProven) {
   const std::string large = implant("large.json", "[4, 5, 9]");
   const std::string huge = implant("huge.json", "[5, 6, 10]");
   const Outcome outcome =
-      run({"fit",       "--any-side", "--implant",   large,  "--implant",           huge, "--mesh",           bone(),
-           "-o",        fitted(),     "--objective", "size", "--translation-range", "1",  "--rotation-range", "5",
-           "--samples", "64",         "--device",    "host", "--no-progress"});
+      run({"fit",       "--any-side", "--implant",   large,  "--implant",           huge,   "--mesh",           bone(),
+           "-o",        fitted(),     "--objective", "size", "--translation-range", "1",    "--rotation-range", "5",
+           "--samples", "64",         "--device",    "host", "--no-progress",       "--on", "vertices"});
   EXPECT_EQ(outcome.status, 3) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("NOT PROVEN to keep all that is asked, nor is any other"));
   EXPECT_THAT(outcome.out, HasSubstr("finalist 2"));
