@@ -24,12 +24,15 @@ double close_to(ConditionUnit unit, const FitProblem& problem) {
   }
 }
 
-/// What is proven to be broken does not end anything.
+/// What is proven to be broken does not end anything, nor does an end that no value can pass.
 std::optional<RangeEnd> binding_end(const FitCondition& condition, const FitProblem& problem) {
   if (condition.kept == false) return std::nullopt;
+  const bool is_share = condition.unit == ConditionUnit::percent;
   const double close = close_to(condition.unit, problem);
-  if (condition.value->lo - condition.range->lo <= close) return RangeEnd::lower;
-  if (condition.range->hi - condition.value->hi <= close) return RangeEnd::upper;
+  if (!(is_share && condition.range->lo <= 0.0) && condition.value->lo - condition.range->lo <= close)
+    return RangeEnd::lower;
+  if (!(is_share && condition.range->hi >= 100.0) && condition.range->hi - condition.value->hi <= close)
+    return RangeEnd::upper;
   return std::nullopt;
 }
 
