@@ -49,7 +49,7 @@ constexpr std::size_t kFinalists = 4;
 /// In parts of the fitness' scale: poses whose surfaces are about so close are one finalist, and one start: both would
 /// climb to the same maximum.
 constexpr double kDistinct = 0.1;
-/// Of the steps by which points count as in contact: first as wide as the fitness' scale.
+/// Of the steps by which points count as in contact: first as wide as the fitness' scale, then half as wide each time.
 constexpr double kContactWidening = 10.0;
 constexpr double kDistinctStarts = 0.25;
 /// Added between the points for them: they tell most poses that cut the surface from those that do not.
@@ -239,12 +239,16 @@ class ImplantSearch {
 
   /// Near a pose that serves best there may be no contact that a small step would change.
   [[nodiscard]] Parameters towards_contact(const Parameters& start) {
+    Parameters reached = start;
     Requirements wide = asked_;
-    wide.contacts = asked_.contacts.widened(kContactWidening);
-    FullEvaluation guided(space_, surface_evaluator_, surface_, wide, options_.fitness, options_.penetration_limit,
-                          watch_);
-    refine_within_limit(guided, start);
-    return guided.best()->parameters;
+    for (double widening = kContactWidening; widening > 1.0 && !watch_.interrupted(); widening /= 2.0) {
+      wide.contacts = asked_.contacts.widened(widening);
+      FullEvaluation guided(space_, surface_evaluator_, surface_, wide, options_.fitness, options_.penetration_limit,
+                            watch_);
+      refine_within_limit(guided, reached);
+      reached = guided.best()->parameters;
+    }
+    return reached;
   }
 
   [[nodiscard]] bool close(const Parameters& a, const Parameters& b, double scales) const {
