@@ -48,6 +48,12 @@ ContactAim::ContactAim(std::span<const FitContact> contacts, double scale, doubl
   }
 }
 
+ContactAim ContactAim::widened(double factor) const {
+  ContactAim wide = *this;
+  wide.reach_ *= factor;
+  return wide;
+}
+
 double ContactAim::share(const Contact& contact, std::span<const PointDistance> distances) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < distances.size(); ++i)

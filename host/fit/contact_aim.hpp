@@ -18,6 +18,10 @@ class ContactAim {
   /// `weight`: of all points of the cavity. The contacts must outlive it.
   ContactAim(std::span<const FitContact> contacts, double scale, double weight, const MakeEvaluator& make_evaluator);
 
+  /// The same with wider steps: points farther off tell where to go.
+  [[nodiscard]] ContactAim widened(double factor) const;
+  [[nodiscard]] bool asks() const { return !contacts_.empty(); }
+
   /// What all contact that is missing costs at most.
   [[nodiscard]] double most() const { return cost_ * static_cast<double>(contacts_.size()); }
   /// The cost, negative, and its derivatives. Returns the shares that are missing, of all ranges.

@@ -51,6 +51,8 @@ constexpr std::size_t kFinalists = 4;
 /// In parts of the fitness' scale: poses whose surfaces are about so close are one finalist, and one start: both would
 /// climb to the same maximum.
 constexpr double kDistinct = 0.1;
+/// Of the steps by which points count as in contact: first as wide as the fitness' scale, then half as wide each time.
+constexpr double kContactWidening = 10.0;
 constexpr double kDistinctStarts = 0.25;
 /// Added between the points for them: they tell most poses that cut the surface from those that do not.
 constexpr std::size_t kSurfacePoints = 4096;
@@ -172,6 +174,8 @@ class ImplantSearch {
         implant_(implant),
         evaluator_(*cavity.point_evaluator),
         cavity_(cavity.points),
+        surface_(cavity.surface),
+        surface_evaluator_(*cavity.surface_evaluator),
         asked_(asked),
         options_(options),
         device_(std::move(device)),
@@ -238,8 +242,22 @@ class ImplantSearch {
 
   void refine(const Parameters& start) {
     full_.begin_anew();
-    refine_within_limit(full_, start);
+    refine_within_limit(full_, asked_.contacts.asks() ? towards_contact(start) : start);
     if (full_.best_since()) refined_.push_back(*full_.best_since());
+  }
+
+  /// Near a pose that serves best there may be no contact that a small step would change.
+  [[nodiscard]] Parameters towards_contact(const Parameters& start) {
+    Parameters reached = start;
+    Requirements wide = asked_;
+    for (double widening = kContactWidening; widening > 1.0 && !watch_.interrupted(); widening /= 2.0) {
+      wide.contacts = asked_.contacts.widened(widening);
+      FullEvaluation guided(space_, surface_evaluator_, surface_, wide, options_.fitness, options_.penetration_limit,
+                            watch_);
+      refine_within_limit(guided, reached);
+      reached = guided.best()->parameters;
+    }
+    return reached;
   }
 
   [[nodiscard]] bool close(const Parameters& a, const Parameters& b, double scales) const {
@@ -291,6 +309,8 @@ class ImplantSearch {
   std::size_t implant_;
   CandidateEvaluator& evaluator_;
   const Cavity& cavity_;
+  const Cavity& surface_;  ///< with points between those of the cavity
+  CandidateEvaluator& surface_evaluator_;
   const Requirements& asked_;
   const FitOptions& options_;
   std::string device_;

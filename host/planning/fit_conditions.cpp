@@ -24,19 +24,22 @@ double close_to(ConditionUnit unit, const FitProblem& problem) {
   }
 }
 
-/// What is proven to be broken does not end anything.
+/// What is proven to be broken does not end anything, nor does an end that no value can pass.
 std::optional<RangeEnd> binding_end(const FitCondition& condition, const FitProblem& problem) {
   if (condition.kept == false) return std::nullopt;
+  const bool is_share = condition.unit == ConditionUnit::percent;
   const double close = close_to(condition.unit, problem);
-  if (condition.value->lo - condition.range->lo <= close) return RangeEnd::lower;
-  if (condition.range->hi - condition.value->hi <= close) return RangeEnd::upper;
+  if (!(is_share && condition.range->lo <= 0.0) && condition.value->lo - condition.range->lo <= close)
+    return RangeEnd::lower;
+  if (!(is_share && condition.range->hi >= 100.0) && condition.range->hi - condition.value->hi <= close)
+    return RangeEnd::upper;
   return std::nullopt;
 }
 
 /// The bone is no nearer than minus the limit.
 FitCondition condition_of_limit(const FitProblem& problem, const FitProof& proof) {
   const Clearance& clearance = proof.clearance;
-  FitCondition condition{.name = "smallest distance",
+  FitCondition condition{.name = std::string(limit_condition),
                          .unit = ConditionUnit::length,
                          .value = proof.surface ? proof.surface->smallest_distance : clearance.smallest_distance,
                          .range = Enclosure{0.0 - problem.options.penetration_limit, infinity}};

@@ -70,11 +70,12 @@ double area(const Point& a, const Point& b, const Point& c) {
 
 /// The centres of k^2 equal parts of a triangle.
 void add_parts(const Triangle& corners, double of_triangle, int k, FitContact& contact) {
-  const auto& [a, b, c] = corners;
   const auto add = [&](double along_b, double along_c) {
     Point point;
-    for (std::size_t i = 0; i < 3; ++i)
-      point[i] = a[i] + along_b / (3 * k) * (b[i] - a[i]) + along_c / (3 * k) * (c[i] - a[i]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double origin = corners[0][i];
+      point[i] = origin + along_b / (3 * k) * (corners[1][i] - origin) + along_c / (3 * k) * (corners[2][i] - origin);
+    }
     contact.points.push_back(point);
     contact.weights.push_back(of_triangle / (k * k));
   };

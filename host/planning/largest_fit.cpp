@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <verisq/signed_distance.hpp>
 
+#include "host/planning/fit_conditions.hpp"
 #include "host/planning/fit_constraints.hpp"
 #include "host/planning/fit_contacts.hpp"
 
@@ -78,8 +80,14 @@ class LargestFit {
     member.size = implant_size(member.fit->model);
   }
 
-  /// Rows are thrown away: the chosen one's are proven again for whoever wants them.
+  /// What the search found no pose of within the limit is not tried. Rows are thrown away: the chosen one's are proven
+  /// again for whoever wants them.
   void prove(Member& member) {
+    if (!member.fit->within_limit) {
+      member.open = {std::string(limit_condition)};
+      member.proven = false;
+      return;
+    }
     const FitSolution found{.fit = *member.fit};
     const MapOptions of_map{.tolerance = tolerance_of_rows * bounding_radius(found.fit.model),
                             .device = problem_.options.device,

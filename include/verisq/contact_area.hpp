@@ -6,18 +6,11 @@
 #include <optional>
 #include <string>
 #include <vector>
-#include <verisq/enclosure.hpp>
+#include <verisq/area_within.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
-
-/// Areas in squares of the model unit.
-struct AreaWithin {
-  Enclosure area{0.0, 0.0};    ///< of all
-  Enclosure within{0.0, 0.0};  ///< of what is no farther than the distance asked about
-  Enclosure share{0.0, 0.0};   ///< of all that is, in [0, 1]: narrower than what follows of the two areas
-};
 
 struct ContactAreaOptions {
   double distance;            ///< no farther is contact; model units, >= 0

@@ -1,6 +1,7 @@
 /// Every header of the library but those of `verisq::surface`, whose programs are under the GPL, and that for C.
 #pragma once
 
+#include <verisq/area_within.hpp>
 #include <verisq/bone_region.hpp>
 #include <verisq/cavity.hpp>
 #include <verisq/certificate.hpp>
@@ -19,6 +20,7 @@
 #include <verisq/features.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/fit_bound.hpp>
+#include <verisq/fit_conditions.hpp>
 #include <verisq/fit_problem.hpp>
 #include <verisq/fit_solution.hpp>
 #include <verisq/fitness.hpp>

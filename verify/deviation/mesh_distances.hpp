@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "verify/deviation/deviation_search.hpp"
-#include "verisq/contact_area.hpp"
+#include "verisq/area_within.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
 

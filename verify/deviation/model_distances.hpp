@@ -8,7 +8,7 @@
 
 #include "verify/deviation/deviation_search.hpp"
 #include "verify/deviation/triangle_tree.hpp"
-#include "verisq/contact_area.hpp"
+#include "verisq/area_within.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "verisq/contact_area.hpp"
+#include "verisq/area_within.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
