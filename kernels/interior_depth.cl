@@ -29,7 +29,7 @@ ALWAYS_INLINE vector3 unit_between(vector3 a, vector3 b, real by) {
 // A few steps direction -> normal at the foot on the nearest plane, each extrapolated by the secant through the last
 // two (Anderson acceleration of depth 1); the nearest plane met.
 CALLED_ON_PROCESSORS tangent_plane descend(vector3 q, gauge_terms g, integer wanted, double allowance,
-                                    MODEL_SPACE const superquadric* s) {
+                                           MODEL_SPACE const superquadric* s) {
   tangent_plane nearest = first_plane(q, g, s);
   vector3 way = nearest.unit_normal;
   vector3 earlier = way;
@@ -115,7 +115,7 @@ ALWAYS_INLINE integer in_cone(vector3 w, cone c) {
 
 // Corners 1, 2, 3 of the cell and the midpoints a, b, c of the sides opposite to them, all times two: exact integers.
 CALLED_ON_PROCESSORS quarters_test test_quarters(vector3 q, real t, vector3 base, real inverted, real side, cone cap,
-                                          MODEL_SPACE const superquadric* s) {
+                                                 MODEL_SPACE const superquadric* s) {
   const vector3 on = {base.x + 1.0 - inverted, base.y + 1.0 - inverted, base.z + 1.0 - inverted};
   const vector3 off = {base.x + inverted, base.y + inverted, base.z + inverted};
   const vector3 corner_1 = {2.0 * on.x, 2.0 * off.y, 2.0 * off.z};
@@ -202,7 +202,7 @@ ALWAYS_INLINE void take_listed(uint start, uint count, global const double* bloc
 
 // Which of a vector of listed points are proven inside; a first tangent plane for each, and a cap.
 CALLED_ON_PROCESSORS void prepare_points(uint start, uint count, vector3 q, double allowance,
-                                  MODEL_SPACE const superquadric* s, global double* block) {
+                                         MODEL_SPACE const superquadric* s, global double* block) {
   const gauge_terms g = interior_terms_up(q, s);
   const integer inside = MASK(g.power <= 1.0) & MASK(q.x + q.y + fabs(q.z) < INFINITY);
   const tangent_plane plane = descend(q, g, inside, allowance, s);
@@ -383,9 +383,9 @@ ALWAYS_INLINE void search_block(uint count, double allowance, MODEL_SPACE const 
 
 // Writes what was found of a vector of listed points, where it is better than what was known.
 CALLED_ON_PROCESSORS void deliver_points(uint start, uint count, const lane_indices* indices, local_point q,
-                                  MODEL_SPACE const superquadric* s, global const double* block, global double* los,
-                                  global double* his, global double* normal_xs, global double* normal_ys,
-                                  global double* normal_zs) {
+                                         MODEL_SPACE const superquadric* s, global const double* block,
+                                         global double* los, global double* his, global double* normal_xs,
+                                         global double* normal_ys, global double* normal_zs) {
   lanes3 normals;
   double radii[VECTOR_WIDTH], marks[VECTOR_WIDTH], levels[VECTOR_WIDTH];
   for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) {

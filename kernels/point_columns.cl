@@ -3,17 +3,21 @@
 
 #define FAR_AWAY 0x1p20 // of the unit model: in place of what is not finite, and is refused by the host
 
+// Of the last points, which do not fill a vector.
+CALLED_ON_PROCESSORS real load_repeating(global const double* memory, ulong first, ulong stride, uint last) {
+  double lanes[VECTOR_WIDTH];
+#pragma nounroll
+  for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) lanes[lane] = memory[first + min(lane, last) * stride];
+  return LOAD(0, lanes);
+}
+
 // The numbers of a vector of points, `first` the one of the first point; lanes beyond `last` repeat that one.
 ALWAYS_INLINE real strided_load(global const double* memory, ulong first, ulong stride, uint last) {
-  if (stride == 1 && last == VECTOR_WIDTH - 1) return LOAD(0, memory + first);
+  if (last < VECTOR_WIDTH - 1) return load_repeating(memory, first, stride, last);
+  if (stride == 1) return LOAD(0, memory + first);
   double lanes[VECTOR_WIDTH];
-  if (last == VECTOR_WIDTH - 1) {
 #pragma unroll
-    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) lanes[lane] = memory[first + lane * stride];
-  } else {
-#pragma unroll
-    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) lanes[lane] = memory[first + min(lane, last) * stride];
-  }
+  for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) lanes[lane] = memory[first + lane * stride];
   return LOAD(0, lanes);
 }
 

@@ -70,9 +70,10 @@ ALWAYS_INLINE row_sums sum_of(row_sums a, row_sums b) {
 }
 
 // Likewise of each lane.
-ALWAYS_INLINE real lanes_scaled_down(real x, double factor, double inverse) {
+CALLED_ON_PROCESSORS real lanes_scaled_down(real x, double factor, double inverse) {
   double lanes[VECTOR_WIDTH];
   STORE(x, 0, lanes);
+#pragma nounroll
   for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) lanes[lane] = scaled_down(lanes[lane], factor, inverse);
   return LOAD(0, lanes);
 }
@@ -120,29 +121,42 @@ ALWAYS_INLINE real tightest_width(real hi, real largest, double inside, double o
 }
 
 // The first `count` lanes to memory, `first` the place of the first.
-ALWAYS_INLINE void strided_store(real x, global double* memory, ulong first, ulong stride, uint count) {
+CALLED_ON_PROCESSORS void store_first(real x, global double* memory, ulong first, ulong stride, uint count) {
   double lanes[VECTOR_WIDTH];
   STORE(x, 0, lanes);
+#pragma nounroll
+  for (uint lane = 0; lane < count; ++lane) memory[first + lane * stride] = lanes[lane];
+}
+
+ALWAYS_INLINE void strided_store(real x, global double* memory, ulong first, ulong stride, uint count) {
   if (count < VECTOR_WIDTH) {
-    for (uint lane = 0; lane < count; ++lane) memory[first + lane * stride] = lanes[lane];
+    store_first(x, memory, first, stride, count);
   } else if (stride == 1) {
     STORE(x, 0, memory + first);
   } else {
+    double lanes[VECTOR_WIDTH];
+    STORE(x, 0, lanes);
 #pragma unroll
     for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) memory[first + lane * stride] = lanes[lane];
   }
 }
 
-// Likewise the status of rows that are good, or not; `all`: all lanes are to be written, and good.
-ALWAYS_INLINE void store_status(integer good, bool all, global uchar* memory, ulong first, ulong stride, uint count) {
-  if (all) {
-#pragma unroll
-    for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) memory[first + lane * stride] = DEVICE_VERIFIED;
-    return;
-  }
+// Likewise the status of rows that are good, or not.
+CALLED_ON_PROCESSORS void store_statuses(integer good, global uchar* memory, ulong first, ulong stride, uint count) {
   long lanes[VECTOR_WIDTH];
   STORE(good, 0, lanes);
+#pragma nounroll
   for (uint lane = 0; lane < count; ++lane) memory[first + lane * stride] = lanes[lane] ? DEVICE_VERIFIED : WIDE;
+}
+
+// `all`: all lanes are to be written, and good.
+ALWAYS_INLINE void store_status(integer good, bool all, global uchar* memory, ulong first, ulong stride, uint count) {
+  if (!all) {
+    store_statuses(good, memory, first, stride, count);
+    return;
+  }
+#pragma unroll
+  for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) memory[first + lane * stride] = DEVICE_VERIFIED;
 }
 
 // Row n of `size` is written to memory_lo[offset_lo + n * stride_lo] and likewise, in sums that wrap. A work-group takes

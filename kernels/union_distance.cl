@@ -64,7 +64,7 @@ ALWAYS_INLINE escape nearer_escape(escape known, vector3 point, real distance, i
 
 // Sought from x along v, from `start` on.
 CALLED_ON_PROCESSORS escape escape_along(vector3 x, vector3 v, real start, uint count,
-                                  MODEL_SPACE const superquadric* primitives) {
+                                         MODEL_SPACE const superquadric* primitives) {
   const real inverse_length = 1.0 / sqrt(dot_nearest(v, v));
   const vector3 u = {v.x * inverse_length, v.y * inverse_length, v.z * inverse_length};
   real margin = WITNESS_MARGIN * (fabs(x.x) + fabs(x.y) + fabs(x.z) + fabs(start) + 1.0);

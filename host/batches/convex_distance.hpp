@@ -55,12 +55,12 @@ class ConvexDistance {
     bool tapered;
   };
 
-  /// Enqueues the distances of the first `groups` vectors of points. With index 0 nothing is known yet about the points;
-  /// a later primitive is passed over where a sphere or a box about it is farther than what was found.
+  /// Enqueues the distances of the first `groups` vectors of points. With index 0 nothing is known yet about the
+  /// points; a later primitive is passed over where a sphere or a box about it is farther than what was found.
   void enqueue_distances(ChunkQueue& queue, const Points& points, const Primitive& primitive, std::size_t groups,
                          const EvidenceBuffers& evidence);
-  /// After these, for points inside: without it their upper ends are those of any. Its kernel is compiled, and its memory
-  /// is taken, when it is first enqueued.
+  /// After these, for points inside: without it their upper ends are those of any. Its kernel is compiled, and its
+  /// memory is taken, when it is first enqueued.
   void enqueue_depths(ChunkQueue& queue, const Points& points, const Primitive& primitive, std::size_t groups,
                       const EvidenceBuffers& evidence);
 

@@ -149,7 +149,8 @@ class PipeSlot {
     queue_.flush();
   }
 
-  // A point inside whose depth is not searched has a row as wide as it is deep, so that it is open, or wide.
+  // A point inside whose depth is not searched has a row at least as wide as it is deep: where that is more than asked
+  // for, the row is open, or wide.
   [[nodiscard]] bool may_be_inside() const {
     return std::ranges::any_of(sums_of_blocks_, [](const RowSums& s) { return s.open > 0 || s.wide_inside > 0; });
   }

@@ -174,9 +174,7 @@ class SolidSlot : public ChunkSlot {
   static constexpr std::size_t searches_per_group = 16;  // long work-items: small groups keep cores busy
 
   // On its own: what was found for other primitives says nothing about a tree of set operations.
-  void enqueue_convex(std::size_t i) {
-    enqueue_convex(points_, {parts_[i].convex, 0, parts_[i].tapered}, views_[i]);
-  }
+  void enqueue_convex(std::size_t i) { enqueue_convex(points_, {parts_[i].convex, 0, parts_[i].tapered}, views_[i]); }
 
   void enqueue_convex(const ConvexDistance::Points& points, const ConvexDistance::Primitive& primitive,
                       const EvidenceBuffers& evidence) {

@@ -78,6 +78,39 @@ void expect_same(const Enclosure& a, const Enclosure& b, const std::string& wher
       << fmt::format("{}: [{}, {}], not [{}, {}]", where, a.lo, a.hi, b.lo, b.hi);
 }
 
+/// Those of `points` that lie farther from the scene's solids than these are large.
+std::vector<Point> far_from(double unit, std::vector<Point> points) {
+  for (Point& point : points) point[1] += 10.0 * unit;
+  return points;
+}
+
+/// Depths are searched from the first chunk on that has points inside, also of chunks that were under way before.
+TEST_P(PointPipeTest, FindsDepthsWhereverTheyBegin) {
+  constexpr std::size_t size = 2000;
+  for (const Scene& scene : scenes()) {
+    const double tolerance = 1e-6 * scene.unit;
+    const std::vector<Point> about = points_about(scene.unit, size);
+    const std::vector<Point> far = far_from(scene.unit, about);
+    const auto batch = point_batch(*selection_.device, scene.model, tolerance, false);
+    const auto through = pipe(scene, tolerance);
+    const std::vector<const std::vector<Point>*> chunks{&far, &about, &about, &far, &about};
+    std::vector<std::vector<MapResult>> rows(chunks.size(), std::vector<MapResult>(size));
+    through->submit(*chunks.front(), rows.front());
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+      if (i + 1 < chunks.size()) through->submit(*chunks[i + 1], rows[i + 1]);
+      EXPECT_FALSE(through->collect().refused);
+    }
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+      batch->submit(*chunks[i]);
+      std::vector<Enclosure> expected;
+      std::vector<Certificate> none;
+      batch->collect(expected, none);
+      for (std::size_t n = 0; n < size; ++n)
+        expect_same(rows[i][n].distance, expected[n], fmt::format("{}, {} of chunk {}", scene.name, n, i));
+    }
+  }
+}
+
 TEST_P(PointPipeTest, FindsWhatTheBatchFinds) {
   for (const Scene& scene : scenes()) {
     const double tolerance = 1e-6 * scene.unit;
