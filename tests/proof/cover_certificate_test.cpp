@@ -106,8 +106,8 @@ std::vector<Enclosure> false_claims(const Enclosure& truth) {
   return claims;
 }
 
-/// The model's first primitive a little larger, or smaller: of it the claims about the other one are false, too, as they
-/// exclude the truth by more than such a change can move it.
+/// The model's first primitive a little larger, or smaller: of it the claims about the other one are false, too, as
+/// they exclude the truth by more than such a change can move it.
 TEST(CoverCertificate, NeverProvesAForgery) {
   constexpr std::size_t points_a_model = 10;
   std::size_t all = 0;
