@@ -26,8 +26,8 @@ std::string digits_of_cover(const std::vector<bool>& cover) {
 std::optional<std::vector<bool>> cover_from(std::string_view text) {
   std::vector<bool> cover;
   std::size_t open = 1;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const std::size_t value = digits.find(text[k]);
+  for (const char digit : text) {
+    const std::size_t value = digits.find(digit);
     if (value == std::string_view::npos || open == 0) return std::nullopt;
     for (std::size_t i = 0; i < bits_per_digit; ++i) {
       const bool bit = (value >> (bits_per_digit - 1 - i) & 1U) != 0;

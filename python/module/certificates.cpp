@@ -116,7 +116,8 @@ void declare_certificates(py::module_& module) {
   py::class_<CertificateList, std::shared_ptr<CertificateList>>(
       module, "Certificates",
       "What proves the rows of a map again, in their order. An item is a dictionary: normals, a list of\n"
-      "(primitive, (x, y, z)) in the primitive's own frame; escape, a point, or None; weights, of a triangle, or None;\n"
+      "(primitive, (x, y, z)) in the primitive's own frame; escape, a point, or None; weights, of a triangle, or "
+      "None;\n"
       "witness, a point, or None; cover, a list of bool, empty where there is none.")
       .def("__len__", [](const CertificateList& self) { return self.certificates.size(); })
       .def("__getitem__", item)

@@ -106,8 +106,8 @@ std::vector<Enclosure> false_claims(const Enclosure& truth) {
   return claims;
 }
 
-/// The model's first primitive a little larger, or smaller: of it the claims about the other one are false, too, as they
-/// exclude the truth by more than such a change can move it.
+/// The model's first primitive a little larger, or smaller: of it the claims about the other one are false, too, as
+/// they exclude the truth by more than such a change can move it.
 TEST(CoverCertificate, NeverProvesAForgery) {
   constexpr std::size_t points_a_model = 10;
   std::size_t all = 0;
@@ -159,7 +159,7 @@ TEST(CoverCertificate, ProvesTheRimOfADifference) {
   EXPECT_LE(found.distance.width(), 1e-6);
   const Checker check(model);
   EXPECT_EQ(check(x, found.distance, found.certificate).verdict, Verdict::proved);
-  EXPECT_NE(check(x, {rim + 1e-12, infinity}, found.certificate).verdict, Verdict::proved);
+  EXPECT_NE(check(x, Enclosure{rim + 1e-12, infinity}, found.certificate).verdict, Verdict::proved);
   Certificate leafless = found.certificate;
   leafless.cover.pop_back();
   EXPECT_EQ(check(x, found.distance, leafless).verdict, Verdict::unproved);
@@ -173,7 +173,7 @@ TEST(CoverCertificate, KnowsThatASharedFaceLiesInside) {
   const Point face{1.0, 0.0, 0.0};
   Certificate certificate;
   certificate.escape = face;
-  EXPECT_NE(check({0.9, 0.0, 0.0}, {-0.2, infinity}, certificate).verdict, Verdict::proved);
+  EXPECT_NE(check(Point{0.9, 0.0, 0.0}, Enclosure{-0.2, infinity}, certificate).verdict, Verdict::proved);
 }
 
 /// Small motions open gaps between primitives: of intervals nothing is proven by several of them together.

@@ -337,7 +337,8 @@ TEST(SolidDistanceTest, OverlapsNoLongerWidenUnions) {
     const Enclosure found = search(x, 1e-6);
     EXPECT_LE(found.width(), 1e-6);
     inside += found.hi < 0.0 ? 1 : 0;
-    const CertifiedEnclosure certified = search.certified(x, 1e-6, [] { return false; }, false);
+    const CertifiedEnclosure certified = search.certified(
+        x, 1e-6, [] { return false; }, false);
     const CertifiedEnclosure covered = search.certified(x, 1e-6);
     for (const Enclosure& e : {certified.distance, covered.distance}) {
       EXPECT_LE(e.lo, found.hi);
@@ -362,7 +363,9 @@ TEST(SolidDistanceTest, CertificatesOfSetOperationsAreCovers) {
   const Point x{0.1, 0.9, 0.3};
   expect_encloses(difference(x, 1e-8), balls.signed_distance(SetOperation::subtract, x), 1e-8, x);
   expect_encloses(difference.certified(x, 1e-8).distance, balls.signed_distance(SetOperation::subtract, x), 1e-8, x);
-  EXPECT_THROW(static_cast<void>(difference.certified(x, 1e-8, [] { return false; }, false)), Error);
+  EXPECT_THROW(static_cast<void>(difference.certified(
+                   x, 1e-8, [] { return false; }, false)),
+               Error);
 }
 
 TEST(SolidDistanceTest, TheTightestIsAskedForWithZero) {
