@@ -1,6 +1,7 @@
 /// The table of mutants of bent_depth.clh, and of the lines of bent_distance.cl for points inside.
 ///
 /// Left out, because no enclosure can become false by them:
+/// - Which points are gathered: what is found of one is written in the place that it was read from.
 /// - Changes of what is only proposed: gradient_at, nearest_boundary, on_the_way, the pull, the value of kappa. A kappa
 ///   below 0 or a tau above 1 leaves no excess, kappa with the other sign a longer eta, a pull beyond the depth a ball
 ///   that is proven like any other, and a query outside is in no ball inside.
@@ -325,10 +326,6 @@ constexpr std::array mutants{
            Arithmetic::displaced},
     Mutant{"depth by any second exponent", "if (p->solid.p_down[0] < 2.0 || p->solid.p_down[1] < 2.0) return;",
            "if (p->solid.p_down[0] < 2.0) return;"},
-    Mutant{"depths in the place of the points outside", "listed[size - 1 - min(start + lane, counts.inside - 1)]",
-           "listed[min(start + lane, counts.inside - 1)]"},
-    Mutant{"depths of the neighbours", "listed[size - ++counts.inside] = point;",
-           "listed[size - ++counts.inside] = point ^ 1U;"},
 };
 
 }  // namespace
