@@ -218,7 +218,8 @@ ALWAYS_INLINE bent_query query_at(vector3 x, MODEL_SPACE const box_primitive* p)
   const real frame_error = fma_up(REAL(p->frame_error), size, REAL(0x1p-1000));
   const unbent u = unbend_point(q, p->curvature);
   const vector3 middle = {middle_of(u.r), q.y, middle_of(u.z)};
-  const bent_query query = {q, frame_error, u, middle, MASK(fabs(middle.x) <= DBL_MAX) & MASK(fabs(middle.z) <= DBL_MAX)};
+  const integer usable = MASK(fabs(middle.x) <= DBL_MAX) & MASK(fabs(middle.z) <= DBL_MAX);
+  const bent_query query = {q, frame_error, u, middle, usable};
   return query;
 }
 

@@ -1,4 +1,5 @@
-/// A deviation for people to look at: the mesh, coloured by its distance to the model's surface, on a page or a picture.
+/// A deviation for people to look at: the mesh, coloured by its distance to the model's surface, on a page or a
+/// picture.
 #pragma once
 
 #include <string>

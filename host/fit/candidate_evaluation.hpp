@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "verisq/cavity.hpp"
 #include "verify/sets/set_tree.hpp"
+#include "verisq/cavity.hpp"
 #include "verisq/fitness.hpp"
 #include "verisq/model.hpp"
 

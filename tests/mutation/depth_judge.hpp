@@ -23,7 +23,7 @@ class DepthJudge {
     double metrics;  ///< that are valid
     double balls;    ///< claimed by the gauge, of those not known to reach outside
     double balls_by_profile;
-    double depths;   ///< claimed from both sides to 1e-9, of those known to it
+    double depths;  ///< claimed from both sides to 1e-9, of those known to it
   };
   [[nodiscard]] Shares shares(const CompiledKernels& kernels) const;
 

@@ -267,7 +267,7 @@ constexpr std::array bent_proposals{
   return foot;
 )"},
     Mutant{"curvature of balls", "const real kappa = fmax(fma(v_0.x, g_0.x,",
-           "const real kappa = fma(REAL(0x1p-9), TO_REAL((BITS(q.x) >> 8) & INTEGER(255L)), REAL(0.75)) * "
+           "const real kappa = fma(REAL(0x1p-9), TO_REAL((BITS(ball.q.x.lo) >> 8) & INTEGER(255L)), REAL(0.75)) * "
            "fmax(fma(v_0.x, g_0.x,"},
 };
 

@@ -10,8 +10,8 @@
 namespace verisq::verify {
 
 /// Let the ball about x that just holds the nearest surface point p of a primitive K be such that every other primitive
-/// has it all inside or all outside, or does not matter within it, whatever lies in K; then the model is K there, or what
-/// K leaves, and p is its nearest surface point, too (docs/mathematics.md §25). Immutable: safe to call from many
+/// has it all inside or all outside, or does not matter within it, whatever lies in K; then the model is K there, or
+/// what K leaves, and p is its nearest surface point, too (docs/mathematics.md §25). Immutable: safe to call from many
 /// threads.
 class SetClosestPoint {
  public:
