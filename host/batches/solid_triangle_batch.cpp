@@ -19,9 +19,9 @@ using verify::TriangleBranchAndBound;
 using Answer = TriangleBranchAndBound::Answer;
 
 constexpr std::size_t largest_chunk = rows_side_by_side;  // each asks for many points
-constexpr std::size_t most_points = 1U << 16U;  // of a triangle; then it is left to the host
-constexpr double share_of_points = 0.25;        // of the tolerance, where a point takes a search
-constexpr std::size_t triangles_a_task = 64;    // of a thread
+constexpr std::size_t most_points = 1U << 16U;            // of a triangle; then it is left to the host
+constexpr double share_of_points = 0.25;                  // of the tolerance, where a point takes a search
+constexpr std::size_t triangles_a_task = 64;              // of a thread
 
 class SolidTriangleBatch final : public Batch<Triangle> {
  public:

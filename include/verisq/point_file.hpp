@@ -27,9 +27,9 @@ class PointFile {
   /// Fills `points` from the front; returns how many, fewer than asked only at the end of the file.
   std::size_t read(std::span<Point> points);
 
-  /// Goes on at this point, counted from 0; an array at once, of text by reading on, or again from the beginning. Behind
-  /// the last point nothing is left to read. Throws as above, and Error(input) where that is before what a pipe has
-  /// delivered.
+  /// Goes on at this point, counted from 0; an array at once, of text by reading on, or again from the beginning.
+  /// Behind the last point nothing is left to read. Throws as above, and Error(input) where that is before what a pipe
+  /// has delivered.
   void go_to(std::uint64_t point);
 
   /// How many points there are in all, where the file says so at its beginning.
