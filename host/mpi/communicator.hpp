@@ -61,9 +61,9 @@ class SharedFile {
   SharedFile(const SharedFile&) = delete;
   SharedFile& operator=(const SharedFile&) = delete;
 
+  /// What it returns from outlives this process.
   void write_at(std::uint64_t position, std::span<const std::byte> bytes);
-  /// What is written is there, whatever happens to this process.
-  void set_size(std::uint64_t bytes);  ///< together
+  void set_size(std::uint64_t bytes);  ///< to be called by all ranks
 
  private:
   struct Handle;
