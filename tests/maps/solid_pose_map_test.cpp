@@ -126,10 +126,10 @@ INSTANTIATE_TEST_SUITE_P(Pairs, SolidPoseMapTest,
 
 /// A search ends where it is, and its row and those after it are not told; the mapper serves again.
 TEST(SolidPoseMap, EndsWithinAChunk) {
-  const std::vector<Pose> poses(40, Pose{{0.0, 0.0, 0.6}, {1.0, 0.0, 0.0, 0.0}});  // a ball concentric in a hollow
+  const std::vector<Pose> poses = poses_around(200, 8.0);
   std::atomic<int> polls = 0;
   std::atomic<bool> ends = true;
-  PoseMapper mapper(bowl(), bent_rod(), {.tolerance = 1e-9, .interrupted = [&] { return ends && ++polls > 40; }});
+  PoseMapper mapper(bowl(), bent_rod(), {.tolerance = 1e-9, .interrupted = [&] { return ends && ++polls > 20; }});
   const Mapped found = map(mapper, poses);
   EXPECT_TRUE(found.summary.interrupted);
   EXPECT_LT(found.rows.size(), poses.size());
