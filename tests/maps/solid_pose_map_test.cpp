@@ -122,14 +122,14 @@ TEST_P(SolidPoseMapTest, WidensRowsOfUncertainPoses) {
 
 INSTANTIATE_TEST_SUITE_P(Pairs, SolidPoseMapTest,
                          ::testing::Values(std::pair(bent_rod(), ball()), std::pair(ball(), bent_rod()),
-                                           std::pair(bowl(), ball()), std::pair(bowl(), bent_rod())));
+                                           std::pair(bowl(), ball()), std::pair(ball(), bowl())));
 
 /// A search ends where it is, and its row and those after it are not told; the mapper serves again.
 TEST(SolidPoseMap, EndsWithinAChunk) {
-  const std::vector<Pose> poses(40, Pose{{0.0, 0.0, 0.6}, {1.0, 0.0, 0.0, 0.0}});  // a ball concentric in a hollow
+  const std::vector<Pose> poses = poses_around(200, 8.0);
   std::atomic<int> polls = 0;
   std::atomic<bool> ends = true;
-  PoseMapper mapper(bowl(), bent_rod(), {.tolerance = 1e-9, .interrupted = [&] { return ends && ++polls > 40; }});
+  PoseMapper mapper(bowl(), bent_rod(), {.tolerance = 1e-9, .interrupted = [&] { return ends && ++polls > 20; }});
   const Mapped found = map(mapper, poses);
   EXPECT_TRUE(found.summary.interrupted);
   EXPECT_LT(found.rows.size(), poses.size());
@@ -141,11 +141,11 @@ TEST(SolidPoseMap, EndsWithinAChunk) {
 
 TEST(SolidPoseMap, TellsWhatIsKnownWhenTheTimeIsUp) {
   const std::vector<Pose> poses = poses_around(40, 8.0);
-  PoseMapper mapper(bowl(), bent_rod(), {.tolerance = 1e-9, .out_of_time = [] { return true; }});
+  PoseMapper mapper(bowl(), ball(), {.tolerance = 1e-9, .out_of_time = [] { return true; }});
   const Mapped found = map(mapper, poses);
   ASSERT_EQ(found.rows.size(), poses.size());
   EXPECT_TRUE(found.summary.out_of_time);
-  const ModelSearch search(bowl(), bent_rod());
+  const ModelSearch search(bowl(), ball());
   for (std::size_t i = 0; i < poses.size(); i += 5) {
     const Enclosure one = search(poses[i], {.tolerance = 1e-4}).distance;
     EXPECT_LE(found.rows[i].distance.lo, one.lo);
