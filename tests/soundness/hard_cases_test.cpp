@@ -15,6 +15,7 @@
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "verify/proof/posed_superquadric.hpp"
+#include "verify/search/convex_primitive.hpp"
 
 namespace verisq::oracle {
 namespace {
@@ -49,7 +50,7 @@ constexpr std::size_t usual_cases = 20'000;
 
 /// Proven to lie outside.
 [[nodiscard]] std::vector<Point> points_outside(RandomCases& random, const Primitive& solid) {
-  const verify::PosedSuperquadric posed(solid);
+  const verify::ConvexPrimitive posed(solid);
   std::vector<Point> points;
   while (points.size() < points_a_solid) {
     const Point q = random.point(solid).point;
