@@ -28,6 +28,7 @@
 #include "host/maps/tightest_enclosure.hpp"
 #include "host/mesh/extent.hpp"
 #include "host/threads/parallel.hpp"
+#include "verify/proof/bracketed.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -231,7 +232,7 @@ ExitStatus check_map_file(const CheckArguments& arguments) {
   check_usage(arguments.inputs);
   watch_for_interruption();
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
-  const Model largest = bracket(model).largest;
+  const Model largest = verify::bracket_of_primitives(model).largest;
   MapReader map(arguments.map);
   if (map.elements() == MapElements::triangles && !is_union_of_convex(largest)) {
     refuse(fmt::format("{}: triangles about bent solids or set operations, as in {}, have no certificates to check",

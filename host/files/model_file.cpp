@@ -13,6 +13,7 @@
 #include "host/files/json_document.hpp"
 #include "host/files/landmark_points.hpp"
 #include "host/files/model_areas.hpp"
+#include "verify/proof/bracketed.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/sets/bend_range.hpp"
 
@@ -243,7 +244,8 @@ auto read(const std::filesystem::path& path, Parse parse) {
 }  // namespace
 
 Model parse_model(std::string_view json, std::string_view name) {
-  return bracket(parse(json, name, Intervals::refused).model).smallest;  // an exact model is its own bracket
+  return verify::bracket_of_primitives(parse(json, name, Intervals::refused).model)
+      .smallest;  // an exact model is its own bracket
 }
 
 UncertainModel parse_uncertain_model(std::string_view json, std::string_view name) {

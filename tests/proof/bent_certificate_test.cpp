@@ -157,19 +157,6 @@ TEST(BentCertificate, IsTightBesideAndInsideARod) {
   }
 }
 
-/// Where half the square of the gauge is more curved than the ball.
-TEST(BentCertificate, ReachesDeepIntoAStemTowardsItsEnds) {
-  const Model stem{"", {{"stem", {{6.0, 9.0, 60.0}, {0.4, 0.9}}, {}, Bend{0.004, 70.0}}}};
-  const SignedDistance distance(stem);
-  for (const Point& x : {Point{2.21337, 11.2947, -53.6412}, Point{5.04082, 4.41442, -47.5274},
-                         Point{4.93012, 7.06011, -53.6139}, Point{3.9867, 1.32239, 42.3331}}) {
-    const CertifiedEnclosure found = distance.certified(x, 1e-6);
-    EXPECT_LT(found.distance.hi, -1.0);
-    EXPECT_LE(found.distance.width(), 1e-6) << found.distance.lo << ", " << found.distance.hi;
-    EXPECT_EQ(Checker(stem)(x, found.distance, found.certificate).verdict, Verdict::proved);
-  }
-}
-
 /// Whatever stands in a certificate, a claim that excludes the truth is not proved.
 TEST(BentCertificate, ProvesNothingFalseFromNonsense) {
   const Model rod{"", {{"rod", {{0.2, 0.3, 1.5}, {0.4, 1.0}}, {}, Bend{0.3, 20.0}}}};

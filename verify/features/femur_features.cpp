@@ -7,6 +7,7 @@
 #include <verisq/error.hpp>
 #include <verisq/features.hpp>
 
+#include "verify/analysis/cross_product.hpp"
 #include "verify/analysis/trigonometry.hpp"
 #include "verify/features/landmark_ball.hpp"
 

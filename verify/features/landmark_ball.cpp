@@ -1,6 +1,7 @@
 /// See the header: each bound is attained by some choice of the points, but for rounding.
 #include "verify/features/landmark_ball.hpp"
 
+#include "verify/analysis/cross_product.hpp"
 #include "verify/analysis/trigonometry.hpp"
 
 namespace verisq::verify {

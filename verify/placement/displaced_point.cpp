@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "verify/analysis/cross_product.hpp"
 #include "verify/sets/bounding_box.hpp"
 
 namespace verisq::verify {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/analysis/cross_product.hpp"
 #include "verify/analysis/length.hpp"
 #include "verify/analysis/trigonometry.hpp"
 #include "verify/proof/rigid_motion.hpp"

@@ -1,5 +1,4 @@
-/// Taylor's theorem for a function that is at most a limit where the solid is, half the squared gauge or what the
-/// section's norm is above the profile, its second derivative bounded in pieces of the ways from c.
+/// Taylor's theorem for half the squared gauge, its second derivative bounded in pieces of the ways from c.
 #include "verify/proof/bent_ball.hpp"
 
 #include <algorithm>
@@ -24,7 +23,7 @@ PreciseInterval share(const PreciseInterval& part, const PreciseInterval& norm) 
 /// Numbers of a point or a box of points in units of the semi-axes, without signs.
 struct Shares {
   std::array<PreciseInterval, 3> of_axes;        ///< |x|/a1, |y|/a2, |z|/a3
-  PreciseInterval section, gauge;                ///< r, g
+  PreciseInterval gauge;                         ///< g
   PreciseInterval x_in_section, y_in_section;    ///< X/r, Y/r
   PreciseInterval section_in_gauge, z_in_gauge;  ///< r/g, Z/g
 };
@@ -36,22 +35,23 @@ Shares shares_at(const Superquadric& solid, const SuperquadricBounds<Real>& boun
   for (std::size_t i = 0; i < 3; ++i) {
     s.of_axes[i] = PreciseInterval(low[i], high[i]) / PreciseInterval(Real(solid.semi_axes[i]));
   }
-  s.section =
-      PreciseInterval(bounds.section(low[0], low[1], Direction::down), bounds.section(high[0], high[1], Direction::up));
+  const PreciseInterval section(bounds.section(low[0], low[1], Direction::down),
+                                bounds.section(high[0], high[1], Direction::up));
   s.gauge = PreciseInterval(bounds.norm(low, Direction::down), bounds.norm(high, Direction::up));
-  s.x_in_section = share(s.of_axes[0], s.section);
-  s.y_in_section = share(s.of_axes[1], s.section);
-  s.section_in_gauge = share(s.section, s.gauge);
+  s.x_in_section = share(s.of_axes[0], section);
+  s.y_in_section = share(s.of_axes[1], section);
+  s.section_in_gauge = share(section, s.gauge);
   s.z_in_gauge = share(s.of_axes[2], s.gauge);
   return s;
 }
 
-/// From the derivatives by r and by |z|/a3, with the signs of the coordinates of x.
-PreciseVector gradient_of(const Superquadric& solid, const Shares& s, const PreciseVector& x,
-                          const PreciseInterval& by_section, const PreciseInterval& by_z) {
+/// The gradient of g²/2, g (r/g)^(p₁-1) (X/r)^(p₂-1) / a1 and so on, with the signs of the coordinates.
+PreciseVector gradient_of_half_square(const Superquadric& solid, const Shares& s, const PreciseVector& x) {
+  const PreciseInterval p1 = primal_exponent<Real>(solid.exponents[0]).value - kOne;
   const PreciseInterval p2 = primal_exponent<Real>(solid.exponents[1]).value - kOne;
-  const std::array<PreciseInterval, 3> sizes{by_section * pow(s.x_in_section, p2), by_section * pow(s.y_in_section, p2),
-                                             by_z};
+  const PreciseInterval section = s.gauge * pow(s.section_in_gauge, p1);
+  const std::array<PreciseInterval, 3> sizes{section * pow(s.x_in_section, p2), section * pow(s.y_in_section, p2),
+                                             s.gauge * pow(s.z_in_gauge, p1)};
   PreciseVector result;
   for (std::size_t i = 0; i < 3; ++i) {
     const PreciseInterval size = sizes[i] / PreciseInterval(Real(solid.semi_axes[i]));
@@ -97,77 +97,35 @@ PreciseInterval raised(const TermBounds& a, const PreciseInterval& scale_a, cons
                 scale_b * (b.power + excess * multiple_b * b.mixed));
 }
 
-/// Upper bound of B^s (1 + 2 (p - 2) (1 - B)) for B in [0, 1], s = 1 - 2/p: its value at B = (2p - 3) / (4 (p - 1)).
-PreciseInterval largest_raised(const PreciseInterval& p) {
-  const PreciseInterval at = (kTwo * p - PreciseInterval(3)) / (PreciseInterval(4) * (p - kOne));
-  return (kTwo * p * pow(at, kTwo - kTwo / p)).upper();
-}
-
-PreciseInterval inverse_square(const Superquadric& solid, std::size_t axis) {
-  return kOne / square(PreciseInterval(Real(solid.semi_axes[axis])));
-}
-
-PreciseInterval excess_of(const PreciseInterval& p) {
-  return PreciseInterval(std::max(Real(0), (p - kTwo).upper()));
-}
-
-/// Upper bound of the second derivative of r²/2 along steps of length 1 in the section: of
-///   (X/r)^(p₂-2) e_x²/a1², the same of y, and (p₂ - 2) r² B D (u - v)²,
-/// the last of which is at most (p₂ - 2) times the first two, or 2 (p₂ - 2) times the mixed ones.
-PreciseInterval section_derivative(const Superquadric& solid, const Shares& s) {
+/// Upper bound of e′G″e, G = g²/2, for steps e of length 1 and all points of a box. In it all of
+///   (r/g)^(p₁-2) (X/r)^(p₂-2) e_x²/a1², the same of y, (Z/g)^(p₁-2) e_z²/a3²
+/// are nonnegative, and the rest is (p₁ - 2) A C (m - w)² + (p₂ - 2) A B D (u - v)² times g², with
+/// A C (m - w)² <= (1 + t) C (A m²) + (1 + 1/t) A (C w²) for t > 0 and <= A m² + C w²; the other term alike.
+PreciseInterval second_derivative(const Superquadric& solid, const Shares& s, const PreciseInterval& stretch) {
+  const PreciseInterval p1 = primal_exponent<Real>(solid.exponents[0]).value;
   const PreciseInterval p2 = primal_exponent<Real>(solid.exponents[1]).value;
-  const PreciseInterval excess = excess_of(p2);
+  const PreciseInterval excess_1(std::max(Real(0), (p1 - kTwo).upper()));
+  const PreciseInterval excess_2(std::max(Real(0), (p2 - kTwo).upper()));
   const TermBounds x = term_of(s.x_in_section, s.y_in_section, p2);
   const TermBounds y = term_of(s.y_in_section, s.x_in_section, p2);
-  const PreciseInterval of_x = inverse_square(solid, 0);
-  const PreciseInterval of_y = inverse_square(solid, 1);
-  const auto raised_term = [&](const TermBounds& t) {
-    return smaller(largest_raised(p2), t.power + kTwo * excess * t.mixed);
-  };
-  return smaller(larger(of_x * x.power, of_y * y.power) * (kOne + excess),
-                 larger(of_x * raised_term(x), of_y * raised_term(y)));
-}
-
-/// Upper bound of e′G″e, G = g²/2, for steps e of length 1 and all points of a box. In it all of
-///   (r/g)^(p₁-2) times the second derivative of r²/2, and (Z/g)^(p₁-2) e_z²/a3²
-/// are nonnegative, and the rest is (p₁ - 2) A C (m - w)² times g², with
-/// A C (m - w)² <= (1 + t) C (A m²) + (1 + 1/t) A (C w²) for t > 0 and <= A m² + C w².
-PreciseInterval second_derivative_of_gauge(const Superquadric& solid, const Shares& s, const PreciseInterval& stretch) {
-  const PreciseInterval p1 = primal_exponent<Real>(solid.exponents[0]).value;
-  const PreciseInterval excess = excess_of(p1);
   const TermBounds r = term_of(s.section_in_gauge, s.z_in_gauge, p1);
   const TermBounds z = term_of(s.z_in_gauge, s.section_in_gauge, p1);
-  const PreciseInterval section = section_derivative(solid, s);
-  const PreciseInterval of_z = inverse_square(solid, 2) / square(stretch);
+  const auto inverse_square = [&](std::size_t i) { return kOne / square(PreciseInterval(Real(solid.semi_axes[i]))); };
+  const PreciseInterval of_x = inverse_square(0);
+  const PreciseInterval of_y = inverse_square(1);
+  const PreciseInterval of_z = inverse_square(2) / square(stretch);
+  const PreciseInterval plainly = larger(of_x * x.power, of_y * y.power) * (kOne + excess_2);
+  const PreciseInterval section = smaller(plainly, raised(x, of_x, kTwo, y, of_y, kTwo, excess_2));
   const PreciseInterval slender(8);  // 1/t: e_z counts little in long solids
-  return smaller(larger(section * r.power, of_z * z.power) * (kOne + excess),
-                 smaller(raised(r, section, kTwo, z, of_z, kTwo, excess),
-                         raised(r, section, kOne + kOne / slender, z, of_z, kOne + slender, excess)));
+  return smaller(larger(section * r.power, of_z * z.power) * (kOne + excess_1),
+                 smaller(raised(r, section, kTwo, z, of_z, kTwo, excess_1),
+                         raised(r, section, kOne + kOne / slender, z, of_z, kOne + slender, excess_1)));
 }
 
-/// Of P = (r² - h²)/2, likewise, where |z|/a3 is at most `farthest`, below 1: -h²/2 has the second derivative
-///   Z^(p₁-2) (1 - N)^(2/p₁-2) (p₁ - 1 - N)/a3², N = Z^p₁.
-PreciseInterval second_derivative_by_profile(const Superquadric& solid, const Shares& s, const PreciseInterval& stretch,
-                                             const PreciseInterval& farthest) {
-  const PreciseInterval p1 = primal_exponent<Real>(solid.exponents[0]).value;
-  const PreciseInterval z = smaller(s.of_axes[2], farthest);
-  const PreciseInterval rest((kOne - pow(z, p1)).lower());
-  const PreciseInterval power(std::max(Real(0), (p1 - kTwo).lower()));
-  const PreciseInterval along = pow(z, power) * pow(rest, kTwo / p1 - kTwo) * (p1 - kOne) * inverse_square(solid, 2);
-  return larger(section_derivative(solid, s), along / square(stretch));
-}
-
-/// The norm in which f is measured in the ball, and how far its points lie from q, both unbent.
-struct BallMetric {
-  PreciseInterval stretch;  ///< a
-  PreciseInterval tau;
-  PreciseVector reach;
-};
-
-/// L: of the ways from c to all points within reach of q, (1 - s) integrated over each of eight pieces.
-template <class SecondDerivative>
-PreciseInterval weighted(const SuperquadricBounds<Real>& bounds, const Superquadric& solid, const BentBall& ball,
-                         const PreciseVector& reach, const SecondDerivative& second) {
+/// L: of the ways from c to all points within `reach` of q, (1 - s) integrated over each of eight pieces.
+PreciseInterval weighted_second_derivative(const Superquadric& solid, const SuperquadricBounds<Real>& bounds,
+                                           const BentBall& ball, const PreciseVector& reach,
+                                           const PreciseInterval& stretch) {
   constexpr int pieces = 8;
   PreciseInterval sum(0);
   for (int i = 0; i < pieces; ++i) {
@@ -178,7 +136,7 @@ PreciseInterval weighted(const SuperquadricBounds<Real>& bounds, const Superquad
       const PreciseInterval end = ball.query[j] + PreciseInterval(-reach[j].upper(), reach[j].upper());
       at[j] = hull((kOne - from) * ball.touching[j] + from * end, (kOne - to) * ball.touching[j] + to * end);
     }
-    sum += (square(kOne - from) - square(kOne - to)) * second(shares_at(solid, bounds, at));
+    sum += (square(kOne - from) - square(kOne - to)) * second_derivative(solid, shares_at(solid, bounds, at), stretch);
   }
   return sum;
 }
@@ -191,48 +149,6 @@ PreciseInterval proposed_factor(const PreciseVector& gradient, const PreciseVect
   const long double factor =
       (n[0] * g[0] + n[1] * g[1] + n[2] * g[2] / (a * a)) / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2] / (a * a));
   return std::isfinite(factor) ? Real(std::max(factor, 0.0L)) : Real(0);
-}
-
-/// Whether a function is at most half of `limit` in the ball: `gradient` and `twice` its value are those at c, `second`
-/// bounds its second derivative.
-template <class SecondDerivative>
-bool stays_below(const SuperquadricBounds<Real>& bounds, const Superquadric& solid, const BentBall& ball,
-                 const BallMetric& metric, const PreciseVector& gradient, const PreciseInterval& twice,
-                 const Real& limit, const SecondDerivative& second) {
-  const PreciseInterval kappa = proposed_factor(gradient, ball.normal, metric.stretch);
-  const PreciseVector eta = gradient - ball.normal * kappa;
-  const PreciseInterval eta_square = square(eta[0]) + square(eta[1]) + square(eta[2] / metric.stretch);
-  const PreciseInterval most = weighted(bounds, solid, ball, metric.reach, second);
-  const Real excess = (kappa * (kOne - metric.tau) - most).lower();
-  return excess > Real(0) && (twice + eta_square / PreciseInterval(excess)).upper() <= limit;
-}
-
-bool gauge_stays_below(const SuperquadricBounds<Real>& bounds, const Superquadric& solid, const BentBall& ball,
-                       const BallMetric& metric) {
-  const Shares s = shares_at(solid, bounds, ball.touching);
-  const PreciseInterval p1 = primal_exponent<Real>(solid.exponents[0]).value - kOne;
-  const PreciseVector gradient =
-      gradient_of(solid, s, ball.touching, s.gauge * pow(s.section_in_gauge, p1), s.gauge * pow(s.z_in_gauge, p1));
-  return stays_below(bounds, solid, ball, metric, gradient, square(s.gauge), Real(1),
-                     [&](const Shares& at) { return second_derivative_of_gauge(solid, at, metric.stretch); });
-}
-
-/// P. False unless all ways stay between the ends.
-bool profile_stays_below(const SuperquadricBounds<Real>& bounds, const Superquadric& solid, const BentBall& ball,
-                         const BallMetric& metric) {
-  const Real highest = std::max(abs(ball.touching[2]).upper(), (abs(ball.query[2]) + metric.reach[2]).upper());
-  const PreciseInterval farthest = PreciseInterval(highest) / PreciseInterval(Real(solid.semi_axes[2]));
-  const PreciseInterval p1 = primal_exponent<Real>(solid.exponents[0]).value;
-  if (!((kOne - pow(farthest, p1)).lower() > Real(0))) return false;
-  const Shares s = shares_at(solid, bounds, ball.touching);
-  const PreciseInterval& z = s.of_axes[2];
-  const PreciseInterval rest = kOne - pow(z, p1);
-  const PreciseVector gradient =
-      gradient_of(solid, s, ball.touching, s.section, pow(z, p1 - kOne) * pow(rest, kTwo / p1 - kOne));
-  const PreciseInterval twice = square(s.section) - pow(rest, kTwo / p1);
-  return stays_below(bounds, solid, ball, metric, gradient, twice, Real(0), [&](const Shares& at) {
-    return second_derivative_by_profile(solid, at, metric.stretch, farthest);
-  });
 }
 
 }  // namespace
@@ -257,9 +173,17 @@ bool is_bent_ball_contained(const Superquadric& solid, const PreciseInterval& cu
   if (!((curvature * apart).upper() < Real(3))) return false;
 
   const SuperquadricBounds<Real> bounds(solid);
+  const Shares at_touching = shares_at(solid, bounds, ball.touching);
+  const PreciseVector gradient = gradient_of_half_square(solid, at_touching, ball.touching);
+  const PreciseInterval kappa = proposed_factor(gradient, ball.normal, stretch);
+  const PreciseVector eta = gradient - ball.normal * kappa;
+  const PreciseInterval eta_square = square(eta[0]) + square(eta[1]) + square(eta[2] / stretch);
   const PreciseInterval along_axis = ball.radius / (ball.query_stretch * cosine);
-  const BallMetric metric{stretch, tau, {ball.radius, ball.radius, along_axis}};
-  return profile_stays_below(bounds, solid, ball, metric) || gauge_stays_below(bounds, solid, ball, metric);
+  const PreciseInterval second =
+      weighted_second_derivative(solid, bounds, ball, {ball.radius, ball.radius, along_axis}, stretch);
+  const Real excess = (kappa * (kOne - tau) - second).lower();
+  if (!(excess > Real(0))) return false;
+  return (square(at_touching.gauge) + eta_square / PreciseInterval(excess)).upper() <= Real(1);
 }
 
 }  // namespace verisq::verify

@@ -18,6 +18,9 @@ namespace verisq::verify {
                             });
 }
 
+/// As verisq::bracket, but that what a tree removes is as small in `smallest` as the rest: right of unions.
+[[nodiscard]] Bracket bracket_of_primitives(const UncertainModel& model);
+
 template <class T>
 struct Bracketed {
   T smallest;

@@ -65,8 +65,9 @@ struct Checker::State {
 };
 
 Checker::Checker(const UncertainModel& model, double point_radius)
-    : state_(std::make_unique<State>(bracket(model), point_radius)) {
-  if (!state_->bounds.exact()) verify::require_union(bracket(model).largest, "certificates of intervals");
+    : state_(std::make_unique<State>(verify::bracket_of_primitives(model), point_radius)) {
+  if (!state_->bounds.exact())
+    verify::require_union(verify::bracket_of_primitives(model).largest, "certificates of intervals");
 }
 Checker::~Checker() = default;
 Checker::Checker(Checker&&) noexcept = default;

@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
-#include <utility>
-#include <vector>
 
 #include "verify/numbers/vector.hpp"
+#include "verify/proof/bracketed.hpp"
 #include "verify/proof/contained_ball.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verisq/error.hpp"
@@ -74,58 +72,6 @@ Superquadric inflated(const Superquadric& solid, const PreciseInterval& shift) {
   return result;
 }
 
-bool removes(const SetExpression& expression) {
-  return (expression.operation == SetOperation::subtract && expression.operands.size() > 1) ||
-         std::ranges::any_of(expression.operands, removes);
-}
-
-/// The primitives that a tree names, those that it removes apart from those that it keeps: a solid grows where what it
-/// keeps grows, and shrinks where what it removes does (docs/mathematics.md §8).
-class NamedPrimitives {
- public:
-  struct Use {
-    std::uint32_t primitive;
-    bool removed;
-    bool operator==(const Use&) const = default;
-  };
-
-  /// The same tree, with indices of uses(). What is removed from something that is removed is kept.
-  [[nodiscard]] SetExpression renamed(const SetExpression& expression, bool removed = false) {
-    SetExpression result{.operation = expression.operation};
-    for (std::size_t i = 0; i < expression.operands.size(); ++i) {
-      const bool turns = expression.operation == SetOperation::subtract && i > 0;
-      result.operands.push_back(renamed(expression.operands[i], removed != turns));
-    }
-    if (expression.operands.empty()) result.primitive = index_of({expression.primitive, removed});
-    return result;
-  }
-  [[nodiscard]] const std::vector<Use>& uses() const { return uses_; }
-
- private:
-  [[nodiscard]] std::uint32_t index_of(const Use& use) {
-    const auto found = std::ranges::find(uses_, use);
-    const auto index = static_cast<std::uint32_t>(found - uses_.begin());
-    if (found == uses_.end()) uses_.push_back(use);
-    return index;
-  }
-
-  std::vector<Use> uses_;
-};
-
-/// Of what is removed the other model's: where the one has its smallest the other has its largest.
-void exchange_what_is_removed(Bracket& models) {
-  NamedPrimitives named;
-  const SetExpression csg = named.renamed(*models.smallest.csg);
-  Model smallest{models.smallest.units, {}, csg};
-  Model largest{models.largest.units, {}, csg};
-  for (const auto& [primitive, removed] : named.uses()) {
-    smallest.primitives.push_back((removed ? models.largest : models.smallest).primitives[primitive]);
-    largest.primitives.push_back((removed ? models.smallest : models.largest).primitives[primitive]);
-  }
-  models.smallest = std::move(smallest);
-  models.largest = std::move(largest);
-}
-
 void check_finite(double shift, const Superquadric& solid, std::size_t index) {
   const auto finite = [](double x) { return std::isfinite(x); };
   if (finite(shift) && std::ranges::all_of(solid.semi_axes, finite)) return;
@@ -148,7 +94,7 @@ bool is_exact(const UncertainModel& model) {
   });
 }
 
-Bracket bracket(const UncertainModel& model) {
+Bracket verify::bracket_of_primitives(const UncertainModel& model) {
   const Model nothing_yet{model.units, {}, model.csg};
   Bracket result{nothing_yet, nothing_yet, std::nullopt, 0.0};
   Model everywhere = nothing_yet;
@@ -165,11 +111,7 @@ Bracket bracket(const UncertainModel& model) {
     result.shift = std::max(result.shift, shift.upper().to_double(Direction::up));
     check_finite(result.shift, everywhere.primitives.back().superquadric, everywhere.primitives.size() - 1);
   }
-  if (!is_exact(model)) {
-    require_no_taper(result.largest, "intervals");
-    if (result.shift > 0.0) require_union_of_convex(result.largest, "intervals of translations");
-    if (model.csg && removes(*model.csg)) exchange_what_is_removed(result);
-  }
+  if (!is_exact(model)) require_no_taper(result.largest, "intervals");
   if (model.primitives.size() > 1 && result.shift > 0.0) result.inflated = std::move(everywhere);
   return result;
 }

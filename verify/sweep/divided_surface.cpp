@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "verify/analysis/cross_product.hpp"
 #include "verify/sweep/exact_vector.hpp"
 
 namespace verisq::verify {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verify/analysis/cross_product.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "verify/analysis/cross_product.hpp"
 #include "verify/proof/posed_superquadric.hpp"
 #include "verify/sets/in_binary64.hpp"
 #include "verify/sweep/exact_vector.hpp"
