@@ -214,9 +214,11 @@ class MapRun {
     in_parallel(open.size(), [&](std::size_t n) {
       const std::size_t i = open[n];
       const auto add = [&](const CertifiedEnclosure& proven) {
-        if (options_.certificates) certificates[i] = merged({found[i], std::move(certificates[i])}, proven);
-        found[i] = verify::intersection(found[i], proven.distance,
-                                        [&] { return "the distance at " + prover_.describe(queries[i]); });
+        CertifiedEnclosure row{found[i], {}};
+        if (options_.certificates) row.certificate = std::move(certificates[i]);
+        row = certified_intersection(row, proven, [&] { return "the distance at " + prover_.describe(queries[i]); });
+        found[i] = row.distance;
+        if (options_.certificates) certificates[i] = std::move(row.certificate);
       };
       if (!out_of_time()) add(prover_.prove(queries[i]));
       if (!good(queries[i], found[i]) && out_of_time()) add(prover_.coarse(queries[i]));

@@ -238,22 +238,22 @@ Primitive bent(const Point& centre, const Point& semi_axes, double curvature) {
 
 TEST(Sides, AreThoseOfBentPrimitives) {
   const Point slender{0.08, 0.1, 0.5};
-  EXPECT_EQ(finding(bent({-0.2, 0.0, 0.0}, slender, 2.0), sphere_mesh(3), SurfaceSide::inside), SideFinding::kept);
-  EXPECT_EQ(finding(bent({1.2, 0.0, 0.0}, slender, 2.0), sphere_mesh(3), SurfaceSide::outside), SideFinding::kept);
-  EXPECT_EQ(finding(bent({1.2, 0.0, 0.0}, slender, 2.0), sphere_mesh(3), SurfaceSide::inside), SideFinding::other_side);
+  EXPECT_EQ(finding(bent({-0.2, 0.0, 0.0}, slender, 2.0), sphere_mesh(2), SurfaceSide::inside), SideFinding::kept);
+  EXPECT_EQ(finding(bent({1.2, 0.0, 0.0}, slender, 2.0), sphere_mesh(2), SurfaceSide::outside), SideFinding::kept);
+  EXPECT_EQ(finding(bent({1.2, 0.0, 0.0}, slender, 2.0), sphere_mesh(2), SurfaceSide::inside), SideFinding::other_side);
   // Its ends reach through the surface; straight it would not.
-  EXPECT_EQ(finding(bent({0.72, 0.0, 0.0}, slender, 2.0), sphere_mesh(3), SurfaceSide::inside),
+  EXPECT_EQ(finding(bent({0.72, 0.0, 0.0}, slender, 2.0), sphere_mesh(2), SurfaceSide::inside),
             SideFinding::enters_surface);
-  EXPECT_EQ(finding(ellipsoid({0.72, 0.0, 0.0}, slender), sphere_mesh(3), SurfaceSide::inside), SideFinding::kept);
+  EXPECT_EQ(finding(ellipsoid({0.72, 0.0, 0.0}, slender), sphere_mesh(2), SurfaceSide::inside), SideFinding::kept);
   const Primitive shallow = bent({-0.72, 0.0, 0.0}, {0.3, 0.3, 0.4}, 0.5);
-  EXPECT_EQ(finding(shallow, sphere_mesh(4), SurfaceSide::inside), SideFinding::enters_surface);
-  EXPECT_EQ(finding(shallow, sphere_mesh(4), SurfaceSide::inside, 0.1), SideFinding::kept);
+  EXPECT_EQ(finding(shallow, sphere_mesh(3), SurfaceSide::inside), SideFinding::enters_surface);
+  EXPECT_EQ(finding(shallow, sphere_mesh(3), SurfaceSide::inside, 0.1), SideFinding::kept);
 }
 
 TEST(Sides, AreNotSaidOfWhatIsBentTooStronglyForTheLimit) {
   const Primitive part = bent({0.0, 0.0, 0.0}, {0.4, 0.4, 0.5}, 1.8);
-  EXPECT_EQ(finding(part, sphere_mesh(3), SurfaceSide::inside, 0.13), SideFinding::kept);
-  EXPECT_EQ(finding(part, sphere_mesh(3), SurfaceSide::inside, 0.15), SideFinding::strongly_bent);
+  EXPECT_EQ(finding(part, sphere_mesh(2), SurfaceSide::inside, 0.13), SideFinding::kept);
+  EXPECT_EQ(finding(part, sphere_mesh(2), SurfaceSide::inside, 0.15), SideFinding::strongly_bent);
 }
 
 /// docs/mathematics.md §22: between two points that lie deeper than L the way that is straight before the bend stays so
@@ -293,11 +293,11 @@ TEST(Sides, OfSetsAreThoseOfWhatHoldsThem) {
   Model cut{"", {ellipsoid({0.0, 0.0, 0.2}, {0.3, 0.3, 0.3}), ellipsoid({0.0, 0.0, 0.45}, {0.3, 0.3, 0.3})}, {}};
   cut.csg = SetExpression{{{.primitive = 0}, {.primitive = 1}}, SetOperation::subtract};
   EXPECT_EQ(covering_primitives(cut), std::vector<std::uint32_t>{0});
-  EXPECT_THAT(findings(cut, sphere_mesh(3), {SurfaceSide::inside, SurfaceSide::any}),
+  EXPECT_THAT(findings(cut, sphere_mesh(1), {SurfaceSide::inside, SurfaceSide::any}),
               ElementsAre(SideFinding::kept, SideFinding::kept));
   Mesh bead = scaled(sphere_mesh(1), 0.03);
   for (Point& vertex : bead.vertices) vertex[2] += 0.4;
-  EXPECT_THAT(findings(cut, join(sphere_mesh(3), turned_round(bead)), {SurfaceSide::inside, SurfaceSide::any}),
+  EXPECT_THAT(findings(cut, join(sphere_mesh(1), turned_round(bead)), {SurfaceSide::inside, SurfaceSide::any}),
               ElementsAre(SideFinding::enters_surface, SideFinding::kept));
 }
 

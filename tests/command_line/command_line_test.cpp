@@ -1316,9 +1316,10 @@ INSTANTIATE_TEST_SUITE_P(
                  model_of(solid("[0.1, 0.1, 3]", good_exponents, R"(, "bend": {"curvature": -1.1, "angle_deg": 90})")),
                  {"bend.curvature", "-1.1", "below pi"}},
         BadModel{"BendWithoutAngle", bent(R"({"curvature": 0.1})"), {"bend.angle_deg", "missing"}},
-        BadModel{"BendOfIntervals",
-                 model_of(solid("[[1, 2], 2, 3]", good_exponents, R"(, "bend": {"curvature": 0.1, "angle_deg": 90})")),
-                 {"intervals", "bent", "primitives[0].bend"}},
+        BadModel{"BendAtAnUncertainPlace",
+                 model_of(solid(good_axes, good_exponents, R"(, "bend": {"curvature": 0.1, "angle_deg": 90},
+                   "pose": {"translation": [[0, 1], 0, 0]})")),
+                 {"intervals of translations", "bent", "primitives[0].bend"}},
         BadModel{
             "ReversedSemiAxis", model_of(solid("[[2, 1], 2, 3]", good_exponents)), {"semi_axes", "[2,1]", "lower end"}},
         BadModel{
@@ -1331,9 +1332,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadModel{"DifferenceOfOne",
                  combined(R"({"union": ["a", {"difference": ["a"]}]})"),
                  {"csg.union[1].difference", "two operands"}},
-        BadModel{"DifferenceOfIntervals",
-                 model_of(solid("[[1, 2], 2, 3]", good_exponents), R"(, "csg": {"difference": ["a", "a"]})"),
-                 {"intervals", "csg"}}),
+        BadModel{"DifferenceAtAnUncertainPlace",
+                 model_of(solid(good_axes, good_exponents, R"(, "pose": {"translation": [[0, 1], 0, 0]})"),
+                          R"(, "csg": {"difference": ["a", "a"]})"),
+                 {"intervals of translations", "csg"}}),
     name_of);
 
 // ---------------------------------------------------------------- bends and set operations
@@ -1448,9 +1450,9 @@ TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {
     }
     expect_refused(with({"--certificates", "--on", "triangles"}), {"--certificates", name, "not supported", "bends"});
     expect_refused(with({"--method", "published"}), {"--method published", name, "not supported", "bends", "csg"});
-    expect_refused(run({"distance", model, ball, "--poses", poses, "-o", path("map.csv"), "--device", "host"}),
-                   {"poses", "not supported"});
     EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
+    expect_refused(run({"distance", model, ball, "--poses", poses, "-o", path("map.csv"), "--closest-points"}),
+                   {"--closest-points", "not supported"});
   }
 }
 

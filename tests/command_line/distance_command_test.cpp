@@ -240,7 +240,7 @@ TEST_F(DistanceCommand, WhatIsNotBoundedIsNull) {
   const auto a = write("a.json", R"({"format": "verisq-model/1", "primitives": [
     {"name": "left", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]}},
     {"name": "right", "superquadric": {"semi_axes": [1, 1, 1], "exponents": [1, 1]},
-     "pose": {"translation": [2.0000001, 0, 0]}}], "csg": {"intersection": ["left", "right"]}})");
+     "pose": {"translation": [1.6, 1.2000001, 0]}}], "csg": {"intersection": ["left", "right"]}})");
   const Outcome outcome = distance({a, ball("b.json", "", 9.0), "--json", "--time-limit", "1e-9"});
   EXPECT_EQ(outcome.status, 3);
   const auto object = nlohmann::json::parse(outcome.out);

@@ -21,9 +21,12 @@ void check_row(const CertifiedRow& row, MapElements elements) {
   check(!std::isnan(distance.lo) && !std::isnan(distance.hi), "ends are not NaN");
   check(status == Status::device_verified || status == Status::host_verified || status == Status::wide,
         "a status is one of three");
-  const auto& [normals, escape, weights] = row.certificate;
+  const auto& [normals, escape, weights, witness, cover] = row.certificate;
   for (const Normal& normal : normals) check(finite(normal.vector), "normals are finite");
   check(!escape || (finite(*escape) && elements == MapElements::vertices), "escapes are finite, and of points only");
+  check(!witness || (finite(*witness) && elements == MapElements::vertices),
+        "witnesses are finite, and of points only");
+  check(cover.empty() || elements == MapElements::vertices, "covers are of points only");
   check(!weights || (finite(*weights) && elements == MapElements::triangles),
         "weights are finite, and of triangles only");
 }

@@ -53,7 +53,11 @@ void check_model(const UncertainModel& model) {
   const auto bent = [](const UncertainPrimitive& primitive) {
     return primitive.bend && primitive.bend->curvature != 0.0;
   };
-  check(is_exact(model) || std::ranges::none_of(model.primitives, bent), "models with intervals are not bent");
+  const auto moves = [](const UncertainPrimitive& primitive) {
+    return std::ranges::any_of(primitive.translation, [](const Enclosure& x) { return x.lo != x.hi; });
+  };
+  check(std::ranges::none_of(model.primitives, moves) || std::ranges::none_of(model.primitives, bent),
+        "models of uncertain places are not bent");
   const auto tapered = [](const UncertainPrimitive& primitive) { return primitive.taper != 1.0; };
   check(is_exact(model) || std::ranges::none_of(model.primitives, tapered), "models with intervals are not tapered");
 }

@@ -77,7 +77,7 @@ class PagesTest(unittest.TestCase):
     def test_bash_completes_commands(self) -> None:
         done = subprocess.run(["bash", "-c", COMPLETE, "bash", str(pages)], input="verisq . m\nverisq help ma\n",
                               capture_output=True, text=True, check=True)
-        self.assertEqual(done.stdout, "map mesh\nmap\n")
+        self.assertEqual(done.stdout, "map merge mesh\nmap\n")
 
     def test_zsh_knows_every_option(self) -> None:
         for name in {name for name, _ in self.asked}:

@@ -61,9 +61,9 @@ std::vector<Point> random_points(oracle::RandomCases& random, const Model& model
 }
 
 CertifiedMap certified_map(const Model& model, const std::vector<Point>& points, double tolerance,
-                           const std::string& device) {
-  const oracle::FinishedMap map =
-      oracle::map_in_memory(model, points, {.tolerance = tolerance, .device = device, .certificates = true});
+                           const std::string& device, bool covers = false) {
+  const oracle::FinishedMap map = oracle::map_in_memory(
+      model, points, {.tolerance = tolerance, .device = device, .certificates = true, .covers = covers});
   CertifiedMap result{model, points, {}, map.certificates};
   for (const MapResult& row : map.rows) result.enclosures.push_back(row.distance);
   return result;
@@ -84,6 +84,7 @@ struct MapCase {
   std::size_t primitives;
   double relative_tolerance;
   std::size_t models;
+  bool covers = false;
 };
 
 std::size_t model_factor() {
@@ -99,8 +100,9 @@ TEST_P(CheckerMapTest, ProvesEveryRowOfAMap) {
   for (std::size_t k = 0; k < parameters.models * model_factor(); ++k) {
     oracle::RandomCases random(1000 * parameters.primitives + k);
     const Model model = random_model(random, parameters.primitives);
-    const CertifiedMap map = certified_map(model, random_points(random, model, points_a_model),
-                                           parameters.relative_tolerance * size_of(model), parameters.device);
+    const CertifiedMap map =
+        certified_map(model, random_points(random, model, points_a_model),
+                      parameters.relative_tolerance * size_of(model), parameters.device, parameters.covers);
     ASSERT_EQ(map.certificates.size(), points_a_model);
     const Checker check(model);
     for (std::size_t i = 0; i < points_a_model; ++i) {
@@ -117,7 +119,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(MapCase{"DeviceOneSolid", "auto", 1, 1e-6, 100},
                     MapCase{"DeviceOneSolidTightest", "auto", 1, 0.0, 20}, MapCase{"DeviceUnion", "auto", 4, 1e-6, 40},
                     MapCase{"DeviceUnionTightest", "auto", 4, 0.0, 10}, MapCase{"HostOneSolid", "host", 1, 1e-6, 40},
-                    MapCase{"HostOneSolidTightest", "host", 1, 0.0, 20}, MapCase{"HostUnion", "host", 4, 1e-6, 20}),
+                    MapCase{"HostOneSolidTightest", "host", 1, 0.0, 20}, MapCase{"HostUnion", "host", 4, 1e-6, 20},
+                    MapCase{"DeviceUnionWithCovers", "auto", 4, 1e-6, 4, true},
+                    MapCase{"HostUnionWithCovers", "host", 4, 1e-6, 2, true}),
     [](const auto& test) { return test.param.name; });
 
 TEST(CheckerTest, CertifiedHostEnclosuresAreAsTightAsTheOthers) {

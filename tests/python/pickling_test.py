@@ -49,6 +49,13 @@ def small_fit():
                       bound=99.0, bound_time=0.1)
 
 
+def rival_fit():
+    surface = verisq.mesh_of_model(ball(5.0), 0.4)
+    inward = verisq.Mesh(surface.vertices, surface.triangles[:, ::-1])
+    return verisq.fit([ball(4.0), ball(3.5)], inward, surface="cavity", device="host", samples=4, translation_range=0.1,
+                      rotation_range=0.1)
+
+
 def femur():
     """As detect_femur() finds one in the mesh of a bone, which would take long to make."""
     found = verisq.Femur.__new__(verisq.Femur)
@@ -80,7 +87,7 @@ def one_of_each():
         stance.narrowed("mp", 41.0, 42.0), stance.equilibrium(uncertain=[]), stance.stability(uncertain=[]), stance.simulate(0.01, uncertain=[]),
         stance.bounce(stance.cylinders[0], uncertain=[]), verisq.PoseUncertainty(0.5, 0.5, (0, 0, 1), 16),
         features, features.features[0], recovery, recovery.stages[0], recovery.stages[0].to_model, fit, fit.bound,
-        fit.areas[0], femur(), *verisq.devices()[:1],
+        fit.areas[0], fit.conditions[0], fit.contact["contact"], rival_fit().finalists[0], femur(), *verisq.devices()[:1],
     ]
     return {type(each).__name__: each for each in results}
 

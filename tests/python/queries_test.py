@@ -272,9 +272,11 @@ class Certificates(unittest.TestCase):
         found = verisq.map_triangles(stem, corners, certificates=True)
         self.assertTrue(verisq.Checker(stem).triangles(corners, found.lo, found.hi, found.certificates).all_proved)
 
-    def test_of_bent_models_are_refused(self):
-        with self.assertRaises(verisq.Error):
-            verisq.map(model("bent_stem.json"), [[0, 0, 0]], certificates=True)
+    def test_of_set_operations_and_bends(self):
+        stem = model("bent_stem.json")
+        points = [[0.0, 0.1, 0.0], [0.08, -0.05, -0.38], [0.3, 0.2, -0.1]]
+        found = verisq.map(stem, points, certificates=True)
+        self.assertTrue(verisq.Checker(stem).points(points, found.lo, found.hi, found.certificates).all_proved)
 
 
 class Surfaces(unittest.TestCase):
