@@ -37,10 +37,8 @@ constexpr int not_started = 127;  // as shells have it
   _exit(not_started);
 }
 
-}  // namespace
-
-BatchProcess::BatchProcess(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-                           const std::filesystem::path& out, const std::filesystem::path& err) {
+pid_t started(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+              const std::filesystem::path& out, const std::filesystem::path& err) {
   std::vector<std::string> words{"verisq"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -49,12 +47,19 @@ BatchProcess::BatchProcess(const std::vector<std::string>& arguments, const std:
   argv.push_back(nullptr);
   const std::string in_folder = folder.string();
   const pid_t parent = getpid();
-  id_ = fork();
-  if (id_ == 0) become(argv.data(), in_folder.c_str(), out.c_str(), err.c_str(), parent);
-  if (id_ < 0) throw Error(ErrorKind::failure, fmt::format("cannot start a process: {}", std::strerror(errno)));
+  const pid_t id = fork();
+  if (id == 0) become(argv.data(), in_folder.c_str(), out.c_str(), err.c_str(), parent);
+  if (id < 0) throw Error(ErrorKind::failure, fmt::format("cannot start a process: {}", std::strerror(errno)));
+  return id;
 }
 
-std::optional<int> BatchProcess::status() {
+}  // namespace
+
+BatchProcess::BatchProcess(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                           const std::filesystem::path& out, const std::filesystem::path& err)
+    : id_(started(arguments, folder, out, err)) {}
+
+std::optional<int> BatchProcess::status() const {
   int status = 0;
   const pid_t ended = waitpid(id_, &status, WNOHANG);
   if (ended == 0) return std::nullopt;

@@ -18,7 +18,7 @@ class BatchProcess {
                const std::filesystem::path& out, const std::filesystem::path& err);
 
   /// Its exit status, or 128 + the signal that ended it; nothing while it runs.
-  [[nodiscard]] std::optional<int> status();
+  [[nodiscard]] std::optional<int> status() const;
   void end() const;  ///< asks it to
 
  private:

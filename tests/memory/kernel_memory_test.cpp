@@ -360,7 +360,7 @@ class KernelMemoryTest : public ::testing::TestWithParam<int> {
     EXPECT_EQ(devices.at(0).getInfo<CL_DEVICE_NAME>(), "Oclgrind Simulator");
     const cl::Context context(devices[0]);
     const cl::Program program(context, sources);
-    program.build({devices[0]}, fmt::format("-cl-std=CL1.2 -DVECTOR_WIDTH={}", GetParam()).c_str());
+    program.build({devices[0]}, fmt::format("-cl-std=CL1.2 -DINLINED -DVECTOR_WIDTH={}", GetParam()).c_str());
     use(context, devices[0], program);
     return folder_.contents("oclgrind.log");
   }
