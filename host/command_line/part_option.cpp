@@ -51,7 +51,8 @@ std::string text_of(const PoseUncertainty& bounds) {
   return fmt::format("{},{},{} {} {},{},{}", t[0], t[1], t[2], rotation, c[0], c[1], c[2]);
 }
 
-PartRecord::PartRecord(MapPart part, std::vector<std::string> models, std::string input) : part_(std::move(part)) {
+PartRecord::PartRecord(MapPart part, const std::vector<std::string>& models, const std::string& input)
+    : part_(std::move(part)) {
   for (const std::string& model : models) models_.push_back(digest_begun(model));
   input_ = digest_begun(input);
 }

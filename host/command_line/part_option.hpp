@@ -50,7 +50,7 @@ class PartRecord {
  public:
   /// `part` has all but digests, summaries and the version; `models` and `input` are files. Throws Error(input) for
   /// those that cannot be read again.
-  PartRecord(MapPart part, std::vector<std::string> models, std::string input);
+  PartRecord(MapPart part, const std::vector<std::string>& models, const std::string& input);
 
   /// When the part's file is finished.
   void write(const std::string& output, const MapSummary& summary, const std::optional<ClosestPointSummary>& closest);
