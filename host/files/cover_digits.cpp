@@ -23,10 +23,10 @@ std::string digits_of_cover(const std::vector<bool>& cover) {
   return result;
 }
 
-std::optional<std::vector<bool>> cover_from(std::string_view digits) {
+std::optional<std::vector<bool>> cover_from(std::string_view text) {
   std::vector<bool> cover;
   std::size_t open = 1;
-  for (const char digit : digits) {
+  for (const char digit : text) {
     const std::size_t value = digits.find(digit);
     if (value == std::string_view::npos || open == 0) return std::nullopt;
     for (std::size_t i = 0; i < bits_per_digit; ++i) {

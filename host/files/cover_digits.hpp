@@ -11,8 +11,8 @@ namespace verisq {
 /// The first bit is the highest of the first digit; the last digit is filled up with 0.
 [[nodiscard]] std::string digits_of_cover(const std::vector<bool>& cover);
 
-/// Nothing unless the digits are those of one whole cover, whose cells say themselves where it ends.
-[[nodiscard]] std::optional<std::vector<bool>> cover_from(std::string_view digits);
+/// Nothing unless the text is the digits of one whole cover, whose cells say themselves where it ends.
+[[nodiscard]] std::optional<std::vector<bool>> cover_from(std::string_view text);
 
 /// Whether the cells end exactly where the bits do.
 [[nodiscard]] bool is_whole_cover(const std::vector<bool>& cover);
