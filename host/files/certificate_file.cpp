@@ -10,6 +10,7 @@
 #include "host/files/input_file.hpp"
 #include "host/files/json_document.hpp"
 #include "host/files/sha256.hpp"
+#include "host/files/subject_file.hpp"
 
 namespace verisq {
 namespace {
@@ -27,32 +28,14 @@ std::array<double, N> finite_numbers(const JsonValue& value) {
   return result;
 }
 
-/// An end of a claim may be infinite, which is no number of JSON.
-double end_of_claim(const JsonValue& value) {
-  if (value.json() == "inf") return infinity;
-  if (value.json() == "-inf") return -infinity;
-  if (!value.json().is_number()) value.fail("must be a number, \"inf\" or \"-inf\"");
-  return value.number();
-}
-
 Enclosure read_claim(const JsonValue& value) {
   value.check_keys({"lo", "hi"});
-  return {end_of_claim(value.at("lo")), end_of_claim(value.at("hi"))};
-}
-
-SubjectFile read_subject(const JsonValue& value) {
-  value.check_keys({"file", "sha256"});
-  SubjectFile file{value.at("file").text(), value.at("sha256").text()};
-  const auto is_digit = [](char c) { return ('0' <= c && c <= '9') || ('a' <= c && c <= 'f'); };
-  if (file.sha256.size() != 64 || !std::ranges::all_of(file.sha256, is_digit)) {
-    value.at("sha256").fail("must be 64 lower-case hexadecimal digits");
-  }
-  return file;
+  return {value.at("lo").number_or_infinity(), value.at("hi").number_or_infinity()};
 }
 
 std::array<SubjectFile, 2> read_two_models(const JsonValue& value) {
   if (value.size() != 2) value.fail("must be an array of two models");
-  return {read_subject(value.element(0)), read_subject(value.element(1))};
+  return {read_subject_file(value.element(0)), read_subject_file(value.element(1))};
 }
 
 Pose read_second_pose(const JsonValue& value) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 #include <vector>
+#include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 
 #include "host/files/input_file.hpp"
@@ -250,6 +251,13 @@ std::string JsonValue::text() const {
 double JsonValue::number() const {
   if (!value_->is_number()) fail("must be a number");
   return value_->get<double>();
+}
+
+double JsonValue::number_or_infinity() const {
+  if (*value_ == "inf") return infinity;
+  if (*value_ == "-inf") return -infinity;
+  if (!value_->is_number()) fail("must be a number, \"inf\" or \"-inf\"");
+  return number();
 }
 
 void JsonValue::fail(std::string_view what) const {

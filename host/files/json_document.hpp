@@ -39,6 +39,8 @@ class JsonValue {
 
   [[nodiscard]] std::string text() const;  ///< fails unless this is a string
   [[nodiscard]] double number() const;     ///< fails unless this is a number
+  /// The strings "inf" and "-inf", too: JSON has no infinite numbers.
+  [[nodiscard]] double number_or_infinity() const;
 
   [[noreturn]] void fail(std::string_view what) const;
 

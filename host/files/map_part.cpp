@@ -11,6 +11,7 @@
 #include "host/files/json_document.hpp"
 #include "host/files/output_file.hpp"
 #include "host/files/sha256.hpp"
+#include "host/files/subject_file.hpp"
 
 namespace verisq {
 namespace {
@@ -66,23 +67,6 @@ std::uint64_t whole_number(const JsonValue& value) {
   return value.json().get<std::uint64_t>();
 }
 
-double number_or_infinity(const JsonValue& value) {
-  if (value.json() == "inf") return infinity;
-  if (value.json() == "-inf") return -infinity;
-  if (!value.json().is_number()) value.fail("must be a number, \"inf\" or \"-inf\"");
-  return value.number();
-}
-
-SubjectFile read_subject_file(const JsonValue& value) {
-  value.check_keys({"file", "sha256"});
-  SubjectFile file{value.at("file").text(), value.at("sha256").text()};
-  const auto is_digit = [](char c) { return ('0' <= c && c <= '9') || ('a' <= c && c <= 'f'); };
-  if (file.sha256.size() != 64 || !std::ranges::all_of(file.sha256, is_digit)) {
-    value.at("sha256").fail("must be 64 lower-case hexadecimal digits");
-  }
-  return file;
-}
-
 MapElements read_elements(const JsonValue& value) {
   const std::string word = value.text();
   for (const MapElements elements : {MapElements::vertices, MapElements::triangles, MapElements::poses}) {
@@ -109,9 +93,9 @@ void read_summary(const JsonValue& value, MapPart& part) {
   summary.host_verified = whole_number(value.at("host_verified"));
   summary.wide = whole_number(value.at("wide"));
   summary.wide_inside = whole_number(value.at("wide_inside"));
-  summary.minimum_lo = number_or_infinity(value.at("smallest_lo"));
-  summary.minimum_hi = number_or_infinity(value.at("smallest_hi"));
-  summary.largest_width = number_or_infinity(value.at("largest_width"));
+  summary.minimum_lo = value.at("smallest_lo").number_or_infinity();
+  summary.minimum_hi = value.at("smallest_hi").number_or_infinity();
+  summary.largest_width = value.at("largest_width").number_or_infinity();
   summary.device_seconds = value.at("device_seconds").number();
   summary.host_seconds = value.at("host_seconds").number();
   if (summary.device_verified + summary.host_verified + summary.wide != part.rows.count) {
@@ -120,8 +104,8 @@ void read_summary(const JsonValue& value, MapPart& part) {
   if (const auto unique = value.find("unique_closest_points")) {
     part.closest = ClosestPointSummary{.points = part.rows.count,
                                        .unique = whole_number(*unique),
-                                       .widest_point = number_or_infinity(value.at("widest_closest_point")),
-                                       .widest_normal = number_or_infinity(value.at("widest_normal"))};
+                                       .widest_point = value.at("widest_closest_point").number_or_infinity(),
+                                       .widest_normal = value.at("widest_normal").number_or_infinity()};
   }
 }
 
