@@ -8,9 +8,11 @@
 /// which rises. The unknown is t = ln(r a3/|u_z|), which resolves the poles and the widest section alike.
 #pragma once
 
+#include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -45,9 +47,10 @@ class TaperedContactProblem {
     if (rise(low) <= 0) return excess_ == 0 ? corner(place(low, side)) : contact(place(low, side));
     if (rise(high) >= 0) return contact(place(high, side));
     std::uintmax_t most_steps = 100;
-    const auto close = [&](const Float& a, const Float& b) {
-      return fabs(b - a) <= resolution_.step * resolution_.step;
-    };
+    // A few units in the last place of Float: nearer, the bracket's ends are rounding errors, and only bisected.
+    const Float last_places = 4 * std::numeric_limits<Float>::epsilon();
+    const Float wanted = std::max(Float(resolution_.step * resolution_.step), last_places);
+    const auto close = [&](const Float& a, const Float& b) { return fabs(b - a) <= wanted * (1 + fabs(a)); };
     std::tie(low, high) = boost::math::tools::toms748_solve(rise, low, high, close, most_steps);
     return contact(place((low + high) / 2, side));
   }

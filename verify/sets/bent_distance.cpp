@@ -1,4 +1,5 @@
-/// Proposes the nearest point by projected Newton steps in long double, and proves it in 127-bit intervals.
+/// Proposes the nearest point by projected steps in binary64 and Newton's method in long double, else by steps in long
+/// double alone, and proves it in 127-bit intervals.
 #include "verify/sets/bent_distance.hpp"
 
 #include <Eigen/LU>
@@ -38,9 +39,10 @@ class ConvexProblem {
   [[nodiscard]] BentDistance::Candidate solution(long double precision) const {
     constexpr int most_steps = 100;
     const long double size = std::ranges::max(solid_.semi_axes);
-    Contact x = nearest_in_solid(unbent_query_, 1.0L);
+    const ClosestInSolid closest = precision < of_binary64 ? fast_contact : rough_contact;
+    Contact x = nearest_in_solid(unbent_query_, 1.0L, closest);
     for (int step = 0; step < most_steps; ++step) {
-      const Contact next = newton_step(x.point);
+      const Contact next = newton_step(x.point, closest);
       const Proposal& a = x.point;
       const Proposal& b = next.point;
       const long double change = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
@@ -83,6 +85,9 @@ class ConvexProblem {
  private:
   using Vector = Eigen::Matrix<long double, 3, 1>;
   using Matrix = Eigen::Matrix<long double, 3, 3>;
+  using ClosestInSolid = Contact (*)(const Superquadric&, const Proposal&);
+
+  static constexpr long double of_binary64 = 0x1p-30L;  // from here on steps in binary64 are as good
 
   /// (r, s, z) of a point of the primitive's own frame.
   [[nodiscard]] Matrix turn() const {
@@ -134,7 +139,7 @@ class ConvexProblem {
   ///     0          1    0
   ///    -W_q sin δ  0    W W_q cos δ
   /// and at most 1 + |W_q sin δ| / sqrt(W W_q cos δ) times its diagonal.
-  [[nodiscard]] Contact newton_step(const Proposal& x) const {
+  [[nodiscard]] Contact newton_step(const Proposal& x, ClosestInSolid closest) const {
     const long double angle = k_ * x[2];
     const long double c = std::cos(angle);
     const long double n = std::sin(angle);
@@ -151,12 +156,12 @@ class ConvexProblem {
     const long double metric = std::max({w * along, 0.25L * w * std::hypot(along, across), 1e-6L});
     const long double step = 1 / (1 + std::fabs(across) / std::sqrt(metric));
     return nearest_in_solid({x[0] - step * gradient[0], x[1] - step * gradient[1], x[2] - step * gradient[2] / metric},
-                            metric);
+                            metric, closest);
   }
 
   /// The point of K nearest to t where z counts sqrt(metric) times: the stretched solid is a superquadric as well. The
   /// normal is one of K; zero for t in K.
-  [[nodiscard]] Contact nearest_in_solid(const Proposal& t, long double metric) const {
+  [[nodiscard]] Contact nearest_in_solid(const Proposal& t, long double metric, ClosestInSolid closest) const {
     Superquadric stretched = solid_;
     stretched.semi_axes[2] = static_cast<double>(solid_.semi_axes[2] * std::sqrt(metric));
     const long double stretch = stretched.semi_axes[2] / static_cast<long double>(solid_.semi_axes[2]);
@@ -164,7 +169,7 @@ class ConvexProblem {
     own[2] = (own[2] - focus_) * stretch;
     const Boundary<long double> boundary(stretched);
     const bool outside = boundary.gauge({std::fabs(own[0]), std::fabs(own[1]), own[2]}) > 1.0L;
-    auto [point, normal] = outside ? fast_contact(stretched, own) : Contact{own, {}};
+    auto [point, normal] = outside ? closest(stretched, own) : Contact{own, {}};
     point[2] = point[2] / stretch + focus_;
     normal[2] *= stretch;
     return {turned(point), turned(normal)};
@@ -185,6 +190,14 @@ class ConvexProblem {
   Proposal query_;
   Proposal unbent_query_;  ///< r, s, z
 };
+
+// Newton's method makes up for a rough start, as a rule.
+constexpr long double rough_precision = 0x1p-12L;
+
+/// As far as binary64 tells of a distance to a solid of that size.
+bool is_tight(const Enclosure& distance, double size) {
+  return distance.width() <= 1e-14 * distance.hi + 1e-16 * size;
+}
 
 bool is_finite(const Proposal& x) {
   return std::ranges::all_of(x, [](long double c) { return std::isfinite(c); });
@@ -225,7 +238,15 @@ BentDistance::Candidate BentDistance::refined(const Query& q, const Candidate& s
 
 BentDistance::Nearest BentDistance::operator()(const Point& x) const {
   const Query q = query(x);
-  return proven(q, proposed(q));
+  const Candidate start = proposed(q, rough_precision);
+  const Candidate candidate = refined(q, start);
+  const Nearest fast = proven(q, candidate);
+  if (is_tight(fast.distance, std::ranges::max(superquadric_.semi_axes))) return fast;
+  // More digits of the nearest point do not make f convex.
+  if (usable(start.direction) && !is_convex_about(q, start) && !is_convex_about(q, candidate)) return fast;
+  const Nearest thorough = proven(q, proposed(q));
+  const bool certain = thorough.distance.lo > 0.0;  // else the fast one's bound is of another place, and loose
+  return certain && fast.distance.width() < thorough.distance.width() ? fast : thorough;
 }
 
 BentDistance::Nearest BentDistance::proven(const Point& x, const Candidate& candidate) const {
@@ -241,11 +262,8 @@ BentDistance::Foot BentDistance::foot(const Point& x) const {
     const Proposal normal{scale * d[0], scale * d[1], scale * d[2]};
     return Foot{distance, is_finite(normal) ? normal : Proposal{}};
   };
-  // Newton's method makes up for a rough start, as a rule.
-  constexpr long double rough = 0x1p-20L;
-  constexpr double tight = 1e-12;
-  const Foot fast = of_candidate(refined(q, proposed(q, rough)));
-  if (fast.distance.lo > (1.0 - tight) * fast.distance.hi) return fast;
+  const Foot fast = of_candidate(refined(q, proposed(q, rough_precision)));
+  if (is_tight(fast.distance, std::ranges::max(superquadric_.semi_axes))) return fast;
   const Foot thorough = of_candidate(proposed(q));
   return fast.distance.lo > thorough.distance.lo ? fast : thorough;
 }
@@ -257,6 +275,11 @@ Proposal BentDistance::way(const Point& from, const Point& x) const {
 /// Of the candidate's point, moved into K where it may lie outside.
 PreciseVector BentDistance::image_of(const Candidate& candidate) const {
   return map_.bent(in_solid(is_finite(candidate.point) ? candidate.point : Proposal{}));
+}
+
+bool BentDistance::is_convex_about(const Query& q, const Candidate& candidate) const {
+  const Real upper = length<Real>(PreciseVector(image_of(candidate) - q.bent)).upper();
+  return tangent_plane(q, upper, candidate.direction).has_value();
 }
 
 BentDistance::Nearest BentDistance::proven(const Query& q, const Candidate& candidate) const {

@@ -103,6 +103,8 @@ class BentDistance {
   [[nodiscard]] std::optional<ClosestSurfacePoint> closest_in(const Query& q,
                                                               const std::optional<Neighbourhood>& found) const;
   [[nodiscard]] Nearest proven(const Query& q, const Candidate& candidate) const;
+  /// Whether the condition above is proven there.
+  [[nodiscard]] bool is_convex_about(const Query& q, const Candidate& candidate) const;
   [[nodiscard]] PreciseVector image_of(const Candidate& candidate) const;
   [[nodiscard]] PreciseVector in_solid(const Proposal& point) const;
   [[nodiscard]] std::optional<TangentPlane> tangent_plane(const Query& q, const Real& upper,
