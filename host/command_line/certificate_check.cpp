@@ -3,14 +3,19 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <cstddef>
 #include <span>
+#include <string>
+#include <variant>
 #include <verisq/certificate_file.hpp>
 #include <verisq/model_file.hpp>
 
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/common_units.hpp"
+#include "host/command_line/interruption.hpp"
 #include "host/command_line/json_value.hpp"
+#include "host/command_line/poses_check.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/errors/refusal.hpp"
 
@@ -28,6 +33,31 @@ void refuse_other_models(std::span<const SubjectFile> expected, const Certificat
     refuse(fmt::format("{}: {} is about another model: its SHA-256 is {}, not {}", arguments.models[i],
                        arguments.certificate, expected[i].sha256, given.sha256));
   }
+}
+
+void refuse_other_units(const std::string& stated, const std::string& units, const std::string& certificate) {
+  if (stated == units) return;
+  refuse(fmt::format("{}: units = \"{}\": are not those of the models, \"{}\"", certificate, stated, units));
+}
+
+/// A and B.
+using TwoModels = std::array<Model, 2>;
+
+/// Those that are given, where they are the ones that the answer is about.
+TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::string& units,
+                    const CertificateCheckArguments& arguments) {
+  refuse_other_models(subjects, arguments);
+  TwoModels models{read_model(arguments.models[0]), read_model(arguments.models[1])};
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (is_union_of_convex(models[i])) continue;
+    refuse(
+        fmt::format("{}: pairs of bent models, or of csg other than the union of all primitives, have no "
+                    "certificates to check",
+                    arguments.models[i]));
+  }
+  refuse_other_units(units, common_units(models[0], models[1], arguments.models[0], arguments.models[1]),
+                     arguments.certificate);
+  return models;
 }
 
 struct CertificateReport {
@@ -75,32 +105,31 @@ std::string json(const CertificateReport& report) {
   return object.text() + "\n";
 }
 
-}  // namespace
-
-ExitStatus run_certificate_check(const CertificateCheckArguments& arguments) {
-  const PairAnswer answer = read_pair_answer(arguments.certificate);
-  refuse_other_models(answer.models, arguments);
-  const Model a = read_model(arguments.models[0]);
-  const Model b = read_model(arguments.models[1]);
-  for (const auto& [model, file] : {std::pair(&a, arguments.models[0]), std::pair(&b, arguments.models[1])}) {
-    if (!is_union_of_convex(*model)) {
-      refuse(
-          fmt::format("{}: pairs of bent models, or of csg other than the union of all primitives, have no "
-                      "certificates to check",
-                      file));
-    }
-  }
-  const std::string units = common_units(a, b, arguments.models[0], arguments.models[1]);
-  if (answer.units != units) {
-    refuse(fmt::format("{}: units = \"{}\": are not those of the models, \"{}\"", arguments.certificate, answer.units,
-                       units));
-  }
+ExitStatus check_pair(const PairAnswer& answer, const CertificateCheckArguments& arguments) {
+  const auto [a, b] = models_of(answer.models, answer.units, arguments);
   const Stopwatch time;
   const Finding finding = check(a, b, answer.pose, answer.distance, answer.certificate);
   const CertificateReport report{arguments.certificate, arguments.models, answer.units,  answer.pose,
                                  answer.distance,       finding,          time.seconds()};
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   return finding.verdict == Verdict::proved ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+ExitStatus check_poses(const PoseAnswers& answers, const CertificateCheckArguments& arguments) {
+  const auto [a, b] = models_of(answers.models, answers.units, arguments);
+  watch_for_interruption();
+  const PosesReport report = checked_poses(a, b, answers, arguments);
+  fmt::print("{}", arguments.json ? json(report) : readable(report));
+  if (report.interrupted) return ExitStatus::interrupted;
+  return report.proved == answers.answers.size() ? ExitStatus::verified : ExitStatus::unverified;
+}
+
+}  // namespace
+
+ExitStatus run_certificate_check(const CertificateCheckArguments& arguments) {
+  const Answer answer = read_answer(arguments.certificate);
+  if (const auto* const pair = std::get_if<PairAnswer>(&answer)) return check_pair(*pair, arguments);
+  return check_poses(std::get<PoseAnswers>(answer), arguments);
 }
 
 }  // namespace verisq::command_line

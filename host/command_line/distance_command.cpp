@@ -17,6 +17,7 @@
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/command_line/certified_poses.hpp"
 #include "host/command_line/common_units.hpp"
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/distance_search.hpp"
@@ -60,13 +61,28 @@ constexpr const char* closing_words =
     "  verisq distance stem.json cup.json --pose 0,0,12.5,1,0,0,0 --json\n"
     "  verisq distance bent_stem.json cup.json --tol 1e-3 --time-limit 10\n"
     "  verisq distance stem.json cup.json --certificate-file proof.json\n"
-    "  verisq distance stem.json cup.json --poses candidates.csv -o distances.csv";
+    "  verisq distance stem.json cup.json --poses candidates.csv -o distances.csv\n"
+    "  verisq distance stem.json cup.json --poses candidates.csv -o distances.csv --certificate-file proofs.json";
+
+/// Precondition: --poses and --certificate-file.
+void refuse_what_certified_poses_lack(const DistanceArguments& arguments) {
+  if (arguments.device.value_or("host") != "host") {
+    refuse(fmt::format("--certificate-file: the host's distances alone have certificates, not those of --device {}",
+                       *arguments.device));
+  }
+  if (arguments.part) refuse("--certificate-file: not with --part");
+  if (pose_uncertainty(arguments.pose_uncertainty)) {
+    refuse("--certificate-file: of exact places only, not with --translation-error or --rotation-error");
+  }
+  if (*arguments.output == *arguments.certificate_file) refuse("-o, --certificate-file: name two files");
+}
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const DistanceArguments& arguments) {
   if (arguments.certificate_file) {
-    if (arguments.poses) refuse("--certificate-file: distances for --poses have no certificates");
-    refuse_to_overwrite("--certificate-file", *arguments.certificate_file, {arguments.model_a, arguments.model_b});
+    std::vector<std::string> inputs{arguments.model_a, arguments.model_b};
+    if (arguments.poses) inputs.push_back(*arguments.poses);
+    refuse_to_overwrite("--certificate-file", *arguments.certificate_file, inputs);
   }
   if (!arguments.poses) {
     if (arguments.output) refuse("-o: only for many poses: give their --poses");
@@ -81,7 +97,8 @@ void check_usage(const DistanceArguments& arguments) {
   if (arguments.time_limit) refuse("--time-limit: only for one pose, not for --poses");
   if (!arguments.output) refuse("--poses: give the file for their distances: -o");
   if (arguments.pose) refuse("give either --pose or --poses");
-  if (arguments.certificate) refuse("--certificate: distances for --poses have none");
+  if (arguments.certificate) refuse("--certificate: those of many poses fill a --certificate-file");
+  if (arguments.certificate_file) refuse_what_certified_poses_lack(arguments);
   if (arguments.closest_points && pose_uncertainty(arguments.pose_uncertainty)) {
     refuse("--closest-points: of exact places only, not with --translation-error or --rotation-error");
   }
@@ -189,11 +206,24 @@ std::optional<PartRecord> part_record(PoseStream& stream, const MapOptions& opti
   return PartRecord(std::move(part), {arguments.model_a, arguments.model_b}, *arguments.poses);
 }
 
+/// `status`: of the map, whose rows they prove.
+ExitStatus write_certificates(const LargestModels& models, const std::string& units, ExitStatus status,
+                              const DistanceArguments& arguments) {
+  PoseAnswers answers{{subject_file(arguments.model_a), subject_file(arguments.model_b)}, units, {}};
+  answers.answers = certified_distances(models.a, models.b, *arguments.poses, !arguments.no_progress);
+  if (interrupted()) {
+    tell("interrupted: the distances are written, without certificates");
+    return ExitStatus::interrupted;
+  }
+  write_answer(*arguments.certificate_file, answers);
+  return status;
+}
+
 ExitStatus map_poses(const LargestModels& models, const std::string& units, double tolerance,
                      const DistanceArguments& arguments) {
   PoseStream stream(*arguments.poses);
   MapOptions options{.tolerance = tolerance,
-                     .device = arguments.device.value_or("auto"),
+                     .device = arguments.device.value_or(arguments.certificate_file ? "host" : "auto"),
                      .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty),
                      .interrupted = interrupted};
   std::optional<PartRecord> part = part_record(stream, options, arguments);
@@ -223,8 +253,10 @@ ExitStatus map_poses(const LargestModels& models, const std::string& units, doub
       part->write(*arguments.output, summary, closest);
     };
   }
-  return map_to_file(
+  const ExitStatus status = map_to_file(
       peeked, nullptr, [&] { return PoseMapper(models.a, models.b, options); }, request);
+  if (arguments.certificate_file && !interrupted()) return write_certificates(models, units, status, arguments);
+  return status;
 }
 
 }  // namespace
@@ -252,8 +284,10 @@ void declare_distance(Options& options, DistanceArguments& arguments) {
   options.add_flag("--json", arguments.json,
                    "Print one JSON object: the answer; for --poses, the summary. What is not bounded is null");
   options.add_flag("--certificate", arguments.certificate, "Print what proves the enclosure again");
-  options.add("--certificate-file", arguments.certificate_file, "FILE",
-              "Write the answer with what proves it, for `verisq check --certificate`: .json");
+  options.add(
+      "--certificate-file", arguments.certificate_file, "FILE",
+      "Write the answer with what proves it, for `verisq check --certificate`: .json; for --poses those of all,\n"
+      "by the host, up to 64 MiB (some 100,000 poses of two primitives)");
   add_no_progress(options, arguments.no_progress);
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <verisq/certificate_file.hpp>
 
+#include "host/files/certificate_size.hpp"
 #include "host/files/input_file.hpp"
 #include "host/files/json_document.hpp"
 #include "host/files/sha256.hpp"
@@ -16,9 +17,6 @@ namespace verisq {
 namespace {
 
 constexpr std::string_view certificate_format = "verisq-certificate/1";
-
-/// As of a model file.
-constexpr std::size_t largest_certificate = std::size_t{1} << 26;
 
 template <std::size_t N>
 std::array<double, N> finite_numbers(const JsonValue& value) {
@@ -78,12 +76,42 @@ PairCertificate read_pair_proof(const JsonValue& value) {
   return result;
 }
 
-void check_head(const JsonValue& root, std::string_view kind) {
+/// Of the kind that it returns.
+std::string checked_kind(const JsonValue& root) {
   if (!root.json().is_object()) root.fail("must be an object");
   if (const JsonValue format = root.at("format"); format.text() != certificate_format) {
     format.fail(fmt::format("must be \"{}\"", certificate_format));
   }
-  if (const JsonValue value = root.at("kind"); value.text() != kind) value.fail(fmt::format("must be \"{}\"", kind));
+  return root.at("kind").text();
+}
+
+std::string units_of(const JsonValue& root) {
+  const auto units = root.find("units");
+  return units ? units->text() : std::string();
+}
+
+PosedAnswer read_posed(const JsonValue& value) {
+  return {read_second_pose(value.at("pose")), read_claim(value.at("distance")), read_pair_proof(value.at("proof"))};
+}
+
+PairAnswer read_pair(const JsonValue& root) {
+  root.check_keys({"format", "kind", "models", "units", "pose", "distance", "proof"});
+  auto [pose, distance, certificate] = read_posed(root);
+  return {read_two_models(root.at("models")), units_of(root), pose, distance, std::move(certificate)};
+}
+
+PoseAnswers read_poses(const JsonValue& root) {
+  root.check_keys({"format", "kind", "models", "units", "answers"});
+  PoseAnswers result{read_two_models(root.at("models")), units_of(root), {}};
+  const JsonValue answers = root.at("answers");
+  if (answers.size() == 0) answers.fail("must not be empty");
+  result.answers.reserve(answers.size());
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const JsonValue answer = answers.element(i);
+    answer.check_keys({"pose", "distance", "proof"});
+    result.answers.push_back(read_posed(answer));
+  }
+  return result;
 }
 
 /// All of it, whose text is valid as long as `file`.
@@ -101,18 +129,25 @@ SubjectFile subject_file(const std::filesystem::path& path) {
   return {path.filename().string(), sha256(whole(file, "not a model"))};
 }
 
+Answer parse_answer(std::string_view json, std::string_view name) {
+  const nlohmann::json document = parse_json(json, name);
+  const JsonValue root(document, name);
+  const std::string kind = checked_kind(root);
+  if (kind == "pair") return read_pair(root);
+  if (kind == "poses") return read_poses(root);
+  root.at("kind").fail("must be \"pair\" or \"poses\"");
+}
+
+Answer read_answer(const std::filesystem::path& path) {
+  InputFile file(path);
+  return parse_answer(whole(file, "not a certificate"), path.string());
+}
+
 PairAnswer parse_pair_answer(std::string_view json, std::string_view name) {
   const nlohmann::json document = parse_json(json, name);
   const JsonValue root(document, name);
-  check_head(root, "pair");
-  root.check_keys({"format", "kind", "models", "units", "pose", "distance", "proof"});
-  PairAnswer answer{read_two_models(root.at("models")),
-                    {},
-                    read_second_pose(root.at("pose")),
-                    read_claim(root.at("distance")),
-                    read_pair_proof(root.at("proof"))};
-  if (const auto units = root.find("units")) answer.units = units->text();
-  return answer;
+  if (checked_kind(root) != "pair") root.at("kind").fail("must be \"pair\"");
+  return read_pair(root);
 }
 
 PairAnswer read_pair_answer(const std::filesystem::path& path) {

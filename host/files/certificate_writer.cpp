@@ -1,8 +1,13 @@
 /// Writes `verisq-certificate/1`: numbers with as many digits as their binary64 needs.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <verisq/certificate_file.hpp>
 
+#include "host/errors/refusal.hpp"
+#include "host/files/certificate_size.hpp"
 #include "host/files/output_file.hpp"
 
 namespace verisq {
@@ -38,18 +43,57 @@ OrderedJson json_of(const PairCertificate& certificate) {
   return proof;
 }
 
+/// Of what `answer` claims and by what.
+template <class Posed>
+void add_claim(OrderedJson& object, const Posed& answer) {
+  object["pose"] = {{"translation", answer.pose.translation}, {"quaternion", answer.pose.quaternion}};
+  object["distance"] = json_of(answer.distance);
+  object["proof"] = json_of(answer.certificate);
+}
+
+template <class AboutTwoModels>
+OrderedJson head_of(const AboutTwoModels& answer, const char* kind) {
+  OrderedJson document{{"format", "verisq-certificate/1"}, {"kind", kind}};
+  document["models"] = {json_of(answer.models[0]), json_of(answer.models[1])};
+  if (!answer.units.empty()) document["units"] = answer.units;
+  return document;
+}
+
+std::string text_of(const OrderedJson& document, int indentation) {
+  return document.dump(indentation, ' ', false, OrderedJson::error_handler_t::replace);
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  OutputFile file(path);
+  file.write(text);
+  file.finish();
+}
+
 }  // namespace
 
 void write_answer(const std::filesystem::path& path, const PairAnswer& answer) {
-  OrderedJson document{{"format", "verisq-certificate/1"}, {"kind", "pair"}};
-  document["models"] = {json_of(answer.models[0]), json_of(answer.models[1])};
-  if (!answer.units.empty()) document["units"] = answer.units;
-  document["pose"] = {{"translation", answer.pose.translation}, {"quaternion", answer.pose.quaternion}};
-  document["distance"] = json_of(answer.distance);
-  document["proof"] = json_of(answer.certificate);
-  OutputFile file(path);
-  file.write(document.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n");
-  file.finish();
+  OrderedJson document = head_of(answer, "pair");
+  add_claim(document, answer);
+  write_text(path, text_of(document, 2) + "\n");
+}
+
+/// A line each, and none of them as a document in memory beside the text.
+void write_answer(const std::filesystem::path& path, const PoseAnswers& answers) {
+  const std::string ending = "\n]}\n";
+  std::string text = text_of(head_of(answers, "poses"), -1);
+  text.back() = ',';  // instead of the brace
+  text += "\n\"answers\": [";
+  for (std::size_t i = 0; i < answers.answers.size(); ++i) {
+    OrderedJson object;
+    add_claim(object, answers.answers[i]);
+    text += (i == 0 ? "\n" : ",\n") + text_of(object, -1);
+    if (text.size() + ending.size() > largest_certificate) {
+      refuse(fmt::format(
+          "{}: the first {} of {} answers take more than the {} bytes of a certificate file: give fewer poses",
+          path.string(), i + 1, answers.answers.size(), largest_certificate));
+    }
+  }
+  write_text(path, text + ending);
 }
 
 }  // namespace verisq

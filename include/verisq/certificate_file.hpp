@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <variant>
+#include <vector>
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 #include <verisq/pair_certificate.hpp>
@@ -29,6 +31,28 @@ struct PairAnswer {
   PairCertificate certificate;
 };
 
+/// The distance at one pose of many, with its proof.
+struct PosedAnswer {
+  Pose pose;  ///< of model B
+  Enclosure distance;
+  PairCertificate certificate;
+};
+
+/// The kind `poses`: the distances of model A and of model B moved by each of many poses, in the order of a file.
+struct PoseAnswers {
+  std::array<SubjectFile, 2> models;  ///< A, B
+  std::string units;                  ///< free text; empty when not given
+  std::vector<PosedAnswer> answers;
+};
+
+using Answer = std::variant<PairAnswer, PoseAnswers>;
+
+/// Of any kind. Throws as `read_pair_answer`.
+[[nodiscard]] Answer read_answer(const std::filesystem::path& path);
+
+/// The same from text; `name` stands for the file in messages.
+[[nodiscard]] Answer parse_answer(std::string_view json, std::string_view name);
+
 /// Throws Error(input) naming file, key and value for what the format does not allow, for other kinds, and for files
 /// above 64 MiB. Two separations never are of the same primitives. Reading proves nothing.
 [[nodiscard]] PairAnswer read_pair_answer(const std::filesystem::path& path);
@@ -36,8 +60,9 @@ struct PairAnswer {
 /// The same from text; `name` stands for the file in messages.
 [[nodiscard]] PairAnswer parse_pair_answer(std::string_view json, std::string_view name);
 
-/// Writes the file so that `read_pair_answer` gives the same bits; it appears under its name when it is complete.
-/// Throws Error(failure). Precondition: an answer that it accepts.
+/// Writes the file so that `read_answer` gives the same bits; it appears under its name when it is complete. Throws
+/// Error(failure), and Error(input) for more than a file may hold. Precondition: an answer that it accepts.
 void write_answer(const std::filesystem::path& path, const PairAnswer& answer);
+void write_answer(const std::filesystem::path& path, const PoseAnswers& answers);
 
 }  // namespace verisq

@@ -1,9 +1,13 @@
 /// `verisq distance --certificate-file` and `verisq check --certificate` as their users meet them.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
 #include <string>
 
 #include "tests/fixtures/program_test.hpp"
@@ -11,6 +15,7 @@
 namespace verisq::testing {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -83,12 +88,140 @@ TEST_F(CheckCertificate, NamesOptionsThatDoNotFit) {
   expect_refused(check(proof_, {"--mesh", "bone.off"}), {"--mesh: only with --map"});
   expect_refused(run({"check", "--model", a_, "--model", b_, "--map", "map.csv", "--points", "p.csv"}),
                  {"--model: give one"});
-  expect_refused(run({"distance", a_, b_, "--poses", "p.csv", "-o", "d.csv", "--certificate-file", "c.json"}),
-                 {"--certificate-file: distances for --poses have no certificates"});
+  const auto refused_of_many = [&](const Arguments& more, const std::string& words) {
+    Arguments arguments{"distance", a_, b_, "--poses", "p.csv", "-o", "d.csv", "--certificate-file", "c.json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_refused(run(arguments), {words});
+  };
+  refused_of_many({"--device", "0"}, "the host's distances alone have certificates, not those of --device 0");
+  refused_of_many({"--part", "1/2"}, "--certificate-file: not with --part");
+  refused_of_many({"--rotation-error", "1"}, "--certificate-file: of exact places only");
+  expect_refused(run({"distance", a_, b_, "--poses", "p.csv", "-o", "d.csv", "--certificate-file", "d.csv"}),
+                 {"name two files"});
+  const std::string poses = write("p.csv", "0,0,5,1,0,0,0\n");
+  expect_refused(run({"distance", a_, b_, "--poses", poses, "-o", "d.csv", "--certificate-file", poses}),
+                 {"--certificate-file", "p.csv"});
   expect_refused(run({"distance", a_, b_, "--certificate-file", a_}), {"--certificate-file", "stem.json"});
   const std::string bent = VERISQ_EXAMPLES "/bent_stem.json";
   expect_refused(run({"distance", a_, bent, "--certificate-file", "c.json"}),
                  {"--certificate-file: ", "bent_stem.json"});
+}
+
+/// Random poses, of which some let the models meet.
+class CheckManyPoses : public CheckCertificate {
+ protected:
+  static constexpr int poses = 60;
+
+  CheckManyPoses() {
+    std::mt19937_64 generator(11);
+    std::uniform_real_distribution<double> coordinate(-3.0, 3.0);
+    std::string text;
+    for (int i = 0; i < poses; ++i) {
+      const double nearness = i % 5 == 0 ? 0.1 : 1.0;  // a fifth meets
+      for (int k = 0; k < 7; ++k) text += fmt::format("{}{}", k == 0 ? "" : ",", nearness * coordinate(generator));
+      text += "\n";
+    }
+    const Outcome outcome =
+        run({"distance", a_, b_, "--poses", write("poses.csv", text), "-o", rows_, "--certificate-file", many_});
+    EXPECT_THAT(outcome.status, AnyOf(0, 3)) << outcome.err;  // 3: some touch
+  }
+
+  [[nodiscard]] nlohmann::json document() const {
+    std::ifstream in(many_);
+    return nlohmann::json::parse(in);
+  }
+
+  /// Of what a document says of how many answers are proved.
+  [[nodiscard]] int proved(const nlohmann::json& forged) const {
+    const Outcome outcome = check(write("forged.json", forged.dump()), {"--json"});
+    EXPECT_THAT(outcome.status, AnyOf(0, 3)) << outcome.err;
+    const auto object = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(outcome.status == 0, object["proved"] == forged["answers"].size());
+    EXPECT_EQ(object["first"].is_null(), outcome.status == 0);
+    return object["proved"].get<int>();
+  }
+
+  std::string rows_ = path("rows.csv");
+  std::string many_ = path("many.json");
+};
+
+TEST_F(CheckManyPoses, ProvesTheRowsOfTheMap) {
+  const Outcome outcome = check(many_);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith(fmt::format("poses              {}\n  proved           {}\n", poses, poses)));
+  const Outcome alone =
+      Process({VERISQ_CHECK_PROGRAM, "--certificate", many_, "--model", a_, "--model", b_, "--json"}, folder_.path())
+          .wait();
+  EXPECT_EQ(alone.status, 0) << alone.err;
+  EXPECT_EQ(nlohmann::json::parse(alone.out)["proved"], poses);
+
+  std::istringstream rows(contents(rows_));
+  std::string line;
+  std::getline(rows, line);
+  const nlohmann::json answers = document()["answers"];
+  int meeting = 0;
+  for (std::size_t i = 0; i < poses; ++i) {
+    ASSERT_TRUE(std::getline(rows, line));
+    const auto& distance = answers[i]["distance"];
+    EXPECT_THAT(line,
+                StartsWith(fmt::format("{},{},{},", i, distance["lo"].get<double>(), distance["hi"].get<double>())));
+    meeting += distance["hi"] == 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(meeting, 0);
+  EXPECT_LT(meeting, poses / 2);
+}
+
+TEST_F(CheckManyPoses, NeverProvesAForgery) {
+  const nlohmann::json truth = document();
+  int tried = 0;
+  for (std::size_t i = 0; i < poses; ++i) {
+    const double lo = truth["answers"][i]["distance"]["lo"];
+    const double hi = truth["answers"][i]["distance"]["hi"];
+    const bool apart = lo > 0.0;
+    nlohmann::json all = truth;
+    all["answers"].clear();
+    const auto forge = [&](const std::string& pointer, const nlohmann::json& value) {
+      nlohmann::json answer = truth["answers"][i];
+      answer[nlohmann::json::json_pointer(pointer)] = value;
+      all["answers"].push_back(answer);
+    };
+    const double past = 1e-12 * std::max(1.0, hi);
+    forge("/distance/hi", lo - past);
+    forge("/distance/lo", hi + past);
+    forge("/distance", {{"lo", hi + past}, {"hi", hi + 2.0 * past}});
+    if (apart) {
+      forge("/distance", {{"lo", lo - 2.0 * past}, {"hi", lo - past}});
+      forge("/distance", {{"lo", 0.0}, {"hi", 0.0}});
+      forge("/proof/separations", nlohmann::json::array());
+      forge("/proof/separations/0/vector", {0.0, 0.0, 0.0});
+      forge("/proof/common", truth["answers"][i]["proof"]["separations"][0]["on_a"]);
+      all["answers"].back()["distance"] = {{"lo", 0.0}, {"hi", 0.0}};
+    }
+    // Another place: farther by more than the claim is wide, along whatever leads away.
+    for (int k = 0; k < 3; ++k) {
+      const double t = truth["answers"][i]["pose"]["translation"][k];
+      forge(fmt::format("/pose/translation/{}", k), t + (t > 0.0 ? 40.0 : -40.0));
+    }
+    tried += static_cast<int>(all["answers"].size());
+    EXPECT_EQ(proved(all), 0) << i << all.dump(1);
+  }
+  EXPECT_GT(tried, 400);
+}
+
+TEST_F(CheckManyPoses, SaysWhichIsFirst) {
+  nlohmann::json forged = document();
+  forged["answers"][3]["proof"] = {{"separations", nlohmann::json::array()}};
+  forged["answers"][7]["distance"] = {{"lo", 100.0}, {"hi", 101.0}};
+  const Outcome outcome = check(write("forged.json", forged.dump()));
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              HasSubstr(fmt::format("  proved           {}\n  refuted          1\n  unproved         1\n", poses - 2)));
+  EXPECT_THAT(outcome.out, HasSubstr("first refuted pose, index 7, "));
+  EXPECT_THAT(outcome.out, HasSubstr(": lo is wrong: "));
+}
+
+TEST_F(CheckManyPoses, IsOfNoOtherModel) {
+  expect_refused(run({"check", "--certificate", many_, "--model", b_, "--model", a_}), {"is about another model"});
 }
 
 }  // namespace

@@ -2,10 +2,13 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <variant>
 #include <verisq/certificate_file.hpp>
+#include <verisq/error.hpp>
 
 #include "host/files/sha256.hpp"
 #include "tests/fixtures/error_matchers.hpp"
@@ -15,7 +18,9 @@ namespace verisq {
 namespace {
 
 using testing::expect_input_error;
+using ::testing::HasSubstr;
 using testing::TemporaryFolder;
+using ::testing::ThrowsMessage;
 
 /// FIPS 180-4's examples, as NIST publishes them, and every length about a block's end against coreutils.
 TEST(Sha256, IsThatOfTheStandard) {
@@ -99,6 +104,49 @@ TEST(CertificateFile, RefusesWhatIsTooLarge) {
   const TemporaryFolder folder;
   const auto path = folder.file("proof.json", std::string((std::size_t{1} << 26) + 1, ' '));
   expect_input_error([&] { (void)read_pair_answer(path); }, path, ": larger than 67108864 bytes: not a certificate");
+}
+
+TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
+  const TemporaryFolder folder;
+  const PairAnswer one = answer();
+  PoseAnswers written{one.models, one.units, {{one.pose, one.distance, one.certificate}, {{}, {0.0, 0.5}, {}}}};
+  write_answer(folder / "proof.json", written);
+  const PoseAnswers read = std::get<PoseAnswers>(read_answer(folder / "proof.json"));
+  EXPECT_EQ(read.models[1].sha256, one.models[1].sha256);
+  EXPECT_EQ(read.units, "mm");
+  ASSERT_EQ(read.answers.size(), 2U);
+  EXPECT_EQ(read.answers[0].pose.translation, one.pose.translation);
+  EXPECT_TRUE(std::signbit(read.answers[0].pose.translation[1]));
+  EXPECT_EQ(read.answers[0].pose.quaternion, one.pose.quaternion);
+  EXPECT_EQ(read.answers[0].distance, one.distance);
+  ASSERT_EQ(read.answers[0].certificate.separations.size(), 2U);
+  EXPECT_EQ(read.answers[0].certificate.separations[0].on_a, one.certificate.separations[0].on_a);
+  EXPECT_EQ(read.answers[0].certificate.common, one.certificate.common);
+  EXPECT_EQ(read.answers[1].distance, (Enclosure{0.0, 0.5}));
+  EXPECT_TRUE(read.answers[1].certificate.separations.empty());
+
+  std::ifstream in(folder / "proof.json");
+  const nlohmann::json document = nlohmann::json::parse(in);
+  const auto refused = [&](const std::string& pointer, const nlohmann::json& value, const std::string& message) {
+    nlohmann::json other = document;
+    other[nlohmann::json::json_pointer(pointer)] = value;
+    expect_input_error([&] { (void)parse_answer(other.dump(), "proof.json"); }, "proof.json", ": " + message);
+  };
+  refused("/kind", "fit", "kind = \"fit\": must be \"pair\" or \"poses\"");
+  refused("/kind", "pair", "answers = [...]: unknown key");
+  refused("/answers", nlohmann::json::array(), "answers = []: must not be empty");
+  refused("/answers/1/extra", 1, "answers[1].extra = 1: unknown key");
+  refused("/answers/1/pose/quaternion", {0, 0, 0, 0}, "answers[1].pose.quaternion = [0,0,0,0]: must not be zero");
+}
+
+TEST(CertificateFile, IsRefusedWhereItWouldBeTooLarge) {
+  const TemporaryFolder folder;
+  const PairAnswer one = answer();
+  PoseAnswers many{one.models, one.units, {}};
+  many.answers.resize(300'000, {one.pose, one.distance, one.certificate});
+  EXPECT_THAT([&] { write_answer(folder / "proof.json", many); },
+              ThrowsMessage<Error>(HasSubstr("67108864 bytes of a certificate file: give fewer poses")));
+  EXPECT_FALSE(std::filesystem::exists(folder / "proof.json"));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
-/// Fuzz target of parse_pair_answer.
+/// Fuzz target of parse_answer.
 #include <algorithm>
 #include <cmath>
+#include <variant>
 #include <verisq/certificate_file.hpp>
 
 #include "tests/fuzz/promise.hpp"
@@ -14,8 +15,9 @@ bool finite(const Point& x) {
   return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
 }
 
-void check_answer(const PairAnswer& answer) {
-  for (const SubjectFile& file : answer.models) check(file.sha256.size() == 64, "a digest has 64 digits");
+/// Of a pair, or of one of many poses.
+template <class Posed>
+void check_claim(const Posed& answer) {
   check(!std::isnan(answer.distance.lo) && !std::isnan(answer.distance.hi), "a claim has two ends");
   check(finite(answer.pose.translation), "a pose is finite");
   check(std::ranges::any_of(answer.pose.quaternion, [](double c) { return c != 0.0; }), "a quaternion is not zero");
@@ -25,12 +27,30 @@ void check_answer(const PairAnswer& answer) {
   }
 }
 
+void check_answer(const PairAnswer& answer) {
+  check_claim(answer);
+}
+
+void check_answer(const PoseAnswers& answers) {
+  check(!answers.answers.empty(), "there are poses");
+  for (const PosedAnswer& answer : answers.answers) check_claim(answer);
+}
+
+void check_any(const Answer& answer) {
+  std::visit(
+      [](const auto& kind) {
+        for (const SubjectFile& file : kind.models) check(file.sha256.size() == 64, "a digest has 64 digits");
+        check_answer(kind);
+      },
+      answer);
+}
+
 }  // namespace
 
 void certificate(Bytes bytes) {
   const std::string name = "certificate.json";
   const std::string json(bytes.begin(), bytes.end());  // a copy, so that reading past its end shows
-  read_or_refuse(name, [&] { check_answer(parse_pair_answer(json, name)); });
+  read_or_refuse(name, [&] { check_any(parse_answer(json, name)); });
 }
 
 }  // namespace verisq::fuzz
