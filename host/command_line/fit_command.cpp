@@ -19,6 +19,7 @@
 
 #include "host/command_line/choice.hpp"
 #include "host/command_line/default_tolerance.hpp"
+#include "host/command_line/fit_instrument.hpp"
 #include "host/command_line/fit_request.hpp"
 #include "host/command_line/fit_summary.hpp"
 #include "host/command_line/interruption.hpp"
@@ -82,6 +83,7 @@ constexpr const char* closing_words =
 /// What is written must not be what is read, or written too.
 void check_outputs(const FitArguments& arguments) {
   std::vector<std::string> inputs = arguments.implants;
+  inputs.insert(inputs.end(), arguments.instruments.begin(), arguments.instruments.end());
   inputs.push_back(arguments.mesh);
   const auto check_output = [&inputs](const char* option, const std::string& file) {
     refuse_to_overwrite(option, file, inputs);
@@ -352,6 +354,9 @@ void declare_fit(Options& options, FitArguments& arguments) {
       "Model of posed superquadrics, tapered or not (verisq-model/1, JSON); repeat it for a series to choose "
       "from");
   options.require("--mesh", arguments.mesh, "FILE", "The bone: .stl .obj .ply .off; its vertices are fitted");
+  options.add_each("--instrument", arguments.instruments, parse_name, "FILE",
+                   "The rasp of an implant, or what else prepares its bed, as a model in the implant's frame: one for "
+                   "each --implant, in the same order. Proves how deep the chosen one's cuts, where the implant lies");
   declare_sides(options, arguments);
   declare_aims(options, arguments);
   declare_preservation(options, arguments);
@@ -375,6 +380,7 @@ ExitStatus run_fit(const FitArguments& arguments) {
   check_outputs(arguments);
   const FitProblem problem = fit_problem(read_fit_request(arguments));
   refuse_what_cannot_be_drawn(arguments, problem.mesh);
+  const std::vector<Instrument> instruments = read_instruments(problem, arguments);
   for (const std::string& notice : problem.notices) tell(notice);
 
   std::optional<MapWriter> map;  // before the search: an unknown format is refused, not met after all the work
@@ -390,9 +396,12 @@ ExitStatus run_fit(const FitArguments& arguments) {
   const Stopwatch proof_time;
   const auto [proof, rows] =
       prove(problem, solution, {.tolerance = tolerance, .device = arguments.device}, !arguments.no_progress, map);
+  std::optional<InstrumentClearance> instrument;
+  if (!instruments.empty()) instrument = prove_instrument(problem, found, instruments[found.implant]);
   const FitSummary summary{.fit = found,
                            .clearance = proof.clearance,
                            .surface = proof.surface,
+                           .instrument = instrument,
                            .side_of = problem.surface,
                            .required_sides = sides_required(problem, found.implant),
                            .sides = proof.sides,

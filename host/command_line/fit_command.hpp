@@ -17,7 +17,8 @@ namespace verisq::command_line {
 
 /// As typed; `fit_request` and the library check what depends on the files or on several options.
 struct FitArguments {
-  std::vector<std::string> implants;  ///< files of the series
+  std::vector<std::string> implants;     ///< files of the series
+  std::vector<std::string> instruments;  ///< files: none, or one an implant
   std::string mesh;
   bool cavity = false;  ///< the mesh is the surface of one
   bool bone = false;

@@ -80,6 +80,23 @@ Lines surface_lines(const MeshClearance& surface, const std::string& units) {
           {"  undecided", fmt::format("{} triangles", surface.undecided)}};
 }
 
+/// What its surface says of the bone's: of bone deeper inside it nothing is known to this.
+Lines instrument_lines(const FitSummary& summary) {
+  if (!summary.instrument) return {};
+  const auto& [file, surface] = *summary.instrument;
+  const std::string units = units_of(summary);
+  return {{"instrument", fmt::format("{}, where the implant lies", file)},
+          {"  bone's surface", fmt::format("nowhere deeper inside it than {}{}, proven",
+                                           upper_digits(std::max(0.0, -surface.smallest_distance.lo)), units)},
+          {"  smallest distance", outward_digits(surface.smallest_distance) + units},
+          {"  enters it",
+           fmt::format("{} triangles{}, proven, and {} undecided; the other {} do not", surface.proven_too_deep,
+                       summary.penetration_limit > 0.0
+                           ? fmt::format(" by more than {:.10g}{}", summary.penetration_limit, units)
+                           : "",
+                       surface.undecided, surface.proven_within)}};
+}
+
 Lines joined(std::initializer_list<Lines> parts) {
   Lines lines;
   for (const Lines& part : parts) lines.insert(lines.end(), part.begin(), part.end());
@@ -348,7 +365,7 @@ Lines proven_lines(const FitSummary& summary) {
     lines.insert(lines.end(), of_surface.begin(), of_surface.end());
   }
   return joined({size_lines(summary), side_lines(summary), bound_lines(summary), lines, change_lines(summary),
-                 contact_lines(summary), binding_lines(summary)});
+                 contact_lines(summary), binding_lines(summary), instrument_lines(summary)});
 }
 
 Lines point_lines(const FitSummary& summary) {
@@ -446,6 +463,11 @@ JsonObject surface_json(const MeshClearance& surface) {
           {"proven_within_limit", surface.proven_within},
           {"proven_too_deep", surface.proven_too_deep},
           {"undecided", surface.undecided}};
+}
+
+JsonValue instrument_json(const FitSummary& summary) {
+  if (!summary.instrument) return {};
+  return JsonObject{{"file", summary.instrument->file}, {"surface", surface_json(summary.instrument->surface)}};
 }
 
 /// The gap that was asked for is proven, or none was.
@@ -666,6 +688,7 @@ std::string json(const FitSummary& summary) {
       {"proven_too_deep", clearance.proven_too_deep},
       {"undecided", undecided_depths(clearance)},
       {"surface", summary.surface ? surface_json(*summary.surface) : JsonValue()},
+      {"instrument", instrument_json(summary)},
       {"bound", bound_json(summary)},
       {"sides", sides_json(summary)},
       {"changes", changes_json(summary)},

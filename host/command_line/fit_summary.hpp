@@ -15,6 +15,7 @@
 #include <verisq/sides.hpp>
 
 #include "host/command_line/fit_command.hpp"
+#include "host/command_line/fit_instrument.hpp"
 
 namespace verisq::command_line {
 
@@ -31,7 +32,8 @@ struct BestPossible {
 struct FitSummary {
   Fit fit;
   Clearance clearance;
-  std::optional<MeshClearance> surface;  ///< nothing where only vertices keep the limit
+  std::optional<MeshClearance> surface;           ///< nothing where only vertices keep the limit
+  std::optional<InstrumentClearance> instrument;  ///< of the chosen implant's; nothing where none is given
   FitSurface side_of;
   std::vector<SurfaceSide> required_sides;  ///< one a primitive; none where the surface is unsided
   std::optional<Sides> sides;               ///< likewise

@@ -244,6 +244,36 @@ TEST_F(FitCommand, ChoosesFromASeries) {
   EXPECT_EQ(summary["implants"], 3);
 }
 
+TEST_F(FitCommand, TellsHowDeepAnInstrumentCuts) {
+  const Arguments in_place{"--pose-start", "1,-0.5,2,1,0,0,0"};
+  const auto with = [&](const std::string& instrument, const Arguments& more = {}) {
+    Arguments arguments = in_place;
+    arguments.insert(arguments.end(), {"--instrument", instrument});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return fit_in_place(arguments);
+  };
+  // Its surface is a quarter of a millimetre beyond the vertices, and the faces between them are nearer to its middle.
+  const std::string rasp = implant("rasp.json", "[3.75, 4.75, 8.75]");
+  const Outcome cutting = with(rasp, {"--json"});
+  EXPECT_EQ(cutting.status, 0) << cutting.err;  // asked of the implant, not of its rasp
+  const json summary = json::parse(cutting.out)["instrument"];
+  EXPECT_EQ(summary["file"], rasp);
+  const Enclosure smallest = enclosure(summary["surface"]["smallest_distance"]);
+  EXPECT_LE(smallest.lo, -0.25);
+  EXPECT_GE(smallest.lo, -2.0);
+  EXPECT_LE(smallest.hi, -0.2);
+  EXPECT_EQ(summary["surface"]["proven_too_deep"], cavity_mesh().triangles.size());
+  EXPECT_THAT(with(rasp).out, HasSubstr("instrument           " + rasp + ", where the implant lies\n"));
+
+  const json blunt = json::parse(with(implant("blunt.json", "[2, 2, 2]"), {"--json"}).out)["instrument"];
+  EXPECT_GT(blunt["surface"]["smallest_distance"]["lo"], 0.5);
+  EXPECT_EQ(blunt["surface"]["proven_too_deep"], 0);
+  EXPECT_TRUE(json::parse(fit_one().out)["instrument"].is_null());
+
+  expect_refused(with(rasp, {"--instrument", rasp}),
+                 {"--instrument: give one for each --implant, in the same order: 2 for 1"});
+}
+
 /// F prefers the one that leaves half a millimetre all around; larger ones fit, too, and the largest does not.
 TEST_F(FitCommand, ChoosesTheLargestThatIsProven) {
   const std::string right = implant("right.json", "[3, 4, 8]");
