@@ -500,9 +500,10 @@ TEST_F(FitCommand, RefusesImplantsThatDoNotServe) {
       {"name": "body", "superquadric": {"semi_axes": [3, 4, [7, 8]], "exponents": [1, 1]},
        "bend": {"curvature": 0.02, "angle_deg": 0}}]})");
   refused({bent_sizes}, bent_sizes + ": sizes to choose from are for unions of primitives without bends");
-  expect_refused(run({"fit", "--any-side", "--mesh", mesh, "--gap", "2", "-o", fitted(), "--implant",
-                      VERISQ_EXAMPLES "/bent_stem.json", "--bound", "10"}),
-                 {"--bound: " VERISQ_EXAMPLES "/bent_stem.json: is known of unions of primitives without bends alone"});
+  const std::string bent = VERISQ_EXAMPLES "/bent_stem.json";
+  expect_refused(
+      run({"fit", "--any-side", "--mesh", mesh, "--gap", "2", "-o", fitted(), "--implant", bent, "--bound", "10"}),
+      {"--bound: " + bent + ": is known of unions of primitives without bends alone"});
   const std::string uncertain = write("uncertain.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
       {"name": "body", "superquadric": {"semi_axes": [3, 4, 8], "exponents": [1, [0.5, 1]]}}]})");
   refused({uncertain}, uncertain + ": primitive \"body\": only semi-axes may be intervals");
