@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
@@ -75,6 +76,9 @@ void refuse_what_certified_poses_lack(const DistanceArguments& arguments) {
     refuse("--certificate-file: of exact places only, not with --translation-error or --rotation-error");
   }
   if (*arguments.output == *arguments.certificate_file) refuse("-o, --certificate-file: name two files");
+  if (std::filesystem::exists(*arguments.poses) && !std::filesystem::is_regular_file(*arguments.poses)) {
+    refuse(fmt::format("--certificate-file: {}: is read twice: give a regular file", *arguments.poses));
+  }
 }
 
 /// Everything that the options alone tell, before any file is opened.

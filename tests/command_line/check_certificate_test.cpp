@@ -98,6 +98,8 @@ TEST_F(CheckCertificate, NamesOptionsThatDoNotFit) {
   refused_of_many({"--rotation-error", "1"}, "--certificate-file: of exact places only");
   expect_refused(run({"distance", a_, b_, "--poses", "p.csv", "-o", "d.csv", "--certificate-file", "d.csv"}),
                  {"name two files"});
+  expect_refused(run({"distance", a_, b_, "--poses", "/dev/null", "-o", "d.csv", "--certificate-file", "c.json"}),
+                 {"--certificate-file: /dev/null: is read twice: give a regular file"});
   const std::string poses = write("p.csv", "0,0,5,1,0,0,0\n");
   expect_refused(run({"distance", a_, b_, "--poses", poses, "-o", "d.csv", "--certificate-file", poses}),
                  {"--certificate-file", "p.csv"});
