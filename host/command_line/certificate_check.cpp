@@ -15,6 +15,7 @@
 #include "host/command_line/common_units.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/json_value.hpp"
+#include "host/command_line/pose_option.hpp"
 #include "host/command_line/poses_check.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/errors/refusal.hpp"
@@ -35,16 +36,11 @@ void refuse_other_models(std::span<const SubjectFile> expected, const Certificat
   }
 }
 
-void refuse_other_units(const std::string& stated, const std::string& units, const std::string& certificate) {
-  if (stated == units) return;
-  refuse(fmt::format("{}: units = \"{}\": are not those of the models, \"{}\"", certificate, stated, units));
-}
-
 /// A and B.
 using TwoModels = std::array<Model, 2>;
 
 /// Those that are given, where they are the ones that the answer is about.
-TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::string& units,
+TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::string& stated_units,
                     const CertificateCheckArguments& arguments) {
   refuse_other_models(subjects, arguments);
   TwoModels models{read_model(arguments.models[0]), read_model(arguments.models[1])};
@@ -55,8 +51,11 @@ TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::strin
                     "certificates to check",
                     arguments.models[i]));
   }
-  refuse_other_units(units, common_units(models[0], models[1], arguments.models[0], arguments.models[1]),
-                     arguments.certificate);
+  const std::string units = common_units(models[0], models[1], arguments.models[0], arguments.models[1]);
+  if (stated_units != units) {
+    refuse(fmt::format("{}: units = \"{}\": are not those of the models, \"{}\"", arguments.certificate, stated_units,
+                       units));
+  }
   return models;
 }
 
@@ -82,26 +81,23 @@ std::string readable(const CertificateReport& report) {
   text += fmt::format("  proven           {}{}\n", exact_text(report.finding.proven), units);
   text += fmt::format("of                 the distance of two models\n");
   for (const std::string& model : report.models) text += fmt::format("  model            {}\n", model);
-  const auto& [t, q] = report.pose;
-  text += fmt::format("  pose             {},{},{},{},{},{},{} of the second one: translation, quaternion\n", t[0],
-                      t[1], t[2], q[0], q[1], q[2], q[3]);
+  text += fmt::format("  pose             {} of the second one: translation, quaternion\n", option_text(report.pose));
   text += fmt::format("time               {:.3g} s\n", report.seconds);
   return text + fmt::format("certificate        {}\n", report.certificate);
 }
 
 std::string json(const CertificateReport& report) {
   const std::string why = reason_of(report);
-  const JsonObject object{
-      {"kind", "pair"},
-      {"verdict", name_of(report.finding.verdict)},
-      {"claimed", report.claimed},
-      {"proven", report.finding.proven},
-      {"reason", why.empty() ? JsonValue() : JsonValue(why)},
-      {"units", report.units},
-      {"models", report.models},
-      {"pose", JsonObject{{"translation", report.pose.translation}, {"quaternion", report.pose.quaternion}}},
-      {"seconds", report.seconds},
-      {"certificate", report.certificate}};
+  const JsonObject object{{"kind", "pair"},
+                          {"verdict", name_of(report.finding.verdict)},
+                          {"claimed", report.claimed},
+                          {"proven", report.finding.proven},
+                          {"reason", why.empty() ? JsonValue() : JsonValue(why)},
+                          {"units", report.units},
+                          {"models", report.models},
+                          {"pose", report.pose},
+                          {"seconds", report.seconds},
+                          {"certificate", report.certificate}};
   return object.text() + "\n";
 }
 

@@ -1,9 +1,8 @@
 /// One PairDistance for all threads, a chunk of poses at a time.
 #include "host/command_line/certified_poses.hpp"
 
-#include <atomic>
 #include <cstddef>
-#include <mutex>
+#include <utility>
 #include <vector>
 #include <verisq/model_distance.hpp>
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 #include <verisq/certificate_file.hpp>
 #include <verisq/model.hpp>
 

@@ -354,9 +354,11 @@ void declare_fit(Options& options, FitArguments& arguments) {
       "Model of posed superquadrics, tapered or not (verisq-model/1, JSON); repeat it for a series to choose "
       "from");
   options.require("--mesh", arguments.mesh, "FILE", "The bone: .stl .obj .ply .off; its vertices are fitted");
-  options.add_each("--instrument", arguments.instruments, parse_name, "FILE",
-                   "The rasp of an implant, or what else prepares its bed, as a model in the implant's frame: one for "
-                   "each --implant, in the same order. Proves how deep the chosen one's cuts, where the implant lies");
+  options.add_each(
+      "--instrument", arguments.instruments, parse_name, "FILE",
+      "The rasp of an implant, or what else prepares its bed, as a model in the implant's frame: one for "
+      "each --implant, in the same order. Proves how deep the chosen one's cuts, where the implant lies; the exit "
+      "status does not depend on it");
   declare_sides(options, arguments);
   declare_aims(options, arguments);
   declare_preservation(options, arguments);

@@ -30,13 +30,7 @@ std::vector<Instrument> read_instruments(const FitProblem& problem, const FitArg
 }
 
 InstrumentClearance prove_instrument(const FitProblem& problem, const Fit& fit, const Instrument& instrument) {
-  const double tolerance = problem.options.surface_tolerance;
-  constexpr double coarseness = 10.0;  // as of the implant itself: depths need many samples to be known closely
-  return {instrument.file, mesh_clearance(posed(instrument.model, fit.pose), problem.mesh,
-                                          {.penetration_limit = problem.options.penetration_limit,
-                                           .tolerance = coarseness * tolerance,
-                                           .limit_tolerance = tolerance,
-                                           .device = problem.options.device})};
+  return {instrument.file, prove_surface(problem, posed(instrument.model, fit.pose), {})};
 }
 
 }  // namespace verisq::command_line

@@ -570,7 +570,7 @@ JsonObject finalist_json(const FitSummary& summary, const FitTrial& trial) {
   const FitFinalist& found = trial.fit;
   return {{"implant", summary.names[found.implant]},
           {"implant_index", found.implant},
-          {"pose", JsonObject{{"translation", found.pose.translation}, {"quaternion", found.pose.quaternion}}},
+          {"pose", found.pose},
           {"size", trial.size},
           {"objective", found.objective},
           {"deepest_penetration", found.deepest_penetration},
@@ -676,7 +676,7 @@ std::string json(const FitSummary& summary) {
       {"implant", summary.implant},
       {"implant_index", fit.implant},
       {"implants", summary.implants},
-      {"pose", JsonObject{{"translation", fit.pose.translation}, {"quaternion", fit.pose.quaternion}}},
+      {"pose", fit.pose},
       {"moved", moved(summary.fit.movement)},
       {"sizes", sizes(summary)},
       {"objective", clearance.objective},

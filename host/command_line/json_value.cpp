@@ -2,6 +2,7 @@
 #include "host/command_line/json_value.hpp"
 
 #include <nlohmann/json.hpp>
+#include <verisq/model.hpp>
 
 namespace verisq::command_line {
 
@@ -26,6 +27,8 @@ JsonValue::JsonValue(std::string_view value) : content_(new Content{value}) {}
 JsonValue::JsonValue(const std::string& value) : content_(new Content{value}) {}
 JsonValue::JsonValue(const Enclosure& enclosure)
     : content_(new Content{{{"lo", enclosure.lo}, {"hi", enclosure.hi}}}) {}
+JsonValue::JsonValue(const Pose& pose)
+    : content_(new Content{{{"translation", pose.translation}, {"quaternion", pose.quaternion}}}) {}
 
 JsonValue::JsonValue(const Array& values) : content_(new Content{Json::array()}) {
   for (const JsonValue& value : values) content_->json.push_back(value.content_->json);

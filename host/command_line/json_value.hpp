@@ -11,6 +11,10 @@
 #include <vector>
 #include <verisq/enclosure.hpp>
 
+namespace verisq {
+struct Pose;  // all of model.hpp would bring its Model beside that of the stance
+}
+
 namespace verisq::command_line {
 
 /// Null, a truth value, a number, a text, an array or an object (below).
@@ -30,6 +34,8 @@ class JsonValue {
   JsonValue(const std::string& value);
   /// {"lo": ..., "hi": ...}.
   JsonValue(const Enclosure& enclosure);
+  /// {"translation": [...], "quaternion": [...]}.
+  JsonValue(const Pose& pose);
   JsonValue(const Array& values);
   /// An array of what the container holds.
   template <class Container>

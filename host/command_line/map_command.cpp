@@ -22,6 +22,7 @@
 #include "host/command_line/map_to_file.hpp"
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/peeked_stream.hpp"
+#include "host/command_line/pose_option.hpp"
 #include "host/command_line/posed_input.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/time_limit.hpp"
@@ -275,11 +276,6 @@ std::string format_of(const MapArguments& arguments) {
   return arguments.format.value_or(arguments.output == "-" ? ".csv" : "");
 }
 
-std::string text_of_pose(const Pose& pose) {
-  const auto& [t, q] = pose;
-  return fmt::format("{},{},{},{},{},{},{}", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
-}
-
 /// Whatever rows depend on besides model, input and device; and their form.
 std::vector<PartSetting> settings_of(const MapArguments& arguments, const MapOptions& options) {
   std::string columns;
@@ -293,7 +289,7 @@ std::vector<PartSetting> settings_of(const MapArguments& arguments, const MapOpt
                                     {"certificates", options.certificates ? "yes" : "no"},
                                     {"closest_points", asks_for_closest_points(arguments) ? "yes" : "no"},
                                     {"columns", columns}};
-  if (arguments.inputs.pose) settings.push_back({"pose", text_of_pose(*arguments.inputs.pose)});
+  if (arguments.inputs.pose) settings.push_back({"pose", option_text(*arguments.inputs.pose)});
   if (options.pose_uncertainty) settings.push_back({"place", text_of(*options.pose_uncertainty)});
   return settings;
 }

@@ -20,4 +20,9 @@ Pose parse_pose(std::string_view option, const std::string& text) {
   return pose;
 }
 
+std::string option_text(const Pose& pose) {
+  const auto& [t, q] = pose;
+  return fmt::format("{},{},{},{},{},{},{}", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
+}
+
 }  // namespace verisq::command_line

@@ -11,4 +11,7 @@ namespace verisq::command_line {
 /// for numbers that are not finite and for a zero quaternion.
 [[nodiscard]] Pose parse_pose(std::string_view option, const std::string& text);
 
+/// What `parse_pose` reads as the same bits.
+[[nodiscard]] std::string option_text(const Pose& pose);
+
 }  // namespace verisq::command_line

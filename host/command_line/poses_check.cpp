@@ -9,6 +9,7 @@
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/json_value.hpp"
+#include "host/command_line/pose_option.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/threads/parallel.hpp"
 
@@ -28,15 +29,10 @@ void count(const Finding& finding, std::size_t index, const PosedAnswer& answer,
   if (!report.first || is_first_refuted) report.first = {index, answer, finding};
 }
 
-std::string text_of(const Pose& pose) {
-  const auto& [t, q] = pose;
-  return fmt::format("{},{},{},{},{},{},{}", t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
-}
-
 std::string readable(const PosesReport::Open& open) {
   const auto& [index, answer, finding] = open;
   return fmt::format("first {} pose, index {}, {}: {}\n  claimed          {}\n  proven           {}\n",
-                     name_of(finding.verdict), index, text_of(answer.pose), reason(answer.distance, finding),
+                     name_of(finding.verdict), index, option_text(answer.pose), reason(answer.distance, finding),
                      exact_text(answer.distance), exact_text(finding.proven));
 }
 
@@ -44,12 +40,8 @@ JsonValue object_of(const std::optional<PosesReport::Open>& open) {
   if (!open) return {};
   const auto& [index, answer, finding] = *open;
   return JsonObject{
-      {"verdict", name_of(finding.verdict)},
-      {"index", index},
-      {"pose", JsonObject{{"translation", answer.pose.translation}, {"quaternion", answer.pose.quaternion}}},
-      {"claimed", answer.distance},
-      {"proven", finding.proven},
-      {"reason", reason(answer.distance, finding)}};
+      {"verdict", name_of(finding.verdict)}, {"index", index},           {"pose", answer.pose},
+      {"claimed", answer.distance},          {"proven", finding.proven}, {"reason", reason(answer.distance, finding)}};
 }
 
 }  // namespace

@@ -22,6 +22,7 @@
 #include "host/command_line/overwriting.hpp"
 #include "host/command_line/part_option.hpp"
 #include "host/command_line/point_stream.hpp"
+#include "host/command_line/pose_option.hpp"
 #include "host/command_line/posed_input.hpp"
 #include "host/command_line/run_program.hpp"
 #include "host/command_line/shared_options.hpp"
@@ -90,9 +91,7 @@ std::vector<PartSetting> settings_of(const MpiArguments& arguments, const MapOpt
   std::vector<PartSetting> settings{{"tolerance", fmt::format("{}", options.tolerance)},
                                     {"point_radius", fmt::format("{}", options.point_radius)},
                                     {"format", std::filesystem::path(arguments.output).extension().string()}};
-  if (!arguments.inputs.pose) return settings;
-  const auto& [t, q] = *arguments.inputs.pose;
-  settings.push_back({"pose", fmt::format("{},{},{},{},{},{},{}", t[0], t[1], t[2], q[0], q[1], q[2], q[3])});
+  if (arguments.inputs.pose) settings.push_back({"pose", option_text(*arguments.inputs.pose)});
   return settings;
 }
 

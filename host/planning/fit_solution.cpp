@@ -81,16 +81,6 @@ FitBound bounded(const FitProblem& problem, const FitSolutionOptions& options, d
                     .progress = options.bound_progress});
 }
 
-MeshClearance prove_surface(const FitProblem& problem, const Model& fitted, const MapOptions& options) {
-  return mesh_clearance(fitted, problem.mesh,
-                        {.penetration_limit = problem.options.penetration_limit,
-                         .tolerance = surface_coarseness * problem.options.surface_tolerance,
-                         .limit_tolerance = problem.options.surface_tolerance,
-                         .most_samples = most_surface_samples,
-                         .device = problem.options.device,
-                         .interrupted = options.interrupted});
-}
-
 /// (upper - objective) / upper, rounded up.
 std::optional<double> proven_gap(const FitBound& bound, const Clearance& clearance) {
   using verify::Direction;
@@ -131,6 +121,16 @@ FitSolution solve_fit(const FitProblem& problem, const FitSolutionOptions& optio
   solution.trials = trials_of(problem, solution.fit);
   solution.bound_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return solution;
+}
+
+MeshClearance prove_surface(const FitProblem& problem, const Model& model, const MapOptions& options) {
+  return mesh_clearance(model, problem.mesh,
+                        {.penetration_limit = problem.options.penetration_limit,
+                         .tolerance = surface_coarseness * problem.options.surface_tolerance,
+                         .limit_tolerance = problem.options.surface_tolerance,
+                         .most_samples = most_surface_samples,
+                         .device = problem.options.device,
+                         .interrupted = options.interrupted});
 }
 
 FitProof prove_fit(const FitProblem& problem, const FitSolution& solution, const MapOptions& options,

@@ -53,6 +53,10 @@ struct FitSolution {
 /// `bound_fit`.
 [[nodiscard]] FitSolution solve_fit(const FitProblem& problem, const FitSolutionOptions& options);
 
+/// How close the whole bone comes to a posed model, its implant or what prepares that one's bed, with the samples that
+/// a fit may take. Throws Error as mesh_clearance. Precondition: a mesh with triangles.
+[[nodiscard]] MeshClearance prove_surface(const FitProblem& problem, const Model& model, const MapOptions& options);
+
 /// What is proven of the fitted implant, as its numbers state it.
 struct FitProof {
   Clearance clearance;
