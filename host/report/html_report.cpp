@@ -65,7 +65,9 @@ Json areas(const Report& report) {
 Json data_of(const Report& report) {
   const Point centre = extent_of(report.bone.vertices).centre();
   const Mesh implant = report::model_surface(report.implant);
-  const Eigen::Vector3d up = report::upright(report.bone, report::seated_surface(report), report.up);
+  const Mesh seated = report::seated_surface(report);
+  const Eigen::Vector3d up = report::upright(report.bone, seated, report.up);
+  const Eigen::Vector3d front = report::broad_view(report.bone, seated, up).axes.row(2);
   Json summary = Json::array();
   for (const ReportLine& line : report.summary) summary.push_back({{"label", line.label}, {"value", line.value}});
   return {
@@ -75,6 +77,7 @@ Json data_of(const Report& report) {
       {"solid_name", report.solid_name},
       {"range", report.range.value_or(default_range(report.rows, report.units))},
       {"up", std::array{up[0], up[1], up[2]}},
+      {"front", std::array{front[0], front[1], front[2]}},
       {"summary", summary},
       {"centre", centre},
       {"bone", surface(report.bone, centre)},

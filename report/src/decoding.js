@@ -90,6 +90,7 @@ export function decodeReport(text) {
     solidName: report.solid_name,
     range: report.range ?? null,
     up: report.up,
+    front: report.front,
     summary: report.summary,
     centre: report.centre,
     count,

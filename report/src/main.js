@@ -9,6 +9,7 @@ import { Histogram } from "./histogram.js";
 import { fullDescription, shortDescription } from "./inspector.js";
 import { poseAlong } from "./path.js";
 import { Picker } from "./picking.js";
+import { drawCutOpen } from "./printed_cut.js";
 import { ProofPanel } from "./proof_panel.js";
 import { quantitiesOf } from "./quantities.js";
 import { BoneScene, graphicsContext } from "./scene.js";
@@ -45,6 +46,7 @@ class Page {
     byId("statement").textContent = statement(this.report);
     byId("range-units").textContent = units;
     byId("solid-name").textContent = this.report.solidName;
+    byId("cut-open-caption").textContent = `The bone around the ${this.report.solidName}, cut open by a plane through it, seen from in front of that plane.`;
     fillFacts(byId("facts"), this.facts, this.report);
     fillSummary(byId("summary").tBodies[0], summary);
     byId("vertex-number").max = this.report.count - 1;
@@ -69,7 +71,7 @@ class Page {
     this.scene.onDraw = (camera) => drawTriad(byId("triad"), camera);
     this.views.addButtons(byId("views"));
     new ResizeObserver(() => this.scene.resize(stage.clientWidth, stage.clientHeight)).observe(stage);
-    window.addEventListener("beforeprint", () => this.scene.draw());
+    window.addEventListener("beforeprint", () => drawCutOpen(byId("cut-open-picture"), this.scene, this.report));
     this.preparePointer(canvas);
   }
 

@@ -143,9 +143,20 @@ export class BoneScene {
   // Leaves out what lies beyond the plane with this normal; null: draws all.
   cut(plane) {
     const value = this.bone.material.uniforms.cut.value;
-    if (plane) value.set(plane.normal.x, plane.normal.y, plane.normal.z, plane.offset);
+    if (plane) value.set(...plane.normal, plane.offset);
     else value.set(0, 0, 0, 1);
     this.drawSoon();
+  }
+
+  // Seen by this camera, cut by this plane alone, the rings left out.
+  drawOnce(camera, plane) {
+    const { cut } = this.bone.material.uniforms;
+    const [usual, rings] = [cut.value.clone(), Object.values(this.rings).filter((ring) => ring.visible)];
+    cut.value.set(...plane.normal, plane.offset);
+    for (const ring of rings) ring.visible = false;
+    this.renderer.render(this.scene, camera);
+    for (const ring of rings) ring.visible = true;
+    cut.value.copy(usual);
   }
 
   isCutAway(point) {

@@ -27,6 +27,13 @@ const shiftedKeys = {
   "+": keys["+"],
 };
 
+// From its middle, for `camera` to see the whole of a sphere.
+export function distanceThatShows(radius, camera) {
+  const narrowest = Math.min(1, camera.aspect);
+  const halfAngle = Math.atan(Math.tan(MathUtils.degToRad(camera.fov / 2)) * narrowest);
+  return (1.02 * radius) / Math.sin(halfAngle) || 1;
+}
+
 export class Views {
   // `up`: what stands on top, of length 1.
   constructor(scene, stage, up) {
@@ -61,9 +68,7 @@ export class Views {
   // Shows everything, seen from `direction`.
   look(direction) {
     const { camera, sphere } = this.scene;
-    const narrowest = Math.min(1, camera.aspect);
-    const halfAngle = Math.atan(Math.tan(MathUtils.degToRad(camera.fov / 2)) * narrowest);
-    const distance = (1.02 * sphere.radius) / Math.sin(halfAngle) || 1;
+    const distance = distanceThatShows(sphere.radius, camera);
     camera.near = distance / 1000;
     camera.far = distance * 20;
     camera.updateProjectionMatrix();

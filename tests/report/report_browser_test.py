@@ -151,21 +151,22 @@ class Browser:
         ActionChains(self.driver).move_to_element_with_offset(self.one("#stage canvas"), x, y).click().perform()
         self.drawn()
 
-    def pixels(self):
-        """What the canvas shows: how many colours, how much of it is covered, the colour in the middle."""
+    def pixels(self, canvas="#stage canvas"):
+        """What the canvas shows: how many colours, how much of it is covered and warm, the colour in the middle."""
         return self.driver.execute_script("""
-            const canvas = document.querySelector("#stage canvas");
+            const canvas = document.querySelector(arguments[0]);
             const { width, height } = canvas;
             const copy = Object.assign(document.createElement("canvas"), { width, height });
             const context = copy.getContext("2d");
             context.drawImage(canvas, 0, 0);
             const { data } = context.getImageData(0, 0, width, height);
             const words = new Uint32Array(data.buffer);
-            let covered = 0, hash = 0;
+            let covered = 0, hash = 0, warm = 0;
+            for (let k = 0; k < data.length; k += 4) warm += data[k] > data[k + 2] + 40;
             for (const word of words) { covered += word !== 0; hash = (Math.imul(hash, 31) + word) | 0; }
             const middle = 4 * ((height >> 1) * width + (width >> 1));
-            return { colours: new Set(words).size, covered: covered / words.length, hash,
-                     middle: [...data.slice(middle, middle + 4)] };""")
+            return { colours: new Set(words).size, covered: covered / words.length,
+                     warm: warm / words.length, hash, middle: [...data.slice(middle, middle + 4)] };""", canvas)
 
     def pinned(self):
         """The pinned vertex and its shown ends, as texts."""
@@ -333,6 +334,20 @@ class WrittenReport(unittest.TestCase):
             self.assert_pinned(browser, back)
             browser.screenshot("report_cut.png")
 
+    def test_paper_shows_the_bone_cut_open(self):
+        with self.browser() as browser:
+            browser.one("#implant-shown").click()
+            browser.view("+Y")  # from where the bone is broadest; what is inside the peg lies on the bone's -x side
+            before = browser.pixels()
+            self.assertFalse(browser.one("#cut-open").is_displayed())
+            paper = base64.b64decode(browser.driver.print_page())
+            (Path(options.output) / "report.pdf").write_bytes(paper)
+            self.assertEqual(paper.count(b"/Type /Page\n") + paper.count(b"/Type /Page "), 2)
+            self.assertEqual(browser.pixels()["hash"], before["hash"])
+            cut = browser.pixels("#cut-open-picture")
+            self.assertGreater(cut["covered"], 0.1)
+            self.assertGreater(cut["warm"], 20 * before["warm"])
+
 
 class FittedReport(unittest.TestCase):
     """The report that `verisq fit --report` writes, against the `.csv` of its `--map` and the boxes of its areas."""
@@ -441,7 +456,7 @@ class FilledPage(unittest.TestCase):
         lo[2] = hi[2] = -0.0
         surface = {"positions": encoded("f", flat(bone.vertices)), "triangles": encoded("I", flat(bone.triangles))}
         return {"format": "verisq-report/1", "title": self.hostile, "units": self.hostile,
-                "summary": [{"label": self.hostile, "value": self.hostile}], "centre": [0, 0, 0], "up": [0, 0, 1],
+                "summary": [{"label": self.hostile, "value": self.hostile}], "centre": [0, 0, 0], "up": [0, 0, 1], "front": [1, 0, 0],
                 "bone": surface,
                 "implant": {"positions": "", "triangles": ""}, "lo": encoded("d", lo), "hi": encoded("d", hi),
                 "status": encoded("B", [vertex % 3 for vertex in range(count)]),
