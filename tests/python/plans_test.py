@@ -80,6 +80,18 @@ class Fits(Files):
         self.assertGreater(len(found.map), len(self.cavity.vertices))  # new ones, where it is cut
         self.assertIsNone(found.bound)
 
+    def test_a_rasp_is_cleared_where_the_implant_lies(self):
+        rasp = self.file("rasp.json")
+        rasp.write_text(json.dumps(model_of({"semi_axes": [3.6, 4.2, 8.2], "exponents": [1, 1]})))
+        said = printed("fit", "--implant", self.implant_file, "--instrument", rasp, "--mesh", self.cavity_file,
+                       "--cavity", *self.OPTIONS, "-o", self.file("fitted.json"))
+        found = verisq.fit(self.implant, self.cavity, surface="cavity", **self.ARGUMENTS)
+        cut = verisq.mesh_clearance(verisq.Model.load(rasp).posed(found.pose), self.cavity, device="host")
+        lo, hi = ends(said["instrument"]["surface"]["smallest_distance"])
+        self.assertLess(cut.smallest_distance.hi, 0)
+        # Of tolerances of their own, but of one truth.
+        self.assertLessEqual(max(lo, cut.smallest_distance.lo), min(hi, cut.smallest_distance.hi))
+
     def test_labels_bounds_and_features(self):
         labels = np.where(self.cavity.vertices[:, 0] > 0, 7, -1)
         landmarks = {"head_centre": [0, 0, 8], "shaft_proximal": [0, 0, 0], "shaft_distal": [0, 0, -100]}
