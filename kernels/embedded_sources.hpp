@@ -11,6 +11,9 @@ namespace verisq::kernels {
 
 /// Distances to unions of convex primitives.
 [[nodiscard]] std::string_view embedded_point_sources();
+/// To one primitive, from the caller's points to his rows.
+[[nodiscard]] std::string_view embedded_point_map();
+[[nodiscard]] std::string_view embedded_tapered_point_map();
 /// To one tapered primitive: the first kernel of these, of the same name.
 [[nodiscard]] std::string_view embedded_tapered_sources();
 [[nodiscard]] std::string_view embedded_triangle_sources();

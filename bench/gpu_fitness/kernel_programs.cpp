@@ -14,6 +14,9 @@ std::vector<KernelProgram> kernel_programs(const std::string& examples) {
       {"points", std::string(kernels::embedded_point_sources()), ""},
       {"tapered points", std::string(kernels::embedded_tapered_sources()),
        "-Dpoint_distance=tapered_point_distance -Dinterior_depth=tapered_interior_depth"},  // names of those of points
+      {"points in one step", std::string(kernels::embedded_point_map()), ""},
+      {"tapered points in one step", std::string(kernels::embedded_tapered_point_map()),
+       "-Dpoint_map=tapered_point_map"},
       {"triangles", std::string(kernels::embedded_triangle_sources()), ""},
       {"pairs", std::string(kernels::embedded_pair_sources()), ""},
       {"fit", std::string(kernels::embedded_pose_objective_sources()), ""},

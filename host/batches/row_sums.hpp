@@ -5,12 +5,13 @@
 
 namespace verisq::device {
 
-/// As kernels/point_rows.cl declares it. Rows that are open are in no other sum.
+/// As kernels/row_verdict.clh declares it. Rows that are open are in no other sum; `open_inside` are those of
+/// them that are not proven outside.
 struct RowSums {
   double minimum_lo, minimum_hi, largest_width;
-  std::uint32_t verified, wide, wide_inside, open;
+  std::uint32_t verified, wide, wide_inside, open, open_inside;
 };
-static_assert(sizeof(RowSums) == 40);
+static_assert(sizeof(RowSums) == 48);
 
 /// What is asked of a row, in model units: at most `tolerance` wide, or with a tolerance of 0 as tight as the methods
 /// get, which is `inside` where its lower end is below 0, else `outside` times the larger of `radius` and the point's

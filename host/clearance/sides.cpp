@@ -22,7 +22,7 @@ namespace {
 /// Of the primitive's smallest semi-axis: how closely the depth of its centre is known.
 constexpr double share_of_semi_axis = 1e-3;
 /// Distances asked for of a primitive alone, where it is not the solid that is to keep off the surface.
-constexpr std::uint64_t most_samples = std::uint64_t{1} << 19U;
+constexpr std::uint64_t most_samples_of_sides = std::uint64_t{1} << 19U;
 
 Model alone(const Primitive& primitive) {
   return {.units = {}, .primitives = {primitive}, .csg = {}};

@@ -14,7 +14,7 @@
 namespace verisq {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180.0;
+constexpr double degree_of_turn = std::numbers::pi / 180.0;
 /// Between two poses translations are linear: a point off the axis by r then leaves its circle by r a²/8, at most
 /// 4e-5 r for turns a of so many degrees.
 constexpr double degrees_of_a_step = 1.0;
@@ -46,7 +46,7 @@ std::vector<Pose> path_of(const WayIn& way, const Point& centre) {
   const Eigen::Vector3d axis = vector_of(way.direction).stableNormalized();
   for (std::size_t k = 0; k < steps; ++k) {  // the last one is as the implant's file has it
     const double left = static_cast<double>(steps - k) / static_cast<double>(steps);
-    const Eigen::Quaterniond turn(Eigen::AngleAxisd(-left * way.turn_degrees * degree, axis));
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(-left * way.turn_degrees * degree_of_turn, axis));
     const Eigen::Vector3d moved = vector_of(path[k].translation) + vector_of(centre) - turn * vector_of(centre);
     path[k] = {point_of(moved), {turn.w(), turn.x(), turn.y(), turn.z()}};
   }

@@ -6,6 +6,7 @@
 #include "host/device/device.hpp"
 #include "host/opencl/program.hpp"
 #include "kernels/embedded_sources.hpp"
+#include "tests/kernels/point_map_judge.hpp"
 #include "tests/kernels/row_judge.hpp"
 
 namespace verisq::device {
@@ -31,6 +32,12 @@ TEST_P(PointRowsTest, ColumnsAreThoseOfTheCallersMemory) {
 
 TEST_P(PointRowsTest, RowsAreThoseOfTheHost) {
   EXPECT_EQ(false_rows(device_, program_), "");
+}
+
+TEST_P(PointRowsTest, OneStepDoesWhatThreeDo) {
+  const cl::Program program =
+      build_program(device_.context, device_.device, GetParam(), kernels::embedded_point_map());
+  EXPECT_EQ(false_point_map(device_, program), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Widths, PointRowsTest, ::testing::Values(1, 4, 8, 16),

@@ -21,6 +21,7 @@
 #include "host/maps/tightest_enclosure.hpp"
 #include "host/opencl/named_kernel.hpp"
 #include "kernels/embedded_sources.hpp"
+#include "tests/kernels/kernel_launch.hpp"
 
 namespace verisq::device {
 namespace {
@@ -32,55 +33,6 @@ constexpr double largest = std::numeric_limits<double>::max();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array exponents{-1000, -300, -3, 0, 1, 3, 52, 300, 301, 1000};
 constexpr std::array<std::size_t, 6> sizes{1, 3, 4, 5, 67, 150};
-
-/// As a device multiplies: a column in memory, read or written from the first of its bytes on.
-struct Layout {
-  std::size_t first;  // of the column's first value, in values
-  std::ptrdiff_t stride;
-};
-
-std::size_t extent(const Layout& layout, std::size_t size) {
-  const std::ptrdiff_t last =
-      static_cast<std::ptrdiff_t>(layout.first) + layout.stride * static_cast<std::ptrdiff_t>(size - 1);
-  return std::max<std::size_t>(layout.first, static_cast<std::size_t>(last)) + 1;
-}
-
-std::size_t place(const Layout& layout, std::size_t n) {
-  return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(layout.first) +
-                                  layout.stride * static_cast<std::ptrdiff_t>(n));
-}
-
-class Launcher {
- public:
-  explicit Launcher(const Device& device) : context_(device.context), queue_(device.context, device.device) {}
-
-  template <class Value>
-  [[nodiscard]] cl::Buffer uploaded(const std::vector<Value>& values) const {
-    cl::Buffer buffer(context_, CL_MEM_READ_WRITE, values.size() * sizeof(Value));
-    queue_.enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size() * sizeof(Value), values.data());
-    return buffer;
-  }
-
-  template <class Value>
-  void download(const cl::Buffer& buffer, std::vector<Value>& values) const {
-    queue_.enqueueReadBuffer(buffer, CL_TRUE, 0, values.size() * sizeof(Value), values.data());
-  }
-
-  void launch(const NamedKernel& kernel, std::size_t groups, std::size_t local) const {
-    queue_.enqueueNDRangeKernel(kernel.kernel(), cl::NullRange, cl::NDRange(groups * local), cl::NDRange(local));
-    queue_.finish();
-  }
-
- private:
-  cl::Context context_;
-  cl::CommandQueue queue_;
-};
-
-void set(NamedKernel& kernel, const std::string& name, const cl::Buffer& buffer, const Layout& layout) {
-  kernel.set("memory_" + name, buffer);
-  kernel.set("offset_" + name, layout.first);
-  kernel.set("stride_" + name, static_cast<std::uint64_t>(layout.stride));
-}
 
 bool same(double a, double b) {
   return a == b || (std::isnan(a) && std::isnan(b));
@@ -124,7 +76,7 @@ class Numbers {
 
 // ---- columns
 
-constexpr double far_away = 0x1p20;  // FAR_AWAY in kernels/point_columns.cl
+constexpr double far_away = 0x1p20;  // FAR_AWAY in kernels/caller_memory.clh
 
 bool is_finite(const std::array<std::vector<double>, 3>& memories, const std::array<Layout, 3>& layouts,
                std::size_t n) {
@@ -299,6 +251,7 @@ std::string judged_rows(const Device& device, const cl::Program& program, const 
 
   std::vector<MapSummary> expected(groups, empty_summary());
   std::vector<std::size_t> open(groups, 0);
+  std::vector<std::size_t> open_inside(groups, 0);
   for (std::size_t n = 0; n < scene.size; ++n) {
     double& lo = memory[place(scene.ends[0], n)];
     double& hi = memory[place(scene.ends[1], n)];
@@ -313,10 +266,12 @@ std::string judged_rows(const Device& device, const cl::Program& program, const 
         byte != static_cast<std::uint8_t>(right))
       return described(scene, n, scaled, row);
     const std::size_t group = n / rows_of_group;
-    if (good || tightest)
+    if (good || tightest) {
       count(expected[group], {by_host, right});
-    else
+    } else {
       ++open[group];
+      if (!(by_host.lo > 0.0)) ++open_inside[group];
+    }
     lo = hi = untouched;
     byte = 77;
   }
@@ -325,7 +280,7 @@ std::string judged_rows(const Device& device, const cl::Program& program, const 
     const MapSummary& right = expected[group];
     if (is.minimum_lo != right.minimum_lo || is.minimum_hi != right.minimum_hi ||
         is.largest_width != right.largest_width || is.verified != right.device_verified || is.wide != right.wide ||
-        is.wide_inside != right.wide_inside || is.open != open[group])
+        is.wide_inside != right.wide_inside || is.open != open[group] || is.open_inside != open_inside[group])
       return fmt::format("scale {}, tolerance {}, {} rows: the sums of group {} are wrong", scene.exponent,
                          scene.criterion.tolerance, scene.size, group);
   }

@@ -79,6 +79,26 @@ class KernelRun {
     queue_.finish();
   }
 
+  /// A map in one step, as host/batches/rows_at_once.cpp has it made.
+  void map_at_once() {
+    constexpr std::size_t row_bytes = 24;
+    constexpr std::size_t sums_bytes = 48;
+    const cl_ulong size = queries_ - 1;
+    const cl_ulong point_stride = 3;
+    const cl_ulong stride = row_bytes / sizeof(double);
+    const cl::Buffer points = written(std::vector<double>(3 * size, 0.7));
+    const std::vector<cl_uint> none{0};
+    const cl::Buffer refused(context_, CL_MEM_READ_WRITE, sizeof(cl_uint));
+    queue_.enqueueWriteBuffer(refused, CL_TRUE, 0, sizeof(cl_uint), none.data());
+    const cl::Buffer memory(context_, CL_MEM_READ_WRITE, row_bytes * size);
+    const cl::Buffer sums(context_, CL_MEM_READ_WRITE, sums_bytes * work_items / work_group);
+    launch("point_map", size, cl_uint{1}, 0.25, 4.0, tolerance, 1e-9, 1e-12, 1.0, primitives_, points, points, points,
+           cl_ulong{0}, cl_ulong{1}, cl_ulong{2}, point_stride, point_stride, point_stride, memory, memory, memory,
+           cl_ulong{0}, cl_ulong{1}, cl_ulong{2 * sizeof(double)}, stride, stride, cl_ulong{row_bytes}, refused, sums,
+           cl::Local(work_group * sums_bytes));
+    queue_.finish();
+  }
+
   /// A map of triangles, as host/batches/triangle_batch.cpp has it made.
   void triangles() {
     const cl::Buffer corners = written(triangle_numbers());
@@ -212,7 +232,7 @@ class KernelRun {
   /// As host/batches/point_pipe.cpp has them written: as std::vector<MapResult> lies in memory.
   void rows_of(const std::array<cl::Buffer, 3>& coordinates, const std::array<cl::Buffer, 2>& ends) {
     constexpr std::size_t row_bytes = 24;
-    constexpr std::size_t sums_bytes = 40;
+    constexpr std::size_t sums_bytes = 48;
     const cl_ulong size = queries_ - 1;
     const cl_ulong stride = row_bytes / sizeof(double);
     const cl::Buffer memory(context_, CL_MEM_READ_WRITE, row_bytes * size);
@@ -416,9 +436,19 @@ TEST_P(KernelMemoryTest, FindsNothingInColumnsOfPoints) {
   EXPECT_EQ(reported_of(&KernelRun::columns, kernels::embedded_point_sources()), "");
 }
 
+TEST_P(KernelMemoryTest, FindsNothingInAMapInOneStep) {
+  EXPECT_EQ(reported_of(&KernelRun::map_at_once, kernels::embedded_point_map()), "");
+}
+
+TEST_P(KernelMemoryTest, FindsARowOfOneStepBeyondTheEnd) {
+  EXPECT_THAT(reported_of(&KernelRun::map_at_once,
+                          broken(kernels::embedded_point_map(), "if (first >= size) break;", "")),
+              HasSubstr("Invalid"));
+}
+
 TEST_P(KernelMemoryTest, FindsARowBeyondTheEnd) {
-  constexpr std::string_view guard = "if (first >= size) break;\n    const uint count";
-  EXPECT_THAT(reported_of(&KernelRun::map, broken(kernels::embedded_point_sources(), guard, "const uint count")),
+  constexpr std::string_view guard = "if (first >= size) break;\n    const vector3 point";
+  EXPECT_THAT(reported_of(&KernelRun::map, broken(kernels::embedded_point_sources(), guard, "const vector3 point")),
               HasSubstr("Invalid write"));
 }
 

@@ -51,5 +51,7 @@ struct Layer {
 /// Those of the kernels between the caller's memory and those of distances, in the program of points; likewise, but
 /// that a false status, a false sum or a number in the wrong place counts as a false proof.
 [[nodiscard]] std::span<const Mutant> row_mutants();
+/// Likewise of point_map.cl, in the program of maps in one step.
+[[nodiscard]] std::span<const Mutant> point_map_mutants();
 
 }  // namespace verisq::mutation

@@ -12,6 +12,7 @@
 
 #include "host/arithmetic/self_test.hpp"
 #include "kernels/embedded_sources.hpp"
+#include "tests/kernels/point_map_judge.hpp"
 #include "tests/kernels/row_judge.hpp"
 #include "tests/mutation/bound_judge.hpp"
 #include "tests/mutation/depth_judge.hpp"
@@ -219,7 +220,17 @@ TEST_F(ConvexMutationTest, AllOfRowsAreKilled) {
     return found.empty() ? device::false_rows(kernels, kernels.program) : found;
   };
   EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
-  expect_all_killed("point_columns.cl, point_rows.cl", row_mutants(), sources, find);
+  expect_all_killed("caller_memory.clh, row_verdict.clh, point_columns.cl, point_rows.cl", row_mutants(), sources, find);
+}
+
+TEST_F(ConvexMutationTest, AllOfMapsInOneStepAreKilled) {
+  const std::string sources(kernels::embedded_point_map());
+  const Find find = [this](const std::string& text, Arithmetic /*any*/) {
+    const CompiledKernels kernels = compiled(*selection.device, text);
+    return device::false_point_map(kernels, kernels.program);
+  };
+  EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernel";
+  expect_all_killed("point_map.cl", point_map_mutants(), sources, find);
 }
 
 TEST_F(ConvexMutationTest, AllOfTaperedPointsAreKilled) {

@@ -1,4 +1,5 @@
-/// Mutants of point_columns.cl and point_rows.cl: what lies between the caller's memory and the kernels of distances.
+/// Mutants of caller_memory.clh, row_verdict.clh, point_columns.cl, point_rows.cl and point_map.cl: what lies between the
+/// caller's memory and the kernels of distances.
 
 #include <array>
 
@@ -9,12 +10,9 @@ namespace {
 
 constexpr std::array rows{
     Mutant{"columns: not scaled", "select(REAL(FAR_AWAY), y * factor, finite)", "select(REAL(FAR_AWAY), y, finite)"},
-    Mutant{"columns: a coordinate twice", "strided_load(memory_z, offset_z + first * stride_z",
-           "strided_load(memory_y, offset_z + first * stride_z"},
-    Mutant{"columns: another one's offset", "strided_load(memory_z, offset_z + first * stride_z",
-           "strided_load(memory_z, offset_y + first * stride_z"},
-    Mutant{"columns: another one's stride", "strided_load(memory_z, offset_z + first * stride_z, stride_z",
-           "strided_load(memory_z, offset_z + first * stride_z, stride_x"},
+    Mutant{"columns: a coordinate twice", "strided_load(memory.z, memory.offset_z", "strided_load(memory.y, memory.offset_z"},
+    Mutant{"columns: another one's offset", "strided_load(memory.z, memory.offset_z", "strided_load(memory.z, memory.offset_y"},
+    Mutant{"columns: another one's stride", "first * memory.stride_z, memory.stride_z", "first * memory.stride_z, memory.stride_x"},
     Mutant{"columns: every stride is 1", "if (stride == 1) return LOAD(0, memory + first);",
            "return LOAD(0, memory + first);"},
     Mutant{"columns: whole vectors alone",
@@ -22,7 +20,7 @@ constexpr std::array rows{
     Mutant{"columns: lanes beyond the end", "memory[first + min(lane, last) * stride]", "memory[first]"},
     Mutant{"columns: NaN in x is passed on", "MASK(isfinite(x)) & MASK(isfinite(y))", "MASK(isfinite(y))"},
     Mutant{"columns: what is not finite is not told", "if (any(~all_finite)) atomic_or(refused, 1);", ""},
-    Mutant{"columns: only the last vector is told of", "all_finite &= finite;", "all_finite = finite;"},
+    Mutant{"columns: only the last vector is told of", "all_finite &= point.finite;", "all_finite = point.finite;"},
     Mutant{"columns: each work-item skips a vector", "get_global_id(0) * vectors + v;",
            "get_global_id(0) * (vectors + 1) + v;"},
 
@@ -57,17 +55,17 @@ constexpr std::array rows{
     Mutant{"verified: an empty row", "return MASK(lo <= hi) & MASK(hi - lo <= tolerance);",
            "return MASK(hi - lo <= tolerance);"},
     Mutant{"verified: of any width", "return MASK(lo <= hi) & MASK(hi - lo <= tolerance);", "return MASK(lo <= hi);"},
-    Mutant{"verified: the tightest whatever was asked for", "if (tolerance == 0.0) {", "if (tolerance >= 0.0) {"},
+    Mutant{"verified: the tightest whatever was asked for", "if (tolerance == 0.0) limit =", "if (tolerance >= 0.0) limit ="},
     Mutant{"verified: as tight as the methods get", "tolerance == 0.0 ? tightest : verified_rows",
            "tolerance >= 0.0 ? tightest : verified_rows"},
-    Mutant{"tightest: inside as outside", "select(of_outside, REAL(inside), MASK(hi < 0.0))", "of_outside"},
-    Mutant{"tightest: outside as inside", "select(of_outside, REAL(inside), MASK(hi < 0.0))", "REAL(inside)"},
-    Mutant{"tightest: what may be outside as inside", "REAL(inside), MASK(hi < 0.0))",
-           "REAL(inside), MASK(hi < inside))"},
-    Mutant{"tightest: without the radius", "outside * fmax(largest, REAL(radius))", "outside * largest"},
-    Mutant{"tightest: without the coordinate", "outside * fmax(largest, REAL(radius))", "outside * REAL(radius)"},
-    Mutant{"tightest: coordinates in the device's unit", "fabs(LOAD(group, zs))) * inverse;",
-           "fabs(LOAD(group, zs)));"},
+    Mutant{"tightest: inside as outside", "select(of_outside, REAL(criterion.inside), MASK(hi < 0.0))", "of_outside"},
+    Mutant{"tightest: outside as inside", "select(of_outside, REAL(criterion.inside), MASK(hi < 0.0))", "REAL(criterion.inside)"},
+    Mutant{"tightest: what may be outside as inside", "REAL(criterion.inside), MASK(hi < 0.0))",
+           "REAL(criterion.inside), MASK(hi < criterion.inside))"},
+    Mutant{"tightest: without the radius", "criterion.outside * fmax(largest, REAL(criterion.radius))", "criterion.outside * largest"},
+    Mutant{"tightest: without the coordinate", "criterion.outside * fmax(largest, REAL(criterion.radius))",
+           "criterion.outside * REAL(criterion.radius)"},
+    Mutant{"tightest: coordinates in the device's unit", "fabs(point.z)) * inverse;", "fabs(point.z));"},
     Mutant{"status: all that are whole are good", "count == VECTOR_WIDTH && !any(~(good & exact))",
            "count == VECTOR_WIDTH"},
     Mutant{"status: of whole vectors alone", "if (!all) {", "if (false) {"},
@@ -77,27 +75,49 @@ constexpr std::array rows{
            "for (uint lane = 0; lane < VECTOR_WIDTH; ++lane) memory[first + lane * stride] = lanes[lane];"},
     Mutant{"rows: whole vectors alone", "  if (count < VECTOR_WIDTH) {\n    store_first",
            "  if (false) {\n    store_first"},
-    Mutant{"rows: hi beside the other's", "strided_store(hi, memory_hi, offset_hi + first * stride_hi",
-           "strided_store(hi, memory_hi, offset_hi + group * stride_hi"},
-    Mutant{"rows: lo for hi", "strided_store(hi, memory_hi", "strided_store(lo, memory_hi"},
+    Mutant{"rows: hi beside the other's", "memory.offset_hi + first * memory.stride_hi",
+           "memory.offset_hi + first * memory.stride_lo"},
+    Mutant{"rows: lo for hi", "strided_store(hi, memory.hi", "strided_store(lo, memory.hi"},
 
     Mutant{"sums: open rows are in the minimum", "select(REAL(INFINITY), lo, settled)", "lo"},
-    Mutant{"sums: the greatest lower end", "minimum_lo = fmin(minimum_lo,", "minimum_lo = fmax(minimum_lo,"},
-    Mutant{"sums: of hi the last", "minimum_hi = fmin(minimum_hi, select(REAL(INFINITY), hi, settled));",
-           "minimum_hi = select(REAL(INFINITY), hi, settled);"},
-    Mutant{"sums: the smallest width", "own.largest_width = -least_lane(negative_width);",
-           "own.largest_width = least_lane(negative_width);"},
-    Mutant{"sums: the first work-item's alone", "own = sum_of(own, of_items[other]);", ""},
+    Mutant{"sums: the greatest lower end", "fmin(sums->minimum_lo,", "fmax(sums->minimum_lo,"},
+    Mutant{"sums: of hi the last", "fmin(sums->minimum_hi, select(REAL(INFINITY), hi, settled))",
+           "select(REAL(INFINITY), hi, settled)"},
+    Mutant{"sums: the smallest width", "-least_lane(known.negative_width)", "least_lane(known.negative_width)"},
+    Mutant{"sums: the first work-item's alone", "all = sum_of(all, of_items[other]);", ""},
     Mutant{"sums: one work-item's widths", "fmax(a.largest_width, b.largest_width)", "a.largest_width"},
-    Mutant{"sums: lanes beyond the end", "settled = known & (good | tightest);", "settled = good | tightest;"},
-    Mutant{"sums: open rows are passed over", "own.open += lanes_in(known & ~settled);", ""},
-    Mutant{"sums: wide rows are open", "settled = known & (good | tightest);", "settled = known & good;"},
+    Mutant{"sums: lanes beyond the end", "settled = present & (good | tightest);", "settled = good | tightest;"},
+    Mutant{"sums: open rows are passed over", "sums->counted.open += lanes_in(present & ~settled);", ""},
+    Mutant{"sums: wide rows are open", "settled = present & (good | tightest);", "settled = present & good;"},
     Mutant{"sums: wide rows are inside", "lanes_in(settled & ~good & MASK(lo < 0.0))", "lanes_in(settled & ~good)"},
+    Mutant{"sums: what is open is inside", "lanes_in(present & ~settled & MASK(!(lo > 0.0)))",
+           "lanes_in(present & ~settled)"},
+    Mutant{"sums: what is open is outside", "lanes_in(present & ~settled & MASK(!(lo > 0.0)))",
+           "lanes_in(present & ~settled & MASK(lo <= 0.0))"},
     Mutant{"sums: the first lane's", "least = fmin(least, lanes[lane]);", ""},
     Mutant{"sums: lanes once", "count -= (int)lanes[lane];", "count = -(int)lanes[lane];"},
 };
 
+constexpr std::array map{
+    Mutant{"another point's vector", "load_point(first, count - 1, factor, points)",
+           "load_point(first + 1, count - 1, factor, points)"},
+    Mutant{"points as they are", "load_point(first, count - 1, factor, points)",
+           "load_point(first, count - 1, 1.0, points)"},
+    Mutant{"one end alone", "deliver_rows(known.lo, known.hi,", "deliver_rows(known.lo, known.lo,"},
+    Mutant{"each work-item skips a vector", "(get_group_id(0) * vectors + v) * get_local_size(0)",
+           "(get_group_id(0) * (vectors + 1) + v) * get_local_size(0)"},
+    Mutant{"all work-items take one vector", "* get_local_size(0) + get_local_id(0);", "* get_local_size(0);"},
+    Mutant{"what is not finite is not told", "if (any(~all_finite)) atomic_or(refused, 1);", ""},
+    Mutant{"only the last vector is told of", "all_finite &= point.finite;", "all_finite = point.finite;"},
+    Mutant{"the last vector's rows alone are summed", "first, count, criterion, rows, &own);",
+           "first, count, criterion, rows, &own);\n    if (first + count < size) own = no_rows_yet();"},
+};
+
 }  // namespace
+
+std::span<const Mutant> point_map_mutants() {
+  return map;
+}
 
 std::span<const Mutant> row_mutants() {
   return rows;

@@ -1,0 +1,64 @@
+/// Launches of single kernels, with columns that lie anywhere in memory.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/device/device.hpp"
+#include "host/opencl/named_kernel.hpp"
+
+namespace verisq::device {
+
+/// As a device multiplies: a column in memory, read or written from the first of its bytes on.
+struct Layout {
+  std::size_t first;  // of the column's first value, in values
+  std::ptrdiff_t stride;
+};
+
+[[nodiscard]] inline std::size_t extent(const Layout& layout, std::size_t size) {
+  const std::ptrdiff_t last =
+      static_cast<std::ptrdiff_t>(layout.first) + layout.stride * static_cast<std::ptrdiff_t>(size - 1);
+  return std::max<std::size_t>(layout.first, static_cast<std::size_t>(last)) + 1;
+}
+
+[[nodiscard]] inline std::size_t place(const Layout& layout, std::size_t n) {
+  return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(layout.first) +
+                                  layout.stride * static_cast<std::ptrdiff_t>(n));
+}
+
+class Launcher {
+ public:
+  explicit Launcher(const Device& device) : context_(device.context), queue_(device.context, device.device) {}
+
+  template <class Value>
+  [[nodiscard]] cl::Buffer uploaded(const std::vector<Value>& values) const {
+    cl::Buffer buffer(context_, CL_MEM_READ_WRITE, values.size() * sizeof(Value));
+    queue_.enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size() * sizeof(Value), values.data());
+    return buffer;
+  }
+
+  template <class Value>
+  void download(const cl::Buffer& buffer, std::vector<Value>& values) const {
+    queue_.enqueueReadBuffer(buffer, CL_TRUE, 0, values.size() * sizeof(Value), values.data());
+  }
+
+  void launch(const NamedKernel& kernel, std::size_t groups, std::size_t local) const {
+    queue_.enqueueNDRangeKernel(kernel.kernel(), cl::NullRange, cl::NDRange(groups * local), cl::NDRange(local));
+    queue_.finish();
+  }
+
+ private:
+  cl::Context context_;
+  cl::CommandQueue queue_;
+};
+
+inline void set(NamedKernel& kernel, const std::string& name, const cl::Buffer& buffer, const Layout& layout) {
+  kernel.set("memory_" + name, buffer);
+  kernel.set("offset_" + name, layout.first);
+  kernel.set("stride_" + name, static_cast<std::uint64_t>(layout.stride));
+}
+
+}  // namespace verisq::device
