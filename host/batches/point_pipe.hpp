@@ -24,8 +24,8 @@ struct ChunkOutcome {
   std::span<const RowBlock> blocks;  ///< in order, until the next call
 };
 
-/// As Batch: two chunks in flight at most, all calls from one thread; they throw Error(failure) with the name of a
-/// failed OpenCL call.
+/// As Batch, but for how many chunks may be in flight: all calls from one thread; they throw Error(failure) with the
+/// name of a failed OpenCL call.
 class PointPipe {
  public:
   PointPipe() = default;
@@ -33,11 +33,15 @@ class PointPipe {
   PointPipe(const PointPipe&) = delete;
   PointPipe& operator=(const PointPipe&) = delete;
 
-  /// Points that a chunk may hold.
+  /// Points that the next chunk may hold, and that any may.
   [[nodiscard]] virtual std::size_t capacity() const = 0;
+  [[nodiscard]] virtual std::size_t largest_chunk() const { return capacity(); }
+
+  /// Chunks that may be in flight: enough to keep all of it busy.
+  [[nodiscard]] virtual std::size_t depth() const { return 2; }
 
   /// Precondition: at most `capacity()` points, at least one, and as many rows; both stay until the chunk is collected;
-  /// fewer than two chunks in flight.
+  /// fewer than `depth()` chunks in flight.
   virtual void submit(const PointColumns& points, const ResultColumns& rows) = 0;
 
   /// Waits for the oldest chunk in flight: its rows are written, those that are open as wide. Precondition: a chunk is

@@ -392,7 +392,8 @@ void declare_map(Options& options, MapArguments& arguments) {
       "some hundred distances a row");
   options.add("--time-limit", arguments.time_limit, parse_time_limit, "SECONDS",
               "Ends the map this long after its preparation: rows left open are valid, and wide (default: none)");
-  options.add("--device", arguments.device, "DEVICE", device_of_map_explanation);
+  options.add("--device", arguments.device, "DEVICE",
+              fmt::format("{}; of points also several, which share them: 0,1", device_of_map_explanation));
   options.add("--method", arguments.method,
               choice<Method>({{"duality", Method::duality}, {"published", Method::published}}), "METHOD",
               "How the host proves points outside: duality (default), or published: the paper's bisected segment,\n"

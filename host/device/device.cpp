@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <ranges>
 
 #include "host/arithmetic/self_test.hpp"
 #include "host/opencl/cache.hpp"
@@ -149,6 +150,17 @@ const cl::Device* find(const std::vector<cl::Device>& devices, std::string_view 
   return match == devices.end() ? nullptr : &*match;
 }
 
+std::vector<std::string> parts_of(std::string_view request) {
+  std::vector<std::string> parts;
+  for (const auto part : std::views::split(request, ',')) parts.emplace_back(part.begin(), part.end());
+  return parts;
+}
+
+bool all_found(const std::vector<cl::Device>& devices, const std::vector<std::string>& parts) {
+  return std::ranges::all_of(parts,
+                             [&](const std::string& part) { return !part.empty() && find(devices, part) != nullptr; });
+}
+
 std::string known_devices(const std::vector<cl::Device>& devices) {
   std::vector<std::string> known;
   for (std::size_t i = 0; i < devices.size(); ++i)
@@ -164,6 +176,11 @@ Selection select_device(std::string_view request) {
   const std::vector<cl::Device> devices = all_devices();
   if (request == "auto") return select_automatically(devices);
   const cl::Device* const chosen = find(devices, request);
+  if (chosen == nullptr && request.find(',') != std::string_view::npos && all_found(devices, parts_of(request)))
+    throw Error(ErrorKind::input,
+                fmt::format("--device {}: several devices make maps of points about unions of convex solids alone, "
+                            "without certificates; give one",
+                            request));
   if (chosen == nullptr)
     throw Error(ErrorKind::input,
                 fmt::format("--device {}: no such device (known: {})", request, known_devices(devices)));
@@ -172,6 +189,21 @@ Selection select_device(std::string_view request) {
     throw Error(ErrorKind::input, fmt::format("--device {}: {} failed its self-test: {}", request,
                                               chosen->getInfo<CL_DEVICE_NAME>(), tested.failure));
   return {std::move(tested.device), {}};
+}
+
+std::vector<std::string> requests_in(std::string_view request) {
+  const std::vector<cl::Device> devices = request.find(',') == std::string_view::npos ? std::vector<cl::Device>()
+                                                                                       : all_devices();
+  const std::vector<std::string> parts = parts_of(request);
+  if (parts.size() < 2 || find(devices, request) != nullptr || !all_found(devices, parts)) return {std::string(request)};
+  std::vector<const cl::Device*> found;
+  for (const std::string& part : parts) {
+    const cl::Device* const device = find(devices, part);
+    if (std::ranges::find(found, device) != found.end())
+      throw Error(ErrorKind::input, fmt::format("--device {}: {} is named twice", request, part));
+    found.push_back(device);
+  }
+  return parts;
 }
 
 }  // namespace verisq::device

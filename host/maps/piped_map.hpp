@@ -1,16 +1,17 @@
-/// A prover and a device's pipe made ready: a map of points to a union of convex primitives.
+/// A prover and the pipe of a device, or of several, made ready: a map of points to a union of convex primitives.
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <functional>
 #include <future>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "host/batches/batch.hpp"
 #include "host/batches/point_pipe.hpp"
+#include "host/batches/several_pipes.hpp"
 #include "host/device/device.hpp"
 #include "host/maps/chosen_device.hpp"
 #include "host/maps/exact_map.hpp"
@@ -30,9 +31,15 @@ class PipedMap final : public ExactMap<Point> {
            MakeSearch make_search)
       : options_(options),
         prover_(std::move(prover)),
-        chosen_(chosen_device(options, model, {})),
+        chosen_(chosen_devices(options, model)),
         make_search_(std::move(make_search)) {
-    if (chosen_.device) pipe_ = device::point_pipe(*chosen_.device, model, criterion);
+    if (!chosen_.device) return;
+    std::vector<std::unique_ptr<device::PointPipe>> pipes;
+    pipes.push_back(device::point_pipe(*chosen_.device, model, criterion));
+    for (const device::Device& further : chosen_.further)
+      pipes.push_back(device::point_pipe(further, model, criterion));
+    pipe_ = device::several_pipes(std::move(pipes));
+    memories_.resize(pipe_->depth());
   }
 
   MapSummary map(const Source<Point>& source, const Sink<Point>& sink) override {
@@ -95,7 +102,7 @@ class PipedMap final : public ExactMap<Point> {
   ChosenDevice chosen_;
   MakeSearch make_search_;                                            // empty: the host searches
   std::unique_ptr<device::Batch<Point>> search_;                      // nothing until it is asked for
-  std::array<ChunkMemory, 2> memories_;                               // of streams; kept to spare allocations
+  std::vector<ChunkMemory> memories_;                                 // of streams; kept to spare allocations
   std::unique_ptr<device::PointPipe> pipe_;                           // nothing: the host does all
   std::future<std::unique_ptr<device::Batch<Point>>> coming_search_;  // ends before what it uses
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <deque>
 #include <functional>
 #include <span>
 #include <utility>
@@ -36,24 +37,23 @@ class PipedRun {
         pipe_(pipe),
         feed_(feed),
         announce_search_(std::move(announce_search)),
-        pace_(options.out_of_time ? ChunkPace() : ChunkPace::of_blocks(pipe.capacity(), pipe.capacity())),
+        pace_(options.out_of_time ? ChunkPace() : ChunkPace::of_blocks(pipe.largest_chunk(), pipe.largest_chunk())),
         open_(prover, options, no_source_, write_settled_, std::move(search)) {}
 
-  /// While the device works on one chunk, the last is finished and delivered.
+  /// While the device works on the chunks in flight, the last is finished and delivered.
   MapSummary operator()() {
     const Ending ending(pipe_);
     const double earlier_seconds = pipe_.device_seconds();
-    PointChunk current = submitted();
-    while (current.points.size() > 0) {
-      summary_.interrupted = options_.interrupted();
-      const PointChunk next = summary_.interrupted ? nothing() : submitted();
+    std::deque<PointChunk> in_flight;
+    while (fill(in_flight)) {
       const auto start = std::chrono::steady_clock::now();
+      const PointChunk oldest = in_flight.front();
+      in_flight.pop_front();
       const device::ChunkOutcome outcome = pipe_.collect();
-      if (outcome.refused) refuse(current.points);
-      finish(current, outcome.blocks);
+      if (outcome.refused) refuse(oldest.points);
+      finish(oldest, outcome.blocks);
       if (open_.summary().interrupted) break;
       pace_.took(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-      current = next;
     }
     summary_.device_seconds = pipe_.device_seconds() - earlier_seconds;
     add_of(open_.summary());
@@ -78,6 +78,17 @@ class PipedRun {
    private:
     device::PointPipe& pipe_;
   };
+
+  // As many chunks as may be in flight, while there are some; false at the end.
+  bool fill(std::deque<PointChunk>& in_flight) {
+    while (!ended_ && in_flight.size() < pipe_.depth()) {
+      summary_.interrupted = options_.interrupted();
+      const PointChunk next = summary_.interrupted ? nothing() : submitted();
+      ended_ = next.points.size() == 0;
+      if (!ended_) in_flight.push_back(next);
+    }
+    return !in_flight.empty();
+  }
 
   static PointChunk nothing() { return {std::span<const Point>(), std::span<MapResult>()}; }
 
@@ -182,6 +193,7 @@ class PipedRun {
   Announcement announce_search_;
   ChunkPace pace_;
   bool out_of_time_ = false;  // when the next chunk was asked for
+  bool ended_ = false;        // no chunk is asked for any more
   MapSummary summary_ = empty_summary();
 
   // What is open.

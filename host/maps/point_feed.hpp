@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -51,16 +50,17 @@ struct ChunkMemory {
   std::vector<MapResult> rows;
 };
 
-/// From a source, to a sink, through the memory of two chunks: a third one waits until the first is delivered.
+/// From a source, to a sink, through the memory of a few chunks: when all are filled, the next waits until the first is
+/// delivered.
 class StreamFeed {
  public:
-  /// All must outlive this.
-  StreamFeed(const Source<Point>& source, const Sink<Point>& sink, std::array<ChunkMemory, 2>& memories)
+  /// All must outlive this; a memory for each chunk that may be in flight.
+  StreamFeed(const Source<Point>& source, const Sink<Point>& sink, std::span<ChunkMemory> memories)
       : source_(source), sink_(sink), memories_(memories) {}
 
   [[nodiscard]] PointChunk next(std::size_t most) {
     ChunkMemory& memory = memories_[turn_];
-    turn_ = 1 - turn_;
+    turn_ = (turn_ + 1) % memories_.size();
     if (memory.points.size() < most) {
       memory.points.resize(most);
       memory.rows.resize(most);
@@ -82,7 +82,7 @@ class StreamFeed {
  private:
   const Source<Point>& source_;
   const Sink<Point>& sink_;
-  std::array<ChunkMemory, 2>& memories_;
+  std::span<ChunkMemory> memories_;
   std::size_t turn_ = 0;
 };
 

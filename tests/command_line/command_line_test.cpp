@@ -167,6 +167,37 @@ TEST_F(CommandLine, MapsOnTheDefaultDevice) {
   EXPECT_EQ(rows_of(path("map.csv")).size(), 129);
 }
 
+// PoCL makes as many devices of one processor as it is asked for.
+TEST_F(CommandLine, SeveralDevicesShareThePoints) {
+  const EnvironmentVariable devices("POCL_DEVICES", "pthread pthread");
+  std::string text;
+  for (int k = 0; k < 150'000; ++k) text += fmt::format("{},{},{}\n", 1.5 + 1e-5 * k, 0.3 + 1e-6 * k, 2.0 - 1e-5 * k);
+  const auto points = write("points.csv", text);
+  const auto one = run({"map", "--model", ball, "--points", points, "--device", "0", "-o", path("one.csv")});
+  const auto both = run({"map", "--model", ball, "--points", points, "--device", "0,1", "-o", path("both.csv")});
+  EXPECT_EQ(one.status, 0) << one.err;
+  EXPECT_EQ(both.status, 0) << both.err;
+  EXPECT_THAT(both.out, HasSubstr(" and "));
+  EXPECT_EQ(contents(path("both.csv")), contents(path("one.csv")));
+}
+
+TEST_F(CommandLine, SeveralDevicesAreOfPointsAboutConvexSolids) {
+  const EnvironmentVariable devices("POCL_DEVICES", "pthread pthread");
+  const auto mesh = write("mesh.off", tetrahedron);
+  const auto refusal = [&](Arguments arguments) {
+    arguments.insert(arguments.begin(), "map");
+    arguments.insert(arguments.end(), {"-o", path("map.csv")});
+    const auto outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2);
+    return outcome.err;
+  };
+  const std::string sentence = "--device 0,1: several devices make maps of points about unions of convex solids alone";
+  EXPECT_THAT(refusal({"--model", ball, "--mesh", mesh, "--on", "triangles", "--device", "0,1"}), HasSubstr(sentence));
+  EXPECT_THAT(refusal({"--model", ball, "--mesh", mesh, "--certificates", "--device", "0,1"}), HasSubstr(sentence));
+  EXPECT_THAT(refusal({"--model", ball, "--mesh", mesh, "--device", "1,1"}), HasSubstr("--device 1,1: 1 is named twice"));
+  EXPECT_THAT(refusal({"--model", ball, "--mesh", mesh, "--device", "0,7"}), HasSubstr("no such device"));
+}
+
 TEST_F(CommandLine, LeavesFewRowsToTheHostUnlessADeviceIsNamed) {
   const auto points = write("points.csv", points_above(128));
   const auto outcome = run({"map", "--model", ball, "--points", points, "-o", path("map.csv")});

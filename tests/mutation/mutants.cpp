@@ -563,7 +563,8 @@ constexpr std::array interior_depth{
 
 constexpr std::array union_distance{
     // As far as rounding puts the lower ends of points on a face.
-    Mutant{"on a shared face counts as outside", "MASK(!(lo > 0.0))", "MASK(!(lo > -0x1p-30))"},
+    Mutant{"on a shared face counts as outside", "maybe_inside = MASK(!(lo > 0.0))",
+           "maybe_inside = MASK(!(lo > -0x1p-30))"},
     Mutant{"inside by the nearest primitive's depth", "lo = select(lo, -nearest.distance, maybe_inside);", ""},
     Mutant{"greatest lower end", "lo = fmin(lo, LOAD(group, los + i * stride))",
            "lo = fmax(i == 0 ? lo - lo : lo, LOAD(group, los + i * stride))"},
