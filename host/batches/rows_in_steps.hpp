@@ -29,7 +29,9 @@ class RowsInSteps {
  private:
   void enqueue_rows(ChunkQueue& queue, std::size_t size);
   // A graphics processor's work-item takes one point, next to those of its neighbours.
-  [[nodiscard]] std::size_t vectors_of_columns() const { return groups_.group_size == 1 ? groups_.vectors_of_item() : 1; }
+  [[nodiscard]] std::size_t vectors_of_columns() const {
+    return groups_.group_size == 1 ? groups_.vectors_of_item() : 1;
+  }
 
   RowGroups groups_;
   Scale scale_;

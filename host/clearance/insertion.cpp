@@ -12,6 +12,7 @@
 #include <map>
 
 #include "host/maps/summary_count.hpp"
+#include "host/mesh/extent.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/path_check.hpp"
 #include "verify/placement/rigid_path.hpp"
@@ -260,7 +261,7 @@ std::vector<Pose> straight_path(const Pose& last, const Point& direction, double
 Insertion smallest_distance_along(std::span<const Pose> path, const Model& implant, std::span<const Point> bone,
                                   const InsertionOptions& options) {
   check_path(path);
-  const RigidPath rigid_path(path);
+  const RigidPath rigid_path(path, extent_of(bone).centre());
   return PathSearch(rigid_path, implant, options)(bone);
 }
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <ranges>
 
 #include "host/arithmetic/self_test.hpp"
 #include "host/opencl/cache.hpp"
@@ -152,7 +151,11 @@ const cl::Device* find(const std::vector<cl::Device>& devices, std::string_view 
 
 std::vector<std::string> parts_of(std::string_view request) {
   std::vector<std::string> parts;
-  for (const auto part : std::views::split(request, ',')) parts.emplace_back(part.begin(), part.end());
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end != std::string_view::npos; begin = end + 1) {
+    end = request.find(',', begin);
+    parts.emplace_back(request.substr(begin, end - begin));
+  }
   return parts;
 }
 
@@ -192,10 +195,11 @@ Selection select_device(std::string_view request) {
 }
 
 std::vector<std::string> requests_in(std::string_view request) {
-  const std::vector<cl::Device> devices = request.find(',') == std::string_view::npos ? std::vector<cl::Device>()
-                                                                                       : all_devices();
+  const std::vector<cl::Device> devices =
+      request.find(',') == std::string_view::npos ? std::vector<cl::Device>() : all_devices();
   const std::vector<std::string> parts = parts_of(request);
-  if (parts.size() < 2 || find(devices, request) != nullptr || !all_found(devices, parts)) return {std::string(request)};
+  if (parts.size() < 2 || find(devices, request) != nullptr || !all_found(devices, parts))
+    return {std::string(request)};
   std::vector<const cl::Device*> found;
   for (const std::string& part : parts) {
     const cl::Device* const device = find(devices, part);

@@ -30,8 +30,8 @@ struct Selection {
 };
 [[nodiscard]] Selection select_device(std::string_view request);
 
-/// What asks for one device each, of a request for several, indices or parts of names with commas between: at least one.
-/// Names may have commas, too. Throws Error(input) where one asks for no device, or for one that another asks for.
+/// What asks for one device each, of a request for several, indices or parts of names with commas between: at least
+/// one. Names may have commas, too. Throws Error(input) where one asks for no device, or for one that another asks for.
 [[nodiscard]] std::vector<std::string> requests_in(std::string_view request);
 
 }  // namespace verisq::device

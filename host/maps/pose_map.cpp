@@ -3,6 +3,9 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
 
 #include "host/batches/device_model.hpp"
 #include "host/batches/pose_batch.hpp"
@@ -38,7 +41,8 @@ class PoseProver {
   }
 
   [[nodiscard]] CertifiedEnclosure prove(const Pose& pose) const {
-    return {distance_(pose, out_of_time_).distance, {}};
+    const Lent memory(*memories_);
+    return {distance_(pose, *memory, out_of_time_).distance, {}};
   }
 
   // The centre of a primitive lies in it.
@@ -50,11 +54,45 @@ class PoseProver {
   [[nodiscard]] bool witnessed(const Pose& /*pose*/, double /*hi*/, const Certificate& /*none*/) const { return true; }
 
  private:
+  /// One for each thread at work: that of poses which are neighbours, or nearly.
+  class Memories {
+   public:
+    std::unique_ptr<PairDistance::Memory> taken() {
+      const std::lock_guard lock(mutex_);
+      if (free_.empty()) return std::make_unique<PairDistance::Memory>();
+      auto last = std::move(free_.back());
+      free_.pop_back();
+      return last;
+    }
+    void give_back(std::unique_ptr<PairDistance::Memory> memory) {
+      const std::lock_guard lock(mutex_);
+      free_.push_back(std::move(memory));
+    }
+
+   private:
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<PairDistance::Memory>> free_;
+  };
+
+  class Lent {
+   public:
+    explicit Lent(Memories& memories) : memories_(memories), memory_(memories.taken()) {}
+    ~Lent() { memories_.give_back(std::move(memory_)); }
+    Lent(const Lent&) = delete;
+    Lent& operator=(const Lent&) = delete;
+    PairDistance::Memory& operator*() const { return *memory_; }
+
+   private:
+    Memories& memories_;
+    std::unique_ptr<PairDistance::Memory> memory_;
+  };
+
   std::function<bool()> out_of_time_;  // empty: no limit
   double radius_;
   Point centre_a_;
   Point centre_b_;
   PairDistance distance_;
+  std::unique_ptr<Memories> memories_ = std::make_unique<Memories>();
 };
 
 }  // namespace

@@ -47,7 +47,7 @@ struct MapOptions {
   /// is_union_of_convex, without certificates, also several of these with commas between: they share the points, and a
   /// row is that of the device that it fell to.
   std::string device = "auto";
-  bool certificates = false;    ///< deliver what proves each enclosure again; of poses there is nothing
+  bool certificates = false;  ///< deliver what proves each enclosure again; of poses there is nothing
   /// With certificates, of points that are exact about a model that is: prove what single primitives leave wide by
   /// covers (docs/mathematics.md §28), on the host. Models that are not the union of their primitives have no other
   /// certificates.

@@ -13,6 +13,10 @@
 
 namespace verisq {
 
+namespace verify {
+class PairMemory;
+}  // namespace verify
+
 enum class Proximity {
   separated,    ///< proven disjoint: lo > 0
   overlapping,  ///< proven to have a common point: the distance is [0, 0]
@@ -47,6 +51,25 @@ class PairDistance {
   /// Encloses the exact distance of A and of B moved by `pose`, as tightly as the method gives; 0 where they meet.
   /// Where `interrupted`, polled after each pair of primitives, says so, what is proven by then: valid, and wide.
   [[nodiscard]] ModelDistance operator()(const Pose& pose = {}, const std::function<bool()>& interrupted = {}) const;
+
+  /// What earlier poses proved, for the next ones. Not for several threads at once.
+  class Memory {
+   public:
+    Memory();
+    ~Memory();
+    Memory(Memory&&) noexcept;
+    Memory& operator=(Memory&&) noexcept;
+
+   private:
+    friend PairDistance;
+    std::unique_ptr<verify::PairMemory> pairs_;
+  };
+
+  /// The same distance, bit for bit, without a certificate: pairs of primitives that were farther apart than B has
+  /// moved since are passed over. Worth it along a path, of models of many primitives. Precondition: `memory` was of no
+  /// other models.
+  [[nodiscard]] ModelDistance operator()(const Pose& pose, Memory& memory,
+                                         const std::function<bool()>& interrupted = {}) const;
 
   /// The closest points of separated exact models; nothing where a model is uncertain, where `found` is not separated
   /// or not complete, or where `interrupted`, polled before each pair of primitives, says so. Precondition: `found` is

@@ -1,4 +1,5 @@
 /// The program as its user meets it: results, messages and exit status of every case of docs/formats.md.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -194,7 +195,8 @@ TEST_F(CommandLine, SeveralDevicesAreOfPointsAboutConvexSolids) {
   const std::string sentence = "--device 0,1: several devices make maps of points about unions of convex solids alone";
   EXPECT_THAT(refusal({"--model", ball, "--mesh", mesh, "--on", "triangles", "--device", "0,1"}), HasSubstr(sentence));
   EXPECT_THAT(refusal({"--model", ball, "--mesh", mesh, "--certificates", "--device", "0,1"}), HasSubstr(sentence));
-  EXPECT_THAT(refusal({"--model", ball, "--mesh", mesh, "--device", "1,1"}), HasSubstr("--device 1,1: 1 is named twice"));
+  EXPECT_THAT(refusal({"--model", ball, "--mesh", mesh, "--device", "1,1"}),
+              HasSubstr("--device 1,1: 1 is named twice"));
   EXPECT_THAT(refusal({"--model", ball, "--mesh", mesh, "--device", "0,7"}), HasSubstr("no such device"));
 }
 

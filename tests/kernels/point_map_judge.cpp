@@ -17,9 +17,9 @@
 #include "host/batches/row_sums.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "host/opencl/program.hpp"
-#include "verisq/signed_distance.hpp"
 #include "kernels/embedded_sources.hpp"
 #include "tests/kernels/kernel_launch.hpp"
+#include "verisq/signed_distance.hpp"
 
 namespace verisq::device {
 namespace {
@@ -49,15 +49,16 @@ struct Written {
     };
     return same(ends, other.ends) && same(status, other.status) && same(refused, other.refused) &&
            std::ranges::equal(sums, other.sums, [](const RowSums& a, const RowSums& b) {
-             return a.minimum_lo == b.minimum_lo && a.minimum_hi == b.minimum_hi && a.largest_width == b.largest_width &&
-                    a.verified == b.verified && a.wide == b.wide && a.wide_inside == b.wide_inside &&
-                    a.open == b.open && a.open_inside == b.open_inside;
+             return a.minimum_lo == b.minimum_lo && a.minimum_hi == b.minimum_hi &&
+                    a.largest_width == b.largest_width && a.verified == b.verified && a.wide == b.wide &&
+                    a.wide_inside == b.wide_inside && a.open == b.open && a.open_inside == b.open_inside;
            });
   }
 };
 
 Primitive solid_of(double unit) {
-  return {"", {{unit, 1.5 * unit, 0.6 * unit}, {1.0, 1.2}}, {{0.3 * unit, -0.1 * unit, 0.2 * unit}, {0.8, 0.0, 0.6, 0.0}}};
+  return {
+      "", {{unit, 1.5 * unit, 0.6 * unit}, {1.0, 1.2}}, {{0.3 * unit, -0.1 * unit, 0.2 * unit}, {0.8, 0.0, 0.6, 0.0}}};
 }
 
 std::array<std::vector<double>, 3> points_of(const Scene& scene) {
@@ -77,8 +78,7 @@ std::array<std::vector<double>, 3> points_of(const Scene& scene) {
 class Both {
  public:
   Both(const Device& device, const cl::Program& program, const Scene& scene)
-      : device_(device),
-        program_(program),
+      : program_(program),
         scene_(scene),
         launcher_(device),
         model_{"", {solid_of(scene.unit)}},
@@ -181,7 +181,6 @@ class Both {
     kernel.set("of_items", cl::Local(scene_.local * sizeof(RowSums)));
   }
 
-  const Device& device_;
   cl::Program program_;
   Scene scene_;
   Launcher launcher_;
@@ -226,8 +225,8 @@ std::string false_point_map(const Device& device, const cl::Program& program) {
   for (const Scene& scene : scenes()) {
     Both both(device, program, scene);
     if (both.at_once() == both.in_steps(steps)) continue;
-    return fmt::format("{} points, unit {}, tolerance {}, finite {}: not what is found in steps", scene.size, scene.unit,
-                       scene.tolerance, scene.finite);
+    return fmt::format("{} points, unit {}, tolerance {}, finite {}: not what is found in steps", scene.size,
+                       scene.unit, scene.tolerance, scene.finite);
   }
   return {};
 }

@@ -35,8 +35,7 @@ TEST_P(PointRowsTest, RowsAreThoseOfTheHost) {
 }
 
 TEST_P(PointRowsTest, OneStepDoesWhatThreeDo) {
-  const cl::Program program =
-      build_program(device_.context, device_.device, GetParam(), kernels::embedded_point_map());
+  const cl::Program program = build_program(device_.context, device_.device, GetParam(), kernels::embedded_point_map());
   EXPECT_EQ(false_point_map(device_, program), "");
 }
 

@@ -441,9 +441,9 @@ TEST_P(KernelMemoryTest, FindsNothingInAMapInOneStep) {
 }
 
 TEST_P(KernelMemoryTest, FindsARowOfOneStepBeyondTheEnd) {
-  EXPECT_THAT(reported_of(&KernelRun::map_at_once,
-                          broken(kernels::embedded_point_map(), "if (first >= size) break;", "")),
-              HasSubstr("Invalid"));
+  EXPECT_THAT(
+      reported_of(&KernelRun::map_at_once, broken(kernels::embedded_point_map(), "if (first >= size) break;", "")),
+      HasSubstr("Invalid"));
 }
 
 TEST_P(KernelMemoryTest, FindsARowBeyondTheEnd) {

@@ -220,7 +220,8 @@ TEST_F(ConvexMutationTest, AllOfRowsAreKilled) {
     return found.empty() ? device::false_rows(kernels, kernels.program) : found;
   };
   EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
-  expect_all_killed("caller_memory.clh, row_verdict.clh, point_columns.cl, point_rows.cl", row_mutants(), sources, find);
+  expect_all_killed("caller_memory.clh, row_verdict.clh, point_columns.cl, point_rows.cl", row_mutants(), sources,
+                    find);
 }
 
 TEST_F(ConvexMutationTest, AllOfMapsInOneStepAreKilled) {

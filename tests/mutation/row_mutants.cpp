@@ -1,5 +1,5 @@
-/// Mutants of caller_memory.clh, row_verdict.clh, point_columns.cl, point_rows.cl and point_map.cl: what lies between the
-/// caller's memory and the kernels of distances.
+/// Mutants of caller_memory.clh, row_verdict.clh, point_columns.cl, point_rows.cl and point_map.cl: what lies between
+/// the caller's memory and the kernels of distances.
 
 #include <array>
 
@@ -10,9 +10,12 @@ namespace {
 
 constexpr std::array rows{
     Mutant{"columns: not scaled", "select(REAL(FAR_AWAY), y * factor, finite)", "select(REAL(FAR_AWAY), y, finite)"},
-    Mutant{"columns: a coordinate twice", "strided_load(memory.z, memory.offset_z", "strided_load(memory.y, memory.offset_z"},
-    Mutant{"columns: another one's offset", "strided_load(memory.z, memory.offset_z", "strided_load(memory.z, memory.offset_y"},
-    Mutant{"columns: another one's stride", "first * memory.stride_z, memory.stride_z", "first * memory.stride_z, memory.stride_x"},
+    Mutant{"columns: a coordinate twice", "strided_load(memory.z, memory.offset_z",
+           "strided_load(memory.y, memory.offset_z"},
+    Mutant{"columns: another one's offset", "strided_load(memory.z, memory.offset_z",
+           "strided_load(memory.z, memory.offset_y"},
+    Mutant{"columns: another one's stride", "first * memory.stride_z, memory.stride_z",
+           "first * memory.stride_z, memory.stride_x"},
     Mutant{"columns: every stride is 1", "if (stride == 1) return LOAD(0, memory + first);",
            "return LOAD(0, memory + first);"},
     Mutant{"columns: whole vectors alone",
@@ -55,14 +58,17 @@ constexpr std::array rows{
     Mutant{"verified: an empty row", "return MASK(lo <= hi) & MASK(hi - lo <= tolerance);",
            "return MASK(hi - lo <= tolerance);"},
     Mutant{"verified: of any width", "return MASK(lo <= hi) & MASK(hi - lo <= tolerance);", "return MASK(lo <= hi);"},
-    Mutant{"verified: the tightest whatever was asked for", "if (tolerance == 0.0) limit =", "if (tolerance >= 0.0) limit ="},
+    Mutant{"verified: the tightest whatever was asked for",
+           "if (tolerance == 0.0) limit =", "if (tolerance >= 0.0) limit ="},
     Mutant{"verified: as tight as the methods get", "tolerance == 0.0 ? tightest : verified_rows",
            "tolerance >= 0.0 ? tightest : verified_rows"},
     Mutant{"tightest: inside as outside", "select(of_outside, REAL(criterion.inside), MASK(hi < 0.0))", "of_outside"},
-    Mutant{"tightest: outside as inside", "select(of_outside, REAL(criterion.inside), MASK(hi < 0.0))", "REAL(criterion.inside)"},
+    Mutant{"tightest: outside as inside", "select(of_outside, REAL(criterion.inside), MASK(hi < 0.0))",
+           "REAL(criterion.inside)"},
     Mutant{"tightest: what may be outside as inside", "REAL(criterion.inside), MASK(hi < 0.0))",
            "REAL(criterion.inside), MASK(hi < criterion.inside))"},
-    Mutant{"tightest: without the radius", "criterion.outside * fmax(largest, REAL(criterion.radius))", "criterion.outside * largest"},
+    Mutant{"tightest: without the radius", "criterion.outside * fmax(largest, REAL(criterion.radius))",
+           "criterion.outside * largest"},
     Mutant{"tightest: without the coordinate", "criterion.outside * fmax(largest, REAL(criterion.radius))",
            "criterion.outside * REAL(criterion.radius)"},
     Mutant{"tightest: coordinates in the device's unit", "fabs(point.z)) * inverse;", "fabs(point.z));"},

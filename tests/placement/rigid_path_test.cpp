@@ -126,6 +126,52 @@ TEST(RigidPath, BoundsTheLengthOfTheWayTightly) {
   }
 }
 
+/// A path that winds, each leg as long as `step` times `size` at most.
+std::vector<Pose> winding_path(RandomCases& random, std::size_t count, double size, double step) {
+  std::vector<Pose> poses = random_poses(random, count, size);
+  for (std::size_t k = 1; k < count; ++k) {
+    for (std::size_t i = 0; i < 3; ++i)
+      poses[k].translation[i] = poses[k - 1].translation[i] + step * poses[k].translation[i];
+    const Quaternion last = unit(poses[k - 1].quaternion);
+    const Quaternion next = unit(poses[k].quaternion);
+    for (std::size_t i = 0; i < 4; ++i)
+      poses[k].quaternion[i] = (last[i] + Number(step) * next[i]).convert_to<double>();
+  }
+  return poses;
+}
+
+/// Over many legs the bound is by sums that are made once: no shorter than the chords, and for the point that it is
+/// about as tight as leg by leg.
+TEST(RigidPath, BoundsTheLengthOfManyLegs) {
+  RandomCases random(13);
+  for (int n = 0; n < 30; ++n) {
+    const double size = random.log_uniform(1e-3, 1e3);
+    const std::vector<Pose> poses = winding_path(random, 60, size, 0.1);
+    const Point about{size * random.uniform(-2, 2), size * random.uniform(-2, 2), size * random.uniform(-2, 2)};
+    const RigidPath path(poses, about);
+    const double begin = random.uniform(0.0, 20.0);
+    const double end = random.uniform(40.0, 59.0);
+    Point c = about;
+    for (const double apart : {0.0, 1e-3, 1.0, 10.0}) {
+      for (double& coordinate : c) coordinate += apart * size * random.uniform(-1.0, 1.0);
+      Number chords = 0;
+      double by_legs = 0.0;
+      const int count = 240;
+      for (int k = 0; k < count; ++k) {
+        const double from = begin + (end - begin) * k / count;
+        const double to = begin + (end - begin) * (k + 1) / count;
+        chords += distance(exact_local_point(poses, c, from), exact_local_point(poses, c, to));
+        by_legs += path.length_up(c, from, to);
+      }
+      const double bound = path.length_up(c, begin, end);
+      EXPECT_LE(chords, Number(bound)) << apart;
+      if (apart == 0.0) {
+        EXPECT_LE(bound, 1.2 * by_legs);
+      }
+    }
+  }
+}
+
 TEST(RigidPath, KnowsExactlyHowFarTranslationsMove) {
   const std::vector<Pose> poses{{{1.0, 2.0, 3.0}, {2.0, 0.0, 0.0, 0.0}}, {{4.0, 6.0, 3.0}, {3.0, 0.0, 0.0, 0.0}}};
   const double length = RigidPath(poses).length_up({10.0, -20.0, 30.0}, 0.25, 0.75);

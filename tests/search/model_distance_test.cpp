@@ -13,6 +13,7 @@
 #include <verisq/model_distance.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
+#include "verify/search/pair_memory.hpp"
 
 namespace verisq {
 namespace {
@@ -467,6 +468,99 @@ TEST(ModelDistanceTest, IsSymmetric) {
     const Enclosure forward = PairDistance(a, b)().distance;
     const Enclosure backward = PairDistance(b, a)().distance;
     EXPECT_LE(std::max(forward.lo, backward.lo), std::min(forward.hi, backward.hi)) << k;
+  }
+}
+
+// ---------------------------------------------------------------- memory of earlier poses
+
+Model many_balls(std::mt19937_64& generator, std::size_t count) {
+  std::uniform_real_distribution<double> within(-1.0, 1.0);
+  Model result{"", {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    const Superquadric solid{{0.3 + 0.1 * within(generator), 0.3, 0.2}, {1.0 + 0.5 * within(generator), 1.0}};
+    result.primitives.push_back(
+        primitive(solid, {{3.0 * within(generator), 3.0 * within(generator), 3.0 * within(generator)},
+                          {1.0, within(generator), within(generator), within(generator)}}));
+  }
+  return result;
+}
+
+/// Along a path, back and forth, and anywhere: which pairs are passed over must not be seen.
+TEST(ModelDistanceTest, IsTheSameBitByBitWithAMemory) {
+  std::mt19937_64 generator(7);
+  std::uniform_real_distribution<double> within(-1.0, 1.0);
+  const Model a = many_balls(generator, 5);
+  const Model b = many_balls(generator, 4);
+  const PairDistance distance(a, b);
+  PairDistance::Memory memory;
+  Pose pose{{6.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
+  int met = 0;
+  for (int n = 0; n < 600; ++n) {
+    const double step = n % 100 == 99 ? 3.0 : 0.03;
+    for (double& coordinate : pose.translation) coordinate = 0.98 * coordinate + step * within(generator);
+    for (double& element : pose.quaternion) element += step * within(generator);
+    const ModelDistance alone = distance(pose);
+    const ModelDistance with_memory = distance(pose, memory);
+    EXPECT_EQ(with_memory.distance, alone.distance) << n;
+    EXPECT_EQ(with_memory.proximity, alone.proximity) << n;
+    EXPECT_EQ(prove(a, b, pose, alone.certificate), alone.distance) << n;
+    met += alone.proximity == Proximity::overlapping ? 1 : 0;
+  }
+  EXPECT_GT(met, 0);
+  EXPECT_LT(met, 600);
+}
+
+/// What is kept of a pair is a lower bound wherever B goes: beside the exact distance of two balls.
+TEST(PairMemoryTest, KnowsNoMoreThanIsLeft) {
+  std::mt19937_64 generator(8);
+  std::uniform_real_distribution<double> within(-1.0, 1.0);
+  for (const double size : {1e-3, 1.0, 1e3}) {
+    const verify::PosedPrimitives a(model(ball(size)));
+    const verify::PosedPrimitives b(model({{size, 0.5 * size, 0.2 * size}, {1.0, 1.0}}, at(0.3 * size, 0.0, 0.0)));
+    verify::PairMemory memory;
+    Pose pose{{5.0 * size, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
+    const PairDistance exact(model(ball(size)),
+                             model({{size, 0.5 * size, 0.2 * size}, {1.0, 1.0}}, at(0.3 * size, 0, 0)));
+    int known = 0;
+    for (int n = 0; n < 200; ++n) {
+      for (double& coordinate : pose.translation) coordinate += 0.05 * size * within(generator);
+      for (double& element : pose.quaternion) element += 0.05 * within(generator);
+      memory.look_at(verify::PosedPairs(a, b, pose));
+      const Enclosure now = exact(pose).distance;
+      EXPECT_LE(memory.lower({0, 0}), now.hi) << n;
+      known += memory.lower({0, 0}) > 0.0 ? 1 : 0;
+      if (n % 20 == 0) memory.keep({0, 0}, now.lo);
+    }
+    EXPECT_GT(known, 100);
+  }
+}
+
+/// As far as the farthest of many points of the solid's sphere goes, and not much farther.
+TEST(PairMemoryTest, ADisplacementIsNoShorterThanAnyPoints) {
+  std::mt19937_64 generator(9);
+  std::uniform_real_distribution<double> within(-1.0, 1.0);
+  const verify::PosedPrimitives a(model(ball(1.0)));
+  const verify::PosedPrimitives b(model({{2.0, 0.5, 1.0}, {1.0, 1.0}}, {{3.0, 1.0, -2.0}, {0.5, 0.1, 0.2, 0.3}}));
+  for (int n = 0; n < 200; ++n) {
+    const double step = n % 2 == 0 ? 1.0 : 1e-6;
+    const Pose from{{within(generator), within(generator), 1e3 * within(generator)},
+                    {within(generator), within(generator), within(generator), within(generator)}};
+    Pose to = from;
+    for (double& coordinate : to.translation) coordinate += step * within(generator);
+    for (double& element : to.quaternion) element += step * within(generator);
+    const verify::PosedPairs before(a, b, from);
+    const verify::PosedPairs after(a, b, to);
+    const double bound = verify::displacement_up(verify::placement_of(before, 0), verify::placement_of(after, 0));
+    double farthest = 0.0;
+    for (int k = 0; k < 200; ++k) {
+      verify::PreciseVector x = verify::precise(Point{within(generator), within(generator), within(generator)});
+      const auto length = verify::length<verify::Real>(x);
+      for (std::size_t i = 0; i < 3; ++i) x[i] = x[i] / length * before.radius_b(0);
+      const auto way = verify::length<verify::Real>(after.motion_b(0)(x) - before.motion_b(0)(x));
+      farthest = std::max(farthest, way.lower().to_double(verify::Direction::down));
+    }
+    EXPECT_GE(bound, farthest);
+    EXPECT_LE(bound, 3.0 * farthest + 1e-9);
   }
 }
 

@@ -118,13 +118,15 @@ PreciseVector rotation_vector(const Quaternion& from, const Quaternion& to) {
 
 }  // namespace
 
-RigidPath::RigidPath(std::span<const Pose> poses) : poses_(poses.begin(), poses.end()) {
+RigidPath::RigidPath(std::span<const Pose> poses, const Point& about)
+    : poses_(poses.begin(), poses.end()), about_(about), travelled_{{}} {
   for (std::size_t k = 1; k < poses_.size(); ++k) {
     auto& quaternion = poses_[k].quaternion;
     if (sign_of_product(poses_[k - 1].quaternion, quaternion) < 0) {
       for (double& element : quaternion) element = -element;
     }
     legs_.push_back(leg(poses_[k - 1], poses_[k]));
+    travelled_.push_back(travelled_further(travelled_.back(), legs_.back()));
   }
 }
 
@@ -204,7 +206,43 @@ double RigidPath::speed_up(const Leg& leg, const Point& c, double time) {
   return speed < infinity ? speed : infinity;  // also for NaN
 }
 
+// Sums from above and from below lose a rounding each a leg; their difference bounds what lies between two legs.
+RigidPath::Travelled RigidPath::travelled_further(const Travelled& before, const Leg& leg) const {
+  const double way = std::max(speed_up(leg, about_, 0.0), speed_up(leg, about_, 1.0));
+  const auto& w = leg.spin;
+  const double angle = add(length(w[0], w[1], w[2]) * (1.0 + 0x1p-48), leg.spin_error, Direction::up) + smallest_normal;
+  const auto sum = [](const Enclosure& so_far, double next) {
+    return Enclosure{add(so_far.lo, next, Direction::down), add(so_far.hi, next, Direction::up)};
+  };
+  return {sum(before.way, way), sum(before.angle, angle)};
+}
+
+// The speed of c differs from that of `about` by |w x (c - about)| at most, so that on whole legs c travels as far as
+// that point's bound, and the angle times |c - about| farther. Of points near the path's own a bound leg by leg is
+// tighter.
+double RigidPath::length_of_legs_up(const Point& c, double begin, double end) const {
+  const Travelled& from = travelled_[static_cast<std::size_t>(begin)];
+  const Travelled& to = travelled_[static_cast<std::size_t>(end)];
+  const auto between = [](const Enclosure& first, const Enclosure& last) {
+    return subtract(last.hi, first.lo, Direction::up);
+  };
+  const double apart = length(c[0] - about_[0], c[1] - about_[1], c[2] - about_[2]) * (1.0 + 0x1p-48) +
+                       0x1p-50 * (one_norm(c) + one_norm(about_)) + smallest_normal;
+  const double turned = multiply(between(from.angle, to.angle), apart, Direction::up);
+  const double bound = add(between(from.way, to.way), turned, Direction::up);
+  return bound < infinity ? bound : infinity;  // also for NaN
+}
+
 double RigidPath::length_up(const Point& c, double begin, double end) const {
+  constexpr double few = 16.0;  // legs, which are worth a look at each
+  const double first = std::ceil(begin);
+  const double last = std::floor(end);
+  if (!(last - first > few)) return length_leg_by_leg_up(c, begin, end);
+  const double ends = add(length_leg_by_leg_up(c, begin, first), length_leg_by_leg_up(c, last, end), Direction::up);
+  return add(ends, length_of_legs_up(c, first, last), Direction::up);
+}
+
+double RigidPath::length_leg_by_leg_up(const Point& c, double begin, double end) const {
   double length = 0.0;
   for (double time = begin; time < end;) {
     const double pose_before = std::floor(time);

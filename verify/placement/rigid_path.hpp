@@ -6,6 +6,7 @@
 
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/rigid_motion.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 
 namespace verisq::verify {
@@ -27,8 +28,9 @@ class RigidPath {
     double reach = 0.0;  ///< sum of the magnitudes of what was added up to the translation, where it was
   };
 
-  /// Precondition: at least one pose; each finite, with a quaternion that is not zero.
-  explicit RigidPath(std::span<const Pose> poses);
+  /// Lengths of many legs are as tight as the points are near to `about`. Precondition: at least one pose; each finite,
+  /// with a quaternion that is not zero.
+  explicit RigidPath(std::span<const Pose> poses, const Point& about = {});
 
   [[nodiscard]] double last_time() const { return static_cast<double>(poses_.size() - 1); }
 
@@ -44,8 +46,8 @@ class RigidPath {
   /// R^T (c - t)
   [[nodiscard]] static PointBall local_point(const NearestPose& pose, const Point& c);
 
-  /// No smaller than the length of the way of R^T (c - t) between two times; infinite on overflow. Precondition: 0 <=
-  /// begin <= end <= last_time().
+  /// No smaller than the length of the way of R^T (c - t) between two times, in a time that does not depend on the
+  /// number of legs; infinite on overflow. Precondition: 0 <= begin <= end <= last_time().
   [[nodiscard]] double length_up(const Point& c, double begin, double end) const;
 
  private:
@@ -58,11 +60,21 @@ class RigidPath {
     double reach;       ///< |t|_1 at the begin, plus that at the end
   };
 
+  /// Of all legs before one: how far `about` travels, and by how much all turn, each from below and from above.
+  struct Travelled {
+    Enclosure way, angle;
+  };
+
   [[nodiscard]] static Leg leg(const Pose& from, const Pose& to);
+  [[nodiscard]] Travelled travelled_further(const Travelled& before, const Leg& leg) const;
+  [[nodiscard]] double length_of_legs_up(const Point& c, double begin, double end) const;
+  [[nodiscard]] double length_leg_by_leg_up(const Point& c, double begin, double end) const;
   [[nodiscard]] static double speed_up(const Leg& leg, const Point& c, double time);
 
   std::vector<Pose> poses_;  ///< consecutive quaternions at most a right angle apart, as vectors of four
+  Point about_;
   std::vector<Leg> legs_;
+  std::vector<Travelled> travelled_;  ///< before each leg, and after the last
 };
 
 }  // namespace verisq::verify

@@ -16,6 +16,7 @@
 #include "verify/search/closest_points.hpp"
 #include "verify/search/near_pairs.hpp"
 #include "verify/search/pair_contact.hpp"
+#include "verify/search/pair_memory.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq {
@@ -82,32 +83,72 @@ class PairQuery {
   PairBounds bounds_;
 };
 
-/// As PairDistance says, of exact models.
-ModelDistance exact_distance(const PosedPairs& pairs, const std::function<bool()>& interrupted) {
+/// A pair that may be the nearest, and what is found of it.
+struct LookedAt {
+  PairQuery query;
+  PairResult found;
+  double sphere_bound;
+};
+
+std::string name_of(PrimitivePair pair) {
+  return "the distance of primitives " + std::to_string(pair.a) + " and " + std::to_string(pair.b);
+}
+
+/// The pairs in `order`, but the one that decided the last distance first.
+std::vector<Candidate> last_nearest_first(std::vector<Candidate> order, const NearPairs& near,
+                                          const std::optional<PrimitivePair>& nearest) {
+  if (!nearest) return order;
+  const auto is_nearest = [&](const Candidate& candidate) {
+    const PrimitivePair& pair = near.pairs[candidate.index];
+    return pair.a == nearest->a && pair.b == nearest->b;
+  };
+  const auto at = std::ranges::find_if(order, is_nearest);
+  if (at != order.end()) std::rotate(order.begin(), at, at + 1);
+  return order;
+}
+
+/// As PairDistance says, of exact models. Which pairs are passed over changes nothing but the time: none of them is
+/// nearer than what is found.
+ModelDistance exact_distance(const PosedPairs& pairs, PairMemory& memory, const std::function<bool()>& interrupted) {
+  memory.look_at(pairs);
   const NearPairs near = near_pairs(pairs);
   ModelDistance result{{near.others, infinity}, Proximity::undecided, {}};
   auto& [distance, proximity, certificate, complete] = result;
   const auto sphere_bound = [&](std::size_t k) { return pairs.lower_by_spheres(near.pairs[k].a, near.pairs[k].b); };
-  for (const auto& [bound, k] : nearest_spheres_first(near.pairs.size(), sphere_bound)) {
-    if (bound > distance.hi) break;  // neither this pair nor a later one can be the nearest
-    if (interrupted && !certificate.separations.empty() && interrupted()) {
-      distance.lo = std::min(distance.lo, std::max(0.0, bound));
-      complete = false;
-      break;
-    }
+  std::vector<LookedAt> all;
+  for (const auto& [bound, k] :
+       last_nearest_first(nearest_spheres_first(near.pairs.size(), sphere_bound), near, memory.nearest())) {
     const PrimitivePair pair = near.pairs[k];
-    const auto what = [pair] {
-      return "the distance of primitives " + std::to_string(pair.a) + " and " + std::to_string(pair.b);
-    };
-    const PairQuery query(pairs, pair.a, pair.b);
-    PairResult found = query.fast();
-    if (found.common && pairs.share(*found.common)) {
-      return {intersection({0.0, 0.0}, {bound, infinity}, what), Proximity::overlapping, {{}, found.common}, true};
+    if (bound > distance.hi || memory.lower(pair) > distance.hi) continue;  // this pair cannot be the nearest
+    complete = complete && !(interrupted && !all.empty() && interrupted());
+    if (!complete) {
+      distance.lo = std::min(distance.lo, std::max(0.0, bound));
+      continue;
     }
-    if (!(found.distance.width() <= kExpectedWidth * query.magnitude(found))) found = query.thorough(found);
-    found.distance = between(std::max({0.0, bound, found.distance.lo}), found.distance.hi, what);
+    const PairQuery query(pairs, pair.a, pair.b);
+    const PairResult found = query.fast();
+    if (found.common && pairs.share(*found.common)) {
+      return {intersection({0.0, 0.0}, {bound, infinity}, [pair] { return name_of(pair); }),
+              Proximity::overlapping,
+              {{}, found.common},
+              true};
+    }
+    distance.hi = std::min(distance.hi, found.distance.hi);
+    all.push_back({query, found, bound});
+  }
+  for (auto& [query, found, bound] : all) {
+    const bool may_be_nearest = !(found.distance.lo > distance.hi);
+    const bool tight = found.distance.width() <= kExpectedWidth * query.magnitude(found);
+    if (may_be_nearest && !tight && complete) found = query.thorough(found);
+    const PrimitivePair pair{found.separation.primitive_a, found.separation.primitive_b};
+    found.distance =
+        between(std::max({0.0, bound, found.distance.lo}), found.distance.hi, [pair] { return name_of(pair); });
+    memory.keep(pair, found.distance.lo);
     certificate.separations.push_back(found.separation);
-    if (found.distance.hi < distance.hi) std::swap(certificate.separations.front(), certificate.separations.back());
+    if (found.distance.hi <= distance.hi) {
+      std::swap(certificate.separations.front(), certificate.separations.back());
+      memory.keep_nearest(pair);
+    }
     distance.lo = std::min(distance.lo, found.distance.lo);
     distance.hi = std::min(distance.hi, found.distance.hi);
   }
@@ -139,13 +180,22 @@ PairDistance::~PairDistance() = default;
 PairDistance::PairDistance(PairDistance&&) noexcept = default;
 PairDistance& PairDistance::operator=(PairDistance&&) noexcept = default;
 
+PairDistance::Memory::Memory() : pairs_(std::make_unique<PairMemory>()) {}
+PairDistance::Memory::~Memory() = default;
+PairDistance::Memory::Memory(Memory&&) noexcept = default;
+PairDistance::Memory& PairDistance::Memory::operator=(Memory&&) noexcept = default;
+
 ModelDistance PairDistance::operator()(const Pose& pose, const std::function<bool()>& interrupted) const {
   const MemberBounds& bounds = state_->bounds;
   const Bracketed<PosedPrimitives>& a = state_->a;
   const Bracketed<PosedPrimitives>& b = state_->b;
-  const auto between_smallest = [&] { return exact_distance(PosedPairs(a.smallest, b.smallest, pose), interrupted); };
+  const auto exactly = [&](const PosedPrimitives& one, const PosedPrimitives& other) {
+    PairMemory nothing;
+    return exact_distance(PosedPairs(one, other, pose), nothing, interrupted);
+  };
+  const auto between_smallest = [&] { return exactly(a.smallest, b.smallest); };
   if (bounds.exact()) return between_smallest();
-  const ModelDistance largest = exact_distance(PosedPairs(a.of_largest(), b.of_largest(), pose), interrupted);
+  const ModelDistance largest = exactly(a.of_largest(), b.of_largest());
   const ModelDistance smallest = a.largest || b.largest ? between_smallest() : largest;
   const Enclosure distance = between(bounds.unsigned_lower(largest.distance.lo), bounds.upper(smallest.distance.hi),
                                      [] { return "the distance of the uncertain models"; });
@@ -154,6 +204,15 @@ ModelDistance PairDistance::operator()(const Pose& pose, const std::function<boo
                               : distance.hi == 0.0 ? Proximity::overlapping
                                                    : Proximity::undecided;
   return {distance, proximity, {}, largest.complete && smallest.complete};
+}
+
+ModelDistance PairDistance::operator()(const Pose& pose, Memory& memory,
+                                       const std::function<bool()>& interrupted) const {
+  if (!state_->bounds.exact()) return (*this)(pose, interrupted);
+  const PosedPairs pairs(state_->a.smallest, state_->b.smallest, pose);
+  ModelDistance found = exact_distance(pairs, *memory.pairs_, interrupted);
+  found.certificate = {};
+  return found;
 }
 
 std::optional<ClosestPoints> PairDistance::closest_points(const ModelDistance& found, const Pose& pose,
