@@ -40,8 +40,8 @@ Model bitten_sphere() {
           SetExpression{{leaf(0), leaf(1)}, SetOperation::subtract}};
 }
 
-Model bent_stem() {
-  return {"", {{"stem", {{6.0, 9.0, 60.0}, {0.4, 0.9}}, {}, Bend{0.004, 70.0}}}};
+Model bent_stem(double taper = 1.0) {
+  return {"", {{"stem", {{6.0, 9.0, 60.0}, {0.4, 0.9}, taper}, {}, Bend{0.004, 70.0}}}};
 }
 
 struct Task {
@@ -147,6 +147,8 @@ std::deque<Task> tasks() {
   add("bitten sphere", bitten_sphere());
   add("bent stem", bent_stem());
   add("bent stem, bored head", read_model(VERISQ_BENT_STEM));
+  add("tapered bent stem", bent_stem(2.0));
+  add("tapered bent shaft, body, head", read_model(VERISQ_BENT_TAPERED_STEM));
   return all;
 }
 
@@ -160,6 +162,8 @@ std::deque<TriangleTask> triangle_tasks() {
   add("bitten sphere", bitten_sphere());
   add("bent stem", bent_stem());
   add("bent stem, bored head", read_model(VERISQ_BENT_STEM));
+  add("tapered bent stem", bent_stem(2.0));
+  add("tapered bent shaft, body, head", read_model(VERISQ_BENT_TAPERED_STEM));
   return all;
 }
 

@@ -20,16 +20,7 @@
 
 // The point of K closest to t, both in the axes of the bend.
 NEVER_INLINE vector3 closest_in_solid(vector3 t, MODEL_SPACE const box_primitive* p) {
-  MODEL_SPACE const superquadric* s = &p->solid;
-  const vector3 own = to_own_axes(t, p);
-  const vector3 size = magnitudes(own);
-  const vector3 log_size = {log_or_lowest(size.x), log_or_lowest(size.y), log_or_lowest(size.z)};
-  const radial_start start = start_radially(log_size, s);
-  const vector3 v =
-      vector_from_closest_point(size, project(log_size, start.unknowns, ~start.inside, CONVERGED_STEP, s));
-  const vector3 on_surface = {own.x - copysign(v.x, own.x), own.y - copysign(v.y, own.y), own.z - copysign(v.z, own.z)};
-  const vector3 closest = select_vector(on_surface, own, start.inside);
-  return to_bend_axes(closest, p);
+  return to_bend_axes(closest_of_solid(to_own_axes(t, p), &p->solid), p);
 }
 
 // Proposes the closest point by projected gradient steps: half the Hessian of f has the diagonal 1, 1, W W_q cos.
@@ -70,10 +61,15 @@ typedef struct {
   real between; // largest |D + d / 2|
 } angles_of_solid;
 
-// All of K: |gamma| <= along.
+// |gamma| of K is at most this: a rounded focus may move its ends by as much as the solid differs.
+ALWAYS_INLINE real along_up(MODEL_SPACE const box_primitive* p) {
+  const real end = add_up(REAL(p->solid.semi_axes[2]), REAL(p->solid.taper_error));
+  return mul_up(REAL(p->curvature), end);
+}
+
 ALWAYS_INLINE angles_of_solid angles_of_all(interval gamma_0, interval gamma_q, interval apart,
                                             MODEL_SPACE const box_primitive* p) {
-  const real along = mul_up(REAL(p->curvature), REAL(p->solid.semi_axes[2]));
+  const real along = along_up(p);
   const real ahead = select(REAL(0.0), sub_up(along, gamma_0.lo), MASK(apart.hi > 0.0));
   const real behind = select(REAL(0.0), add_up(along, gamma_0.hi), MASK(apart.lo < 0.0));
   const interval halved = interval_mul(gamma_0, interval_of(REAL(0.5), REAL(0.5)));
@@ -91,7 +87,7 @@ ALWAYS_INLINE angles_of_solid angles_of_all(interval gamma_0, interval gamma_q, 
 // and at most the tangent.
 ALWAYS_INLINE angles_of_solid angles_nearby(angles_of_solid all, interval apart, interval gamma_q, real w_q, real upper,
                                             MODEL_SPACE const box_primitive* p) {
-  const real along = mul_up(REAL(p->curvature), REAL(p->solid.semi_axes[2]));
+  const real along = along_up(p);
   const real sine = div_up(mul_up(REAL(p->curvature), upper), w_q);
   const real cosine = sqrt_down(sub_down(REAL(1.0), mul_up(sine, sine)));
   const real angle = div_up(sine, cosine);
@@ -126,24 +122,24 @@ ALWAYS_INLINE interval distance_by_point(vector3 q, unbent unbent_q, vector3 at,
   const unbent x = unbend_point(at, p->curvature);
   const interval3 d = difference_of(at, q);
   const interval3 gradient = half_gradient_enclosed(d, x);
-  const interval3 place = unbent_place(x, at.y);
+  const interval3 place = about_focus_enclosed(unbent_place(x, at.y), &p->solid);
   const interval along =
       interval_add(interval_mul(gradient.x, place.x),
                    interval_add(interval_mul(gradient.y, place.y), interval_mul(gradient.z, place.z)));
-  const vector3 v = upper_ends(sizes_of(enclosed_in_own_axes(gradient, p)));
-  const vector3 own = upper_ends(sizes_of(enclosed_in_own_axes(place, p)));
+  const interval3 v = enclosed_in_own_axes(opposite_of(gradient), p);
+  const interval3 own = enclosed_in_own_axes(place, p);
   const interval3 apart = sizes_of(d);
 
-  const real log_gauge = log_gauge_up(own, &p->solid);
-  // (1 - L) x_0 lies in K for L = max(log g(x_0), 0) <= 1 (superquadric.clh, distance_up), and bending moves it from p
-  // by at most twice its way from x_0: 1 - k r <= 2 near K.
-  const real outside = fmax(log_gauge, REAL(0.0));
-  const real moved = mul_up(REAL(2.0), mul_up(outside, length_up(own)));
+  const real excess = excess_up_at(own, &p->solid);
+  // (1 - e) x_0 lies in K for e = max(excess, 0) <= 1, and bending moves it from p by at most twice its way from x_0:
+  // 1 - k r <= 2 near K.
+  const real outside = fmax(excess, REAL(0.0));
+  const real moved = mul_up(REAL(2.0), mul_up(outside, length_up(upper_ends(sizes_of(own)))));
   const real farthest = add_up(length_up(upper_ends(apart)), moved);
-  const integer near = MASK(log_gauge <= 0.5 * NEIGHBOURHOOD) & MASK(farthest <= DBL_MAX);
+  const integer near = MASK(excess <= 0.5 * NEIGHBOURHOOD) & MASK(farthest <= DBL_MAX);
   const real upper = select(REAL(INFINITY), farthest, near);
 
-  const real loss = mul_up(REAL(2.0), add_up(support_up(v, &p->solid), along.hi));
+  const real loss = mul_up(REAL(2.0), add_up(support_over_up(v, own, &p->solid), along.hi));
   const vector3 least = lower_ends(apart);
   const real square = sub_down(dot_down(least, least), loss);
   const integer valid = above_tangent(x, unbent_q, upper, p) & MASK(square >= 0.0) & MASK(square <= DBL_MAX);
@@ -204,7 +200,7 @@ ALWAYS_INLINE void take_inside(uint start, uint size, block_counts counts, globa
 // A point in the frame of the bend, and unbent.
 typedef struct {
   vector3 q;
-  real frame_error;
+  real error; // of distances: of the frame, and of what is bent
   unbent u;
   vector3 middle; // of u
   integer usable;
@@ -215,11 +211,11 @@ ALWAYS_INLINE bent_query query_at(vector3 x, MODEL_SPACE const box_primitive* p)
   const vector3 q = {dot3(p->frame[0], p->frame[1], p->frame[2], d), dot3(p->frame[3], p->frame[4], p->frame[5], d),
                      dot3(p->frame[6], p->frame[7], p->frame[8], d)};
   const real size = add_up(fabs(d.x), add_up(fabs(d.y), fabs(d.z)));
-  const real frame_error = fma_up(REAL(p->frame_error), size, REAL(0x1p-1000));
+  const real of_frame = fma_up(REAL(p->frame_error), size, REAL(0x1p-1000));
   const unbent u = unbend_point(q, p->curvature);
   const vector3 middle = {middle_of(u.r), q.y, middle_of(u.z)};
   const integer usable = MASK(fabs(middle.x) <= DBL_MAX) & MASK(fabs(middle.z) <= DBL_MAX);
-  const bent_query query = {q, frame_error, u, middle, usable};
+  const bent_query query = {q, add_up(of_frame, bent_solid_error(&p->solid)), u, middle, usable};
   return query;
 }
 
@@ -227,8 +223,8 @@ ALWAYS_INLINE bent_query query_at(vector3 x, MODEL_SPACE const box_primitive* p)
 ALWAYS_INLINE void scatter_evidence(interval distance, vector3 normal, bent_query query, uint count,
                                     const lane_indices* indices, evidence_columns columns) {
   const integer usable = query.usable;
-  scatter(select(REAL(-INFINITY), sub_down(distance.lo, query.frame_error), usable), count, indices, columns.los);
-  scatter(select(REAL(INFINITY), add_up(distance.hi, query.frame_error), usable), count, indices, columns.his);
+  scatter(select(REAL(-INFINITY), sub_down(distance.lo, query.error), usable), count, indices, columns.los);
+  scatter(select(REAL(INFINITY), add_up(distance.hi, query.error), usable), count, indices, columns.his);
   const vector3 known = where(usable, normal);
   scatter(known.x, count, indices, columns.normal_xs);
   scatter(known.y, count, indices, columns.normal_ys);
@@ -259,7 +255,7 @@ kernel void bent_distance(ulong groups, uint groups_per_block, global const doub
     const vector3 apart = {x.q.x - at.x, x.q.y - at.y, x.q.z - at.z};
     scatter_evidence(found, apart, x, min(counts.outside - start, (uint)VECTOR_WIDTH), &indices, columns);
   }
-  if (p->solid.p_down[0] < 2.0 || p->solid.p_down[1] < 2.0) return; // bent_depth.clh is for others
+  if (!has_depths_by_balls(&p->solid)) return;
   for (uint start = 0; start < counts.inside; start += VECTOR_WIDTH) {
     take_inside(start, size, counts, own, &indices);
     const bent_query x = query_at(gathered_point(&indices, xs, ys, zs), p);

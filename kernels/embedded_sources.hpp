@@ -29,6 +29,8 @@ namespace verisq::kernels {
 [[nodiscard]] std::string_view embedded_solid_layers();
 [[nodiscard]] std::string_view embedded_tapered_solid_layers();
 [[nodiscard]] std::string_view embedded_bent_distance();
+/// Likewise, where a primitive is both tapered and bent.
+[[nodiscard]] std::string_view embedded_tapered_bent_distance();
 [[nodiscard]] std::string_view embedded_set_bounds();
 [[nodiscard]] std::string_view embedded_solid_distance();
 [[nodiscard]] std::string_view embedded_octree();

@@ -56,8 +56,10 @@ BoxPrimitiveParameters box_primitive_parameters(const Primitive& primitive, int 
   out.solid = primitive_parameters(primitive, scale_exponent);
   set_frame(out, primitive);
   out.curvature = primitive.bend ? std::ldexp(std::abs(primitive.bend->curvature), -scale_exponent) : 0.0;
-  // |r| <= |(x, y)| <= a1 + a2
-  out.least_w = round_down(1 - Extended(out.curvature) * (Extended(out.solid.semi_axes[0]) + out.solid.semi_axes[1]));
+  // |r| <= |(x, y)| <= a1 + a2, times what the widest section of a tapered solid is larger by
+  const Extended widest = (1 + abs(Extended(out.solid.taper))) * (1 + Extended(0x1p-50));
+  const Extended across = widest * (Extended(out.solid.semi_axes[0]) + out.solid.semi_axes[1]);
+  out.least_w = round_down(1 - Extended(out.curvature) * across);
   for (std::size_t i = 0; i < 3; ++i) out.inverse_axes_down[i] = round_down(1 / Extended(out.solid.semi_axes[i]));
   for (std::size_t i = 0; i < 2; ++i) {
     out.p_up[i] = round_up(2 / Extended(primitive.superquadric.exponents[i]));

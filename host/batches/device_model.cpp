@@ -60,13 +60,6 @@ std::string why_not_on_devices(const Model& model) {
                                     : "the model's sizes span more than the device's kernels are made for";
 }
 
-std::string why_not_in_cubes(const Model& model) {
-  const bool both = std::ranges::any_of(model.primitives, [](const Primitive& primitive) {
-    return is_bent(primitive) && is_tapered(primitive.superquadric);
-  });
-  return both ? "the device's kernels know no cubes of solids both tapered and bent: the host does all" : std::string();
-}
-
 std::string why_not_as_triangles_or_pairs(const Model& model) {
   return verify::has_taper(model) ? "the device's kernels know points about tapered solids alone: the host does all"
                                   : std::string();

@@ -13,8 +13,6 @@ namespace verisq::device {
 
 /// Why only the host can make maps and octrees of it; empty where devices can.
 [[nodiscard]] std::string why_not_on_devices(const Model& model);
-/// Likewise, for octrees and for the search of bends and set operations.
-[[nodiscard]] std::string why_not_in_cubes(const Model& model);
 /// Likewise, for triangles and pairs.
 [[nodiscard]] std::string why_not_as_triangles_or_pairs(const Model& model);
 

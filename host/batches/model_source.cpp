@@ -147,7 +147,10 @@ std::string model_source(const Model& model, std::string_view entry_points) {
 }
 
 std::string solid_source(const Model& model) {
-  std::string entry_points(kernels::embedded_bent_distance());
+  const bool both = std::ranges::any_of(model.primitives, [](const Primitive& primitive) {
+    return is_bent(primitive) && is_tapered(primitive.superquadric);
+  });
+  std::string entry_points(both ? kernels::embedded_tapered_bent_distance() : kernels::embedded_bent_distance());
   entry_points += kernels::embedded_set_bounds();
   entry_points += kernels::embedded_solid_distance();
   return model_source(model, entry_points);

@@ -36,6 +36,13 @@ constexpr double share_of_depth = 0.25;
 /// Rounds of halving before whole triangles are asked for: about tapered solids they are the host's, a thousand times
 /// slower than points, which leave few of them open by then.
 constexpr int rounds_of_tapered = 6;
+/// Of bends and set operations whole triangles are searched, which takes as long as so many rounds of samples or more.
+constexpr int rounds_of_searched = 10;
+
+int rounds_before_whole_triangles_of(const Model& model) {
+  if (!is_union_of_convex(model)) return rounds_of_searched;
+  return verify::has_taper(model) ? rounds_of_tapered : 0;
+}
 
 /// A part of a triangle, by its corners to nearest; a thin one by its longest side, whose end comes twice then.
 struct Piece {
@@ -170,11 +177,11 @@ class MeshSearch {
     }
   }
 
-  /// Whole triangles, too, bound what they hold: where `distances` are those to the model, a union of convex solids,
-  /// which must outlive the search.
+  /// Whole triangles, too, bound what they hold: where `distances` are those to the model, which must outlive the
+  /// search.
   void use_whole_triangles(const Model& model) {
     whole_triangles_of_ = &model;
-    rounds_before_whole_triangles_ = verify::has_taper(model) ? rounds_of_tapered : 0;
+    rounds_before_whole_triangles_ = rounds_before_whole_triangles_of(model);
   }
 
   /// The samples are about right only: their bounds may contradict each other.
@@ -202,7 +209,9 @@ class MeshSearch {
   /// the whole triangle proves at once; of those that do it is 0, above the smallest signed one. Returns the former, by
   /// triangle, and no bound for others.
   [[nodiscard]] std::vector<double> distances_of_whole(std::span<const std::uint32_t> triangles) {
-    TriangleMapper mapper(*whole_triangles_of_, {.tolerance = share_of_samples * options_.tolerance,
+    const bool certified = is_union_of_convex(*whole_triangles_of_);
+    TriangleMapper mapper(*whole_triangles_of_, {.tolerance = certified ? share_of_samples * options_.tolerance
+                                                                        : tolerance_of_samples(options_),
                                                  .device = options_.device,
                                                  .interrupted = options_.interrupted});
     std::vector<Triangle> corners;
@@ -344,7 +353,7 @@ class MeshSearch {
 MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshClearanceOptions& options) {
   if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
   MeshSearch search(distances_to(model, options), mesh, options, true);
-  if (is_union_of_convex(model)) search.use_whole_triangles(model);
+  search.use_whole_triangles(model);
   return search();
 }
 

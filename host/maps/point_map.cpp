@@ -126,8 +126,7 @@ device::RowCriterion criterion(const MapOptions& options, double radius, bool se
 
 std::unique_ptr<ExactMap<Point>> point_map(const Model& model, const MapOptions& options) {
   using Map = PreparedMap<Point, PointProver>;
-  std::string unsuited = device::why_not_in_cubes(model);
-  if (unsuited.empty()) unsuited = device::why_not_compiled(model);
+  std::string unsuited = device::why_not_compiled(model);
   if (!is_union_of_convex(model)) {
     if (options.certificates) unsuited = "certificates of bent solids and set operations are the host's";
     const auto make_batch = [&](const device::Device& device) {

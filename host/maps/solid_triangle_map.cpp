@@ -73,8 +73,7 @@ class SolidTriangleProver {
 }  // namespace
 
 std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options) {
-  std::string unsuited = device::why_not_in_cubes(model);
-  if (unsuited.empty()) unsuited = device::why_not_compiled(model);
+  const std::string unsuited = device::why_not_compiled(model);
   const auto make_batch = [&](const device::Device& device) {
     const double tolerance = searched_tolerance(options, bounding_radius(model));
     return device::solid_triangle_batch(device, model, tolerance, options.out_of_time);

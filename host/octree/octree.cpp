@@ -40,8 +40,7 @@ struct OctreeBuilder::State {
     const device::Selection selection = device::select_device(options.device);
     notice = selection.notice;
     if (!selection.device) return;
-    for (std::string reason :
-         {device::why_not_on_devices(model), device::why_not_in_cubes(model), device::why_not_compiled(model)}) {
+    for (std::string reason : {device::why_not_on_devices(model), device::why_not_compiled(model)}) {
       if (reason.empty()) continue;
       notice = std::move(reason);
       return;

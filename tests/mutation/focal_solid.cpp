@@ -28,6 +28,29 @@ device::PrimitiveParameters loosened(device::PrimitiveParameters parameters) {
   return parameters;
 }
 
+device::BoxPrimitiveParameters with_wide_bounds(const Primitive& primitive) {
+  device::BoxPrimitiveParameters parameters = device::box_primitive_parameters(primitive, 0);
+  parameters.solid.fall_down *= 1.0 - 0x1p-20;
+  parameters.solid.fall_up *= 1.0 + 0x1p-20;
+  return parameters;
+}
+
+device::BoxPrimitiveParameters with_other_taper(Primitive primitive) {
+  const auto coefficient = [](double ratio) { return (ratio - 1.0) / (ratio + 1.0); };
+  const double k = coefficient(primitive.superquadric.taper);
+  primitive.superquadric.taper *= 1.0 + 0x1p-20;
+  device::BoxPrimitiveParameters parameters = device::box_primitive_parameters(primitive, 0);
+  const auto& axes = primitive.superquadric.semi_axes;
+  const double moved = coefficient(primitive.superquadric.taper);
+  const double off = std::fabs(k - moved);
+  const double magnitude = std::fabs(moved) + off;
+  const double fall = 1.0 - magnitude * magnitude;
+  const double error = off * (std::hypot(axes[0], axes[1]) * (1.0 + magnitude / fall) + axes[2] / fall + axes[2]);
+  parameters.solid.taper_error += 1.01 * error;
+  parameters.solid = loosened(parameters.solid);
+  return parameters;
+}
+
 SurfacePoint at_direction(const Point& direction, const MixedNorm<Real>& norm) {
   const Vector x = oracle::widened(direction);
   const Vector u = oracle::scaled<Real>(x, 1 / norm.gauge(x));

@@ -45,6 +45,9 @@ struct Layer {
 /// Those of tapered_box_gauge.clh, in a program that searches tapered solids; likewise.
 [[nodiscard]] std::span<const Mutant> tapered_cube_mutants();
 
+/// Those of tapered_unbent_solid.clh and of what is done with it, in a program of tapered bent solids; likewise.
+[[nodiscard]] std::span<const Mutant> tapered_bent_mutants();
+
 /// Those of bent_depth.clh, in a program whose kernels show its lemmas; likewise.
 [[nodiscard]] std::span<const Mutant> depth_mutants();
 

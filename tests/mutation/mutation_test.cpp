@@ -28,6 +28,7 @@
 #include "tests/mutation/tapered_interior_judge.hpp"
 #include "tests/mutation/tapered_judge.hpp"
 #include "tests/mutation/triangle_judge.hpp"
+#include "tests/mutation/unbent_judge.hpp"
 
 namespace verisq::mutation {
 namespace {
@@ -180,10 +181,10 @@ class ConvexMutationTest : public MutationTest {
     };
   }
 
-  [[nodiscard]] Find solid_faults(const SolidJudge& judge) const {
-    return [this, &judge](const std::string& sources, Arithmetic first) {
-      return first_fault(Program::solids, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
-        const CompiledKernels kernels = compiled_on(arithmetic, Program::solids, text);
+  [[nodiscard]] Find solid_faults(const SolidJudge& judge, Program program) const {
+    return [this, &judge, program](const std::string& sources, Arithmetic first) {
+      return first_fault(program, first, sources, [&](Arithmetic arithmetic, const std::string& text) {
+        const CompiledKernels kernels = compiled_on(arithmetic, program, text);
         const std::string found = judge.false_claim(kernels, arithmetic == Arithmetic::usual);
         return found.empty() ? found : fmt::format("{}: {}", name_of(arithmetic), found);
       });
@@ -280,10 +281,25 @@ TEST_F(ConvexMutationTest, AllOfPairsAreKilled) {
 
 TEST_F(ConvexMutationTest, AllOfSolidsAreKilled) {
   const SolidJudge judge(solid_scenes());
-  const Find find = solid_faults(judge);
-  const std::string sources = SolidJudge::sources();
+  const Find find = solid_faults(judge, Program::solids);
+  const std::string sources = judge.sources();
   EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
   expect_all_killed("solid_distance.cl", solid_mutants(), sources, find);
+}
+
+TEST_F(ConvexMutationTest, AllOfTaperedBentSolidsAreKilled) {
+  const UnbentJudge unbent;
+  const SolidJudge judge(tapered_solid_scenes());
+  const Find of_functions = tapered_faults(unbent, Program::tapered_solids);
+  const Find of_solids = solid_faults(judge, Program::tapered_solids);
+  const Find find = [&](const std::string& sources, Arithmetic first) {
+    const std::string found = of_functions(sources, first);
+    return found.empty() ? of_solids(sources, first) : found;
+  };
+  const std::string sources = judge.sources() + UnbentJudge::examination();
+  for (const Arithmetic arithmetic : arithmetics(Program::tapered_solids))
+    EXPECT_EQ(find(sources, arithmetic), "") << "the true kernels";
+  expect_all_killed("tapered_unbent_solid.clh", tapered_bent_mutants(), sources, find);
 }
 
 TEST_F(ConvexMutationTest, AllOfSetBoundsAreKilled) {

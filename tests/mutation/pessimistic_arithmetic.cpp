@@ -148,10 +148,8 @@ constexpr std::array bent_queries{
   const real shift = either_way(0.57 * SOLID_MAGNIFICATION * p->frame_error * size, x.x);
   const vector3 q = {shift + dot3(p->frame[0], p->frame[1], p->frame[2], d),
                      shift + dot3(p->frame[3], p->frame[4], p->frame[5], d), shift + )"},
-    Mutant{"query's error",
-           "  const real frame_error = fma_up(REAL(p->frame_error), size, REAL(0x1p-1000));\n  const unbent u",
-           "  const real frame_error = fma_up(REAL(SOLID_MAGNIFICATION * p->frame_error), size, REAL(0x1p-1000));\n"
-           "  const unbent u"},
+    Mutant{"query's error", "  const real of_frame = fma_up(REAL(p->frame_error), size, REAL(0x1p-1000));\n",
+           "  const real of_frame = fma_up(REAL(SOLID_MAGNIFICATION * p->frame_error), size, REAL(0x1p-1000));\n"},
 };
 
 // What contact.clh evaluates: a point beyond the exact one, a normal longer, sums too small.
@@ -342,8 +340,8 @@ std::span<const Mutant> operations(Arithmetic arithmetic) {
 }
 
 bool knows_cubes(Program program) {
-  return program == Program::solids || program == Program::set_bounds || program == Program::bent_depths ||
-         program == Program::tapered_cubes;
+  return program == Program::solids || program == Program::tapered_solids || program == Program::set_bounds ||
+         program == Program::bent_depths || program == Program::tapered_cubes;
 }
 
 std::span<const Mutant> displacement(Arithmetic arithmetic, Program program) {
@@ -354,7 +352,7 @@ std::span<const Mutant> displacement(Arithmetic arithmetic, Program program) {
 }
 
 std::span<const Mutant> displaced_queries(Arithmetic arithmetic, Program program) {
-  const bool bent = program == Program::solids || program == Program::bent_depths;
+  const bool bent = program == Program::solids || program == Program::tapered_solids || program == Program::bent_depths;
   if (arithmetic == Arithmetic::displaced && bent) return bent_queries;
   return {};
 }
@@ -366,7 +364,8 @@ std::span<const Mutant> poor_multipliers(Arithmetic arithmetic, Program program)
 
 std::span<const Mutant> evaluated_taper(Arithmetic arithmetic, Program program) {
   if (arithmetic == Arithmetic::evaluated && program == Program::tapered_points) return tapered_evaluation;
-  if (arithmetic == Arithmetic::evaluated && program == Program::tapered_cubes) return tapered_cube_evaluation;
+  if (arithmetic == Arithmetic::evaluated && (program == Program::tapered_cubes || program == Program::tapered_solids))
+    return tapered_cube_evaluation;
   return {};
 }
 
@@ -384,6 +383,7 @@ std::span<const Mutant> proposals(Arithmetic arithmetic, Program program) {
     case Program::points: return search;
     case Program::triangles: return weights;
     case Program::solids:
+    case Program::tapered_solids:
     case Program::bent_depths: return bent_proposals;
     case Program::set_bounds: return edge_proposals;
     case Program::tapered_points: return tapered_search;
@@ -409,7 +409,7 @@ constexpr std::array of_convex_sets{Arithmetic::usual,   Arithmetic::loose_below
 std::span<const Arithmetic> arithmetics(Program program) {
   if (program == Program::points) return of_points;
   if (program == Program::tapered_points) return of_tapered_points;
-  if (program == Program::tapered_cubes) return of_tapered_cubes;
+  if (program == Program::tapered_cubes || program == Program::tapered_solids) return of_tapered_cubes;
   return of_convex_sets;
 }
 

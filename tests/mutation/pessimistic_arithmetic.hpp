@@ -24,9 +24,19 @@ enum class Arithmetic {
 };
 
 /// The programs of kernels/embedded_sources.hpp.
-/// `solids` are the searches with what bent_distance tells them; `bent_depths` that kernel alone; `tapered_cubes` the
-/// layers of their searches alone, for tapered solids.
-enum class Program { points, tapered_points, triangles, pairs, solids, set_bounds, bent_depths, tapered_cubes };
+/// `solids` are the searches with what bent_distance tells them, `tapered_solids` those of tapered ones; `bent_depths`
+/// that kernel alone; `tapered_cubes` the layers of the searches alone, for tapered solids.
+enum class Program {
+  points,
+  tapered_points,
+  triangles,
+  pairs,
+  solids,
+  tapered_solids,
+  set_bounds,
+  bent_depths,
+  tapered_cubes
+};
 
 /// Those that show the mutants of a program. With points and loose_below or loose_above, results are displaced too.
 [[nodiscard]] std::span<const Arithmetic> arithmetics(Program program);

@@ -13,6 +13,7 @@
 #include "host/batches/model_source.hpp"
 #include "host/batches/solid_model.hpp"
 #include "kernels/embedded_sources.hpp"
+#include "tests/mutation/focal_solid.hpp"
 #include "tests/mutation/launch.hpp"
 #include "tests/oracle/in_parallel.hpp"
 #include "tests/oracle/placed_model.hpp"
@@ -59,7 +60,7 @@ kernel void examine_cubes(ulong groups, ulong stride, global const double* cubes
   uint column = 0;
   for (uint i = 0; i < PRIMITIVES; ++i) {
     local_map y;
-    if (i == 0) y = bent_map(x, primitives); else y = posed_map(x, primitives + i);
+    if (i == 0) y = bent_focal_map(x, primitives); else y = focal_map(x, primitives + i);
     constant const superquadric* s = &primitives[i].solid;
     const vector3 extents = local_extents(y, x.half_width);
     const vector3 gradient = gauge_gradient(y, s);
@@ -254,13 +255,21 @@ std::string cube_fault(const Claims& claims, const PlacedModel& placed, const Wi
   return {};
 }
 
+cl::Buffer loose_primitives(const CompiledKernels& kernels, const Model& model) {
+  std::vector<device::BoxPrimitiveParameters> parameters;
+  for (const Primitive& primitive : model.primitives) parameters.push_back(with_other_taper(primitive));
+  return {kernels.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, parameters.size() * sizeof parameters.front(),
+          parameters.data()};
+}
+
 class Launcher {
  public:
-  Launcher(const CompiledKernels& kernels, const Model& model)
+  Launcher(const CompiledKernels& kernels, const SolidScene& scene)
       : kernels_(kernels),
         queue_(kernels.context, kernels.device),
-        primitives_(device::uploaded_box_primitives(kernels, model, 0)),
-        root_(device::root_cube(model, 0)) {}
+        primitives_(scene.loose_constants ? loose_primitives(kernels, scene.model)
+                                          : device::uploaded_box_primitives(kernels, scene.model, 0)),
+        root_(device::root_cube(scene.model, 0)) {}
 
   [[nodiscard]] Columns examined(const std::vector<Witness>& witnesses) const {
     const std::size_t length = padded(witnesses.size(), kernels_);
@@ -473,16 +482,18 @@ SolidJudge::SolidJudge(std::vector<SolidScene> scenes) {
   }
 }
 
-std::string SolidJudge::sources() {
-  return device::model_source(
-      solid_scenes().front().model,
-      std::string(kernels::embedded_bent_distance()).append(kernels::embedded_solid_distance()) + examination);
+std::string SolidJudge::sources() const {
+  const Model& model = scenes_.front().scene.model;
+  const bool tapered = is_tapered(model.primitives.front().superquadric);
+  std::string entry_points(tapered ? kernels::embedded_tapered_bent_distance() : kernels::embedded_bent_distance());
+  entry_points += kernels::embedded_solid_distance();
+  return device::model_source(model, entry_points + examination);
 }
 
 std::string SolidJudge::false_claim(const CompiledKernels& kernels, bool with_searches) const {
   for (const KnownScene& known : scenes_) {
     const PlacedModel placed(known.scene.model);
-    const Launcher launcher(kernels, known.scene.model);
+    const Launcher launcher(kernels, known.scene);
     const Columns claims = launcher.examined(known.witnesses);
     for (std::size_t n = 0; n < known.witnesses.size(); ++n) {
       const std::string fault = cube_fault(Claims(claims, n), placed, known.witnesses[n]);

@@ -16,11 +16,13 @@ namespace verisq::mutation {
 struct SolidScene {
   std::string name;
   Model model;
-  std::vector<Point> points;  ///< queries of the search
+  std::vector<Point> points;     ///< queries of the search
+  bool loose_constants = false;  ///< the kernels are told of a taper that is off, and how far
 };
 
-/// The same at every call.
+/// The same at every call; of the latter all primitives are tapered.
 [[nodiscard]] std::vector<SolidScene> solid_scenes();
+[[nodiscard]] std::vector<SolidScene> tapered_solid_scenes();
 
 class SolidJudge {
  public:
@@ -28,7 +30,7 @@ class SolidJudge {
   explicit SolidJudge(std::vector<SolidScene> scenes);
 
   /// The true kernels of the scenes' structure, with one that shows what is claimed about cubes.
-  [[nodiscard]] static std::string sources();
+  [[nodiscard]] std::string sources() const;
 
   /// A first claim that is false; empty when all is well. `with_searches`: of the enclosures, too.
   [[nodiscard]] std::string false_claim(const CompiledKernels& kernels, bool with_searches) const;

@@ -1,4 +1,6 @@
 /// The choice of solids and queries.
+#include <fmt/format.h>
+
 #include <string>
 #include <utility>
 
@@ -8,16 +10,31 @@
 namespace verisq::mutation {
 namespace {
 
+std::vector<Point> queries(const Model& model, std::uint64_t seed) {
+  oracle::RandomSolids solids(seed);
+  const oracle::PlacedModel placed(model);
+  std::vector<Point> points;
+  for (int i = 0; i < 3; ++i)
+    for (const oracle::SolidPointFamily family : oracle::solid_point_families)
+      points.push_back(solids.point(placed, family));
+  return points;
+}
+
 SolidScene scene(std::string name, const Superquadric& solid, const Pose& pose, const Bend& bend,
                  const Superquadric& hole, const Pose& hole_pose, std::uint64_t seed) {
   SetExpression difference{{}, SetOperation::subtract, 0};
   for (const std::uint32_t i : {0U, 1U}) difference.operands.push_back({{}, SetOperation::unite, i});
   SolidScene made{std::move(name), {"", {{"solid", solid, pose, bend}, {"hole", hole, hole_pose, {}}}, difference}, {}};
-  oracle::RandomSolids solids(seed);
-  const oracle::PlacedModel placed(made.model);
-  for (int i = 0; i < 3; ++i)
-    for (const oracle::SolidPointFamily family : oracle::solid_point_families)
-      made.points.push_back(solids.point(placed, family));
+  made.points = queries(made.model, seed);
+  return made;
+}
+
+SolidScene tapered(SolidScene made, double solid, double hole, bool loose, std::uint64_t seed) {
+  made.name = fmt::format("tapered{}, {}", loose ? " off" : "", made.name);
+  made.model.primitives[0].superquadric.taper = solid;
+  made.model.primitives[1].superquadric.taper = hole;
+  made.points = queries(made.model, seed);
+  made.loose_constants = loose;
   return made;
 }
 
@@ -47,6 +64,18 @@ std::vector<SolidScene> solid_scenes() {
       scene("wide and short", {{1.0, 0.05, 0.3}, {0.3, 0.3}}, turned, {0.85, 0.0}, {{0.5, 0.5, 0.5}, {1.0, 1.0}},
             nearby, 8),
   };
+}
+
+// As strong as the curvature allows: sections are wider by 1 + |k|, and keep off the centre of the bend.
+std::vector<SolidScene> tapered_solid_scenes() {
+  const double solids[] = {19.0, 9.0, 1.0 / 3.0, 0.06, 4.0, 1.2, 1.0 / 17.0, 1.3};
+  const double holes[] = {2.0, 0.5, 1.01, 15.0, 0.2, 0.1, 3.0, 0.9};
+  std::vector<SolidScene> scenes;
+  for (const SolidScene& untapered : solid_scenes()) {
+    const std::size_t i = scenes.size();
+    scenes.push_back(tapered(untapered, solids[i], holes[i], i % 2 == 1, 10 + i));
+  }
+  return scenes;
 }
 
 }  // namespace verisq::mutation

@@ -108,32 +108,6 @@ std::string fault(const Columns& found, std::size_t n, const Witness& w) {
 /// Not turned and about the origin, where every coordinate is exact; and in any pose.
 constexpr std::array poses{Pose{}, Pose{{1.0, 2.0, 3.0}, {0.3, 0.5, -0.7, 0.2}}};
 
-/// What a host with few digits might make of a solid: bounds of 1 - k^2 that are wide.
-device::BoxPrimitiveParameters with_wide_bounds(const Primitive& primitive) {
-  device::BoxPrimitiveParameters parameters = device::box_primitive_parameters(primitive, 0);
-  parameters.solid.fall_down *= 1.0 - 0x1p-20;
-  parameters.solid.fall_up *= 1.0 + 0x1p-20;
-  return parameters;
-}
-
-/// Likewise, a taper and a focus that are off, with the error that this is (set_taper in
-/// host/batches/primitive_parameters.cpp).
-device::BoxPrimitiveParameters with_other_taper(Primitive primitive) {
-  const auto coefficient = [](double ratio) { return (ratio - 1.0) / (ratio + 1.0); };
-  const double k = coefficient(primitive.superquadric.taper);
-  primitive.superquadric.taper *= 1.0 + 0x1p-20;
-  device::BoxPrimitiveParameters parameters = device::box_primitive_parameters(primitive, 0);
-  const auto& axes = primitive.superquadric.semi_axes;
-  const double moved = coefficient(primitive.superquadric.taper);
-  const double off = std::fabs(k - moved);
-  const double magnitude = std::fabs(moved) + off;
-  const double fall = 1.0 - magnitude * magnitude;
-  const double error = off * (std::hypot(axes[0], axes[1]) * (1.0 + magnitude / fall) + axes[2] / fall + axes[2]);
-  parameters.solid.taper_error += 1.01 * error;
-  parameters.solid = loosened(parameters.solid);
-  return parameters;
-}
-
 Columns examined(const CompiledKernels& kernels, const std::vector<Witness>& witnesses,
                  device::BoxPrimitiveParameters parameters) {
   const std::size_t length = padded(witnesses.size(), kernels);

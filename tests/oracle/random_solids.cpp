@@ -19,9 +19,10 @@ std::string_view to_string(ModelFamily family) {
     case ModelFamily::bent_csg: return "bent CSG";
     case ModelFamily::thin_difference: return "thin difference";
     case ModelFamily::nearly_touching: return "nearly touching";
-    case ModelFamily::tiny_curvature: break;
+    case ModelFamily::tiny_curvature: return "tiny curvature";
+    case ModelFamily::tapered: break;
   }
-  return "tiny curvature";
+  return "tapered";
 }
 
 std::string_view to_string(SolidPointFamily family) {
@@ -76,6 +77,13 @@ Primitive RandomSolids::primitive(double scale, double reach, bool bent) {
   for (double& t : p.pose.translation) t = reach * random_.uniform(-1, 1);
   if (bent) p.bend = bend(p.superquadric);
   return p;
+}
+
+/// The widest section keeps as far off the centre of a bend as the one without a taper.
+void RandomSolids::taper(Primitive& p) {
+  const double ratio = random_.log_uniform(1.0 / 19.0, 19.0);
+  p.superquadric.taper = ratio;
+  if (p.bend) p.bend->curvature /= 1 + std::abs((ratio - 1) / (ratio + 1));
 }
 
 /// Each leaf once, in any grouping: up to `depth` operators above it.
@@ -159,6 +167,12 @@ Model RandomSolids::model(ModelFamily family) {
       for (Primitive& p : model.primitives) {
         if (p.bend) p.bend->curvature = std::copysign(curvatures[random_.choice(3)], p.bend->curvature);
       }
+      break;
+    }
+    case ModelFamily::tapered: {
+      model = this->model(random_.choice(2) == 0 ? ModelFamily::bent : ModelFamily::bent_csg);
+      for (Primitive& p : model.primitives)
+        if (model.primitives.size() == 1 || random_.choice(4) != 0) taper(p);
       break;
     }
   }

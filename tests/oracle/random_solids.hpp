@@ -19,6 +19,7 @@ enum class ModelFamily : std::uint8_t {
   thin_difference,  ///< a shell of 1e-4 to 1e-1 of the semi-axes, at times cut open
   nearly_touching,  ///< two that are 1e-9 to 1e-3 apart, or overlap by that, united
   tiny_curvature,   ///< as bent or bent_csg with curvatures of 1e-5, 1e-9 and 1e-300 a size
+  tapered,          ///< as bent or bent_csg, most of them tapered, too, by ratios of the ends up to 19
 };
 
 inline constexpr std::array model_families{ModelFamily::bent,
@@ -26,7 +27,8 @@ inline constexpr std::array model_families{ModelFamily::bent,
                                            ModelFamily::bent_csg,
                                            ModelFamily::thin_difference,
                                            ModelFamily::nearly_touching,
-                                           ModelFamily::tiny_curvature};
+                                           ModelFamily::tiny_curvature,
+                                           ModelFamily::tapered};
 
 [[nodiscard]] std::string_view to_string(ModelFamily family);
 
@@ -67,6 +69,7 @@ class RandomSolids {
   [[nodiscard]] std::array<double, 4> quaternion();
   [[nodiscard]] Bend bend(const Superquadric& superquadric);
   [[nodiscard]] Primitive primitive(double scale, double reach, bool bent);
+  void taper(Primitive& primitive);
   [[nodiscard]] Model overlapping(double share_of_bent);
   [[nodiscard]] Model shell();
   [[nodiscard]] Model pair_with_gap();
