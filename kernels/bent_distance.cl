@@ -255,7 +255,7 @@ kernel void bent_distance(ulong groups, uint groups_per_block, global const doub
     const vector3 apart = {x.q.x - at.x, x.q.y - at.y, x.q.z - at.z};
     scatter_evidence(found, apart, x, min(counts.outside - start, (uint)VECTOR_WIDTH), &indices, columns);
   }
-  if (!has_depths_by_balls(&p->solid)) return;
+  if (!has_depths_by_balls(p)) return;
   for (uint start = 0; start < counts.inside; start += VECTOR_WIDTH) {
     take_inside(start, size, counts, own, &indices);
     const bent_query x = query_at(gathered_point(&indices, xs, ys, zs), p);

@@ -69,10 +69,22 @@ Superquadric shape(RandomCases& random, Kind kind) {
   }
 }
 
-Primitive solid(RandomCases& random, Kind kind) {
+/// Ratios of the ends up to 19.
+double taper(RandomCases& random) {
+  const double ratio = random.choice(3) == 0 ? random.uniform(2.0, 19.0) : random.uniform(1.01, 3.0);
+  return random.choice(2) == 0 ? ratio : 1.0 / ratio;
+}
+
+double taper_of(const Superquadric& s) {
+  return (s.taper - 1.0) / (s.taper + 1.0);
+}
+
+Primitive solid(RandomCases& random, Kind kind, Tapers tapers) {
   Primitive made{"", shape(random, kind), {}, Bend{1.0, 0.0}};
+  if (tapers == Tapers::some && random.choice(8) != 0) made.superquadric.taper = taper(random);
   const auto& axes = made.superquadric.semi_axes;
-  const double most = std::min(1.0 / (axes[0] + axes[1]), 3.0 / axes[2]);
+  const double widest = (1.0 + std::fabs(taper_of(made.superquadric))) * (axes[0] + axes[1]);
+  const double most = std::min(1.0 / widest, 3.0 / axes[2]);
   const bool hardly = kind == Kind::sphere || kind == Kind::hardly_bent;
   made.bend->curvature = hardly ? 1e-200 : most * random.log_uniform(0.03, 0.8);
   if (random.choice(2) == 0) made.bend->curvature = -made.bend->curvature;
@@ -166,7 +178,17 @@ LongVector place(RandomCases& random, const Superquadric& s) {
   for (std::size_t i = 0; i < 3; ++i)
     x[i] = s.semi_axes[i] * (random.choice(6) == 0 ? random.log_uniform(1e-9, 1.0) : random.uniform(0.0, 1.0));
   if (random.choice(16) == 0) x[random.choice(3)] = 0;
-  return x;
+  if (!is_tapered(s)) return x;
+  // From the untapered solid to about the focus of the tapered one.
+  const Long k = taper_of(s);
+  const Long height = (random.choice(2) == 0 ? -1 : 1) * x[2] / s.semi_axes[2];
+  const Long room = (1 - k * k) / (1 - k * height);
+  return {room * x[0], room * x[1], room * height * s.semi_axes[2]};
+}
+
+/// Whether the coordinate may have the other sign as well.
+bool is_symmetric(const Superquadric& s, std::size_t axis) {
+  return axis < 2 || !is_tapered(s);
 }
 
 /// Where the bounds of both terms of the section and of z are alike, by one of the three estimates.
@@ -211,7 +233,8 @@ SecondCase second_case(RandomCases& random, const Superquadric& s) {
   SecondCase made{};
   const double size = random.choice(2) == 0 ? 0.0 : random.log_uniform(1e-9, 0.5);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double at = (random.choice(2) == 0 ? -1.0 : 1.0) * static_cast<double>(middle[i]);
+    const double sign = is_symmetric(s, i) && random.choice(2) == 0 ? -1.0 : 1.0;
+    const double at = sign * static_cast<double>(middle[i]);
     made.given[2 * i] = at - size * random.uniform(0.0, 1.0);
     made.given[2 * i + 1] = at + size * random.uniform(0.0, 1.0);
   }
@@ -276,7 +299,7 @@ WayCase way_case(RandomCases& random, const Superquadric& s) {
   }
   // The octant of c may be any.
   for (std::size_t i = 0; i < 3; ++i) {
-    if (random.choice(2) != 0) continue;
+    if (!is_symmetric(s, i) || random.choice(2) != 0) continue;
     made.given[i] = -made.given[i];
     made.given[3 + i] = -made.given[3 + i];
   }
@@ -295,10 +318,14 @@ GradientCase gradient_case(RandomCases& random, const Superquadric& s) {
     made.given[2 * i] = std::max(0.0, static_cast<double>(at[i]) - size * random.uniform(0.0, 1.0));
     made.given[2 * i + 1] = static_cast<double>(at[i]) + size * random.uniform(0.0, 1.0);
   }
+  if (is_tapered(s)) made.given[4] = static_cast<double>(at[2]) - size;
   // Profiles end there.
-  const double end = 0.999 * s.semi_axes[2];
-  for (std::size_t i = 4; i < 6; ++i) made.given[i] = std::min(made.given[i], end);
+  const double k = taper_of(s);
+  const double end = 0.999 * (1.0 + k) * s.semi_axes[2];
+  const double other_end = 0.999 * (k - 1.0) * s.semi_axes[2];
+  for (std::size_t i = 4; i < 6; ++i) made.given[i] = std::clamp(made.given[i], other_end, end);
   made.least = {infinity, infinity, infinity};
+  made.largest = {-infinity, -infinity, -infinity};
   made.twice = -infinity;
   for (std::size_t n = 0; n < 8; ++n) {
     LongVector x{};
@@ -336,8 +363,9 @@ double gauge_at(const PlacedPrimitive& solid, const Point& x) {
 
 /// The largest gauge on the sphere about q in some directions, most of them near the given one.
 double largest_gauge(const PlacedPrimitive& solid, const Point& q, const Point& direction, double radius) {
-  constexpr int azimuths = 12;
-  constexpr std::array angles{0.0, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.1, 1.6, 2.1, 2.6};
+  constexpr int azimuths = 36;
+  constexpr std::array angles{0.0, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.14,
+                              0.2, 0.3,  0.4,  0.55, 0.7,  0.9,  1.1,  1.3,  1.6,  2.1,  2.6};
   const Point u = normalized(cross(direction, std::fabs(direction[0]) < 0.7 ? Point{1, 0, 0} : Point{0, 1, 0}));
   const Point v = cross(direction, u);
   double largest = 0.0;
@@ -358,8 +386,13 @@ struct Witness {
 };
 
 Witness witness(RandomCases& random, const PlacedPrimitive& solid) {
-  const oracle::BoundaryPoint foot = random.boundary_point(solid.primitive().superquadric);
-  const Point at = solid.placed(moved({}, 1.0 + beside_boundary, foot.point));
+  Point foot = random.boundary_point(solid.primitive().superquadric).point;
+  const bool has_edges = solid.primitive().superquadric.exponents[1] > 1.0;
+  if (has_edges && random.choice(2) == 0) {  // on one: a plane of symmetry
+    foot[random.choice(2)] = 0.0;
+    foot = moved({}, 1.0 / solid.norm().gauge(foot), foot);
+  }
+  const Point at = solid.placed(moved({}, 1.0 + beside_boundary, foot));
   return {at, normal_at(solid, at)};
 }
 
@@ -398,7 +431,9 @@ DepthCase depth_case(RandomCases& random, const PlacedPrimitive& solid) {
   const Point q = moved(w.point, -depth, w.normal);
   const double most = norm(between(q, w.point));
   const bool nearest = largest_gauge(solid, q, w.normal, most) < 1.0 + certain;
-  return {q, nearest ? most - 8 * beside_boundary : 0.0, most};
+  // A taper moves heights apart by at most this much.
+  const double k = std::fabs(taper_of(solid.primitive().superquadric));
+  return {q, nearest ? most - 8 * beside_boundary * (1.0 + k) / (1.0 - k) : 0.0, most};
 }
 
 /// `make(random, solid)`, in their order.
@@ -429,11 +464,11 @@ FunctionCases function_cases(const DepthSolids& solids) {
 
 }  // namespace
 
-DepthSolids depth_solids() {
+DepthSolids depth_solids(Tapers tapers) {
   RandomCases random(5);
   DepthSolids made{{}, static_cast<std::size_t>(Kind::pointed) * solids_of_kind};
   for (std::size_t kind = 0; kind < static_cast<std::size_t>(Kind::count); ++kind)
-    for (std::size_t n = 0; n < solids_of_kind; ++n) made.all.push_back(solid(random, static_cast<Kind>(kind)));
+    for (std::size_t n = 0; n < solids_of_kind; ++n) made.all.push_back(solid(random, static_cast<Kind>(kind), tapers));
   return made;
 }
 

@@ -17,7 +17,8 @@ struct DepthSolids {
   std::vector<Primitive> all;
   std::size_t of_lemmas;  ///< the first of them
 };
-[[nodiscard]] DepthSolids depth_solids();
+enum class Tapers : bool { none, some };
+[[nodiscard]] DepthSolids depth_solids(Tapers tapers);
 
 inline constexpr double metric_curvature = 0.5;
 
@@ -33,7 +34,8 @@ struct MetricCase {
   double reach_r, reach_z;  ///< how far points of the ball lie from q
 };
 
-/// Points of a box, where the second derivative of a function is known.
+/// Points of a box, where the second derivative of a function is known. Here and below coordinates of tapered solids
+/// are about the focus.
 struct SecondCase {
   std::array<double, 7> given;  ///< lower and upper ends of x, y, z, and the stretch
   double largest;
@@ -47,7 +49,7 @@ struct WayCase {
 
 /// The gradient and twice the value at points of a box.
 struct GradientCase {
-  std::array<double, 6> given;  ///< lower and upper ends of |x|, |y|, |z|
+  std::array<double, 6> given;  ///< lower and upper ends of |x|, |y| and, without a taper, of |z|
   std::array<double, 3> least, largest;
   double twice;
 };
@@ -76,7 +78,7 @@ struct DepthCases {
   explicit DepthCases(const DepthSolids& solids);
 
   std::vector<MetricCase> metrics;
-  FunctionCases of_gauge, of_profile;
+  FunctionCases of_gauge, of_profile;  ///< what is said of gauges holds without tapers
   std::vector<BallCase> balls;
   std::vector<std::vector<DepthCase>> depths;  ///< of each of all solids
 };

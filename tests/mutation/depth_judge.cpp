@@ -242,7 +242,8 @@ std::string gradients_fault(const Launcher& launcher, const std::vector<Gradient
     for (std::size_t i = 0; i < 3; ++i) {
       const double lo = found[2 * i][n];
       const double hi = found[2 * i + 1][n];
-      if (!(lo <= (1.0 + gradient_slack) * known.least[i] && hi >= (1.0 - gradient_slack) * known.largest[i]))
+      const double slack_of_both = gradient_slack * (std::fabs(known.least[i]) + std::fabs(known.largest[i]));
+      if (!(lo <= known.least[i] + slack_of_both && hi >= known.largest[i] - slack_of_both))
         return fmt::format("gradient {}, {} of {:.17g}: [{:.17g}, {:.17g}], the truth is [{:.17g}, {:.17g}]", n, i,
                            fmt::join(known.given, ", "), lo, hi, known.least[i], known.largest[i]);
     }
@@ -284,20 +285,24 @@ double share(std::size_t part, std::size_t whole) {
 
 }  // namespace
 
-DepthJudge::DepthJudge() : solids_(depth_solids()), cases_(solids_) {}
+DepthJudge::DepthJudge(Tapers tapers) : tapers_(tapers), solids_(depth_solids(tapers)), cases_(solids_) {}
 
-std::string DepthJudge::sources() {
-  return device::model_source(Model{"", {depth_solids().all.front()}, {}},
-                              std::string(kernels::embedded_bent_distance()) + examination);
+std::string DepthJudge::sources() const {
+  const bool tapered = tapers_ == Tapers::some;
+  const auto shown =
+      std::ranges::find(solids_.all, tapered, [](const Primitive& p) { return is_tapered(p.superquadric); });
+  const std::string_view bent = tapered ? kernels::embedded_tapered_bent_distance() : kernels::embedded_bent_distance();
+  return device::model_source(Model{"", {*shown}, {}}, std::string(bent) + examination);
 }
 
 std::string DepthJudge::false_claim(const CompiledKernels& kernels) const {
   const Launcher launcher(kernels, solids_);
   std::string fault = metrics_fault(launcher, cases_.metrics);
-  if (fault.empty()) fault = function_fault(launcher, cases_.of_gauge, false);
-  if (fault.empty()) fault = function_fault(launcher, cases_.of_profile, true);
-  for (const bool by_profile : {false, true})
+  for (const bool by_profile : {false, true}) {
+    if (tapers_ == Tapers::some && !by_profile) continue;
+    if (fault.empty()) fault = function_fault(launcher, by_profile ? cases_.of_profile : cases_.of_gauge, by_profile);
     if (fault.empty()) fault = balls_fault(launcher, cases_.balls, by_profile);
+  }
   for (std::size_t i = 0; i < solids_.all.size() && fault.empty(); ++i)
     fault = depths_fault(launcher, cases_.depths[i], i);
   return fault;

@@ -10,10 +10,11 @@ namespace verisq::mutation {
 
 class DepthJudge {
  public:
-  DepthJudge();
+  /// Of solids some of which are tapered, by the kernels for such, or of none.
+  explicit DepthJudge(Tapers tapers);
 
   /// The true kernels, with some that show what each lemma claims.
-  [[nodiscard]] static std::string sources();
+  [[nodiscard]] std::string sources() const;
 
   /// A first claim that is false; empty when all is well.
   [[nodiscard]] std::string false_claim(const CompiledKernels& kernels) const;
@@ -21,13 +22,14 @@ class DepthJudge {
   /// How much is claimed of what might be: where that is little, nothing is judged.
   struct Shares {
     double metrics;  ///< that are valid
-    double balls;    ///< claimed by the gauge, of those not known to reach outside
+    double balls;    ///< claimed by the gauge, of those not known to reach outside; none with tapers
     double balls_by_profile;
     double depths;  ///< claimed from both sides to 1e-9, of those known to it
   };
   [[nodiscard]] Shares shares(const CompiledKernels& kernels) const;
 
  private:
+  Tapers tapers_;
   DepthSolids solids_;
   DepthCases cases_;
 };

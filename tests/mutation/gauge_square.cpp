@@ -64,23 +64,39 @@ LongMatrix GaugeSquare::second_derivative(const LongVector& x) const {
   return sum;
 }
 
-Long SectionProfile::value(const LongVector& x) const {
-  return section_.value({x[0], x[1], 0}) - std::pow(1 - std::pow(std::fabs(x[2]) / end_, p_1_), 2 / p_1_) / 2;
+SectionProfile::Height SectionProfile::height(Long z) const {
+  const Long room = 1 - taper_ * taper_ + taper_ * z / end_;
+  const Long untapered = z / end_ / room;
+  const Long size = std::fabs(untapered);
+  const Long rest = 1 - std::pow(size, p_1_);
+  return {room, untapered, std::pow(rest, 1 / p_1_),
+          -std::copysign(std::pow(size, p_1_ - 1), untapered) * std::pow(rest, 1 / p_1_ - 1)};
 }
 
+Long SectionProfile::value(const LongVector& x) const {
+  const Height at = height(x[2]);
+  return section_.value({x[0], x[1], 0}) - std::pow(at.room * at.profile, 2.0L) / 2;
+}
+
+// The derivatives of h by z/a3 are k h/S + (1 - k²)/S (h/S)' and (1 - k²)²/S³ (h/S)''.
 LongVector SectionProfile::gradient(const LongVector& x) const {
-  const Long z = std::fabs(x[2]) / end_;
+  const Height at = height(x[2]);
+  const Long fall = 1 - taper_ * taper_;
   LongVector n = section_.gradient({x[0], x[1], 0});
-  n[2] = std::pow(z, p_1_ - 1) * std::pow(1 - std::pow(z, p_1_), 2 / p_1_ - 1) / end_;
+  n[2] = -at.profile * (taper_ * at.room * at.profile + fall * at.slope) / end_;
   return n;
 }
 
 LongMatrix SectionProfile::second_derivative(const LongVector& x) const {
-  const Long z = std::fabs(x[2]) / end_;
-  const Long n = std::pow(z, p_1_);
+  const Height at = height(x[2]);
+  const Long fall = 1 - taper_ * taper_;
+  const Long size = std::fabs(at.untapered);
+  const Long first = taper_ * at.profile + fall / at.room * at.slope;
+  const Long bent = fall * fall / (at.room * at.room) * (p_1_ - 1) * std::pow(size, p_1_ - 2) *
+                    std::pow(1 - std::pow(size, p_1_), 2 / p_1_ - 2);
   LongMatrix second = section_.second_derivative({x[0], x[1], 0});
-  second[2][2] = z < 1 ? std::pow(z, p_1_ - 2) * std::pow(1 - n, 2 / p_1_ - 2) * (p_1_ - 1 - n) / (end_ * end_)
-                       : std::numeric_limits<Long>::infinity();
+  second[2][2] =
+      at.room > 0 && size < 1 ? (bent - first * first) / (end_ * end_) : std::numeric_limits<Long>::infinity();
   return second;
 }
 

@@ -30,24 +30,36 @@ class GaugeSquare {
   oracle::MixedNorm<Long> norm_;
 };
 
-/// (r² - h²)/2, r the norm of the section, h(z) = (1 - |z/a3|^p1)^(1/p1). Likewise, between the ends.
+/// (r² - h²)/2, r the norm of the section, h(z) = (1 - |z/a3|^p1)^(1/p1). Likewise, between the ends. With a taper
+/// coordinates are about the focus, and h = S (1 - |Z|^p1)^(1/p1), S = 1 - k² + k z/a3, Z = z/(a3 S).
 class SectionProfile {
  public:
   explicit SectionProfile(const Superquadric& superquadric)
       : section_(superquadric),
         end_(superquadric.semi_axes[2]),
-        p_1_(2 / static_cast<Long>(superquadric.exponents[0])) {}
+        p_1_(2 / static_cast<Long>(superquadric.exponents[0])),
+        taper_(static_cast<double>((static_cast<Long>(superquadric.taper) - 1) /
+                                   (static_cast<Long>(superquadric.taper) + 1))) {}
 
   [[nodiscard]] Long value(const LongVector& x) const;
+
+  /// The third component has its sign.
   [[nodiscard]] LongVector gradient(const LongVector& x) const;
 
   /// Infinite at the ends and beyond.
   [[nodiscard]] LongMatrix second_derivative(const LongVector& x) const;
 
  private:
+  /// S, Z, h/S and its derivative by Z.
+  struct Height {
+    Long room, untapered, profile, slope;
+  };
+  [[nodiscard]] Height height(Long z) const;
+
   GaugeSquare section_;  // at z = 0
   Long end_;
   Long p_1_;
+  Long taper_;  // k, as rounded for devices
 };
 
 /// A step of length 1 along which `second` is all but largest, and its value; z counts `stretch` times in the length.

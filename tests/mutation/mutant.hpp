@@ -50,6 +50,7 @@ struct Layer {
 
 /// Those of bent_depth.clh, in a program whose kernels show its lemmas; likewise.
 [[nodiscard]] std::span<const Mutant> depth_mutants();
+[[nodiscard]] std::span<const Mutant> tapered_depth_mutants();
 
 /// Those of the kernels between the caller's memory and those of distances, in the program of points; likewise, but
 /// that a false status, a false sum or a number in the wrong place counts as a false proof.

@@ -312,10 +312,10 @@ TEST_F(ConvexMutationTest, AllOfSetBoundsAreKilled) {
 
 /// What the judge of depths compares with.
 template <class Function>
-void expect_derivatives_of_differences() {
+void expect_derivatives_of_differences(double taper) {
   constexpr Long step = 1e-4L;
   for (const auto& exponents : {std::array{1.0, 1.0}, std::array{0.3, 0.7}, std::array{0.8, 0.25}}) {
-    const Function gauge({{0.7, 0.4, 1.3}, exponents});
+    const Function gauge({{0.7, 0.4, 1.3}, exponents, taper});
     for (const LongVector& x :
          {LongVector{0.3L, 0.2L, 0.9L}, LongVector{0.5L, 0.35L, 0.4L}, LongVector{0.1L, 0.3L, 1.1L}}) {
       const LongVector gradient = gauge.gradient(x);
@@ -340,17 +340,17 @@ void expect_derivatives_of_differences() {
 }
 
 TEST(GaugeSquareTest, DerivativesAreThoseOfDifferences) {
-  expect_derivatives_of_differences<GaugeSquare>();
+  expect_derivatives_of_differences<GaugeSquare>(1.0);
 }
 
 TEST(SectionProfileTest, DerivativesAreThoseOfDifferences) {
-  expect_derivatives_of_differences<SectionProfile>();
+  for (const double taper : {1.0, 1.5, 3.0}) expect_derivatives_of_differences<SectionProfile>(taper);
 }
 
 TEST_F(ConvexMutationTest, AllOfBentDepthsAreKilled) {
-  const DepthJudge judge;
+  const DepthJudge judge(Tapers::none);
   const Find find = depth_faults(judge);
-  const std::string sources = DepthJudge::sources();
+  const std::string sources = judge.sources();
   EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
   const DepthJudge::Shares shares = judge.shares(compiled_on(Arithmetic::usual, Program::bent_depths, sources));
   fmt::print("claimed: {:.3f} of metrics, {:.3f} and {:.3f} of balls, {:.3f} of depths\n", shares.metrics, shares.balls,
@@ -360,6 +360,18 @@ TEST_F(ConvexMutationTest, AllOfBentDepthsAreKilled) {
   EXPECT_GT(shares.balls_by_profile, 0.3);
   EXPECT_GT(shares.depths, 0.3);
   expect_all_killed("bent_depth.clh", depth_mutants(), sources, find);
+}
+
+TEST_F(ConvexMutationTest, AllOfTaperedBentDepthsAreKilled) {
+  const DepthJudge judge(Tapers::some);
+  const Find find = depth_faults(judge);
+  const std::string sources = judge.sources();
+  EXPECT_EQ(find(sources, Arithmetic::usual), "") << "the true kernels";
+  const DepthJudge::Shares shares = judge.shares(compiled_on(Arithmetic::usual, Program::bent_depths, sources));
+  fmt::print("claimed: {:.3f} of balls, {:.3f} of depths\n", shares.balls_by_profile, shares.depths);
+  EXPECT_GT(shares.balls_by_profile, 0.3);
+  EXPECT_GT(shares.depths, 0.3);
+  expect_all_killed("bent_depth.clh about tapered solids", tapered_depth_mutants(), sources, find);
 }
 
 }  // namespace
