@@ -36,18 +36,6 @@ constexpr const char* closing_words =
     "  verisq path cup.json stem.json --poses reduction.csv\n"
     "  verisq path table.json gripper.json --poses trajectory.csv --clearance 2 --json";
 
-/// The path needs unions of convex primitives: says of which file that is not so.
-Model read_convex(const std::string& path) {
-  Model model = read_model(path);
-  if (!is_union_of_convex(model)) {
-    refuse(
-        fmt::format("{}: bends, and csg other than the union of all primitives, are not supported along paths; "
-                    "tapered primitives are",
-                    path));
-  }
-  return model;
-}
-
 }  // namespace
 
 void declare_path(Options& options, PathArguments& arguments) {
@@ -59,8 +47,8 @@ void declare_path(Options& options, PathArguments& arguments) {
               "The distance that is to be kept at all times, in model units (default: any)");
   options.add("--tol", arguments.tolerance, parse_length, "T",
               fmt::format("Largest width of the smallest distance, in model units (default: {} of the larger bounding "
-                          "radius)",
-                          tolerance_of_distances.text));
+                          "radius, {} with bends or set operations, whose ways take more moments)",
+                          tolerance_of_distances.text, tolerance_of_searched_paths.text));
   options.add("--time-tol", arguments.time_tolerance, parse_positive_length, "T",
               "Largest width of the first contact's time (default: 1e-6 of the time between two poses)");
   options.add_flag("--json", arguments.json, "Print one JSON object");
@@ -68,14 +56,15 @@ void declare_path(Options& options, PathArguments& arguments) {
 }
 
 ExitStatus run_path(const PathArguments& arguments) {
-  const Model a = read_convex(arguments.model_a);
-  const Model b = read_convex(arguments.model_b);
+  const Model a = read_model(arguments.model_a);
+  const Model b = read_model(arguments.model_b);
   const std::string units = common_units(a, b, arguments.model_a, arguments.model_b);
   const std::vector<Pose> path = read_poses(arguments.poses);
   const double radius = std::max(bounding_radius(a), bounding_radius(b));
-  PathDistanceOptions options{.tolerance = arguments.tolerance
-                                               ? *arguments.tolerance
-                                               : default_tolerance(tolerance_of_distances, radius, "the models")};
+  const bool convex = is_union_of_convex(a) && is_union_of_convex(b);
+  const RelativeTolerance& usual = convex ? tolerance_of_distances : tolerance_of_searched_paths;
+  PathDistanceOptions options{.tolerance = arguments.tolerance ? *arguments.tolerance
+                                                               : default_tolerance(usual, radius, "the models")};
   if (arguments.time_tolerance) options.time_tolerance = *arguments.time_tolerance;
   watch_for_interruption();
   options.interrupted = interrupted;

@@ -40,10 +40,11 @@ struct PathDistance {
 
 /// B moves by the poses, after its primitives' own, A rests in its frame. Between two poses the translation is linear
 /// in time and the rotation turns about a fixed axis at constant speed, by the smaller angle; a single pose is a body
-/// at rest. Proven between the poses by how far directions still separate the primitives (docs/mathematics.md §26).
-/// Both models are unions of convex primitives. Throws Error(input) for other models, for a path without poses, for
-/// poses that are not finite or have a zero quaternion, for half a turn from one pose to the next, which has two ways,
-/// and for tolerances that are negative or no numbers.
+/// at rest. Proven between the poses by how far directions still separate the primitives, where both models are unions
+/// of convex ones, else, which takes more moments, by how fast points move (docs/mathematics.md §26). Throws
+/// Error(input) for a path without poses, for poses that are not finite or have a zero quaternion, for half a turn from
+/// one pose to the next, which has two ways, for tolerances that are negative or no numbers, and for a model that is
+/// proven to have no point at all.
 [[nodiscard]] PathDistance distance_along(std::span<const Pose> path, const Model& a, const Model& b,
                                           const PathDistanceOptions& options);
 

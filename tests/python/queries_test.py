@@ -94,8 +94,10 @@ class ClosestPoints(unittest.TestCase):
         self.assertLessEqual(through.meet_at - through.apart_before, 1e-6)
         with self.assertRaisesRegex(verisq.Error, "^distance_along: not for models with intervals$"):
             verisq.distance_along(a, model("uncertain_stem.json"), [[0, 0, 0, 1, 0, 0, 0]])
-        with self.assertRaisesRegex(verisq.Error, "bent"):
-            verisq.distance_along(a, model("bent_stem.json"), [[0, 0, 0, 1, 0, 0, 0]])
+        stem = model("bent_stem.json")
+        searched = verisq.distance_along(stem, stem, [[2.0, 0, 0, 1, 0, 0, 0], [0, 2.0, 0, 1, 0, 0, 1]])
+        self.assertEqual((searched.proximity, searched.reached), ("apart", True))
+        self.assertLessEqual(searched.smallest.width, 1e-4 * stem.bounding_radius)
 
     def test_errors(self):
         with self.assertRaisesRegex(verisq.Error, r"^point 1: \(.*\) is not finite$"):

@@ -12,13 +12,10 @@
 #include <verisq/error.hpp>
 
 #include "verify/placement/path_check.hpp"
-#include "verify/placement/rigid_path.hpp"
 #include "verify/proof/convex_union.hpp"
-#include "verify/proof/intersection.hpp"
-#include "verify/search/candidates.hpp"
-#include "verify/search/certified_distance.hpp"
-#include "verify/search/pair_contact.hpp"
-#include "verify/sweep/moving_pairs.hpp"
+#include "verify/sets/bounding_box.hpp"
+#include "verify/sweep/convex_moments.hpp"
+#include "verify/sweep/searched_moments.hpp"
 
 namespace verisq {
 
@@ -26,108 +23,29 @@ using namespace verify;
 
 namespace {
 
-/// Of one leg; both ends are exact binary64 numbers, as is the middle of what may still be halved.
-struct Stretch {
-  std::size_t leg;
-  double begin, end;         ///< times of the path
-  double lower = -infinity;  ///< of the distance, at all its times
-};
-
-/// What was found at the middle of a stretch.
-struct Moment {
-  double time;
-  double lower;  ///< over the stretch
-  double upper;  ///< at the middle; 0 where a common point is proven
-};
-
-double middle_of(const Stretch& stretch) {
-  return 0.5 * (stretch.begin + stretch.end);  // exact: both are multiples of `shortest`, which has a half
+/// The largest length at hand.
+double size_of(std::span<const Pose> poses, const Model& a, const Model& b) {
+  double size = 0.0;
+  for (const Model* model : {&a, &b}) {
+    const Box box = bounding_box(*model);
+    for (std::size_t i = 0; i < 3; ++i) size = std::max({size, std::abs(box.lower[i]), std::abs(box.upper[i])});
+  }
+  for (const Pose& pose : poses) {
+    for (const double t : pose.translation) size = std::max(size, std::abs(t));
+  }
+  return size;
 }
 
-/// Two models and the path between them.
-class Motion {
- public:
-  Motion(std::span<const Pose> poses, const Model& a, const Model& b)
-      : poses_(poses), path_(poses), a_(a), b_(b), shortest_(std::fmax(0x1p-40, std::ldexp(path_.last_time(), -50))) {}
-
-  [[nodiscard]] double last_time() const { return path_.last_time(); }
-
-  [[nodiscard]] std::vector<Stretch> legs() const {
-    std::vector<Stretch> legs;
-    for (std::size_t k = 0; k + 1 < poses_.size(); ++k)
-      legs.push_back({k, static_cast<double>(k), static_cast<double>(k + 1)});
-    if (legs.empty()) legs.push_back({0, 0.0, 0.0});
-    return legs;
-  }
-
-  /// The largest length at hand.
-  [[nodiscard]] double size() const {
-    double size = 0.0;
-    for (const PosedPrimitives* model : {&a_, &b_}) {
-      for (std::size_t i = 0; i < model->primitives.size(); ++i) {
-        const PreciseInterval reach = length<Real>(model->motions[i].translation) + model->primitives[i].radius();
-        size = std::max(size, reach.upper().to_double(Direction::up));
-      }
-    }
-    for (const Pose& pose : poses_) {
-      for (const double t : pose.translation) size = std::max(size, std::abs(t));
-    }
-    return size;
-  }
-
-  [[nodiscard]] bool may_be_halved(const Stretch& stretch) const { return stretch.end - stretch.begin > shortest_; }
-
-  /// Pairs whose distance is proven to be more than `enough` by their spheres are not looked at closer.
-  [[nodiscard]] Moment examine(const Stretch& stretch, double enough) const {
-    const double time = middle_of(stretch);
-    const double reach = 0.5 * (stretch.end - stretch.begin);
-    const MovingPairs moving(a_, b_, path_.enclosed_pose(time), motion_of(stretch.leg));
-    const PosedPairs& pairs = moving.pairs();
-    Moment moment{time, infinity, infinity};
-    const auto by_spheres = [&](std::size_t k) {
-      return moving.lower_by_spheres(k / pairs.size_b(), k % pairs.size_b(), reach);
-    };
-    for (const auto& [bound, k] : nearest_spheres_first(pairs.size_a() * pairs.size_b(), by_spheres)) {
-      if (bound > enough || bound > moment.upper) {
-        moment.lower = std::min(moment.lower, bound);
-        break;
-      }
-      const std::size_t i = k / pairs.size_b();
-      const std::size_t j = k % pairs.size_b();
-      const PairBounds at_moment = pairs(i, j);
-      const PairContact contact =
-          fast_pair_contact(at_moment.a().superquadric(), at_moment.b().superquadric(), at_moment.relative());
-      if (contact.common) {
-        if (pairs.share(rounded(midpoint(pairs.motion_a(i)(precise(*contact.common)))))) return {time, 0.0, 0.0};
-        moment.lower = std::min(moment.lower, bound);
-        continue;
-      }
-      const Separation separation{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), rounded(contact.vector),
-                                  rounded(contact.on_a), rounded(contact.on_b)};
-      moment.upper = std::min(moment.upper, at_moment.distance(separation).hi);
-      moment.lower = std::min(moment.lower, std::max(bound, moving.lower_by_vector(i, j, separation.vector, reach)));
-    }
-    return moment;
-  }
-
- private:
-  [[nodiscard]] SteadyMotion motion_of(std::size_t leg) const {
-    if (poses_.size() == 1) return {};
-    const Vector3<double> spin = path_.spin(leg);
-    const auto exact = [](const Interval& x) { return PreciseInterval(Real(x.lower()), Real(x.upper())); };
-    return {precise(poses_[leg + 1].translation) - precise(poses_[leg].translation),
-            {exact(spin[0]), exact(spin[1]), exact(spin[2])}};
-  }
-
-  std::span<const Pose> poses_;
-  RigidPath path_;
-  PosedPrimitives a_;
-  PosedPrimitives b_;
-  double shortest_;
-};
+std::vector<Stretch> legs_of(const PosedPath& path) {
+  std::vector<Stretch> legs;
+  for (std::size_t k = 0; k + 1 < path.poses().size(); ++k)
+    legs.push_back({k, static_cast<double>(k), static_cast<double>(k + 1)});
+  if (legs.empty()) legs.push_back({0, 0.0, 0.0});
+  return legs;
+}
 
 std::array<Stretch, 2> halves(const Stretch& stretch) {
-  const double middle = middle_of(stretch);
+  const double middle = stretch.middle();  // exact: both ends are multiples of `shortest`, which has a half
   return {Stretch{stretch.leg, stretch.begin, middle, stretch.lower},
           Stretch{stretch.leg, middle, stretch.end, stretch.lower}};
 }
@@ -137,11 +55,18 @@ constexpr double finest_width = 0x1p-43;
 
 class PathSearch {
  public:
-  PathSearch(const Motion& motion, const PathDistanceOptions& options)
-      : motion_(motion), options_(options), tolerance_(std::max(options.tolerance, finest_width * motion.size())) {}
+  /// Reports and asks for interruptions after so many moments.
+  PathSearch(const PosedPath& path, const PathMoments& moments, double tolerance, const PathDistanceOptions& options,
+             std::uint64_t moments_between_reports)
+      : path_(path),
+        moments_(moments),
+        options_(options),
+        tolerance_(tolerance),
+        shortest_(std::fmax(0x1p-40, std::ldexp(path.last_time(), -50))),
+        moments_between_reports_(moments_between_reports) {}
 
   [[nodiscard]] PathDistance run() {
-    for (const double time : {0.0, motion_.last_time()}) look_at({leg_of(time), time, time});
+    for (const double time : {0.0, path_.last_time()}) look_at({leg_of(time), time, time});
     if (!meets()) find_smallest();
     if (meets()) find_first_contact();
     result_.smallest = {std::max(0.0, result_.smallest.lo), result_.smallest.hi};
@@ -151,7 +76,7 @@ class PathSearch {
       result_.proximity = PathProximity::meeting;
     } else if (result_.smallest.lo > 0.0) {
       result_.proximity = PathProximity::apart;
-      result_.apart_before = motion_.last_time();
+      result_.apart_before = path_.last_time();
     }
     const bool narrow = result_.smallest.hi - result_.smallest.lo <= tolerance_;
     result_.reached = meets() ? *result_.meet_at - result_.apart_before <= options_.time_tolerance
@@ -160,16 +85,18 @@ class PathSearch {
   }
 
  private:
+  [[nodiscard]] bool may_be_halved(const Stretch& stretch) const { return stretch.end - stretch.begin > shortest_; }
+
   [[nodiscard]] bool meets() const { return result_.meet_at.has_value(); }
 
   [[nodiscard]] std::size_t leg_of(double time) const {
-    const double last_leg = std::fmax(0.0, motion_.last_time() - 1.0);
+    const double last_leg = std::fmax(0.0, path_.last_time() - 1.0);
     return static_cast<std::size_t>(std::fmin(std::floor(time), last_leg));
   }
 
   /// Its lower end over the stretch.
   double look_at(const Stretch& stretch) {
-    const Moment moment = motion_.examine(stretch, result_.smallest.hi);
+    const Moment moment = moments_.examine(stretch, result_.smallest.hi);
     ++result_.moments;
     if (moment.upper < result_.smallest.hi) {
       result_.smallest.hi = moment.upper;
@@ -180,9 +107,8 @@ class PathSearch {
   }
 
   [[nodiscard]] bool stopped() {
-    constexpr std::uint64_t moments_between_reports = 64;
     if (result_.moments < next_report_) return result_.interrupted;
-    next_report_ = result_.moments + moments_between_reports;
+    next_report_ = result_.moments + moments_between_reports_;
     if (options_.progress) options_.progress(result_.smallest, result_.moments);
     if (options_.interrupted && options_.interrupted()) result_.interrupted = true;
     return result_.interrupted;
@@ -192,7 +118,7 @@ class PathSearch {
   void find_smallest() {
     const auto later = [](const Stretch& x, const Stretch& y) { return x.lower > y.lower; };
     std::priority_queue<Stretch, std::vector<Stretch>, decltype(later)> open(later);
-    for (const Stretch& leg : motion_.legs()) open.push(leg);
+    for (const Stretch& leg : legs_of(path_)) open.push(leg);
     double finest = infinity;  // of the stretches that are as short as they may be
     while (!open.empty() && !meets()) {
       Stretch stretch = open.top();
@@ -207,7 +133,7 @@ class PathSearch {
           continue;
         }
       }
-      if (!motion_.may_be_halved(stretch)) {
+      if (!may_be_halved(stretch)) {
         finest = std::min(finest, stretch.lower);
         continue;
       }
@@ -221,30 +147,33 @@ class PathSearch {
 
   /// From the beginning on, until what is left before the earliest known contact is short.
   void find_first_contact() {
-    std::vector<Stretch> open = motion_.legs();
+    std::vector<Stretch> open = legs_of(path_);
     std::ranges::reverse(open);  // the earliest last
     while (!open.empty() && !stopped()) {
       Stretch stretch = open.back();
       open.pop_back();
       result_.apart_before = stretch.begin;
       if (*result_.meet_at - stretch.begin <= options_.time_tolerance) return;
-      const Moment moment = motion_.examine(stretch, 0.0);
+      const Moment moment = moments_.examine(stretch, 0.0);
       ++result_.moments;
       if (moment.upper == 0.0) result_.meet_at = std::min(*result_.meet_at, moment.time);
       if (moment.lower > 0.0) {
         result_.apart_before = stretch.end;
         continue;
       }
-      if (!motion_.may_be_halved(stretch)) return;
+      if (!may_be_halved(stretch)) return;
       for (const Stretch& half : {halves(stretch)[1], halves(stretch)[0]}) {
         if (half.begin < *result_.meet_at) open.push_back(half);
       }
     }
   }
 
-  const Motion& motion_;
+  const PosedPath& path_;
+  const PathMoments& moments_;
   const PathDistanceOptions& options_;
   double tolerance_;
+  double shortest_;
+  std::uint64_t moments_between_reports_;
   std::uint64_t next_report_ = 0;
   PathDistance result_{{-infinity, infinity}, 0.0, PathProximity::undecided, 0.0, std::nullopt, false, false, 0};
 };
@@ -276,14 +205,17 @@ void check_tolerances(const PathDistanceOptions& options) {
 
 PathDistance distance_along(std::span<const Pose> path, const Model& a, const Model& b,
                             const PathDistanceOptions& options) {
-  constexpr const char* what = "distances along paths";
-  require_union_of_convex(a, what);
-  require_union_of_convex(b, what);
   check_path(path);
   check_turns(path);
   check_tolerances(options);
-  const Motion motion(path, a, b);
-  return PathSearch(motion, options).run();
+  const PosedPath posed(path);
+  const double tolerance = std::max(options.tolerance, finest_width * size_of(path, a, b));
+  if (is_union_of_convex(a) && is_union_of_convex(b)) {
+    constexpr std::uint64_t many = 64;  // it takes milliseconds
+    return PathSearch(posed, ConvexMoments(posed, a, b), tolerance, options, many).run();
+  }
+  const SearchedMoments moments(posed, a, b, tolerance, options.interrupted);
+  return PathSearch(posed, moments, tolerance, options, 1).run();
 }
 
 }  // namespace verisq

@@ -1,0 +1,119 @@
+/// Searches at poses that binary64 holds, beside the exact ones.
+#include "verify/sweep/searched_moments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "verify/analysis/cross_product.hpp"
+#include "verify/search/certified_distance.hpp"
+#include "verify/sets/bounding_box.hpp"
+
+namespace verisq::verify {
+namespace {
+
+double up(const PreciseInterval& x) {
+  return x.upper().to_double(Direction::up);
+}
+
+/// The smaller one, of numbers that both bound the same.
+PreciseInterval less(const PreciseInterval& x, const PreciseInterval& y) {
+  return x.upper() < y.upper() ? x : y;
+}
+
+}  // namespace
+
+SearchedMoments::Ball::Ball(const Model& model) {
+  const Box box = bounding_box(model);
+  Point middle;
+  for (std::size_t i = 0; i < 3; ++i) middle[i] = std::midpoint(box.lower[i], box.upper[i]);
+  centre = precise(middle);
+  // As far as the farther corner: the middle is rounded.
+  PreciseVector corner;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const PreciseInterval to_lower = abs(centre[i] - PreciseInterval(Real(box.lower[i])));
+    const PreciseInterval to_upper = abs(PreciseInterval(Real(box.upper[i])) - centre[i]);
+    corner[i] = to_lower.upper() > to_upper.upper() ? to_lower : to_upper;
+  }
+  radius = length<Real>(corner);
+}
+
+SearchedMoments::SearchedMoments(const PosedPath& path, const Model& a, const Model& b, double tolerance,
+                                 std::function<bool()> interrupted)
+    : path_(&path),
+      search_(a, b),
+      b_(b),
+      ball_a_(a),
+      ball_b_(b),
+      tolerance_(tolerance),
+      interrupted_(std::move(interrupted)) {}
+
+// The distance changes no faster than points of B move in A's frame, and no faster than points of A move in B's. At x
+// the former is |w x (x - t) + v|; off the centre c of a ball by r at most, it is at most |w x (c - t) + v| + |w| r,
+// and that changes by the acceleration, at most |w| |w x (c - t)| for a point of B and |w| |v| for one of A, which
+// rests while t moves by v.
+PreciseInterval SearchedMoments::change(const Stretch& stretch, const RigidMotion& pose) const {
+  const PreciseInterval time{Real(stretch.reach())};
+  const SteadyMotion motion = path_->motion_of(stretch.leg);
+  const PreciseInterval rate = length<Real>(motion.spin);
+  const auto of_ball = [&](const PreciseVector& from_origin, const PreciseInterval& radius,
+                           const PreciseInterval& acceleration) {
+    const PreciseInterval speed = length<Real>(PreciseVector(cross(motion.spin, from_origin) + motion.velocity));
+    return time * (speed + rate * radius) + PreciseInterval(Real(0.5)) * time * time * acceleration;
+  };
+  const PreciseVector b = pose.rotation * ball_b_.centre;
+  const PreciseInterval of_b = of_ball(b, ball_b_.radius, rate * length<Real>(PreciseVector(cross(motion.spin, b))));
+  const PreciseInterval of_a =
+      of_ball(ball_a_.centre - pose.translation, ball_a_.radius, rate * length<Real>(motion.velocity));
+  return less(of_a, of_b);
+}
+
+// |(R - R') x + (t - t')| <= |(R - R') c + (t - t')| + |R - R'| r, and |R - R'| is at most the sum of its columns'
+// lengths.
+double SearchedMoments::displacement(const RigidMotion& exact, const RigidMotion& nearby) const {
+  const PreciseVector at_centre = exact(ball_b_.centre) - nearby(ball_b_.centre);
+  PreciseInterval spread{Real(0.0)};
+  for (std::size_t j = 0; j < 3; ++j)
+    spread = spread + length<Real>(PreciseVector(exact.rotation.column(j) - nearby.rotation.column(j)));
+  return up(length<Real>(at_centre) + spread * ball_b_.radius);
+}
+
+bool SearchedMoments::is_in_b(const Point& x, const RigidMotion& exact) const {
+  const PreciseVector place = exact.local_point(x);
+  Cube cube{rounded(midpoint(place)), 0.0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const PreciseInterval off = abs(place[i] - PreciseInterval(Real(cube.centre[i])));
+    cube.half_width = std::max(cube.half_width, up(off));
+  }
+  return std::ranges::any_of(b_.parts,
+                             [&](const SearchSolid::Part& part) { return strictly_inside(b_, part.set, cube); });
+}
+
+Moment SearchedMoments::examine(const Stretch& stretch, double enough) const {
+  const double time = stretch.middle();
+  const RigidMotion exact = path_->enclosed_pose(time);
+  const Pose pose = path_->nearby_pose(time);
+  const double off = displacement(exact, RigidMotion(pose));
+  const PreciseInterval lost = change(stretch, exact) + PreciseInterval(Real(off));
+  const auto over_stretch = [&](const PreciseInterval& at_moment) {
+    return (at_moment - lost).lower().to_double(Direction::down);
+  };
+  const PreciseInterval apart = length<Real>(PreciseVector(exact(ball_b_.centre) - ball_a_.centre));
+  const double by_balls = over_stretch(apart - ball_a_.radius - ball_b_.radius);
+  if (by_balls > enough) return {time, by_balls, infinity};
+
+  bool far = false;
+  // Where it is asked whether they are apart at all, as fine as the stretch is short.
+  const double finest = enough > 0.0 ? tolerance_ : 0.0;
+  SearchOptions options{.tolerance = 0.25 * std::max(finest, up(lost))};
+  options.progress = [&](const Enclosure& distance, std::uint64_t) {
+    far = over_stretch(PreciseInterval(Real(distance.lo))) > enough;
+  };
+  options.interrupted = [&] { return far || (interrupted_ && interrupted_()); };
+  const SearchedDistance found = search_(pose, options);
+  if (found.common && is_in_b(*found.common, exact)) return {time, 0.0, 0.0};
+  const double lower = std::max(by_balls, over_stretch(PreciseInterval(Real(found.distance.lo))));
+  return {time, lower, up(PreciseInterval(Real(found.distance.hi)) + PreciseInterval(Real(off)))};
+}
+
+}  // namespace verisq::verify

@@ -1,0 +1,49 @@
+/// Any two models on their way, bent or built by set operations: the distance at a moment, and how fast points move,
+/// prove a stretch of time (docs/mathematics.md §26).
+#pragma once
+
+#include <functional>
+
+#include "verify/sets/solid_pair_cells.hpp"
+#include "verify/sweep/path_moments.hpp"
+#include "verisq/model_search.hpp"
+
+namespace verisq::verify {
+
+class SearchedMoments : public PathMoments {
+ public:
+  /// B moves. Distances are enclosed to a quarter of `tolerance` at best. `interrupted`, polled, ends searches. The
+  /// path must outlive this.
+  SearchedMoments(const PosedPath& path, const Model& a, const Model& b, double tolerance,
+                  std::function<bool()> interrupted);
+
+  [[nodiscard]] Moment examine(const Stretch& stretch, double enough) const override;
+
+ private:
+  /// It holds a model, in the model's own frame.
+  struct Ball {
+    explicit Ball(const Model& model);
+
+    PreciseVector centre;
+    PreciseInterval radius;
+  };
+
+  /// How far the distance at any time of the stretch lies from that at its middle, at most.
+  [[nodiscard]] PreciseInterval change(const Stretch& stretch, const RigidMotion& pose) const;
+
+  /// How far a point of B is from where it is at the exact pose, at most.
+  [[nodiscard]] double displacement(const RigidMotion& exact, const RigidMotion& nearby) const;
+
+  /// Whether a point of A's is proven to lie in B, too, at the exact pose.
+  [[nodiscard]] bool is_in_b(const Point& x, const RigidMotion& exact) const;
+
+  const PosedPath* path_;
+  ModelSearch search_;
+  SearchSolid b_;
+  Ball ball_a_;
+  Ball ball_b_;
+  double tolerance_;
+  std::function<bool()> interrupted_;
+};
+
+}  // namespace verisq::verify
