@@ -16,6 +16,7 @@
 #include <verisq/uncertain_model.hpp>
 #include <verisq/version.hpp>
 
+#include "host/command_line/choice.hpp"
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/json_value.hpp"
 #include "host/command_line/length_option.hpp"
@@ -23,10 +24,12 @@
 #include "host/command_line/part_option.hpp"
 #include "host/command_line/point_stream.hpp"
 #include "host/command_line/pose_option.hpp"
+#include "host/command_line/pose_uncertainty_option.hpp"
 #include "host/command_line/posed_input.hpp"
 #include "host/command_line/run_program.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
+#include "host/command_line/triangle_stream.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/mpi/communicator.hpp"
 #include "host/mpi/shared_map.hpp"
@@ -50,8 +53,10 @@ constexpr const char* closing_words =
 
 struct MpiArguments {
   InputArguments inputs;
+  MapElements on = MapElements::vertices;
   std::optional<double> tolerance;
   double point_radius = 0.0;
+  PoseUncertaintyArguments pose_uncertainty;
   std::string device = "auto";
   bool device_of_rank = false;
   std::string output;
@@ -62,9 +67,13 @@ struct MpiArguments {
 void declare(Options& options, MpiArguments& arguments) {
   options.explain(closing_words);
   declare_inputs(options, arguments.inputs);
+  options.add("--on", arguments.on,
+              choice<MapElements>({{"vertices", MapElements::vertices}, {"triangles", MapElements::triangles}}), "WHAT",
+              "What of the mesh is mapped: vertices (default) or triangles");
   add_tolerance(options, arguments.tolerance, "the model");
   options.add("--point-radius", arguments.point_radius, parse_length, "NUMBER",
               "Each vertex or point is any within this distance of the given one, in model units (default 0)");
+  add_pose_uncertainty(options, arguments.pose_uncertainty, "The model's");
   options.add("--device", arguments.device, "DEVICE", "As of `verisq map`, on every rank");
   options.add_flag("--device-of-rank", arguments.device_of_rank,
                    "Rank k of a machine takes its device k (modulo how many there are), as `verisq devices` counts");
@@ -76,6 +85,9 @@ void declare(Options& options, MpiArguments& arguments) {
 void check_usage(const MpiArguments& arguments) {
   check_usage(arguments.inputs);
   if (arguments.inputs.points == "-") refuse("--points -: ranks have no standard input in common: give a file");
+  if (arguments.on == MapElements::triangles && arguments.inputs.mesh.empty()) {
+    refuse("--on triangles: give their --mesh");
+  }
   (void)format_of_part(arguments.output, std::nullopt);
   refuse_to_overwrite("-o", arguments.output, {arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points});
 }
@@ -91,7 +103,9 @@ std::vector<PartSetting> settings_of(const MpiArguments& arguments, const MapOpt
   std::vector<PartSetting> settings{{"tolerance", fmt::format("{}", options.tolerance)},
                                     {"point_radius", fmt::format("{}", options.point_radius)},
                                     {"format", std::filesystem::path(arguments.output).extension().string()}};
+  if (arguments.on == MapElements::triangles) settings.push_back({"on", "triangles"});
   if (arguments.inputs.pose) settings.push_back({"pose", option_text(*arguments.inputs.pose)});
+  if (options.pose_uncertainty) settings.push_back({"place", text_of(*options.pose_uncertainty)});
   return settings;
 }
 
@@ -130,11 +144,12 @@ void print(const mpi::SharedMapResult& result, const MpiArguments& arguments, co
 }
 
 /// What all ranks do alike before the first row, and what one of them may fail at.
+template <class Stream>
 struct Prepared {
-  PointStream stream;
+  Stream stream;
   std::uint64_t rows;
   MapOptions options;
-  PointMapper mapper;
+  Mapper<typename Stream::Element> mapper;
 
   Prepared(const MpiArguments& arguments, const mpi::Session& session)
       : stream(arguments.inputs), rows(count_elements(stream)), options{.tolerance = 0.0}, mapper([&] {
@@ -143,15 +158,17 @@ struct Prepared {
           options.tolerance = arguments.tolerance ? *arguments.tolerance
                                                   : default_tolerance(tolerance_of_distances, radius, "the model");
           options.point_radius = arguments.point_radius;
+          options.pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty, arguments.inputs.pose);
           options.device = device_of(arguments, rows, session);
-          return PointMapper(model, options);
+          return Mapper<typename Stream::Element>(model, options);
         }()) {}
 };
 
-ExitStatus run(const MpiArguments& arguments, const mpi::Session& session) {
-  check_usage(arguments);
+template <class Stream>
+ExitStatus map_all(const MpiArguments& arguments, const mpi::Session& session) {
+  using Element = typename Stream::Element;
   const Stopwatch time;
-  Prepared prepared(arguments, session);
+  Prepared<Stream> prepared(arguments, session);
   const mpi::SharedMapRequest request{
       .output = arguments.output,
       .rows = prepared.rows,
@@ -166,9 +183,9 @@ ExitStatus run(const MpiArguments& arguments, const mpi::Session& session) {
     prepared.stream.go_to(range.first);
     std::uint64_t left = range.count;
     const MapSummary summary = prepared.mapper.map(
-        [&](std::span<Point> points) {
-          const std::size_t most = static_cast<std::size_t>(std::min<std::uint64_t>(points.size(), left));
-          const std::size_t count = prepared.stream.read(points.first(most));
+        [&](std::span<Element> elements) {
+          const std::size_t most = static_cast<std::size_t>(std::min<std::uint64_t>(elements.size(), left));
+          const std::size_t count = prepared.stream.read(elements.first(most));
           left -= count;
           return count;
         },
@@ -184,6 +201,12 @@ ExitStatus run(const MpiArguments& arguments, const mpi::Session& session) {
   result.summary.host_seconds = session.sum(host_seconds);
   if (session.rank() == 0) print(result, arguments, session, prepared.options.tolerance, time.seconds());
   return result.summary.wide > 0 ? ExitStatus::unverified : ExitStatus::verified;
+}
+
+ExitStatus run(const MpiArguments& arguments, const mpi::Session& session) {
+  check_usage(arguments);
+  if (arguments.on == MapElements::triangles) return map_all<TriangleStream>(arguments, session);
+  return map_all<PointStream>(arguments, session);
 }
 
 /// One message for all ranks; a rank that fails alone ends the others.
@@ -208,7 +231,7 @@ int main(int argc, char** argv) {
   using namespace verisq::command_line;
   const verisq::mpi::Session session(argc, argv);
   const Program program{.name = "verisq-mpi",
-                        .description = "verisq-mpi: one map of points, made by all ranks of an MPI job."};
+                        .description = "verisq-mpi: one map, of points or triangles, made by all ranks of an MPI job."};
   const Command command{program.name, program.description, [&session](Options& options) -> Action {
                           const auto arguments = std::make_shared<MpiArguments>();
                           declare(options, *arguments);

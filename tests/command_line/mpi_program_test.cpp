@@ -38,23 +38,17 @@ class MpiProgram : public ProgramTest {
     }
   }
 
-  [[nodiscard]] Process job(int ranks, const std::string& output, const Arguments& more = {}) const {
-    Arguments arguments{"/usr/bin/mpirun",
-                        "--allow-run-as-root",
-                        "--oversubscribe",
-                        "-n",
-                        std::to_string(ranks),
-                        VERISQ_MPI_PROGRAM,
-                        "--model",
-                        model,
-                        "--points",
-                        path("points.csv"),
-                        "-o",
-                        path(output),
-                        "--device",
-                        "host"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
+  [[nodiscard]] Process job_of(int ranks, const Arguments& options) const {
+    Arguments arguments{"/usr/bin/mpirun",     "--allow-run-as-root", "--oversubscribe", "-n",
+                        std::to_string(ranks), VERISQ_MPI_PROGRAM,    "--model",         model};
+    arguments.insert(arguments.end(), options.begin(), options.end());
     return {arguments, folder_.path()};
+  }
+
+  [[nodiscard]] Process job(int ranks, const std::string& output, const Arguments& more = {}) const {
+    Arguments options{"--points", path("points.csv"), "-o", path(output), "--device", "host"};
+    options.insert(options.end(), more.begin(), more.end());
+    return job_of(ranks, options);
   }
 
   /// Killed as soon as it has begun to compute; on a busy machine it may be done by then.
@@ -83,6 +77,26 @@ TEST_F(MpiProgram, WritesTheBytesOfOneProcessOnAnyNumberOfRanks) {
   }
 }
 
+TEST_F(MpiProgram, MapsTrianglesAndUncertainPlaces) {
+  const std::string mesh = VERISQ_EXAMPLES "/cavity.off";
+  const Arguments triangles{"--mesh", mesh, "--on", "triangles", "--tol", "1"};
+  const Arguments places{"--mesh", mesh, "--translation-error", "0.5", "--rotation-error", "0.5", "--tol", "9"};
+  for (const Arguments& subject : {triangles, places}) {
+    for (const char* const extension : {".npy", ".csv"}) {
+      const std::string alone = path(std::string("alone") + extension);
+      const std::string shared = path(std::string("shared") + extension);
+      Arguments map{"map", "--model", model, "--device", "host", "-o", alone};
+      map.insert(map.end(), subject.begin(), subject.end());
+      EXPECT_EQ(run(map).status, 0);
+      Arguments options{"--device", "host", "-o", shared};
+      options.insert(options.end(), subject.begin(), subject.end());
+      const Outcome outcome = job_of(2, options).wait();
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      EXPECT_TRUE(contents(shared) == contents(alone)) << extension;
+    }
+  }
+}
+
 TEST_F(MpiProgram, GoesOnWhereAKilledJobStopped) {
   constexpr int attempts = 10;  // see start_and_kill
   const auto stopped = [&] {
@@ -105,6 +119,7 @@ TEST_F(MpiProgram, RefusesWhatCannotBe) {
   };
   refused(job(2, "map.npy", {"--resume"}), "there is no job to go on with");
   refused(job(2, "map.vtp"), ".csv and .npy only");
+  refused(job(2, "map.npy", {"--on", "triangles"}), "give their --mesh");
 }
 
 }  // namespace

@@ -61,6 +61,20 @@ class Examples(unittest.TestCase):
         found = verisq.map(verisq.Model.load(EXAMPLES / "stem_mm.json"), written.points)
         np.testing.assert_array_equal(written.point_data["lo"], found.lo)
 
+    @unittest.skipUnless(importlib.util.find_spec("distributed"), "dask is not installed: its example is NOT tested")
+    def test_cohort_with_dask(self):
+        names = [EXAMPLES / "stem_mm.json", EXAMPLES / "tapered_stem.json"]
+        lines = output("cohort_with_dask.py", EXAMPLES / "cavity.off", *names).splitlines()
+        bone = verisq.Mesh.load(EXAMPLES / "cavity.off").vertices
+        least = []
+        for name in names:
+            for x, y in [(x, y) for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0)]:
+                rows = verisq.map(verisq.Model.load(name).posed([x, y, 0, 1, 0, 0, 0]), bone, device="host")
+                least.append(float(rows.lo.min()))
+                answer = f"{name} at {[x, y, 0.0]}: the nearest vertex is between {least[-1]} and {float(rows.hi.min())} away"
+                self.assertIn(answer, lines)
+        self.assertEqual(lines[-1], f"18 of 18 cases; nothing is nearer than {min(least)}")
+
     def test_robot_clearance(self):
         lines = output("robot_clearance.py", "60").splitlines()
         self.assertRegex(lines[-2], r"^\d+ of 61 poses are proven free, with all between them$")
