@@ -201,7 +201,10 @@ void check_pose_uncertainty(const MapArguments& arguments) {
 /// Rows of a part are those of the whole only where they depend on nothing else than their block.
 void check_part(const MapArguments& arguments) {
   if (!arguments.part) return;
-  (void)format_of_part(arguments.output, arguments.format);
+  if (format_of_drawn_part(arguments.output, arguments.format) == ".vtp") {
+    if (arguments.on == MapElements::triangles) refuse("--part: triangles are written to .csv and .npy only");
+    if (arguments.certificates) refuse("--part: certificates are written to .csv only");
+  }
   if (arguments.report.any())
     refuse(fmt::format("--part: not with {}, which shows all rows", report_option(arguments)));
   if (arguments.time_limit) refuse("--part: not with --time-limit, by which rows depend on the clock");
@@ -282,7 +285,7 @@ std::vector<PartSetting> settings_of(const MapArguments& arguments, const MapOpt
   for (const MapColumn column : arguments.columns)
     columns += fmt::format("{}{}", columns.empty() ? "" : ",", to_string(column));
   std::vector<PartSetting> settings{{"command", "map"},
-                                    {"format", format_of_part(arguments.output, arguments.format)},
+                                    {"format", format_of_drawn_part(arguments.output, arguments.format)},
                                     {"tolerance", fmt::format("{}", options.tolerance)},
                                     {"point_radius", fmt::format("{}", options.point_radius)},
                                     {"method", options.method == Method::duality ? "duality" : "published"},
@@ -369,7 +372,9 @@ ExitStatus map_and_report(const UncertainModel& model, MapElements elements, con
       part->write(arguments.output, summary, closest);
     };
   }
-  return map_to_file(peeked, stream.mesh(), make_mapper, request);
+  // A part that is drawn has points alone, its own.
+  const bool drawn_part = part && format_of_drawn_part(arguments.output, arguments.format) == ".vtp";
+  return map_to_file(peeked, drawn_part ? nullptr : stream.mesh(), make_mapper, request);
 }
 
 }  // namespace

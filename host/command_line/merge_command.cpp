@@ -20,7 +20,9 @@ constexpr const char* closing_words =
     "wrote,\n"
     "all N of them, in any order; beside each lies its PART.part.json. The whole is bit by bit what one process writes "
     "on\n"
-    "the same kind of device. Refused are gaps and overlaps, parts of other models, inputs, options, devices or "
+    "the same kind of device; of .vtp parts it is a .pvtp, which names them and is opened by ParaView as one. Refused "
+    "are\n"
+    "gaps and overlaps, parts of other models, inputs, options, devices or "
     "versions\n"
     "of verisq, and files that are not those that were written.\n"
     "\n"
@@ -81,8 +83,9 @@ std::string json(const MergedMap& merged, const MergeArguments& arguments, doubl
 
 void declare_merge(Options& options, MergeArguments& arguments) {
   options.explain(closing_words);
-  options.require_each("PARTS", arguments.parts, "PARTS", "All parts of a map: .csv or .npy, each with its .part.json");
-  options.require("-o,--output", arguments.output, "FILE", "The whole map");
+  options.require_each("PARTS", arguments.parts, "PARTS",
+                       "All parts of a map: .csv, .npy or .vtp, each with its .part.json");
+  options.require("-o,--output", arguments.output, "FILE", "The whole map; of .vtp parts a .pvtp");
   options.add_flag("--mixed-devices", arguments.mixed_devices,
                    "Accept parts of several devices: every row is valid, but which bits it has is then the device's");
   options.add_flag("--json", arguments.json, "Print the summary as one JSON object; what is not bounded is null");

@@ -15,6 +15,11 @@ namespace {
 
 constexpr std::uint64_t most_parts = 1'000'000;
 
+std::string extension_of_part(const std::string& output, const std::optional<std::string>& format) {
+  if (output == "-" || output.empty()) refuse("--part: give the file that holds it: -o");
+  return lower_case(format ? *format : std::filesystem::path(output).extension().string());
+}
+
 std::future<SubjectFile> digest_begun(const std::string& file) {
   if (!std::filesystem::is_regular_file(file)) {
     refuse(fmt::format("--part: {}: is no regular file, and parts must tell which it is", file));
@@ -34,16 +39,22 @@ PartOption parse_part(std::string_view option, const std::string& text) {
 void add_part(Options& options, std::optional<PartOption>& part) {
   options.add(
       "--part", part, parse_part, "I/N",
-      fmt::format("Map part I (from 1) of N alone, whole blocks of {} rows, into a .csv or .npy of its own; beside\n"
-                  "it OUT.part.json says what it is a part of. `verisq merge` makes the whole of all parts",
-                  rows_per_block));
+      fmt::format(
+          "Map part I (from 1) of N alone, whole blocks of {} rows, into a .csv or .npy of its own, points\n"
+          "also into a .vtp; beside it OUT.part.json says what it is a part of. `verisq merge` makes the whole\n"
+          "of all parts",
+          rows_per_block));
 }
 
 std::string format_of_part(const std::string& output, const std::optional<std::string>& format) {
-  if (output == "-" || output.empty()) refuse("--part: give the file that holds it: -o");
-  const std::string extension = lower_case(format ? *format : std::filesystem::path(output).extension().string());
+  const std::string extension = extension_of_part(output, format);
   if (extension != ".csv" && extension != ".npy") refuse("--part: parts are written to .csv and .npy only");
   return extension;
+}
+
+std::string format_of_drawn_part(const std::string& output, const std::optional<std::string>& format) {
+  const std::string extension = extension_of_part(output, format);
+  return extension == ".vtp" ? extension : format_of_part(output, format);
 }
 
 std::string text_of(const PoseUncertainty& bounds) {

@@ -28,8 +28,11 @@ struct PartOption {
 /// Adds --part.
 void add_part(Options& options, std::optional<PartOption>& part);
 
-/// The extension of a form that parts have. Throws Error(input) for others, and for the standard output.
+/// The extension of a form that rows of parts have. Throws Error(input) for others, and for the standard output.
 [[nodiscard]] std::string format_of_part(const std::string& output, const std::optional<std::string>& format);
+
+/// Also `.vtp`, of parts that are drawn: points.
+[[nodiscard]] std::string format_of_drawn_part(const std::string& output, const std::optional<std::string>& format);
 
 /// How many elements a stream (see PointStream) delivers; it is read to its end where it does not know, and stands
 /// anywhere then.

@@ -1,4 +1,4 @@
-/// Parts of a map are compared with each other, then copied one behind the other.
+/// Parts of a map are compared with each other, then copied one behind the other; those that are drawn are named.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include "host/files/input_file.hpp"
 #include "host/files/npy_header.hpp"
 #include "host/files/output_file.hpp"
+#include "host/files/pvtp_document.hpp"
 #include "host/files/sha256.hpp"
 #include "host/files/words.hpp"
 
@@ -51,17 +52,18 @@ void refuse_other_subject(const GivenPart& given, std::string_view what, const S
   refuse_difference(given, what, text_of(subject), first, text_of(of_first));
 }
 
+std::string setting(const MapPart& part, std::string_view name) {
+  const auto found = std::ranges::find(part.settings, name, &PartSetting::name);
+  return found == part.settings.end() ? std::string() : found->value;
+}
+
 void refuse_other_settings(const GivenPart& given, const GivenPart& first) {
   std::set<std::string> names;
   for (const GivenPart* const of : {&first, &given}) {
     for (const PartSetting& setting : of->part.settings) names.insert(setting.name);
   }
-  const auto value_in = [](const GivenPart& of, const std::string& name) {
-    const auto found = std::ranges::find(of.part.settings, name, &PartSetting::name);
-    return found == of.part.settings.end() ? std::string() : found->value;
-  };
   for (const std::string& name : names) {
-    refuse_difference(given, name, value_in(given, name), first, value_in(first, name));
+    refuse_difference(given, name, setting(given.part, name), first, setting(first.part, name));
   }
 }
 
@@ -186,11 +188,32 @@ class NpyForm final : public PartForm {
 };
 
 std::unique_ptr<PartForm> form_of(const GivenPart& given) {
-  const auto format = std::ranges::find(given.part.settings, "format", &PartSetting::name);
-  const std::string name = format == given.part.settings.end() ? std::string() : format->value;
+  const std::string name = setting(given.part, "format");
   if (name == ".csv") return std::make_unique<CsvForm>();
   if (name == ".npy") return std::make_unique<NpyForm>();
-  refuse_file(given.path.string(), fmt::format("format is {}: parts are .csv or .npy", in_quotes(name)));
+  refuse_file(given.path.string(), fmt::format("format is {}: parts are .csv, .npy or .vtp", in_quotes(name)));
+}
+
+void refuse_other_bytes(const GivenPart& given, std::string_view digest) {
+  if (digest == given.part.map.sha256) return;
+  refuse_file(given.path.string(),
+              fmt::format("is not the file that was written: its SHA-256 is {}, and {} says {}", digest,
+                          part_file_of(given.path).filename().string(), given.part.map.sha256));
+}
+
+/// The parts stay where they are.
+void name_drawn_parts(const std::vector<GivenPart>& parts, const std::filesystem::path& output) {
+  if (lower_case(output.extension().string()) != ".pvtp") {
+    refuse_file(output.string(), "the whole of .vtp parts is a .pvtp, which names them");
+  }
+  std::vector<std::string> sources;
+  for (const GivenPart& given : parts) {
+    refuse_other_bytes(given, digest_of_file(given.path).sha256);
+    sources.push_back(std::filesystem::proximate(given.path, std::filesystem::absolute(output).parent_path()).string());
+  }
+  OutputFile file(output);
+  file.write(pvtp_document(sources, setting(parts.front().part, "closest_points") == "yes"));
+  file.finish();
 }
 
 /// A damaged part is found out before the whole has a name.
@@ -210,10 +233,15 @@ void copy_rows(const GivenPart& given, PartForm& form, OutputFile& output, bool 
     (void)file.take(bytes.size(), "the rows");
   }
   form.check_rows(file, given.part);
-  if (const std::string digest = hash.digest(); digest != given.part.map.sha256) {
-    file.fail_whole(fmt::format("is not the file that was written: its SHA-256 is {}, and {} says {}", digest,
-                                part_file_of(given.path).filename().string(), given.part.map.sha256));
-  }
+  refuse_other_bytes(given, hash.digest());
+}
+
+void copy_parts(const std::vector<GivenPart>& parts, const std::filesystem::path& output) {
+  const std::unique_ptr<PartForm> form = form_of(parts.front());
+  if (lower_case(output.extension().string()) == ".pvtp") refuse_file(output.string(), "is of .vtp parts alone");
+  OutputFile file(output);
+  for (const GivenPart& given : parts) copy_rows(given, *form, file, &given == &parts.front(), given.part.rows_in_all);
+  file.finish();
 }
 
 void add_to(MapPart& whole, const MapPart& part) {
@@ -276,10 +304,11 @@ MergedMap merge_maps(std::span<const std::filesystem::path> paths, const std::fi
   }
   for (const GivenPart& given : parts) refuse_other_work(given, *with_rows, options);
   refuse_gaps_and_overlaps(parts);
-  const std::unique_ptr<PartForm> form = form_of(parts.front());
-  OutputFile file(output);
-  for (const GivenPart& given : parts) copy_rows(given, *form, file, &given == &parts.front(), given.part.rows_in_all);
-  file.finish();
+  if (setting(parts.front().part, "format") == ".vtp") {
+    name_drawn_parts(parts, output);
+  } else {
+    copy_parts(parts, output);
+  }
   MergedMap merged = summed_up(parts);
   merged.whole.map = {output.filename().string(), std::string()};
   return merged;

@@ -1,10 +1,13 @@
 /// Maps in parts, and `verisq merge`: the bytes of one process, and refusals of what does not belong together.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <pugixml.hpp>
 #include <random>
 #include <string>
 #include <vector>
@@ -126,6 +129,41 @@ TEST_F(MergeCommand, MergesMapsOfPosesTrianglesAndCertificates) {
   ASSERT_EQ(run_map({"-o", path("triangles.2.csv"), "--part", "2/2"}), 0);
   EXPECT_EQ(merge({"triangles.1.csv", "triangles.2.csv"}, "all.csv").status, 0);
   EXPECT_TRUE(contents(path("all.csv")) == contents(path("triangles.csv")));
+}
+
+TEST_F(MergeCommand, NamesPartsThatAreDrawn) {
+  (void)points();
+  make_parts(3, ".vtp");
+  const std::vector<std::string> parts{"part.1.vtp", "part.2.vtp", "part.3.vtp"};
+  expect_refused(merge(parts, "whole.vtp"), {"whole.vtp", "is a .pvtp"});
+  const Outcome outcome = merge(parts, "whole.pvtp");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("{}\n", count)));
+  pugi::xml_document whole;
+  ASSERT_TRUE(whole.load_file(path("whole.pvtp").c_str()));
+  const pugi::xml_node data = whole.child("VTKFile").child("PPolyData");
+  std::size_t points_of_pieces = 0;
+  std::vector<std::string> sources;
+  for (const pugi::xml_node piece : data.children("Piece")) {
+    sources.emplace_back(piece.attribute("Source").value());
+    // Before the raw arrays the XML of a piece is text.
+    const std::string text = contents(path(sources.back()));
+    pugi::xml_document part;
+    const std::string head = text.substr(0, text.find("  <AppendedData")) + "</VTKFile>";
+    ASSERT_TRUE(part.load_string(head.c_str()));
+    const pugi::xml_node drawn = part.child("VTKFile").child("PolyData").child("Piece");
+    points_of_pieces += drawn.attribute("NumberOfPoints").as_ullong();
+    const auto names = [](const pugi::xml_node& node) {
+      std::vector<std::string> all;
+      for (const pugi::xml_node array : node.children()) all.emplace_back(array.attribute("Name").value());
+      return all;
+    };
+    EXPECT_EQ(names(drawn.child("PointData")), names(data.child("PPointData")));
+  }
+  EXPECT_EQ(sources, parts);
+  EXPECT_EQ(points_of_pieces, count);
+  std::ofstream(path("part.2.vtp"), std::ios::app) << " ";
+  expect_refused(merge(parts, "whole.pvtp"), {"part.2.vtp", "is not the file that was written"});
 }
 
 TEST_F(MergeCommand, HasPartsWithoutRowsWhereThereAreMoreThanBlocks) {
@@ -256,7 +294,8 @@ TEST_F(MergeCommand, PartsAreRefusedWhereRowsWouldDependOnMoreThanTheirBlock) {
   };
   expect_refused(part({"--time-limit", "5"}), {"--part", "--time-limit"});
   expect_refused(part({"--translation-error", "1", "--pose-divisions", "4"}), {"--part", "--pose-divisions"});
-  expect_refused(part({}, "part.vtp"), {"--part", ".csv and .npy only"});
+  expect_refused(part({}, "part.ply"), {"--part", ".csv and .npy only"});
+  expect_refused(part({"--certificates"}, "part.vtp"), {"--part", "certificates", ".csv only"});
   expect_refused(map("part.csv", {"--part", "3/2"}), {"--part", "3"});
   expect_refused(map("part.csv", {"--part", "0/2"}), {"--part", "0"});
   expect_refused(map("part.csv", {"--part", "two"}), {"--part", "two", "i/n"});
