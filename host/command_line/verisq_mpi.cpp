@@ -184,7 +184,7 @@ ExitStatus map_all(const MpiArguments& arguments, const mpi::Session& session) {
     std::uint64_t left = range.count;
     const MapSummary summary = prepared.mapper.map(
         [&](std::span<Element> elements) {
-          const std::size_t most = static_cast<std::size_t>(std::min<std::uint64_t>(elements.size(), left));
+          const auto most = static_cast<std::size_t>(std::min<std::uint64_t>(elements.size(), left));
           const std::size_t count = prepared.stream.read(elements.first(most));
           left -= count;
           return count;

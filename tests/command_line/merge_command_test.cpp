@@ -20,7 +20,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string stem = VERISQ_EXAMPLES "/stem_mm.json";
+const std::string examples = VERISQ_EXAMPLES;
+const std::string stem = examples + "/stem_mm.json";
 
 /// Whole blocks, the beginnings of which have points within overlaps of the stem's primitives, and a part of one.
 constexpr std::size_t count = 3 * rows_per_block + 500;
@@ -103,7 +104,7 @@ TEST_F(MergeCommand, MergesMapsOfPosesTrianglesAndCertificates) {
   std::string poses;
   for (int i = 0; i < 5000; ++i) poses += std::to_string(60 + i % 37) + ",0," + std::to_string(i % 11) + ",1,0.1,0,0\n";
   const std::string file = write("poses.csv", poses);
-  const Arguments distance{"distance", VERISQ_EXAMPLES "/capsule.json", VERISQ_EXAMPLES "/soap.json", "--poses", file};
+  const Arguments distance{"distance", examples + "/capsule.json", examples + "/soap.json", "--poses", file};
   const auto run_distance = [&](const Arguments& more) {
     Arguments arguments = distance;
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -116,9 +117,8 @@ TEST_F(MergeCommand, MergesMapsOfPosesTrianglesAndCertificates) {
   EXPECT_EQ(merge({"poses.1.csv", "poses.2.csv"}, "merged.csv").status, 0);
   EXPECT_TRUE(contents(path("merged.csv")) == contents(path("whole.csv")));
 
-  const Arguments triangles{
-      "map",       "--model",       VERISQ_EXAMPLES "/stem_mm.json", "--mesh", VERISQ_EXAMPLES "/cavity.off", "--on",
-      "triangles", "--certificates"};
+  const Arguments triangles{"map",       "--model",       stem, "--mesh", examples + "/cavity.off", "--on",
+                            "triangles", "--certificates"};
   const auto run_map = [&](const Arguments& more) {
     Arguments arguments = triangles;
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -266,11 +266,10 @@ TEST_F(MergeCommand, GnuParallelRunsTheExample) {
   if (!std::filesystem::exists("/usr/bin/parallel")) GTEST_SKIP() << "no GNU parallel";
   (void)points();
   ASSERT_EQ(map("whole.npy").status, 0);
-  const Outcome outcome =
-      Process({"/usr/bin/env", std::string("VERISQ=") + VERISQ_PROGRAM, VERISQ_EXAMPLES "/cluster/map_in_parallel",
-               stem, path("points.csv"), path("all"), "3"},
-              folder_.path())
-          .wait();
+  const Outcome outcome = Process({"/usr/bin/env", std::string("VERISQ=") + VERISQ_PROGRAM,
+                                   examples + "/cluster/map_in_parallel", stem, path("points.csv"), path("all"), "3"},
+                                  folder_.path())
+                              .wait();
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_TRUE(contents(path("all.npy")) == contents(path("whole.npy")));
 }
