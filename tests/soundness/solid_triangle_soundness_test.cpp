@@ -194,7 +194,7 @@ void expect_sound(const std::string& prover, std::size_t triangles, const Prove&
 }
 
 TEST(SolidTriangleSoundnessTest, HostContainsTheReference) {
-  expect_sound("host", requested_triangles() / 2, [](const Group& group) {
+  expect_sound("host", requested_triangles(), [](const Group& group) {
     const TriangleSearch search(group.model);
     std::vector<Enclosure> proven;
     // Some take thousands of points, each a search: what is proven by then has to be valid, too.

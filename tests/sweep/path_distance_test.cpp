@@ -261,7 +261,7 @@ TEST(PathDistance, ContainsTheDistancesOfBendsAndSetOperationsAtSingleTimes) {
   RandomCases random(45);
   int apart = 0;
   int meeting = 0;
-  for (int k = 0; k < cases(16); ++k) {
+  for (int k = 0; k < cases(11); ++k) {
     SCOPED_TRACE(k);
     const auto [a, b] = solids.pair();
     const double size = std::max(bounding_radius(a), bounding_radius(b));
