@@ -78,7 +78,7 @@ class SideProof {
                                    {.penetration_limit = options_.penetration_limit,
                                     .tolerance = bounding_radius(alone(primitive)),  // which nobody asks for
                                     .limit_tolerance = options_.tolerance,
-                                    .most_samples = most_samples,
+                                    .most_samples = most_samples_of_sides,
                                     .device = options_.device,
                                     .interrupted = options_.interrupted}));
   }
