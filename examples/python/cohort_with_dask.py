@@ -8,7 +8,6 @@ this machine do the work. A case that fails is listed, and the others go on.
 
 import argparse
 
-import numpy as np
 import verisq
 from distributed import Client, LocalCluster, as_completed
 
@@ -45,10 +44,11 @@ def main():
                 continue
             lo, hi = done.result()
             print(f"{name} at {shift}: the nearest vertex is between {lo} and {hi} away")
-        answers = np.array([done.result() for done in cases if done.status == "finished"])
+        answers = [done.result() for done in cases if done.status == "finished"]
     if cluster:
         cluster.close()
-    print(f"{len(answers)} of {len(cases)} cases; nothing is nearer than {answers[:, 0].min()}")
+    least = f"nothing is nearer than {min(lo for lo, _ in answers)}" if answers else "nothing is proven"
+    print(f"{len(answers)} of {len(cases)} cases; {least}")
 
 
 if __name__ == "__main__":

@@ -101,6 +101,22 @@ Point to_nearest(const PreciseVector& v) {
   return {nearest(v[0]), nearest(v[1]), nearest(v[2])};
 }
 
+/// A pose, enclosed; of a unit quaternion.
+struct Placement {
+  Quaternion rotation;
+  PreciseVector translation;
+};
+
+Placement placement_at(std::span<const Pose> poses, double time) {
+  const auto k = static_cast<std::size_t>(time);
+  const double fraction = time - static_cast<double>(k);  // exact
+  const PreciseVector start = precise(poses[k].translation);
+  const Quaternion from = unit(poses[k].quaternion);
+  if (fraction == 0.0) return {from, start};
+  const PreciseVector velocity = precise(poses[k + 1].translation) - start;
+  return {between(from, unit(poses[k + 1].quaternion), fraction), start + velocity * PreciseInterval(Real(fraction))};
+}
+
 /// The rotation vector of to from^-1. Precondition: the shorter way round, the scalar part is not negative.
 PreciseVector rotation_vector(const Quaternion& from, const Quaternion& to) {
   const PreciseVector a(from[1], from[2], from[3]);
@@ -153,14 +169,16 @@ Vector3<double> RigidPath::spin(std::size_t k) const {
 }
 
 RigidMotion RigidPath::enclosed_pose(double time) const {
+  const auto [rotation, translation] = placement_at(poses_, time);
+  return {rotation_of(rotation), translation};
+}
+
+Pose RigidPath::rounded_pose(double time) const {
   const auto k = static_cast<std::size_t>(time);
-  const double fraction = time - static_cast<double>(k);  // exact
-  const PreciseVector start = precise(poses_[k].translation);
-  const Quaternion from = unit(poses_[k].quaternion);
-  if (fraction == 0.0) return {rotation_of(from), start};
-  const PreciseVector velocity = precise(poses_[k + 1].translation) - start;
-  return {rotation_of(between(from, unit(poses_[k + 1].quaternion), fraction)),
-          start + velocity * PreciseInterval(Real(fraction))};
+  if (time == static_cast<double>(k)) return poses_[k];
+  const auto [rotation, translation] = placement_at(poses_, time);
+  return {to_nearest(translation),
+          {nearest(rotation[0]), nearest(rotation[1]), nearest(rotation[2]), nearest(rotation[3])}};
 }
 
 RigidPath::NearestPose RigidPath::nearest_pose(double time) const {

@@ -40,6 +40,9 @@ class RigidPath {
   /// Precondition: 0 <= time <= last_time().
   [[nodiscard]] NearestPose nearest_pose(double time) const;
 
+  /// Hardly off the exact pose; at the times of poses they themselves. Precondition: 0 <= time <= last_time().
+  [[nodiscard]] Pose rounded_pose(double time) const;
+
   /// The exact pose, enclosed. Precondition: 0 <= time <= last_time().
   [[nodiscard]] RigidMotion enclosed_pose(double time) const;
 

@@ -39,8 +39,7 @@ class PosedPath {
 
   [[nodiscard]] RigidMotion enclosed_pose(double time) const { return path_.enclosed_pose(time); }
 
-  /// The pose itself at the times of poses, about the pose between them.
-  [[nodiscard]] Pose nearby_pose(double time) const;
+  [[nodiscard]] Pose rounded_pose(double time) const { return path_.rounded_pose(time); }
 
   [[nodiscard]] SteadyMotion motion_of(std::size_t leg) const;
 

@@ -93,7 +93,7 @@ bool SearchedMoments::is_in_b(const Point& x, const RigidMotion& exact) const {
 Moment SearchedMoments::examine(const Stretch& stretch, double enough) const {
   const double time = stretch.middle();
   const RigidMotion exact = path_->enclosed_pose(time);
-  const Pose pose = path_->nearby_pose(time);
+  const Pose pose = path_->rounded_pose(time);
   const double off = displacement(exact, RigidMotion(pose));
   const PreciseInterval lost = change(stretch, exact) + PreciseInterval(Real(off));
   const auto over_stretch = [&](const PreciseInterval& at_moment) {
