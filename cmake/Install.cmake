@@ -5,7 +5,8 @@ include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/verisq")
 
 # From what a program is linked with to what it needs.
-set(core_libraries verisq_core verisq_verify verisq_readers verisq_placement verisq_bend_range verisq_proof)
+set(core_libraries verisq_core verisq_verify verisq_readers verisq_placement verisq_bend_range verisq_proof
+                   verisq_proposals)
 if(NOT BUILD_SHARED_LIBS)
   list(APPEND core_libraries verisq_opencl)
 endif()

@@ -13,9 +13,12 @@ namespace verisq::device {
 namespace {
 
 using verify::Direction;
-using verify::opposite;
 
 constexpr Ends entire{-infinity, infinity};
+
+constexpr Direction opposite(Direction direction) {
+  return direction == Direction::down ? Direction::up : Direction::down;
+}
 
 bool contains_zero_inside(Ends a) {
   return a.lo < 0.0 && a.hi > 0.0;

@@ -18,17 +18,18 @@
 #include "host/command_line/element_words.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
+#include "host/command_line/octree_check.hpp"
 #include "host/command_line/posed_input.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/status_consistency.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/command_line/triangle_stream.hpp"
+#include "host/command_line/whole_number.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "host/mesh/extent.hpp"
 #include "host/threads/parallel.hpp"
-#include "verify/proof/bracketed.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -49,6 +50,9 @@ constexpr const char* closing_words =
     "--certificate: a file that `verisq distance --certificate-file` wrote; give the --model of A, then that of B. "
     "They\n"
     "must be, byte for byte, the files that the answer is about.\n"
+    "\n"
+    "--octree: a file of `verisq octree`, with or without white cubes. Its black cubes are proved to lie inside, and\n"
+    "what black and gray ones leave out outside; all together they prove the volume.\n"
     "\n"
     "Exit status: 0 every row proved, nothing falsified or missing; 3 not so; 2 bad usage or input, also other models\n"
     "than the certificate is about, and a whole map with fewer or more rows than there are points or triangles; 130 "
@@ -220,24 +224,23 @@ ExitStatus status_of(const CheckReport& report) {
   return report.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
 }
 
-void refuse_what_only_maps_have(const CheckArguments& arguments) {
+void refuse_points(const CheckArguments& arguments) {
   const auto refuse_option = [](const char* option) { refuse(fmt::format("{}: only with --map", option)); };
   if (!arguments.inputs.mesh.empty()) refuse_option("--mesh");
   if (!arguments.inputs.points.empty()) refuse_option("--points");
-  if (arguments.inputs.pose) refuse_option("--pose");
   if (arguments.point_radius != 0.0) refuse_option("--point-radius");
+}
+
+void refuse_what_certificates_lack(const CheckArguments& arguments) {
+  refuse_points(arguments);
+  if (arguments.inputs.pose) refuse("--pose: only with --map or --octree");
 }
 
 ExitStatus check_map_file(const CheckArguments& arguments) {
   check_usage(arguments.inputs);
   watch_for_interruption();
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
-  const Model largest = verify::bracket_of_primitives(model).largest;
   MapReader map(arguments.map);
-  if (map.elements() == MapElements::triangles && !is_union_of_convex(largest)) {
-    refuse(fmt::format("{}: triangles about bent solids or set operations, as in {}, have no certificates to check",
-                       arguments.map, arguments.inputs.model));
-  }
   const Checker checker(model, arguments.point_radius);
 
   std::optional<double> radius;
@@ -261,18 +264,30 @@ void declare_check(Options& options, CheckArguments& arguments) {
   declare_points(options, arguments.inputs);
   options.add("--map", arguments.map, "FILE", "The map, written with --certificates: .csv .vtp .csv.partial");
   options.add("--certificate", arguments.certificate, "FILE", "Instead of a map: a certificate file, .json");
+  options.add("--octree", arguments.octree, "FILE",
+              "Instead of a map: an octree of `octree`, .vtu: every cube inside, and outside all that it leaves out");
+  options.add("--sample", arguments.sample, whole_number<std::uint64_t>(1), "NUMBER",
+              "Of an --octree, so many cubes chosen at random (default: all)");
   options.add("--point-radius", arguments.point_radius, parse_length, "NUMBER", "As the map was made with (default 0)");
   add_json(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_check(const CheckArguments& given) {
-  if (given.map.empty() == given.certificate.empty()) refuse("give either --map or --certificate");
+  if (!given.map.empty() + !given.certificate.empty() + !given.octree.empty() != 1) {
+    refuse("give one of --map, --certificate and --octree");
+  }
+  if (given.sample && given.octree.empty()) refuse("--sample: only with --octree");
   if (!given.certificate.empty()) {
-    refuse_what_only_maps_have(given);
+    refuse_what_certificates_lack(given);
     return run_certificate_check({given.certificate, given.models, given.json});
   }
-  if (given.models.size() != 1) refuse("--model: give one, that of the --map");
+  if (given.models.size() != 1) refuse("--model: give one, that of the --map or --octree");
+  if (!given.octree.empty()) {
+    refuse_points(given);
+    return run_octree_check(
+        {given.octree, given.models.front(), given.inputs.pose, given.sample, given.json, given.no_progress});
+  }
   CheckArguments arguments = given;
   arguments.inputs.model = given.models.front();
   return check_map_file(arguments);

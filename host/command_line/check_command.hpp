@@ -1,7 +1,9 @@
 /// `verisq check`, which is also the program `verisq-check`: proves a finished map again from the model, the points or
-/// triangles, and the certificates, or the answer of a certificate file, without OpenCL.
+/// triangles, and the certificates, the answer of a certificate file, or an octree, without OpenCL.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +17,11 @@ namespace verisq::command_line {
 struct CheckArguments {
   std::vector<std::string> models;  ///< of a map one, of a certificate those that it is about, in its order
   InputArguments inputs;            ///< all but the model
-  std::string map;                  ///< empty where `certificate` is given
-  std::string certificate;          ///< empty where `map` is given
+  // One of these three.
+  std::string map;
+  std::string certificate;
+  std::string octree;
+  std::optional<std::uint64_t> sample;  ///< of the octree, how many cubes; nothing: all
   double point_radius = 0.0;
   bool json = false;
   bool no_progress = false;

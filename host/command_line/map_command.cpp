@@ -79,15 +79,25 @@ double tolerance_of(const MapArguments& arguments, const Model& largest) {
                              : default_tolerance(tolerance_of_distances, bounding_radius(largest), "the model");
 }
 
+/// A page proves by single primitives alone, and so its map does; and what is not exact. Distances of triangles to
+/// unions of convex primitives are the least of theirs.
+bool has_covers(const UncertainModel& model, const MapArguments& arguments) {
+  const bool convex = is_union_of_convex(bracket(model).largest);
+  const bool single = convex && (arguments.on == MapElements::triangles || model.primitives.size() == 1);
+  return arguments.certificates && arguments.report.html.empty() && arguments.point_radius == 0.0 && is_exact(model) &&
+         !single;
+}
+
 /// The library refuses the same without naming file and option.
-void refuse_what_needs_convexity(const Model& model, const MapArguments& arguments) {
+void refuse_what_needs_convexity(const UncertainModel& uncertain, const MapArguments& arguments) {
+  const Model model = bracket(uncertain).largest;
   if (is_union_of_convex(model)) return;
   const auto refuse_option = [&](std::string_view option) {
     refuse(fmt::format("{}: {}: not supported for bends, nor for csg other than the union of all primitives", option,
                        arguments.inputs.model));
   };
-  if (arguments.certificates && arguments.on == MapElements::triangles)
-    refuse_option("--certificates with --on triangles");
+  if (arguments.certificates && arguments.on == MapElements::triangles && !has_covers(uncertain, arguments))
+    refuse_option("--certificates with --on triangles and --report, --point-radius or intervals");
   if (arguments.certificates && !verify::is_union(model)) {
     if (!arguments.report.html.empty()) {
       refuse(
@@ -134,13 +144,6 @@ void check_closest_points(const MapArguments& arguments) {
     refuse("--closest-points: of exact places only, not with --translation-error or --rotation-error");
   }
   if (arguments.on == MapElements::triangles) refuse("--closest-points: of vertices or points, not --on triangles");
-}
-
-/// A page proves by single primitives alone, and so its map does; and what is not exact.
-bool has_covers(const UncertainModel& model, const MapArguments& arguments) {
-  const bool single = model.primitives.size() == 1 && is_union_of_convex(bracket(model).largest);
-  return arguments.certificates && arguments.on == MapElements::vertices && arguments.report.html.empty() &&
-         arguments.point_radius == 0.0 && is_exact(model) && !single;
 }
 
 MapContents contents_of(const UncertainModel& model, const MapArguments& arguments) {
@@ -434,7 +437,7 @@ ExitStatus run_map(const MapArguments& arguments) {
   TimeLimit limit(arguments.time_limit);
   const UncertainModel model = read_uncertain_model_at(arguments.inputs.pose, arguments.inputs.model);
   const Model largest = bracket(model).largest;
-  refuse_what_needs_convexity(largest, arguments);
+  refuse_what_needs_convexity(model, arguments);
   refuse_what_cannot_be_read_again(arguments);
   refuse_what_needs_exact_numbers(model, arguments);
   MapOptions options{.tolerance = tolerance_of(arguments, largest),

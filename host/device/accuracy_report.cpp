@@ -16,6 +16,7 @@
 #include "host/arithmetic/self_test.hpp"
 #include "host/device/device.hpp"
 #include "host/opencl/program.hpp"
+#include "verify/analysis/exponential.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/real.hpp"
 #include "verify/numbers/rounding.hpp"

@@ -71,10 +71,8 @@ std::vector<MapColumn> columns_of(const MapKind& kind) {
 }
 
 std::string header(const MapKind& kind) {
-  if (kind.contents == MapContents::covered) return std::string(csv_covered_map_header);
-  if (kind.contents == MapContents::certified) {
-    return std::string(kind.elements == MapElements::vertices ? csv_certified_map_header
-                                                              : csv_certified_triangle_map_header);
+  if (has_certificates(kind.contents)) {
+    return std::string(csv_certified_header(kind.elements, kind.contents == MapContents::covered));
   }
   std::string names;
   for (const MapColumn column : columns_of(kind))

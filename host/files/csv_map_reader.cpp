@@ -35,8 +35,6 @@ std::array<std::string_view, N> split(std::string_view text, char separator) {
   return parts;
 }
 
-constexpr std::array<std::string_view, 3> escape_names{"escape_x", "escape_y", "escape_z"};
-
 class CsvRows final : public MapRows {
  public:
   CsvRows(const std::filesystem::path& path, MapExtent extent)
@@ -60,9 +58,9 @@ class CsvRows final : public MapRows {
 
   MapElements read_header() {
     const std::string_view header = file_.next_line().value_or("");
-    covered_ = header == csv_covered_map_header;
-    if (covered_ || header == csv_certified_map_header) return MapElements::vertices;
-    if (header == csv_certified_triangle_map_header) return MapElements::triangles;
+    covered_ = header == csv_covered_map_header || header == csv_covered_triangle_map_header;
+    if (header == csv_certified_header(MapElements::vertices, covered_)) return MapElements::vertices;
+    if (header == csv_certified_header(MapElements::triangles, covered_)) return MapElements::triangles;
     if (header == csv_map_header) file_.fail(without_certificates);
     file_.fail(fmt::format("{}: not the header of a map: expected {}; of triangles {}", in_quotes(header),
                            csv_certified_map_header, csv_certified_triangle_map_header));
@@ -84,19 +82,20 @@ class CsvRows final : public MapRows {
       expect_none(primitive, "primitive");
       expect_none(further_normals, "further_normals");
     }
-    if (covered_) {
-      read_covered(rest, row.certificate);
-    } else if (elements_ == MapElements::vertices) {
-      row.certificate.escape = optional_numbers(split<3>(rest, ','), escape_names);
+    if (elements_ == MapElements::vertices) {
+      const auto [x, y, z, further] = split<4>(rest, ',');
+      row.certificate.escape = optional_numbers<3>({x, y, z}, {"escape_x", "escape_y", "escape_z"});
+      if (covered_) read_cover(further, row.certificate);
     } else {
-      row.certificate.weights = optional_numbers(split<2>(rest, ','), {"weight_1", "weight_2"});
+      const auto [first, second, further] = split<3>(rest, ',');
+      row.certificate.weights = optional_numbers<2>({first, second}, {"weight_1", "weight_2"});
+      if (covered_) read_cover(further, row.certificate);
     }
   }
 
-  /// Escape, witness and cover.
-  void read_covered(std::string_view text, Certificate& certificate) const {
-    const auto [escape_x, escape_y, escape_z, x, y, z, digits] = split<7>(text, ',');
-    certificate.escape = optional_numbers<3>({escape_x, escape_y, escape_z}, escape_names);
+  /// Witness and cover.
+  void read_cover(std::string_view text, Certificate& certificate) const {
+    const auto [x, y, z, digits] = split<4>(text, ',');
     certificate.witness = optional_numbers<3>({x, y, z}, {"witness_x", "witness_y", "witness_z"});
     if (digits.empty()) return;
     std::optional<std::vector<bool>> cover = cover_from(digits);
@@ -106,9 +105,7 @@ class CsvRows final : public MapRows {
 
   void check_fields(std::string_view line) const {
     const std::size_t fields = fields_of(line);
-    const std::size_t expected = fields_of(covered_                             ? csv_covered_map_header
-                                           : elements_ == MapElements::vertices ? csv_certified_map_header
-                                                                                : csv_certified_triangle_map_header);
+    const std::size_t expected = fields_of(csv_certified_header(elements_, covered_));
     if (fields == expected) return;
     file_.fail(fmt::format("{}: {} fields, expected {}", in_quotes(line), fields, expected));
   }

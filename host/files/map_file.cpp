@@ -69,9 +69,6 @@ Maker maker_for(const std::filesystem::path& path, const MapForm& form) {
   if (certified && !format->certificates) {
     refuse(fmt::format("certificates are written to {} only", extensions_with(&FormatTraits::certificates)));
   }
-  if (form.contents == MapContents::covered && form.elements != MapElements::vertices) {
-    refuse("covers are those of points only");
-  }
   if (form.contents == MapContents::closest_points) {
     if (form.elements == MapElements::triangles) refuse("closest points are those of points and poses only");
     if (!format->closest_points) {

@@ -163,7 +163,7 @@ class VtpRows final : public MapRows {
       file.fail_whole(fmt::format("{} of further_primitive, but {} of further_normal",
                                   certificates_.further_primitive.size(), further_normals));
     }
-    certificates_.covered = document.elements_with("cover_end") == MapElements::vertices;
+    certificates_.covered = document.elements_with("cover_end") == *elements;
     VtpLayout layout = document.layout(*elements, further_normals);
     if (certificates_.covered) {
       certificates_.cover = arrays.read<std::uint8_t>(document.field_array("cover", "UInt8", 1));

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "verify/proof/boundary.hpp"
+#include "verify/proposals/boundary.hpp"
 #include "verify/search/pair_projection.hpp"
 #include "verisq/model.hpp"
 

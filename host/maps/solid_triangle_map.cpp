@@ -12,7 +12,6 @@
 #include "host/maps/rough_distance.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "host/maps/triangle_text.hpp"
-#include "verify/proof/convex_union.hpp"
 #include "verify/sets/coarse_distance.hpp"
 #include "verify/sets/triangle_pieces.hpp"
 #include "verisq/signed_distance.hpp"
@@ -29,11 +28,11 @@ double searched_tolerance(const MapOptions& options, double radius) {
 class SolidTriangleProver {
  public:
   SolidTriangleProver(const Model& model, const MapOptions& options)
-      : radius_(bounding_radius(model)),
+      : certificates_(options.certificates),
+        radius_(bounding_radius(model)),
         tolerance_(searched_tolerance(options, radius_)),
         out_of_time_(options.out_of_time),
         search_(model) {
-    if (options.certificates) verify::require_union_of_convex(model, "certificates");
     const SignedDistance distance(model);
     refuse_empty(model, distance, options.interrupted);
     if (options.out_of_time) coarse_ = coarse_distance(model, distance, options.interrupted);
@@ -48,10 +47,12 @@ class SolidTriangleProver {
   }
 
   [[nodiscard]] CertifiedEnclosure prove(const Triangle& triangle) const {
+    if (certificates_) return search_.certified(triangle, tolerance_, out_of_time_);
     return {search_(triangle, tolerance_, out_of_time_), {}};
   }
 
   [[nodiscard]] CertifiedEnclosure coarse(const Triangle& triangle) const {
+    if (certificates_) return {{0.0, infinity}, {}};  // nothing else has one
     const verify::DividedTriangle divided(triangle);
     const Enclosure at_corner = (*coarse_)(triangle[0]);
     const double lower = std::max(0.0, divided.lower_by_ball(triangle, triangle[0], at_corner.lo));
@@ -63,6 +64,7 @@ class SolidTriangleProver {
   }
 
  private:
+  bool certificates_;
   double radius_;
   double tolerance_;
   std::function<bool()> out_of_time_;
@@ -73,7 +75,8 @@ class SolidTriangleProver {
 }  // namespace
 
 std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options) {
-  const std::string unsuited = device::why_not_compiled(model);
+  const std::string unsuited = options.certificates ? "certificates of bent solids and set operations are the host's"
+                                                    : device::why_not_compiled(model);
   const auto make_batch = [&](const device::Device& device) {
     const double tolerance = searched_tolerance(options, bounding_radius(model));
     return device::solid_triangle_batch(device, model, tolerance, options.out_of_time);

@@ -37,19 +37,21 @@ struct Normal {
 /// is not negative, `escape` one outside, no farther than -lo where lo is not positive. With lo > 0, or hi < 0, `cover`
 /// divides the cube about the ball of radius lo, or -hi, about q into cells of which each is proven to hold nothing of
 /// the solid, or of its complement, in the ball (docs/mathematics.md §28): in preorder true for a cell that is halved
-/// across x, y, z in turn, false for one that is not. `normals` tell on which side of their primitives the whole ball
-/// lies.
+/// across the first of its longest edges, false for one that is not. `normals` tell on which side of their primitives
+/// the whole ball lies.
 ///
-/// Of a triangle with corners t_i: a normal v proves the lower end (min_i v·t_i - h(v)) / |v| for its primitive; the
-/// upper end is that of the point q = t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0) by the first normal, w being `weights`; 0
-/// where q is in the first normal's primitive.
+/// Of a triangle with corners t_i and a union: a normal v proves the lower end (min_i v·t_i - h(v)) / |v| for its
+/// primitive, unless that is bent; the upper end is that of the point q = t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0) by
+/// the first normal, w being `weights`; 0 where q is in the first normal's primitive. Of a triangle and any model:
+/// `witness` is a point inside, no farther than hi from q, any where q itself lies inside, and `cover` is that of the
+/// box about all points nearer to the triangle than lo.
 struct Certificate {
   std::vector<Normal> normals;                        ///< the first is that of the primitive that decides hi
   std::optional<Point> escape;                        ///< of a point only
   std::optional<std::array<double, 2>> weights = {};  ///< of a triangle only; they prove nothing unless w_1, w_2 >= 0
                                                       ///< and w_1 + w_2 <= 1 exactly
-  std::optional<Point> witness = {};                  ///< of a point only
-  std::vector<bool> cover = {};                       ///< of a point only; empty where there is none
+  std::optional<Point> witness = {};
+  std::vector<bool> cover = {};  ///< empty where there is none
 
   [[nodiscard]] bool operator==(const Certificate&) const = default;
 };

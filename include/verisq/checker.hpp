@@ -32,7 +32,7 @@ class Checker {
  public:
   /// Each point is any within `point_radius` of the one given, each triangle any whose corners are. Precondition:
   /// finite, at least 0. Throws Error(input) where model or points are not exact and the model is not the union of its
-  /// primitives, and as `bracket`. Of bent primitives (docs/mathematics.md §9) and of set operations points alone.
+  /// primitives, and as `bracket`.
   explicit Checker(const UncertainModel& model, double point_radius = 0.0);
   ~Checker();
   Checker(Checker&&) noexcept;
@@ -43,8 +43,7 @@ class Checker {
   /// vectors that are zero or not finite, prove nothing. Precondition: `point` is finite, `claimed` holds no NaN.
   [[nodiscard]] Finding operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate) const;
 
-  /// The same of the distance of a triangle, which is 0 where it meets the model. Precondition: finite corners. Throws
-  /// Error(input) where a primitive is bent, and unless the model is the union of its primitives.
+  /// The same of the distance of a triangle, which is 0 where it meets the model. Precondition: finite corners.
   [[nodiscard]] Finding operator()(const Triangle& triangle, const Enclosure& claimed,
                                    const Certificate& certificate) const;
 

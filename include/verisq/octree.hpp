@@ -11,6 +11,7 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 #include <verisq/octree_cube.hpp>
+#include <verisq/octree_level.hpp>
 
 namespace verisq {
 

@@ -36,11 +36,4 @@ struct OctreeCube {
 /// No cube is split beyond this level: positions have 20 bits.
 inline constexpr int deepest_octree_level = 20;
 
-/// Cubes of one level that were not split.
-struct OctreeLevel {
-  std::uint64_t black = 0;
-  std::uint64_t white = 0;
-  std::uint64_t gray = 0;
-};
-
 }  // namespace verisq

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <vector>
 #include <verisq/octree_cube.hpp>
 
 namespace verisq {
@@ -37,5 +38,15 @@ class OctreeWriter {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// An octree as its file holds it: white cubes may be left out.
+struct OctreeContents {
+  OctreeRoot root;
+  std::vector<OctreeCube> cubes;
+};
+
+/// Throws Error(input), naming the file and what is wrong, for any other bytes than those that OctreeWriter writes of
+/// these cubes.
+[[nodiscard]] OctreeContents read_octree(const std::filesystem::path& path);
 
 }  // namespace verisq

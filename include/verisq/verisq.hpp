@@ -42,8 +42,10 @@
 #include <verisq/model_mesh.hpp>
 #include <verisq/model_search.hpp>
 #include <verisq/octree.hpp>
+#include <verisq/octree_checker.hpp>
 #include <verisq/octree_cube.hpp>
 #include <verisq/octree_file.hpp>
+#include <verisq/octree_level.hpp>
 #include <verisq/pair_certificate.hpp>
 #include <verisq/path_distance.hpp>
 #include <verisq/plane.hpp>

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -15,6 +16,7 @@
 #include <utility>
 #include <vector>
 #include <verisq/octree.hpp>
+#include <verisq/octree_checker.hpp>
 #include <verisq/octree_file.hpp>
 
 #include "python/module/declarations.hpp"
@@ -104,6 +106,16 @@ void save(const PythonOctree& self, const std::filesystem::path& path, bool whit
   writer.finish(self.summary.root);
 }
 
+bool is_proved(const PythonOctree& self, const PythonModel& model) {
+  const OctreeChecker checker(model.exact("octree"), self.summary.root, self.cubes);
+  Interruption interruption;
+  const auto interrupted = interruption.poll();
+  return without_lock(interruption, [&] {
+    return std::ranges::all_of(checker.cubes(),
+                               [&](const ColouredCube& cube) { return !interrupted() && checker.proves(cube); });
+  });
+}
+
 std::string representation(const PythonOctree& self) {
   const Enclosure& volume = self.summary.volume;
   return fmt::format("<verisq.Octree: {} cubes, volume in [{}, {}]>", self.cubes.size(), volume.lo, volume.hi);
@@ -158,6 +170,10 @@ void declare_octrees(py::module_& module) {
                              "Why a device was passed over; empty when nothing is to be said.")
       .def("save", save, py::arg("path"), py::kw_only(), py::arg("white") = false,
            "save(path, *, white=False)\n\nWrites a .vtu, as `verisq octree -o`; with white the cubes outside, too.")
+      .def("is_proved", is_proved, py::arg("model"),
+           "is_proved(model) -> bool\n\nWhether every cube is proven again to lie inside or outside that model, by "
+           "MPFR\n"
+           "alone, and with them the volume: as `verisq check --octree`.")
       .def("__len__", [](const PythonOctree& self) { return self.cubes.size(); })
       .def("__repr__", representation)
       .def(pickled<PythonOctree>());

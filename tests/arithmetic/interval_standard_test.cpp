@@ -22,6 +22,7 @@
 #include "host/device/accuracy_report.hpp"
 #include "host/device/device.hpp"
 #include "host/opencl/program.hpp"
+#include "verify/analysis/exponential.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verisq/enclosure.hpp"
 

@@ -1465,6 +1465,20 @@ TEST_F(CommandLine, RefusesTrianglesOfAModelWithoutPointsAndByThePublishedMethod
                  {"published", "bow.json"});
 }
 
+TEST_F(CommandLine, ProvesTrianglesAboutBendsAndSetOperationsAgain) {
+  const auto mesh = write("mesh.off", tetrahedron);
+  for (const auto& [file, text] : {std::pair{"shell.json", shell}, std::pair{"bow.json", bow}}) {
+    const std::string model = write(file, text);
+    for (const char* name : {"map.csv", "map.vtp"}) {
+      ASSERT_EQ(map({"--model", model, "--mesh", mesh, "--on", "triangles", "--certificates", "-o", path(name)}).status,
+                0);
+      const auto outcome = run({"check", "--model", model, "--mesh", mesh, "--map", path(name)});
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      EXPECT_THAT(outcome.out, HasSubstr("proved             4"));
+    }
+  }
+}
+
 TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {
   const auto mesh = write("mesh.off", tetrahedron);
   const auto poses = write("poses.csv", "0,0,3,1,0,0,0\n");
@@ -1481,7 +1495,8 @@ TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {
                      {"--certificates", "--point-radius", name, "not supported", "csg"});
       expect_refused(with({"--certificates", "--report", path("page.html")}), {"--report", name, "csg"});
     }
-    expect_refused(with({"--certificates", "--on", "triangles"}), {"--certificates", name, "not supported", "bends"});
+    expect_refused(with({"--certificates", "--on", "triangles", "--point-radius", "0.1"}),
+                   {"--certificates with --on triangles", "--point-radius", name, "not supported", "bends"});
     expect_refused(with({"--method", "published"}), {"--method published", name, "not supported", "bends", "csg"});
     EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
     expect_refused(run({"distance", model, ball, "--poses", poses, "-o", path("map.csv"), "--closest-points"}),

@@ -207,5 +207,40 @@ TEST_F(OctreeCommand, ExplainsItself) {
     EXPECT_THAT(outcome.out, HasSubstr(word));
 }
 
+TEST_F(OctreeCommand, IsProvedAgain) {
+  ASSERT_EQ(octree_of_ball({"--depth", "4"}).status, 0);
+  const Outcome all = run({"check", "--model", ball(), "--octree", cubes()});
+  EXPECT_EQ(all.status, 0) << all.err;
+  EXPECT_THAT(all.out, HasSubstr("unproved           0\nvolume proved        ["));
+  const Outcome some = run({"check", "--model", ball(), "--octree", cubes(), "--sample", "10"});
+  EXPECT_EQ(some.status, 0) << some.err;
+  EXPECT_THAT(some.out, HasSubstr("chosen at random   10\n  proved             10\n"));
+  EXPECT_THAT(some.out, HasSubstr("only all cubes together prove it"));
+  const Outcome of_json = run({"check", "--model", ball(), "--octree", cubes(), "--json"});
+  const auto object = nlohmann::json::parse(of_json.out);
+  EXPECT_TRUE(object.at("volume_proved"));
+  EXPECT_LT(object.at("volume").at("lo"), ball_volume);
+  EXPECT_GT(object.at("volume").at("hi"), ball_volume);
+
+  const std::string larger =
+      folder_
+          .file("larger.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [{"name": "ball",
+          "superquadric": {"semi_axes": [1.1, 1, 1], "exponents": [1, 1]}}]})")
+          .string();
+  const Outcome other = run({"check", "--model", larger, "--octree", cubes()});
+  EXPECT_EQ(other.status, 3);
+  EXPECT_THAT(other.out, HasSubstr("volume not proved"));
+  EXPECT_THAT(other.out, HasSubstr("first unproved       the cube about ("));
+  const auto refused = [&](const Arguments& arguments, const std::string& message) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+  };
+  refused({"check", "--model", ball(), "--octree", ball()}, "not an octree of `verisq octree`");
+  refused({"check", "--model", ball(), "--octree", cubes(), "--map", "map.csv"}, "give one of --map");
+  refused({"check", "--model", ball(), "--map", "map.csv", "--sample", "3"}, "--sample: only with --octree");
+  refused({"check", "--model", ball(), "--octree", cubes(), "--mesh", "bone.off"}, "--mesh: only with --map");
+}
+
 }  // namespace
 }  // namespace verisq::testing

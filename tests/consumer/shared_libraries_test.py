@@ -12,10 +12,11 @@ import subprocess
 import sys
 import unittest
 
-ORDER = ["proof", "bend_range", "placement", "verify", "readers", "core", "map_readers", "files", "fit", "report"]
-CORE = ORDER[:6]
+ORDER = ["proposals", "proof", "bend_range", "placement", "verify", "readers", "core", "map_readers", "files", "fit",
+         "report"]
+CORE = ORDER[:7]
 SYSTEM = {
-    "proof": [], "bend_range": [], "placement": [], "verify": ["fmt"], "readers": ["fmt"], "core": ["fmt", "dl"],
+    "proposals": [], "proof": [], "bend_range": [], "placement": [], "verify": ["fmt"], "readers": ["fmt"], "core": ["fmt", "dl"],
     "map_readers": ["fmt", "pugixml"], "files": ["fmt", "pugixml", "z"], "fit": ["fmt", "nlopt", "dl"],
     "report": ["fmt", "cairo"],
 }

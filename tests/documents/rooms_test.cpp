@@ -25,13 +25,9 @@ constexpr std::size_t most_trusted_lines = 4000;
 
 /// What the answers and their certificates are stated in.
 const std::set<std::string> trusted_headers{
-    "include/verisq/certificate.hpp",
-    "include/verisq/checker.hpp",
-    "include/verisq/enclosure.hpp",
-    "include/verisq/error.hpp",
-    "include/verisq/mesh.hpp",
-    "include/verisq/model.hpp",
-    "include/verisq/pair_certificate.hpp",
+    "include/verisq/certificate.hpp",     "include/verisq/checker.hpp",     "include/verisq/enclosure.hpp",
+    "include/verisq/error.hpp",           "include/verisq/mesh.hpp",        "include/verisq/model.hpp",
+    "include/verisq/octree_checker.hpp",  "include/verisq/octree_cube.hpp", "include/verisq/pair_certificate.hpp",
     "include/verisq/uncertain_model.hpp",
 };
 

@@ -617,6 +617,28 @@ TEST(MapReader, GivesBackWhatWasWrittenOfTriangles) {
   }
 }
 
+TEST(MapReader, GivesBackWitnessesAndCovers) {
+  const TemporaryFolder folder;
+  for (const MapElements elements : {MapElements::vertices, MapElements::triangles}) {
+    std::vector<Certificate> covered = elements == MapElements::vertices ? certificates : triangle_certificates;
+    covered[0].witness = {0.1, -0.0, 5e-324};
+    covered[0].cover = {true, false, true, false, false};
+    covered[2].cover = {false};
+    covered[3].witness = {1, 2, 3};
+    for (const char* name : {"map.csv", "map.vtp"}) {
+      MapWriter writer(folder / name, &tetrahedron, MapContents::covered, elements);
+      writer.append(std::span(results), std::span(covered));
+      writer.finish();
+      const std::vector<CertifiedRow> rows = read_map(folder / name);
+      ASSERT_EQ(rows.size(), covered.size());
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        EXPECT_EQ(text(rows[k].result, rows[k].certificate), text(results[k], covered[k])) << name;
+        EXPECT_EQ(rows[k].certificate, covered[k]) << name << k;
+      }
+    }
+  }
+}
+
 TEST(MapReader, TellsVerticesFromTriangles) {
   const TemporaryFolder folder;
   for (const char* name : {"map.csv", "map.vtp"}) {

@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "verify/analysis/exponential.hpp"
 #include "verify/analysis/interval_matrix.hpp"
 #include "verisq/enclosure.hpp"
 

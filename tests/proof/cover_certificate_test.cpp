@@ -1,9 +1,11 @@
 /// Certificates by witnesses and covers, of set operations, bends and overlaps: what they prove holds, is as tight as
 /// asked for, and no forgery is proved. VERISQ_FORGED_COVERS says about how many models are tried.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -15,6 +17,7 @@
 #include "verisq/checker.hpp"
 #include "verisq/error.hpp"
 #include "verisq/signed_distance.hpp"
+#include "verisq/triangle_search.hpp"
 
 namespace verisq {
 namespace {
@@ -174,6 +177,138 @@ TEST(CoverCertificate, KnowsThatASharedFaceLiesInside) {
   Certificate certificate;
   certificate.escape = face;
   EXPECT_NE(check(Point{0.9, 0.0, 0.0}, Enclosure{-0.2, infinity}, certificate).verdict, Verdict::proved);
+}
+
+/// A corner at a hard point, the others from near to far; some are segments or points.
+Triangle triangle_at(const Point& x, double size, oracle::RandomCases& random) {
+  const double edge = size * random.log_uniform(1e-4, 2.0);
+  Triangle triangle{x, x, x};
+  for (std::size_t i = random.choice(6) == 0 ? 2 : 1; i < 3; ++i) {
+    const Point way = random.direction();
+    for (std::size_t k = 0; k < 3; ++k) triangle[i][k] += edge * way[k];
+  }
+  return triangle;
+}
+
+Point point_of(const Triangle& triangle, double first, double second) {
+  Point result;
+  for (std::size_t k = 0; k < 3; ++k) {
+    result[k] = triangle[0][k] + first * (triangle[1][k] - triangle[0][k]) + second * (triangle[2][k] - triangle[0][k]);
+  }
+  return result;
+}
+
+std::string describe(std::size_t k, const Triangle& t, const Enclosure& claimed, const Finding& finding) {
+  return describe(k, t[0], claimed, finding) +
+         fmt::format(", corners ({}), ({})", fmt::join(t[1], ", "), fmt::join(t[2], ", "));
+}
+
+/// No point of the triangle that the reference knows is nearer, and the search agrees.
+TEST(TriangleCoverCertificate, ProvesWhatHolds) {
+  std::size_t all = 0;
+  std::size_t narrow = 0;
+  for (std::size_t k = 0; k < 2 * oracle::model_families.size(); ++k) {
+    const auto [model, points] = cover_case(k, 6);
+    const oracle::SolidReference reference(model);
+    const TriangleSearch search(model);
+    const Checker check(model);
+    const double size = bounding_radius(model);
+    oracle::RandomCases random(900 + k);
+    for (const Point& x : points) {
+      const Triangle triangle = triangle_at(x, size, random);
+      const CertifiedEnclosure found = search.certified(triangle, 1e-4 * size);
+      const Finding finding = check(triangle, found.distance, found.certificate);
+      EXPECT_EQ(finding.verdict, Verdict::proved) << describe(k, triangle, found.distance, finding);
+      const Enclosure searched = search(triangle, 1e-4 * size);
+      EXPECT_LE(found.distance.lo, searched.hi) << describe(k, triangle, found.distance, finding);
+      EXPECT_GE(found.distance.hi, searched.lo) << describe(k, triangle, found.distance, finding);
+      const double rounding = 1e-12 * (size + std::hypot(x[0], x[1], x[2]));
+      for (const auto& [first, second] : std::vector<std::array<double, 2>>{{0, 0}, {1, 0}, {0, 1}, {0.3, 0.3}}) {
+        const oracle::SolidFacts facts = reference.facts(point_of(triangle, first, second), 0);
+        EXPECT_TRUE(!(oracle::Real(found.distance.lo - rounding) > facts.upper))
+            << describe(k, triangle, found.distance, finding);
+      }
+      ++all;
+      if (found.distance.width() <= 1e-4 * size) ++narrow;
+    }
+  }
+  fmt::print("{} of {} within the tolerance\n", narrow, all);
+  EXPECT_GE(10 * narrow, 9 * all);
+}
+
+TEST(TriangleCoverCertificate, NeverProvesAForgery) {
+  std::size_t all = 0;
+  std::size_t refuted = 0;
+  for (std::size_t k = 0; k < oracle::requested_count("VERISQ_FORGED_COVERS", 8); ++k) {
+    const auto [model, points] = cover_case(k, 10);
+    const double size = bounding_radius(model);
+    const TriangleSearch search(model);
+    const Checker check(model);
+    oracle::RandomCases random(k);
+    Certificate of_another;
+    for (const Point& x : points) {
+      const Triangle triangle = triangle_at(x, size, random);
+      const CertifiedEnclosure found = search.certified(triangle, 1e-4 * size);
+      const Enclosure searched = search(triangle, 1e-6 * size);
+      const Enclosure truth{std::max(found.distance.lo, searched.lo), std::min(found.distance.hi, searched.hi)};
+      std::vector<Certificate> forgeries = forged(found.certificate, of_another, x, random);
+      for (const double weight : {0.0, 1.0, 1.5, -0.5}) {
+        forgeries.push_back(found.certificate);
+        forgeries.back().weights = {weight, 1.0 - weight};
+      }
+      for (const Certificate& certificate : forgeries) {
+        std::vector<Enclosure> claims{{moved(truth.hi, infinity), infinity}};
+        if (truth.lo > 0.0) claims.push_back({0.0, moved(truth.lo, -infinity)});
+        for (const Enclosure& claim : claims) {
+          const Finding finding = check(triangle, claim, certificate);
+          EXPECT_NE(finding.verdict, Verdict::proved) << describe(k, triangle, claim, finding);
+          ++all;
+          if (finding.verdict == Verdict::refuted) ++refuted;
+        }
+      }
+      of_another = found.certificate;
+    }
+  }
+  fmt::print("{} forgeries, none proved, {} refuted outright\n", all, refuted);
+  EXPECT_GT(all, 1000U);
+}
+
+/// The rim of the ball with a bite, and an edge that passes it: closed form.
+TEST(TriangleCoverCertificate, ProvesTheRimOfADifference) {
+  Model model{"", {{"ball", {{1, 1, 1}, {1, 1}}, {}}, {"cut", {{0.5, 0.5, 0.5}, {1, 1}}, {}}}};
+  model.primitives[1].pose.translation = {1.0, 0.0, 0.0};
+  model.csg = SetExpression{{leaf(0), leaf(1)}, SetOperation::subtract};
+  // In the plane (0.96, 0.28, 0)·x = 1.5: of the rim in x = 7/8 the point with z = 0 is nearest.
+  const auto corner = [](double along, double z) {
+    return Point{1.5 * 0.96 - 0.28 * along, 1.5 * 0.28 + 0.96 * along, z};
+  };
+  const double rim = 1.5 - (0.96 * 0.875 + 0.28 * std::sqrt(15.0) / 8);
+  const Triangle triangle{corner(-3, -3), corner(3, -3), corner(0, 5)};
+  const CertifiedEnclosure found = TriangleSearch(model).certified(triangle, 1e-6);
+  EXPECT_LE(found.distance.lo, rim);
+  EXPECT_GE(found.distance.hi, rim);
+  EXPECT_LE(found.distance.width(), 1e-6);
+  const Checker check(model);
+  EXPECT_EQ(check(triangle, found.distance, found.certificate).verdict, Verdict::proved);
+  EXPECT_NE(check(triangle, Enclosure{rim + 1e-12, infinity}, found.certificate).verdict, Verdict::proved);
+}
+
+/// What is left to the exact distance costs its logarithm in cells.
+TEST(TriangleCoverCertificate, IsTightAboutBends) {
+  Model model{"", {{"stem", {{0.4, 0.3, 1.0}, {0.5, 1.0}}, {}}}};
+  model.primitives[0].bend = Bend{0.5, 30.0};
+  const Triangle triangle{{{1.2, -2.0, 0.5}, {1.3, 2.0, 0.4}, {1.0, 0.1, 3.0}}};
+  const TriangleSearch search(model);
+  std::size_t cells = 0;
+  for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
+    const CertifiedEnclosure found = search.certified(triangle, tolerance);
+    EXPECT_LE(found.distance.width(), tolerance);
+    if (cells > 0) {
+      EXPECT_LT(found.certificate.cover.size(), cells + 1000);
+    }
+    cells = found.certificate.cover.size();
+    EXPECT_EQ(Checker(model)(triangle, found.distance, found.certificate).verdict, Verdict::proved);
+  }
 }
 
 /// Small motions open gaps between primitives: of intervals nothing is proven by several of them together.

@@ -186,6 +186,9 @@ class Solids(Files):
         self.assertLess(np.linalg.norm(centres, axis=1).max(), 2.0)
         found.save(self.file("again.vtu"))
         self.assertEqual(self.file("again.vtu").read_bytes(), self.file("ball.vtu").read_bytes())
+        self.assertTrue(found.is_proved(ball))
+        larger = dict(BALL, semi_axes=[2.1, 2, 2])
+        self.assertFalse(found.is_proved(verisq.Model.from_dict(model_of(larger))))
         self.assertTrue(verisq.octree(ball, tolerance=20.0, device="host").complete)
         self.assertFalse(verisq.octree(ball, depth=5, budget=8, device="host").complete)
         with self.assertRaises(ValueError):

@@ -12,7 +12,7 @@
 #include <verisq/enclosure.hpp>
 
 #include "tests/fixtures/random.hpp"
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -1,7 +1,7 @@
 /// Elementary functions of binary64 by MPFR, for searches: proofs of single answers know only longer numbers.
 #include <cmath>
 
-#include "verify/numbers/real.hpp"
+#include "verify/analysis/exponential.hpp"
 
 namespace verisq::verify {
 

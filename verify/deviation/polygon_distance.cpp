@@ -10,7 +10,7 @@
 #include "verify/analysis/largest_coordinate.hpp"
 #include "verify/deviation/triangle_distance_bounds.hpp"
 #include "verify/numbers/rounding.hpp"
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 
 namespace verisq::verify {
 

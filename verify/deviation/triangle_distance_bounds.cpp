@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "verify/analysis/largest_coordinate.hpp"
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 
 namespace verisq::verify {
 

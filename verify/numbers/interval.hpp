@@ -53,8 +53,8 @@ struct ThrowingChecking {
 
 /// The real numbers between two ends of type T; an infinite end is a missing bound. Every operation returns an interval
 /// that contains all exact results. Throws std::domain_error for NaN, for lower > upper, and where an operation has no
-/// result: for division by [0, 0], for the root of negative numbers alone, for the logarithm of any or of 0 alone, for
-/// powers as `pow` says. Wraps Boost.Interval, whose converting constructor template makes Eigen's products ambiguous.
+/// result: for division by [0, 0], for the root of negative numbers alone, for powers as `pow` says. Wraps
+/// Boost.Interval, whose converting constructor template makes Eigen's products ambiguous.
 template <class T>
 class BasicInterval {
  public:
@@ -94,15 +94,6 @@ class BasicInterval {
   /// Of the part of `a` that is not negative.
   friend BasicInterval sqrt(const BasicInterval& a) { return BasicInterval(boost::numeric::sqrt(a.value_)); }
 
-  friend BasicInterval exp(const BasicInterval& a) {
-    return {exponential(a.lower(), Direction::down), exponential(a.upper(), Direction::up)};
-  }
-  friend BasicInterval log(const BasicInterval& a) {
-    return with_numbers({logarithm(a.lower(), Direction::down), logarithm(a.upper(), Direction::up)});
-  }
-  friend BasicInterval log1p(const BasicInterval& a) {
-    return with_numbers({logarithm_1p(a.lower(), Direction::down), logarithm_1p(a.upper(), Direction::up)});
-  }
   /// base^exponent. Of a base that reaches below 0, integer powers alone are defined: std::domain_error unless the
   /// exponent is one integer. 0^0 = 1; a negative power of 0 is none: std::domain_error where there is no other.
   friend BasicInterval pow(const BasicInterval& base, const BasicInterval& exponent) {

@@ -57,7 +57,6 @@ class MpfrNumber {
     return mpfr_greaterequal_p(a.get(), b.get()) != 0;
   }
   friend bool operator==(const MpfrNumber& a, const MpfrNumber& b) { return mpfr_equal_p(a.get(), b.get()) != 0; }
-  friend bool operator!=(const MpfrNumber& a, const MpfrNumber& b) { return mpfr_equal_p(a.get(), b.get()) == 0; }
 
  private:
   static constexpr std::size_t kLimbs = (Bits + GMP_NUMB_BITS - 1) / GMP_NUMB_BITS;
@@ -112,25 +111,6 @@ template <mpfr_prec_t Bits>
   return rounded_result<Bits>(mpfr_sqrt, direction, a.get());
 }
 
-template <mpfr_prec_t Bits>
-[[nodiscard]] MpfrNumber<Bits> exponential(const MpfrNumber<Bits>& a, Direction direction) {
-  release_mpfr_cache_at_thread_exit();
-  return rounded_result<Bits>(mpfr_exp, direction, a.get());
-}
-
-template <mpfr_prec_t Bits>
-[[nodiscard]] MpfrNumber<Bits> logarithm(const MpfrNumber<Bits>& a, Direction direction) {
-  release_mpfr_cache_at_thread_exit();
-  return rounded_result<Bits>(mpfr_log, direction, a.get());
-}
-
-/// log(1 + a)
-template <mpfr_prec_t Bits>
-[[nodiscard]] MpfrNumber<Bits> logarithm_1p(const MpfrNumber<Bits>& a, Direction direction) {
-  release_mpfr_cache_at_thread_exit();
-  return rounded_result<Bits>(mpfr_log1p, direction, a.get());
-}
-
 /// base^exponent for base >= 0
 template <mpfr_prec_t Bits>
 [[nodiscard]] MpfrNumber<Bits> power(const MpfrNumber<Bits>& base, const MpfrNumber<Bits>& exponent,
@@ -141,12 +121,8 @@ template <mpfr_prec_t Bits>
   return rounded_result<Bits>(mpfr_pow, direction, unsigned_base.get(), exponent.get());
 }
 
-// Binary64 has no directed elementary functions of its own: MPFR at 53 bits, then to binary64 in the same direction
-// (exact but for overflow and underflow, where rounding twice in one direction is rounding once).
-
-[[nodiscard]] double exponential(double a, Direction direction);
-[[nodiscard]] double logarithm(double a, Direction direction);
-[[nodiscard]] double logarithm_1p(double a, Direction direction);
+/// Binary64 has no directed elementary functions of its own: MPFR at 53 bits, then to binary64 in the same direction
+/// (exact but for overflow and underflow, where rounding twice in one direction is rounding once).
 [[nodiscard]] double power(double base, double exponent, Direction direction);
 
 }  // namespace verisq::verify

@@ -10,10 +10,6 @@ namespace verisq::verify {
 /// Which side of the exact result a rounded result may lie on.
 enum class Direction { down, up };
 
-[[nodiscard]] constexpr Direction opposite(Direction direction) {
-  return direction == Direction::down ? Direction::up : Direction::down;
-}
-
 // Each returns the tightest binary64 number on the given side of the exact result: the exact result itself where it is
 // representable, an infinity or the largest finite number on overflow, a subnormal or zero on underflow. Operands are
 // bounds of real numbers: 0 times an infinity is 0. What has no value at all (infinity minus infinity, 0/0, the root of

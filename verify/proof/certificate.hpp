@@ -2,14 +2,10 @@
 /// bound.
 #pragma once
 
-#include <array>
-
+#include "verify/proof/proposals.hpp"
 #include "verify/proof/superquadric.hpp"
 
 namespace verisq::verify {
-
-/// A direction or point found in floating point. It need not be accurate: a poor one proves a poor bound.
-using Proposal = std::array<long double, 3>;
 
 /// sd(q) >= (v·q - h(v)) / |v| for every v, because K lies in the half-space {v·x <= h(v)}; rounded down. Minus
 /// infinity for a zero or non-finite v. The bound holds for every point of the box q, given in the solid's frame.

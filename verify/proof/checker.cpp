@@ -13,19 +13,6 @@
 
 namespace verisq {
 
-namespace {
-
-/// Claims nothing of the other end, so that no work is spent on it.
-Enclosure at_least(double lo) {
-  return {lo, infinity};
-}
-
-Enclosure at_most(double hi) {
-  return {-infinity, hi};
-}
-
-}  // namespace
-
 struct Checker::State {
   State(const Bracket& models, double point_radius)
       : bounds(models, point_radius),
@@ -34,7 +21,7 @@ struct Checker::State {
   [[nodiscard]] double lower(const Point& point, const Enclosure& claimed, const Enclosure& of_largest,
                              const Certificate& certificate) const {
     std::optional<double> of_inflated;
-    if (checkers.inflated) of_inflated = (*checkers.inflated)(point, at_least(claimed.lo), certificate).lo;
+    if (checkers.inflated) of_inflated = (*checkers.inflated)(point, {claimed.lo, infinity}, certificate).lo;
     return bounds.signed_lower(of_largest.lo, of_inflated);
   }
 
@@ -52,8 +39,9 @@ struct Checker::State {
     Certificate one_by_one = certificate;
     one_by_one.witness.reset();
     one_by_one.cover.clear();
-    const Enclosure above = checkers.smallest(query, at_most(bounds.upper_asked_for(claimed.hi)), one_by_one);
-    const Enclosure below = checkers.of_largest()(query, at_least(claimed.lo), one_by_one);
+    // Each end for itself: the other is claimed to be infinite, so that no work is spent on it.
+    const Enclosure above = checkers.smallest(query, {-infinity, bounds.upper_asked_for(claimed.hi)}, one_by_one);
+    const Enclosure below = checkers.of_largest()(query, {claimed.lo, infinity}, one_by_one);
     const Enclosure proven = verify::between(lower(query, claimed, below, one_by_one), bounds.upper(above.hi),
                                              [] { return "a distance to the uncertain model"; });
     // Both models are members themselves: the midpoints of their translations lie in the intervals.

@@ -8,10 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "verify/proof/boundary.hpp"
 #include "verify/proof/certificate.hpp"
 #include "verify/proof/revolution.hpp"
-#include "verify/proof/triangle.hpp"
 
 // Let d1, d2, d3 >= 0 with q + d_i proven in the solid K, and c with c·d_i >= t |c|, c >= 0, not 0. A vector v of the
 // cone of the d_i with |v| <= t is v = Σ l_i d_i, l_i >= 0, and t |c| Σ l_i <= c·v <= t |c|, so that q + v lies in the
@@ -25,11 +23,15 @@ namespace verisq::verify {
 namespace {
 
 using Float = long double;
-using Vector = Coordinates<Float>;
+using Vector = Proposal;
 
 constexpr int kBudget = 50'000;     ///< points of the surface
 constexpr int kDeepestLevel = 50;   ///< of bisections: directions stay exact
 constexpr Float kMargin = 0x1p-62;  ///< of the gauge: what a proposal of the surface loses by rounding
+
+Float squared_distance(const Vector& a, const Vector& b) {
+  return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]);
+}
 
 /// q + d lies in the solid: proven.
 struct Corner {
@@ -46,7 +48,7 @@ struct Cone {
 class BallProof {
  public:
   BallProof(const RevolvedPoint& point, double radius)
-      : boundary_(point.solid), bounds_(point.solid), radius_(Real(radius)), planar_(point.planar), q_(point.q) {
+      : solid_(point.solid), bounds_(point.solid), radius_(Real(radius)), planar_(point.planar), q_(point.q) {
     const std::array<Real, 3> q = magnitudes<Real>(point.q, Direction::up);
     const std::size_t folded = bounds_.is_tapered() ? 2 : 3;
     for (std::size_t k = 0; k < folded; ++k) q_[k] = q[k];  // by monotony enough for the whole box
@@ -75,7 +77,8 @@ class BallProof {
  private:
   [[nodiscard]] bool proven(const Cone& cone) const {
     const auto& [a, b, c] = cone.corners;
-    const Vector foot = closest_to_origin(corners_[a].nearest_d, corners_[b].nearest_d, corners_[c].nearest_d);
+    const Vector foot =
+        proposed::closest_to_origin({corners_[a].nearest_d, corners_[b].nearest_d, corners_[c].nearest_d});
     const Proposal axis{std::max<Float>(foot[0], 0), std::max<Float>(foot[1], 0),
                         bounds_.is_tapered() ? foot[2] : std::max<Float>(foot[2], 0)};
     if (!usable(axis)) return false;
@@ -92,10 +95,10 @@ class BallProof {
   /// As far along the ray as can be proven; q itself at worst.
   [[nodiscard]] Corner proven_corner(const Vector& direction) const {
     for (Float margin = kMargin; margin < 1; margin *= 8) {
-      const Float reach = boundary_.exit(nearest_q_, direction, 1 - margin);
+      const Float reach = proposed::exit(solid_, nearest_q_, direction, 1 - margin);
       const PreciseVector d = precise(direction) * PreciseInterval(Real(reach));
       // Corners behind q would span no cone about the direction: the lemma asks for reach >= 0.
-      if (std::isfinite(reach) && reach >= 0 && inside(d)) return {direction, d, along(Vector{}, direction, reach)};
+      if (std::isfinite(reach) && reach >= 0 && inside(d)) return {direction, d, midpoint(d)};
     }
     return {direction, precise(Proposal{}), {}};
   }
@@ -108,9 +111,9 @@ class BallProof {
     std::pair<std::size_t, std::size_t> longest{};
     Float squared = -1;
     for (const auto& [i, j] : edges) {
-      const Vector edge = difference(corners_[cone.corners[i]].nearest_d, corners_[cone.corners[j]].nearest_d);
-      if (dot(edge, edge) <= squared || cone.corners[i] == cone.corners[j]) continue;
-      squared = dot(edge, edge);
+      const Float length = squared_distance(corners_[cone.corners[i]].nearest_d, corners_[cone.corners[j]].nearest_d);
+      if (length <= squared || cone.corners[i] == cone.corners[j]) continue;
+      squared = length;
       longest = {cone.corners[i], cone.corners[j]};
     }
     const std::size_t middle = middle_of(longest.first, longest.second);
@@ -131,7 +134,7 @@ class BallProof {
     return position->second;
   }
 
-  Boundary<Float> boundary_;
+  Superquadric solid_;
   SuperquadricBounds<Real> bounds_;
   PreciseInterval radius_;
   bool planar_;

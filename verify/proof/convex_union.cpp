@@ -24,12 +24,6 @@ void require_union_of_convex(const Model& model, std::string_view what) {
   if (!is_union_of_convex(model)) refuse(what, "csg other than the union of all primitives");
 }
 
-bool is_union(const Model& model) {
-  Model unbent = model;
-  for (Primitive& primitive : unbent.primitives) primitive.bend.reset();
-  return is_union_of_convex(unbent);
-}
-
 void require_union(const Model& model, std::string_view what) {
   if (!is_union(model)) refuse(what, "csg other than the union of all primitives");
 }
@@ -38,8 +32,8 @@ void require_no_taper(const Model& model, std::string_view what) {
   const auto tapered =
       std::ranges::find_if(model.primitives, [](const Primitive& p) { return is_tapered(p.superquadric); });
   if (tapered == model.primitives.end()) return;
-  refuse(what,
-         "tapered solids: primitives[" + std::to_string(tapered - model.primitives.begin()) + "].superquadric.taper");
+  const std::string index = std::to_string(tapered - model.primitives.begin());
+  refuse(what, "tapered solids: primitives[" + index + "].superquadric.taper");
 }
 
 }  // namespace verisq::verify

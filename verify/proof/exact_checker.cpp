@@ -8,9 +8,8 @@
 #include <span>
 
 #include "verify/proof/convex_union.hpp"
-#include "verify/proof/empty_ball.hpp"
+#include "verify/proof/empty_neighbourhood.hpp"
 #include "verify/proof/intersection.hpp"
-#include "verify/proof/triangle_certificate.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
 
@@ -37,20 +36,24 @@ double upper_end(const PosedPrimitive& primitive, const Point& x, const Proposal
       primitive);
 }
 
+/// The least of the distances to the primitives, by spheres and normals.
+template <class Query>
+double least(Primitives primitives, const Query& query, std::span<const Normal> normals) {
+  std::vector<double> lower;
+  for (const PosedPrimitive& primitive : primitives) {
+    lower.push_back(std::visit([&](const auto& solid) { return lower_by_sphere(solid, query); }, primitive));
+  }
+  for (const auto& [index, v] : normals) {
+    lower[index] = std::max(lower[index], lower_by_normal(primitives[index], query, proposal(v)));
+  }
+  return std::ranges::min(lower);
+}
+
 /// Whether the exact signed distance is the least of the primitives': that of the union is where all are positive
 /// (not where one is 0: a point on a face that two solids share lies inside), and a single primitive's always.
 double lower_by_normals(Primitives primitives, const Point& x, std::span<const Normal> normals) {
-  std::vector<double> lower;
-  for (const PosedPrimitive& primitive : primitives) {
-    lower.push_back(std::visit([&](const auto& solid) { return solid.lower_by_sphere(x); }, primitive));
-  }
-  for (const auto& [index, v] : normals) {
-    const Proposal direction = proposal(v);
-    const auto by_normal = [&](const auto& solid) { return solid.lower_by_normal(x, direction); };
-    lower[index] = std::max(lower[index], std::visit(by_normal, primitives[index]));
-  }
-  const double least = std::ranges::min(lower);
-  return least > 0.0 || primitives.size() == 1 ? least : -infinity;
+  const double of_primitives = least(primitives, x, normals);
+  return of_primitives > 0.0 || primitives.size() == 1 ? of_primitives : -infinity;
 }
 
 /// The union of all primitives, where the model says nothing else.
@@ -73,33 +76,15 @@ double upper(Primitives primitives, const Point& x, double claimed, std::span<co
   return least;
 }
 
-/// Of a triangle: bent solids have no support function.
-const PosedSuperquadric& convex(const PosedPrimitive& primitive) {
-  if (const auto* const solid = std::get_if<PosedSuperquadric>(&primitive)) return *solid;
-  throw Error(ErrorKind::input, "certificates of triangles: not supported for bent solids");
-}
-
-/// The distance to a union is the least of the distances to its primitives, 0 where one of them is met.
-double lower(Primitives primitives, const Triangle& triangle, std::span<const Normal> normals) {
-  std::vector<double> lower;
-  for (const PosedPrimitive& primitive : primitives) lower.push_back(lower_by_sphere(convex(primitive), triangle));
-  for (const auto& [index, v] : normals) {
-    const PosedSuperquadric& solid = convex(primitives[index]);
-    const PosedTriangle posed(triangle, solid.motion());
-    lower[index] = std::max(lower[index], lower_by_normal(solid, posed, proposal(v)));
-  }
-  return std::max(0.0, std::ranges::min(lower));
-}
-
 /// By one point of the triangle; stops as soon as a normal proves `claimed` there.
-double upper(Primitives primitives, const Triangle& triangle, double claimed, const std::optional<Weights>& weights,
+double upper(Primitives primitives, const Triangle& triangle, double claimed, const Weights& weights,
              std::span<const Normal> normals) {
   double least = infinity;
-  if (!weights || !in_triangle(*weights)) return least;
   for (const auto& [index, v] : normals) {
-    const PosedSuperquadric& solid = convex(primitives[index]);
-    const PreciseVector q = PosedTriangle(triangle, solid.motion()).point(*weights);
-    least = std::min(least, upper_by_point(solid, q, proposal(v)));
+    const auto* const solid = std::get_if<PosedSuperquadric>(&primitives[index]);
+    if (solid == nullptr) continue;
+    const PreciseVector q = PosedTriangle(triangle, solid->motion()).point(weights);
+    least = std::min(least, upper_by_point(*solid, q, proposal(v)));
     if (least <= claimed) break;
   }
   return least;
@@ -130,12 +115,21 @@ ExactChecker::ExactChecker(const Model& model) : set_(set_of(model)), is_union_(
 bool ExactChecker::is_covered(const Point& x, double radius, Place wanted, const Certificate& certificate) const {
   if (!(radius > 0.0) || !std::isfinite(radius) || certificate.cover.empty()) return false;
   const std::optional<Point>& near = wanted == Place::outside ? certificate.witness : certificate.escape;
-  return EmptyBall(set_, primitives_, x, radius, wanted, certificate.normals, near).is_covered_by(certificate.cover);
+  return EmptyNeighbourhood(set_, primitives_, x, radius, wanted, certificate.normals, near)
+      .is_covered_by(certificate.cover);
+}
+
+/// The same of the points nearer than that to a triangle, and of the solid.
+bool ExactChecker::is_covered(const Triangle& triangle, double radius, const Certificate& certificate) const {
+  if (!(radius > 0.0) || !std::isfinite(radius) || certificate.cover.empty()) return false;
+  return EmptyNeighbourhood(set_, primitives_, triangle, radius, certificate.normals, certificate.witness)
+      .is_covered_by(certificate.cover);
 }
 
 /// How far a point is that is proven to have the place.
-double ExactChecker::distance_of(const Point& x, const std::optional<Point>& p, Place place) const {
-  return p && place_of(*p, set_, primitives_) == place ? distance_up(x, *p) : infinity;
+double ExactChecker::distance_of(const PreciseVector& x, const std::optional<Point>& p, Place place) const {
+  if (!p || place_of(precise(*p), set_, primitives_) != place) return infinity;
+  return length<Real>(PreciseVector(x - precise(*p))).upper().to_double(Direction::up);
 }
 
 /// A point outside is no deeper inside than another point outside is far.
@@ -143,14 +137,14 @@ double ExactChecker::proven_lower(const Point& x, double claimed, const Certific
   const double by_normals = is_union_ ? lower_by_normals(primitives_, x, certificate.normals) : -infinity;
   if (by_normals > 0.0 && (by_normals >= claimed || certificate.cover.empty())) return by_normals;
   if (is_covered(x, claimed, Place::outside, certificate)) return claimed;
-  return std::max(by_normals, -distance_of(x, certificate.escape, Place::outside));
+  return std::max(by_normals, -distance_of(precise(x), certificate.escape, Place::outside));
 }
 
 double ExactChecker::proven_upper(const Point& x, double claimed, const Certificate& certificate) const {
   const double by_normals = is_union_ ? upper(primitives_, x, claimed, certificate.normals) : infinity;
   if (by_normals <= claimed) return by_normals;
   if (is_covered(x, -claimed, Place::inside, certificate)) return claimed;
-  return std::min(by_normals, distance_of(x, certificate.witness, Place::inside));
+  return std::min(by_normals, distance_of(precise(x), certificate.witness, Place::inside));
 }
 
 Enclosure ExactChecker::operator()(const Point& point, const Enclosure& claimed, const Certificate& certificate) const {
@@ -159,12 +153,26 @@ Enclosure ExactChecker::operator()(const Point& point, const Enclosure& claimed,
                  [&] { return "the signed distance at " + text_of(point); });
 }
 
+double ExactChecker::proven_lower(const Triangle& triangle, double claimed, const Certificate& certificate) const {
+  const double by_normals = is_union_ ? std::max(0.0, least(primitives_, triangle, certificate.normals)) : 0.0;
+  if (by_normals >= claimed) return by_normals;
+  return is_covered(triangle, claimed, certificate) ? claimed : by_normals;
+}
+
+double ExactChecker::proven_upper(const Triangle& triangle, double claimed, const Certificate& certificate) const {
+  if (!certificate.weights || !in_triangle(*certificate.weights)) return infinity;
+  const auto& weights = *certificate.weights;
+  const double by_normals = is_union_ ? upper(primitives_, triangle, claimed, weights, certificate.normals) : infinity;
+  if (by_normals <= claimed || !certificate.witness) return by_normals;
+  const PreciseVector x = point_of({precise(triangle[0]), precise(triangle[1]), precise(triangle[2])}, weights);
+  if (place_of(x, set_, primitives_) == Place::inside) return 0.0;
+  return std::min(by_normals, distance_of(x, certificate.witness, Place::inside));
+}
+
 Enclosure ExactChecker::operator()(const Triangle& triangle, const Enclosure& claimed,
                                    const Certificate& certificate) const {
-  if (!is_union_) throw Error(ErrorKind::input, "certificates of triangles: not supported for csg");
-  const std::vector<Normal> normals = known(primitives_, certificate).normals;
-  return between(lower(primitives_, triangle, normals),
-                 upper(primitives_, triangle, claimed.hi, certificate.weights, normals),
+  const Certificate used = known(primitives_, certificate);
+  return between(proven_lower(triangle, claimed.lo, used), proven_upper(triangle, claimed.hi, used),
                  [&] { return "the distance of the triangle from " + text_of(triangle[0]); });
 }
 

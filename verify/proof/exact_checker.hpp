@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "verify/proof/empty_ball.hpp"
+#include "verify/proof/empty_neighbourhood.hpp"
 #include "verisq/certificate.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
@@ -21,8 +21,7 @@ class ExactChecker {
   [[nodiscard]] Enclosure operator()(const Point& point, const Enclosure& claimed,
                                      const Certificate& certificate) const;
 
-  /// The same of the distance of a triangle. Throws Error(input) where a primitive is bent, and unless the model is the
-  /// union of its primitives.
+  /// The same of the distance of a triangle.
   [[nodiscard]] Enclosure operator()(const Triangle& triangle, const Enclosure& claimed,
                                      const Certificate& certificate) const;
 
@@ -32,9 +31,12 @@ class ExactChecker {
 
  private:
   [[nodiscard]] bool is_covered(const Point& x, double radius, Place wanted, const Certificate& certificate) const;
-  [[nodiscard]] double distance_of(const Point& x, const std::optional<Point>& p, Place place) const;
+  [[nodiscard]] bool is_covered(const Triangle& triangle, double radius, const Certificate& certificate) const;
+  [[nodiscard]] double distance_of(const PreciseVector& x, const std::optional<Point>& p, Place place) const;
   [[nodiscard]] double proven_lower(const Point& x, double claimed, const Certificate& certificate) const;
   [[nodiscard]] double proven_upper(const Point& x, double claimed, const Certificate& certificate) const;
+  [[nodiscard]] double proven_lower(const Triangle& triangle, double claimed, const Certificate& certificate) const;
+  [[nodiscard]] double proven_upper(const Triangle& triangle, double claimed, const Certificate& certificate) const;
 
   std::vector<PosedPrimitive> primitives_;
   SetExpression set_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "verify/proof/proposals.hpp"
 #include "verify/proof/superquadric.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -140,21 +141,12 @@ T SuperquadricBounds<T>::gauge_up(const Vector3<T>& x) const {
 }
 
 template <class T>
-T SuperquadricBounds<T>::support_down(const Vector3<T>& v) const {
-  const std::array<T, 3> least = magnitudes<T>(v, Direction::down);
-  if (!tapered_) return dual_norm(least, Direction::down);
-  const T of_section = norm_of_two(multiply(least[0], semi_axes_[0], Direction::down),
-                                   multiply(least[1], semi_axes_[1], Direction::down), dual_inner_, Direction::down);
-  return tapered_support(of_section, v[2] * BasicInterval<T>(semi_axes_[2]), Direction::down);
-}
-
-template <class T>
-T SuperquadricBounds<T>::support_up(const Vector3<T>& v) const {
-  const std::array<T, 3> largest = magnitudes<T>(v, Direction::up);
-  if (!tapered_) return dual_norm(largest, Direction::up);
-  const T of_section = norm_of_two(multiply(largest[0], semi_axes_[0], Direction::up),
-                                   multiply(largest[1], semi_axes_[1], Direction::up), dual_inner_, Direction::up);
-  return tapered_support(of_section, v[2] * BasicInterval<T>(semi_axes_[2]), Direction::up);
+T SuperquadricBounds<T>::support(const Vector3<T>& v, Direction direction) const {
+  const std::array<T, 3> sizes = magnitudes<T>(v, direction);
+  if (!tapered_) return dual_norm(sizes, direction);
+  const T of_section = norm_of_two(multiply(sizes[0], semi_axes_[0], direction),
+                                   multiply(sizes[1], semi_axes_[1], direction), dual_inner_, direction);
+  return tapered_support(of_section, v[2] * BasicInterval<T>(semi_axes_[2]), direction);
 }
 
 // With r the norm of the section and Z = a3 v_z, f(τ) = ‖(r, Z + k τ)‖ - τ falls, by at least 1 - |k| and at most
@@ -165,7 +157,8 @@ T SuperquadricBounds<T>::tapered_support(const T& section, const BasicInterval<T
   // What the root is off is lost once.
   const long double exponent = dual_outer_.infinite ? infinity : nearest(dual_outer_.value.upper());
   const long double height = (nearest(z.lower()) + nearest(z.upper())) / 2;
-  const auto root = static_cast<T>(near_root_of_support(nearest(section), height, nearest(taper_.k.upper()), exponent));
+  const auto root =
+      static_cast<T>(proposed::support_root(nearest(section), height, nearest(taper_.k.upper()), exponent));
   const BasicInterval<T> moved = abs(z + taper_.k * BasicInterval<T>(root));
   const T norm =
       norm_of_two(section, direction == Direction::down ? moved.lower() : moved.upper(), dual_outer_, direction);

@@ -10,30 +10,19 @@ namespace verisq::verify {
 
 namespace {
 
-bool finite(const Point& x) {
-  return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
-}
-
-bool zero(const Point& x) {
-  return std::ranges::all_of(x, [](double c) { return c == 0.0; });
-}
-
 /// x / max(1, g(x)), with g rounded up: the gauge of the result is at most 1.
 PreciseVector moved_into(const SuperquadricBounds<Real>& solid, const PreciseVector& x) {
   const Real gauge = solid.gauge_up(x);
   return gauge > Real(1) ? PreciseVector(x / PreciseInterval(gauge)) : x;
 }
 
-/// h(v), rounded up
-PreciseInterval support_up(const SuperquadricBounds<Real>& solid, const PreciseVector& v) {
-  return solid.support_up(v);
-}
-
 }  // namespace
 
 Real PairBounds::lower_by_vector(const PreciseVector& v) const {
   const PreciseVector w = relative_.rotation.transpose() * v;
-  const PreciseInterval gap = v.dot(relative_.translation) - support_up(a_->bounds(), v) - support_up(b_->bounds(), -w);
+  const PreciseInterval supports =
+      PreciseInterval(a_->bounds().support_up(v)) + PreciseInterval(b_->bounds().support_up(-w));
+  const PreciseInterval gap = v.dot(relative_.translation) - supports;
   return (gap / length<Real>(v)).lower();
 }
 
@@ -45,7 +34,8 @@ Real PairBounds::upper_by_points(const PreciseVector& on_a, const PreciseVector&
 
 Enclosure PairBounds::distance(const Separation& separation) const {
   const auto& [primitive_a, primitive_b, vector, on_a, on_b] = separation;
-  const bool direction = finite(vector) && !zero(vector);
+  const bool direction = usable({vector[0], vector[1], vector[2]});
+  const auto finite = [](const Point& x) { return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]); };
   const bool points = finite(on_a) && finite(on_b);
   return {direction ? lower_by_vector(precise(vector)).to_double(Direction::down) : -infinity,
           points ? upper_by_points(precise(on_a), precise(on_b)).to_double(Direction::up) : infinity};

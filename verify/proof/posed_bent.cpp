@@ -114,6 +114,15 @@ std::optional<OwnRegion> PosedBent::over(const PreciseVector& centre, const std:
   return result;
 }
 
+/// The bent K has |γ| <= A = |k| a3 < π, γ the angle of (m, k Z), m = 1 - k R; beyond that m sin A < |k Z| cos A.
+bool PosedBent::misses(const PreciseVector& box) const {
+  if (lower_by_sphere(box) > 0.0) return true;
+  const PreciseVector v = turned(motion_.rotation.transpose() * (box - motion_.translation));
+  const PreciseInterval beyond =
+      (PreciseInterval(1) - k_ * v[0]) * sine_of(angle_) - abs(k_ * v[2]) * cosine_of(angle_);
+  return angle_.upper() < half_turn().lower() && beyond.upper() < Real(0);
+}
+
 PosedBent::Query PosedBent::query(const Point& x) const {
   const PreciseVector own = motion_.local_point(x);
   return {own, unbent(own)};
@@ -128,8 +137,8 @@ std::optional<Real> PosedBent::upper(const Query& q, const PreciseVector& x0) co
   return length<Real>(PreciseVector(q.bent - bent(b))).upper();
 }
 
-double PosedBent::lower_by_sphere(const Point& x) const {
-  return (length<Real>(motion_.local_point(x)) - radius_).lower().to_double(Direction::down);
+double PosedBent::lower_by_sphere(const PreciseVector& x) const {
+  return (length<Real>(PreciseVector(x - motion_.translation)) - radius_).lower().to_double(Direction::down);
 }
 
 Enclosure PosedBent::by_normal(const Point& x, const Proposal& v) const {

@@ -20,8 +20,14 @@ class PosedBent {
 
   [[nodiscard]] const Superquadric& superquadric() const { return superquadric_; }
   [[nodiscard]] const SuperquadricBounds<Real>& bounds() const { return bounds_; }
+  [[nodiscard]] const RigidMotion& motion() const { return motion_; }
+  [[nodiscard]] const PreciseInterval& radius() const { return radius_; }
 
-  [[nodiscard]] double lower_by_sphere(const Point& x) const;
+  [[nodiscard]] double lower_by_sphere(const PreciseVector& x) const;
+  [[nodiscard]] double lower_by_sphere(const Point& x) const { return lower_by_sphere(precise(x)); }
+
+  /// By the sphere, or because the box lies beyond the half planes of K's ends, γ = ±|k| a3.
+  [[nodiscard]] bool misses(const PreciseVector& box) const;
 
   /// From below, with p = x - v: d(x, β(K))² >= |v|² - 2 (h(-w) + w·β⁻¹(p)), w = β'(β⁻¹(p))ᵀ (p - x), where f is proven
   /// to lie above its tangent plane on all points of K that are as near as the upper end: d(x, β(K)) <= |x - β(b)|,

@@ -31,8 +31,8 @@ PosedSuperquadric::PosedSuperquadric(const Primitive& primitive)
       box_(box_about(bounds_)),
       radius_(length<Real>(box_).upper()) {}
 
-double PosedSuperquadric::lower_by_sphere(const Point& x) const {
-  return (length<Real>(motion_.local_point(x)) - radius_).lower().to_double(Direction::down);
+double PosedSuperquadric::lower_by_sphere(const PreciseVector& x) const {
+  return (length<Real>(PreciseVector(x - motion_.translation)) - radius_).lower().to_double(Direction::down);
 }
 
 double PosedSuperquadric::lower_by_normal(const Point& x, const Proposal& v) const {

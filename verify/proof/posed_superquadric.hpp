@@ -36,7 +36,11 @@ class PosedSuperquadric {
   [[nodiscard]] const PreciseInterval& radius() const { return radius_; }
 
   /// sd(x) >= |x - origin| - radius
-  [[nodiscard]] double lower_by_sphere(const Point& x) const;
+  [[nodiscard]] double lower_by_sphere(const PreciseVector& x) const;
+  [[nodiscard]] double lower_by_sphere(const Point& x) const { return lower_by_sphere(precise(x)); }
+
+  /// Whether no point of the box lies in K, as the sphere proves.
+  [[nodiscard]] bool misses(const PreciseVector& box) const { return lower_by_sphere(box) > 0.0; }
 
   /// sd(x) >= (v·x - h(v)) / |v| for any v, in K's own frame like every v here.
   [[nodiscard]] double lower_by_normal(const Point& x, const Proposal& v) const;

@@ -43,8 +43,4 @@ PreciseVector precise(const Point& x) {
   return {Real(x[0]), Real(x[1]), Real(x[2])};
 }
 
-double distance_up(const Point& x, const Point& y) {
-  return length<Real>(PreciseVector(precise(x) - precise(y))).upper().to_double(Direction::up);
-}
-
 }  // namespace verisq::verify

@@ -27,7 +27,4 @@ struct RigidMotion {
 /// The exact point, for interval arithmetic. Precondition: finite.
 [[nodiscard]] PreciseVector precise(const Point& x);
 
-/// |x - y|, rounded up.
-[[nodiscard]] double distance_up(const Point& x, const Point& y);
-
 }  // namespace verisq::verify

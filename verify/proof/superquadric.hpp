@@ -33,11 +33,6 @@ template <class Float>
   return (Float(taper) - 1) / (Float(taper) + 1);
 }
 
-/// About the root τ of ‖(r, Z + k τ)‖_q = τ, r >= 0, q the exponent of the outer dual norm, which may be infinite.
-/// Nothing is proven.
-template <class Float>
-[[nodiscard]] Float near_root_of_support(Float section, Float height, Float k, Float q);
-
 /// What a taper t makes of the solid, k = (t - 1)/(t + 1).
 template <class T>
 struct TaperNumbers {
@@ -72,8 +67,8 @@ class SuperquadricBounds {
   /// One end of them; that of the gauge from above is the tightest for boxes of any size.
   [[nodiscard]] T gauge_down(const Vector3<T>& x) const;
   [[nodiscard]] T gauge_up(const Vector3<T>& x) const;
-  [[nodiscard]] T support_down(const Vector3<T>& v) const;
-  [[nodiscard]] T support_up(const Vector3<T>& v) const;
+  [[nodiscard]] T support_down(const Vector3<T>& v) const { return support(v, Direction::down); }
+  [[nodiscard]] T support_up(const Vector3<T>& v) const { return support(v, Direction::up); }
 
   /// A bound, on the side `direction`, of N at any point whose |coordinates| are bounded on the same side by
   /// `coordinates` (nonnegative).
@@ -87,6 +82,7 @@ class SuperquadricBounds {
   [[nodiscard]] const TaperNumbers<T>& taper() const { return taper_; }
 
  private:
+  [[nodiscard]] T support(const Vector3<T>& v, Direction direction) const;
   [[nodiscard]] T dual_norm(const std::array<T, 3>& coordinates, Direction direction) const;
   [[nodiscard]] BasicInterval<T> tapered_gauge(const T& norm, const BasicInterval<T>& z) const;
   [[nodiscard]] T tapered_support(const T& section, const BasicInterval<T>& z, Direction direction) const;

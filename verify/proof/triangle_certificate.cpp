@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "verify/proof/triangle.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -19,29 +18,30 @@ PreciseInterval least_along(const PreciseVector& v, const std::array<PreciseVect
 }  // namespace
 
 bool in_triangle(const Weights& weights) {
-  // The sum rounded up is above 1 exactly if the sum is, because 1 is a binary64 number.
-  return weights[0] >= 0.0 && weights[1] >= 0.0 && add(weights[0], weights[1], Direction::up) <= 1.0;
+  // The sum rounded up is above 1 exactly if the sum is, because 1 is a number of 127 bits.
+  return weights[0] >= 0.0 && weights[1] >= 0.0 && add(Real(weights[0]), Real(weights[1]), Direction::up) <= Real(1);
+}
+
+PreciseVector point_of(const std::array<PreciseVector, 3>& corners, const Weights& weights) {
+  const PreciseVector first = corners[1] - corners[0];
+  const PreciseVector second = corners[2] - corners[0];
+  return corners[0] + first * PreciseInterval(Real(weights[0])) + second * PreciseInterval(Real(weights[1]));
 }
 
 PosedTriangle::PosedTriangle(const Triangle& triangle, const RigidMotion& motion)
     : corners_{motion.local_point(triangle[0]), motion.local_point(triangle[1]), motion.local_point(triangle[2])} {}
 
-PreciseVector PosedTriangle::point(const Weights& weights) const {
-  const PreciseVector first = corners_[1] - corners_[0];
-  const PreciseVector second = corners_[2] - corners_[0];
-  return corners_[0] + first * PreciseInterval(Real(weights[0])) + second * PreciseInterval(Real(weights[1]));
-}
-
-double lower_by_sphere(const PosedSuperquadric& solid, const Triangle& triangle) {
+double lower_by_sphere(const PreciseVector& centre, const PreciseInterval& radius, const Triangle& triangle) {
   std::array<PreciseVector, 3> from_centre;  // distances to the centre need no rotation
   for (std::size_t i = 0; i < 3; ++i) {
-    from_centre[i] = precise(triangle[i]) - solid.motion().translation;
+    from_centre[i] = precise(triangle[i]) - centre;
   }
-  const Proposal u = closest_to_origin(midpoint(from_centre[0]), midpoint(from_centre[1]), midpoint(from_centre[2]));
-  if (!usable(u)) return (-solid.radius()).lower().to_double(Direction::down);
+  const Proposal u =
+      proposed::closest_to_origin({midpoint(from_centre[0]), midpoint(from_centre[1]), midpoint(from_centre[2])});
+  if (!usable(u)) return (-radius).lower().to_double(Direction::down);
   const PreciseVector direction = precise(u);
   const PreciseInterval distance = least_along(direction, from_centre) / length<Real>(direction);
-  return (distance - solid.radius()).lower().to_double(Direction::down);
+  return (distance - radius).lower().to_double(Direction::down);
 }
 
 double lower_by_normal(const PosedSuperquadric& solid, const PosedTriangle& triangle, const Proposal& v) {
@@ -50,6 +50,15 @@ double lower_by_normal(const PosedSuperquadric& solid, const PosedTriangle& tria
   const PreciseInterval support(solid.bounds().support_up(direction));
   const PreciseInterval bound = (least_along(direction, triangle.corners()) - support) / length<Real>(direction);
   return bound.lower().to_double(Direction::down);
+}
+
+double lower_by_normal(const PosedPrimitive& primitive, const Triangle& triangle, const Proposal& v) {
+  const auto* const solid = std::get_if<PosedSuperquadric>(&primitive);
+  return solid != nullptr ? lower_by_normal(*solid, PosedTriangle(triangle, solid->motion()), v) : -infinity;
+}
+
+double lower_by_normal(const PosedPrimitive& primitive, const Point& x, const Proposal& v) {
+  return std::visit([&](const auto& solid) { return solid.lower_by_normal(x, v); }, primitive);
 }
 
 double upper_by_point(const PosedSuperquadric& solid, const PreciseVector& q, const Proposal& v) {

@@ -2,17 +2,23 @@
 #pragma once
 
 #include <array>
+#include <variant>
 
-#include "verify/proof/posed_superquadric.hpp"
+#include "verify/proof/posed_bent.hpp"
 #include "verisq/mesh.hpp"
 
 namespace verisq::verify {
+
+using PosedPrimitive = std::variant<PosedSuperquadric, PosedBent>;
 
 /// w_1, w_2 of the point t_0 + w_1 (t_1 - t_0) + w_2 (t_2 - t_0).
 using Weights = std::array<double, 2>;
 
 /// Whether w_1, w_2 >= 0 and w_1 + w_2 <= 1 exactly: the point belongs to the triangle. False for NaN.
 [[nodiscard]] bool in_triangle(const Weights& weights);
+
+/// That point, of corners in any frame.
+[[nodiscard]] PreciseVector point_of(const std::array<PreciseVector, 3>& corners, const Weights& weights);
 
 /// A triangle in the frame of one primitive. Its corners are binary64 numbers in the model frame; here they are
 /// enclosed to the rounding of 127 bits, and with them whatever is computed from them.
@@ -21,7 +27,7 @@ class PosedTriangle {
   PosedTriangle(const Triangle& triangle, const RigidMotion& motion);
 
   [[nodiscard]] const std::array<PreciseVector, 3>& corners() const { return corners_; }
-  [[nodiscard]] PreciseVector point(const Weights& weights) const;
+  [[nodiscard]] PreciseVector point(const Weights& weights) const { return point_of(corners_, weights); }
 
  private:
   std::array<PreciseVector, 3> corners_;
@@ -31,11 +37,21 @@ class PosedTriangle {
 
 /// d >= min_i u·(t_i - centre) / |u| - radius; u is the triangle's point closest to the centre, found in floating
 /// point.
-[[nodiscard]] double lower_by_sphere(const PosedSuperquadric& solid, const Triangle& triangle);
+[[nodiscard]] double lower_by_sphere(const PreciseVector& centre, const PreciseInterval& radius,
+                                     const Triangle& triangle);
+[[nodiscard]] double lower_by_sphere(const auto& solid, const Triangle& triangle) {
+  return lower_by_sphere(solid.motion().translation, solid.radius(), triangle);
+}
+[[nodiscard]] double lower_by_sphere(const auto& solid, const Point& x) {
+  return solid.lower_by_sphere(x);
+}
 
 /// d >= (min_i v·t_i - h(v)) / |v| for every v: the half-space {v·x <= h(v)} holds the solid, and the triangle, being
 /// convex, lies beyond it if its corners do. Minus infinity for a zero or non-finite v.
 [[nodiscard]] double lower_by_normal(const PosedSuperquadric& solid, const PosedTriangle& triangle, const Proposal& v);
+/// Of bent solids, which have no support function, none.
+[[nodiscard]] double lower_by_normal(const PosedPrimitive& primitive, const Triangle& triangle, const Proposal& v);
+[[nodiscard]] double lower_by_normal(const PosedPrimitive& primitive, const Point& x, const Proposal& v);
 
 /// d <= 0 where the point q of the triangle has g(q) <= 1; else d <= |q - b|, where b = (q - v) / g(q - v) lies in the
 /// solid, and infinity for a zero or non-finite v.

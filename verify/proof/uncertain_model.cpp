@@ -31,18 +31,10 @@ std::array<double, N> mapped(const std::array<Enclosure, N>& intervals, double (
   return numbers;
 }
 
-double low(const Enclosure& interval) {
-  return interval.lo;
-}
-
-double high(const Enclosure& interval) {
-  return interval.hi;
-}
-
+constexpr auto low = [](const Enclosure& interval) { return interval.lo; };
+constexpr auto high = [](const Enclosure& interval) { return interval.hi; };
 /// In the interval, because rounding is monotone.
-double middle(const Enclosure& interval) {
-  return std::midpoint(interval.lo, interval.hi);
-}
+constexpr auto middle = [](const Enclosure& interval) { return std::midpoint(interval.lo, interval.hi); };
 
 template <std::size_t N>
 bool all_exact(const std::array<Enclosure, N>& intervals) {

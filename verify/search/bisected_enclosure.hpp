@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "verify/proof/superquadric.hpp"
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 
 namespace verisq::verify {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "verify/proof/boundary.hpp"
 #include "verify/proof/superquadric.hpp"
+#include "verify/proposals/boundary.hpp"
 
 namespace verisq::verify {
 

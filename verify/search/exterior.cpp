@@ -5,9 +5,9 @@
 #include <cmath>
 #include <optional>
 
-#include "verify/proof/boundary.hpp"
 #include "verify/proof/intersection.hpp"
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/boundary.hpp"
+#include "verify/proposals/triangle.hpp"
 #include "verify/search/contact.hpp"
 #include "verify/search/gjk.hpp"
 #include "verify/search/support_mapping.hpp"

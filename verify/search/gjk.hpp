@@ -13,7 +13,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 
 namespace verisq::verify {
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "verify/proof/boundary.hpp"
 #include "verify/proof/superquadric.hpp"
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/boundary.hpp"
+#include "verify/proposals/triangle.hpp"
 #include "verisq/enclosure.hpp"
 
 // Why the faces of the polyhedron prove a depth. Let d1, d2, d3 >= 0 with q + d_i proven inside the solid K, and c >= 0

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "verify/proof/boundary.hpp"
 #include "verify/proof/certificate.hpp"
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/boundary.hpp"
+#include "verify/proposals/triangle.hpp"
 #include "verify/search/enclosing_box.hpp"
 
 namespace verisq::verify {

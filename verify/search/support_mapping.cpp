@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "verify/proof/superquadric.hpp"
+#include "verify/proposals/support_root.hpp"
 
 namespace verisq::verify {
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 #include "verisq/mesh.hpp"
 #include "verisq/model.hpp"
 

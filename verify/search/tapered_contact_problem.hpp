@@ -16,8 +16,8 @@
 #include <tuple>
 #include <utility>
 
-#include "verify/proof/boundary.hpp"
 #include "verify/proof/superquadric.hpp"
+#include "verify/proposals/boundary.hpp"
 #include "verify/search/contact_problem.hpp"
 
 namespace verisq::verify::logarithmic {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 #include "verify/search/certified_distance.hpp"
 #include "verify/search/contact_problem.hpp"
 #include "verify/search/support_mapping.hpp"

@@ -7,8 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "verify/analysis/distance_up.hpp"
 #include "verify/proof/intersection.hpp"
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 #include "verify/search/candidates.hpp"
 #include "verify/search/certified_distance.hpp"
 #include "verisq/enclosure.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "verify/proof/posed_superquadric.hpp"
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 
 namespace verisq::verify {
 

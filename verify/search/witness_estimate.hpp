@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "verify/proof/boundary.hpp"
+#include "verify/proposals/boundary.hpp"
 #include "verisq/certificate.hpp"
 
 namespace verisq::verify {

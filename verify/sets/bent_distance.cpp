@@ -10,7 +10,7 @@
 
 #include "verify/analysis/norm_expansion.hpp"
 #include "verify/analysis/trigonometry.hpp"
-#include "verify/proof/boundary.hpp"
+#include "verify/proposals/boundary.hpp"
 #include "verify/search/certified_distance.hpp"
 #include "verify/search/contact.hpp"
 #include "verify/search/enclosing_box.hpp"

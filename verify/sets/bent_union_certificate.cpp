@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verify/analysis/distance_up.hpp"
 #include "verify/search/candidates.hpp"
 #include "verify/search/certified_distance.hpp"
 #include "verify/search/union_of_convex.hpp"

@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "verify/proof/boundary.hpp"
 #include "verify/proof/rigid_motion.hpp"
+#include "verify/proposals/boundary.hpp"
 #include "verify/sets/bend.hpp"
 #include "verify/sets/in_binary64.hpp"
 #include "verisq/enclosure.hpp"

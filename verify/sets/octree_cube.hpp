@@ -11,6 +11,7 @@
 #include "verify/sets/set_tree.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/octree_cube.hpp"
+#include "verisq/octree_level.hpp"
 
 namespace verisq::verify {
 

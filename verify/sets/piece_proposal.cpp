@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

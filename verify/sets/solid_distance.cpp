@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "verify/analysis/distance_up.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/search/candidates.hpp"
 #include "verify/search/convex_primitive.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 
 namespace verisq::verify {
 

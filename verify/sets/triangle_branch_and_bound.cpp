@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "verify/proof/triangle.hpp"
+#include "verify/proposals/triangle.hpp"
 
 namespace verisq::verify {
 
@@ -203,7 +203,9 @@ void TriangleBranchAndBound::plan_look(Node& node, const Point& at) const {
 
 void TriangleBranchAndBound::told_look(Node& node, const Answer& answer) {
   --node.looks_left;
-  upper_ = std::min(upper_, triangle_.upper_by_point(answer.distance.hi));
+  const double upper = triangle_.upper_by_point(answer.distance.hi);
+  if (upper < upper_) nearest_ = node.at;
+  upper_ = std::min(upper_, upper);
   node.lower = std::max(node.lower, triangle_.lower_by_ball(node.corners, node.at, answer.distance.lo));
   node.distance = answer.distance;
   if (settled(node.lower)) return;

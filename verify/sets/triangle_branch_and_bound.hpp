@@ -40,6 +40,9 @@ class TriangleBranchAndBound {
   /// To each of these points, in their order.
   void answer(std::span<const Answer> answers);
 
+  /// Of the points that were answered for, the one that the upper end is of: nothing is proven of it.
+  [[nodiscard]] const std::optional<Point>& nearest() const { return nearest_; }
+
   /// Points so far.
   [[nodiscard]] std::size_t asked() const { return asked_; }
 
@@ -90,6 +93,7 @@ class TriangleBranchAndBound {
   SolidExtent extent_;
   double tolerance_;
   double upper_ = infinity;
+  std::optional<Point> nearest_;
   double left_out_ = infinity;  ///< the least lower bound of the parts that are looked at no more
   double width_ = 0.0;          ///< of the enclosure of the last point
   std::priority_queue<Node, std::vector<Node>, Farther> open_;

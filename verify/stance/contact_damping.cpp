@@ -12,6 +12,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "verify/analysis/exponential.hpp"
+
 namespace verisq::stance {
 
 namespace {

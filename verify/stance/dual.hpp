@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstddef>
 
+#include "verify/analysis/exponential.hpp"
 #include "verify/stance/piecewise.hpp"
 
 namespace verisq::stance {

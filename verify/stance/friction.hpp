@@ -1,6 +1,7 @@
 /// Friction with a bristle: an elastic force that a velocity-dependent coefficient limits (docs/stance.md §4).
 #pragma once
 
+#include "verify/analysis/exponential.hpp"
 #include "verify/stance/dual.hpp"
 
 namespace verisq::stance {

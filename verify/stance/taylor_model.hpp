@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "verify/analysis/exponential.hpp"
 #include "verify/stance/dual.hpp"
 
 namespace verisq::stance {

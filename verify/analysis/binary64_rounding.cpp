@@ -1,10 +1,9 @@
 /// Error-free transforms: Fast2Sum and fused residuals decide whether a result has to step outwards.
-#include "verify/numbers/rounding.hpp"
-
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "verify/numbers/rounding.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -1,5 +1,5 @@
 /// Plain floating-point gauge, normals and ray exits.
-#include "verify/proof/boundary.hpp"
+#include "verify/proposals/boundary.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,315 @@
+/// Places of cells by gauges, half-spaces by support functions and tangents, and one step of Lagrangian duality.
+#include "verify/proof/empty_neighbourhood.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace verisq::verify {
+
+namespace {
+
+Place opposite(Place place) {
+  return static_cast<Place>(-static_cast<int>(place));
+}
+
+/// Of the set whose primitives have these places (docs/mathematics.md §11).
+Place place_of(const SetExpression& set, std::span<const Place> primitives) {
+  if (set.operands.empty()) return primitives[set.primitive];
+  const Place deciding = set.operation == SetOperation::unite ? Place::inside : Place::outside;
+  Place result = opposite(deciding);
+  for (std::size_t i = 0; i < set.operands.size(); ++i) {
+    const Place found = place_of(set.operands[i], primitives);
+    const bool removed = set.operation == SetOperation::subtract && i > 0;
+    if ((removed ? opposite(found) : found) == deciding) return deciding;
+    if (found == Place::undecided) result = found;
+  }
+  return result;
+}
+
+/// {centre + e : normal·e <= offset} contains what counts of the cell.
+struct Cut {
+  PreciseVector normal;  ///< exact
+  Real offset;
+};
+
+/// From n·e <= offset for an n of `range`: no e of the cell has (n - normal)·e below the least of it.
+Cut cut_of(const PreciseVector& range, const Real& offset, const std::array<Real, 3>& half) {
+  const PreciseVector normal = precise(midpoint(range));
+  return {normal, (PreciseInterval(offset) - PreciseVector(range - normal).dot(box_of(half))).upper()};
+}
+
+std::array<double, 3> middle(const PreciseVector& v) {
+  const Proposal m = midpoint(v);
+  return {static_cast<double>(m[0]), static_cast<double>(m[1]), static_cast<double>(m[2])};
+}
+
+Place place_in(const PreciseVector& range, const SuperquadricBounds<Real>& bounds) {
+  if (bounds.gauge_down(range) > Real(1)) return Place::outside;
+  return bounds.gauge_up(range) < Real(1) ? Place::inside : Place::undecided;
+}
+
+/// About the gradient of g, where it is usable: any vector is as right.
+std::optional<PreciseVector> near_gradient(const Superquadric& solid, const PreciseVector& at) {
+  const Proposal w = proposed::gradient(solid, midpoint(at));
+  return usable(w) ? std::optional(precise(w)) : std::nullopt;
+}
+
+/// K lies in {w·y <= h(w)}.
+Cut cut_inside(const OwnRegion& own, const std::array<Real, 3>& half, const SuperquadricBounds<Real>& bounds,
+               const PreciseVector& w) {
+  const Real offset = (PreciseInterval(bounds.support_up(w)) - w.dot(own.centre)).upper();
+  return cut_of(own.derivative.transpose() * w, offset, half);
+}
+
+/// Where g(y) >= 1, w·(y - centre) >= -m if m >= g - 1 - w·(y - centre) at all corners of the cell, with any
+/// derivative: that is convex, and every y lies in the hull of eight such corners, because one derivative serves for
+/// it.
+Cut cut_outside(const OwnRegion& own, const std::array<Real, 3>& half, const SuperquadricBounds<Real>& bounds,
+                const PreciseVector& w) {
+  Real excess(-infinity);
+  for (unsigned n = 0; n < 8; ++n) {
+    const auto end = [&](unsigned i) { return (n >> i & 1U) != 0 ? half[i] : -half[i]; };
+    const PreciseVector step = own.derivative * PreciseVector(end(0), end(1), end(2));
+    const Real gauge = bounds.gauge_up(own.centre + step);
+    excess = std::max(excess, (PreciseInterval(gauge) - PreciseInterval(1) - w.dot(step)).upper());
+  }
+  return cut_of(-(own.derivative.transpose() * w), excess, half);
+}
+
+/// The least of 2 N·(c - o) - |N|² - 2 Σ m b with N = Σ m n over the corners c, from below: no o + e in all cuts has a
+/// smaller square of its distance from the corners' hull, whatever m >= 0.
+Real least_square(std::span<const PreciseVector> corners, const PreciseVector& o, std::span<const Cut> cuts,
+                  const std::vector<double>& m) {
+  PreciseVector sum;
+  PreciseInterval rest(0);
+  for (std::size_t j = 0; j < cuts.size(); ++j) {
+    const PreciseInterval weight{Real(std::max(0.0, m.at(j)))};
+    sum = sum + cuts[j].normal * weight;
+    rest += PreciseInterval(2) * weight * PreciseInterval(cuts[j].offset);
+  }
+  rest += square(sum[0]) + square(sum[1]) + square(sum[2]);
+  Real least(infinity);
+  for (const PreciseVector& corner : corners) {
+    least = std::min(least, (PreciseInterval(2) * sum.dot(corner - o) - rest).lower());
+  }
+  return least;
+}
+
+}  // namespace
+
+Place place_of(const PreciseVector& x, const SetExpression& set, std::span<const PosedPrimitive> primitives) {
+  const auto place = [&](const auto& solid) {
+    if (solid.misses(x)) return Place::outside;
+    const auto own = solid.over(x, {});
+    return own ? place_in(own->range, solid.bounds()) : Place::undecided;
+  };
+  std::vector<Place> places;
+  for (const PosedPrimitive& primitive : primitives) places.push_back(std::visit(place, primitive));
+  return place_of(set, places);
+}
+
+/// At one cell.
+struct EmptyNeighbourhood::Look {
+  /// Begins with the cell's faces as cuts.
+  Look(const EmptyNeighbourhood& of, const Cell& at)
+      : around(of), cell(at), offset(at.offset[0], at.offset[1], at.offset[2]), places(of.places_), own(places.size()) {
+    for (std::size_t i = 0; i < 6; ++i) {
+      PreciseVector axis;
+      axis[i / 2] = i % 2 == 0 ? 1 : -1;
+      cuts.push_back({axis, at.half[i / 2]});
+    }
+  }
+
+  void place_primitives() {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const auto look = [&](const auto& solid) {
+        const PreciseVector centre = around.centre_ + offset;
+        own[i] = solid.over(centre, cell.half);
+        if (own[i]) places[i] = place_in(own[i]->range, solid.bounds());
+        if (solid.misses(centre + box_of(cell.half))) places[i] = Place::outside;
+      };
+      if (places[i] == Place::undecided) std::visit(look, around.primitives_[i]);
+    }
+  }
+
+  [[nodiscard]] bool is_far() const {
+    const Real least = around.square_of_radius_.upper();
+    std::vector<std::array<double, 3>> corners;
+    for (const PreciseVector& corner : around.corners_) corners.push_back(middle(corner - offset));
+    std::vector<proposed::HalfSpace> half_spaces;
+    for (const auto& [n, b] : cuts) half_spaces.push_back({middle(n), b.to_double(Direction::up)});
+    const auto m = proposed::multipliers(corners, half_spaces, least.to_double(Direction::up));
+    return m && least_square(around.corners_, offset, cuts, *m) >= least;
+  }
+
+  /// Where the set is one primitive.
+  void cut_by(const SetExpression& set, Place wanted) {
+    if (!set.operands.empty() || places[set.primitive] != Place::undecided || !own[set.primitive]) return;
+    const auto add_cuts = [&](const auto& solid) {
+      const OwnRegion& image = *own[set.primitive];
+      const std::optional<PreciseVector> w = near_gradient(solid.superquadric(), image.centre);
+      if (w && wanted == Place::inside) cuts.push_back(cut_outside(image, cell.half, solid.bounds(), *w));
+      if (w && wanted == Place::outside) cuts.push_back(cut_inside(image, cell.half, solid.bounds(), *w));
+      const std::optional<PreciseVector>& touching = around.touching_[set.primitive];
+      if (touching && wanted == Place::outside) cuts.push_back(cut_inside(image, cell.half, solid.bounds(), *touching));
+    };
+    std::visit(add_cuts, around.primitives_[set.primitive]);
+  }
+
+  /// Whether what of the set, with Place::inside of the closure of its complement, lies in the cell and in the cuts is
+  /// proven to be far. Leaves the cuts as they were.
+  [[nodiscard]] bool is_far(const SetExpression& set, Place wanted) {
+    const Place found = place_of(set, places);
+    if (found != Place::undecided) return found == wanted || is_far();
+    const std::vector<Cut> before = cuts;
+    const bool subtracts = set.operation == SetOperation::subtract;
+    const bool unites = !set.operands.empty() && (set.operation == SetOperation::unite) == (wanted == Place::outside);
+    const auto side = [&](std::size_t i) { return subtracts && i > 0 ? opposite(wanted) : wanted; };
+    cut_by(set, wanted);
+    for (std::size_t i = 0; !unites && i < set.operands.size(); ++i) cut_by(set.operands[i], side(i));
+    bool result = unites || is_far();  // of a union all operands have to be far, of an intersection one
+    for (std::size_t i = 0; i < set.operands.size() && result == unites; ++i) {
+      if (unites || !set.operands[i].operands.empty()) result = is_far(set.operands[i], side(i));
+    }
+    cuts = before;
+    return result;
+  }
+
+  const EmptyNeighbourhood& around;
+  const Cell& cell;
+  PreciseVector offset;
+  std::vector<Place> places;
+  std::vector<std::optional<OwnRegion>> own;  ///< of primitives that are undecided in all of it
+  std::vector<Cut> cuts;
+};
+
+namespace {
+
+bool contains(const auto& solid, const Point& centre, double radius, const Proposal& v) {
+  return solid.contains(centre) && solid.contains_ball_about(centre, radius, v);
+}
+
+/// By the balls about its corners, where the solid is convex.
+template <class Solid>
+bool contains(const Solid& solid, const Triangle& triangle, double radius, const Proposal& v) {
+  const auto contains_ball = [&](const Point& x) { return contains(solid, x, radius, v); };
+  return std::is_same_v<Solid, PosedSuperquadric> && std::ranges::all_of(triangle, contains_ball);
+}
+
+/// Of the box along the axes of which centre and half edges are binary64 numbers.
+Point middle_of(std::span<const Point> corners) {
+  Point result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto [least, largest] = std::ranges::minmax(corners, {}, [i](const Point& x) { return x[i]; });
+    result[i] = std::midpoint(least[i], largest[i]);
+  }
+  return result;
+}
+
+}  // namespace
+
+EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
+                                       std::span<const Point> corners, double radius, Place wanted)
+    : set_(set),
+      primitives_(primitives),
+      centre_(precise(middle_of(corners))),
+      whole_({{}, {radius, radius, radius}}),
+      square_of_radius_(square(PreciseInterval(Real(radius)))),
+      wanted_(wanted),
+      places_(primitives.size(), Place::undecided),
+      touching_(primitives.size()) {
+  for (const Point& corner : corners) corners_.push_back(precise(corner) - centre_);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const PreciseVector& corner : corners_) {
+      const Real far = (abs(corner[i]) + PreciseInterval(Real(radius))).upper();
+      whole_.half[i] = std::max(whole_.half[i], Real(far.to_double(Direction::up)));
+    }
+  }
+}
+
+EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
+                                       const Point& centre, double radius, Place wanted,
+                                       std::span<const Normal> normals, const std::optional<Point>& near)
+    : EmptyNeighbourhood(set, primitives, std::span(&centre, 1), radius, wanted) {
+  look_at_primitives(centre, radius, normals, near);
+}
+
+EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
+                                       const Triangle& triangle, double radius, std::span<const Normal> normals,
+                                       const std::optional<Point>& near)
+    : EmptyNeighbourhood(set, primitives, std::span(triangle), radius, Place::outside) {
+  look_at_primitives(triangle, radius, normals, near);
+}
+
+EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
+                                       const PreciseVector& centre, const Real& half_width, Place wanted)
+    : set_(set),
+      primitives_(primitives),
+      centre_(centre),
+      corners_{PreciseVector{}},
+      whole_({{}, {half_width, half_width, half_width}}),
+      square_of_radius_(PreciseInterval(4) * square(PreciseInterval(half_width))),  // the corners are at √3 of it
+      wanted_(wanted),
+      places_(primitives.size(), Place::undecided),
+      touching_(primitives.size()) {}
+
+template <class Query>
+void EmptyNeighbourhood::look_at_primitives(const Query& query, double radius, std::span<const Normal> normals,
+                                            const std::optional<Point>& near) {
+  for (const auto& [i, vector] : normals) {
+    const Proposal v{vector[0], vector[1], vector[2]};
+    const auto is_inside = [&](const auto& solid) { return contains(solid, query, radius, v); };
+    if (places_[i] != Place::undecided) continue;
+    if (lower_by_normal(primitives_[i], query, v) >= radius) {
+      places_[i] = Place::outside;
+    } else if (std::visit(is_inside, primitives_[i])) {
+      places_[i] = Place::inside;
+    }
+  }
+  for (std::size_t i = 0; i < primitives_.size(); ++i) {
+    const auto look = [&](const auto& solid) {
+      if (lower_by_sphere(solid, query) >= radius) places_[i] = Place::outside;
+      const auto own = near ? solid.over(precise(*near), {}) : std::nullopt;
+      if (own) touching_[i] = near_gradient(solid.superquadric(), own->centre);
+    };
+    if (places_[i] == Place::undecided) std::visit(look, primitives_[i]);
+  }
+}
+
+// Half edges of the whole are binary64 numbers, offsets whole multiples of the cell's half edges: down to 2^-59 of the
+// whole, both have no more than 53 + 59 bits.
+std::optional<std::array<EmptyNeighbourhood::Cell, 2>> EmptyNeighbourhood::halves(const Cell& cell) const {
+  const auto axis = static_cast<std::size_t>(std::ranges::max_element(cell.half) - cell.half.begin());
+  if (cell.half[axis] < multiply(whole_.half[axis], Real(0x1p-58), Direction::up)) return std::nullopt;
+  std::array<Cell, 2> result{cell, cell};
+  for (Cell& each : result) each.half[axis] = multiply(cell.half[axis], Real(0.5), Direction::up);
+  result[0].offset[axis] = subtract(cell.offset[axis], result[0].half[axis], Direction::down);
+  result[1].offset[axis] = add(cell.offset[axis], result[1].half[axis], Direction::up);
+  return result;
+}
+
+bool EmptyNeighbourhood::is_empty(const Cell& cell) const {
+  Look look(*this, cell);
+  if (look.is_far()) return true;
+  look.place_primitives();
+  return look.is_far(set_, wanted_);
+}
+
+bool EmptyNeighbourhood::is_covered_by(const std::vector<bool>& cover) const {
+  if (cover.size() > longest_cover) return false;
+  std::vector<Cell> open{whole()};
+  for (const bool halved : cover) {
+    if (open.empty()) return false;
+    const Cell cell = open.back();
+    open.pop_back();
+    if (!halved && !is_empty(cell)) return false;
+    if (!halved) continue;
+    const auto parts = halves(cell);
+    if (!parts) return false;
+    open.insert(open.end(), {(*parts)[1], (*parts)[0]});
+  }
+  return open.empty();
+}
+
+}  // namespace verisq::verify

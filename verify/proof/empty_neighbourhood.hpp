@@ -1,0 +1,75 @@
+/// Proves that a neighbourhood of a point or triangle holds nothing of a set, by a cover of cells each of which is
+/// settled on its own.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "verify/proof/triangle_certificate.hpp"
+#include "verisq/certificate.hpp"
+#include "verisq/mesh.hpp"
+
+namespace verisq::verify {
+
+/// Where a region lies with respect to a set: it has no point of it, or lies in its interior.
+enum class Place : std::int8_t { outside = -1, undecided = 0, inside = 1 };
+
+/// Of a point that lies in the box. Precondition: finite.
+[[nodiscard]] Place place_of(const PreciseVector& x, const SetExpression& set,
+                             std::span<const PosedPrimitive> primitives);
+
+/// What of the points nearer than `radius` to a point or triangle lies in a cell: asked is whether it holds a point of
+/// the set or, with Place::inside, of the closure of the set's complement (docs/mathematics.md §28).
+class EmptyNeighbourhood {
+ public:
+  /// A box relative to `centre()`: exact.
+  struct Cell {
+    std::array<Real, 3> offset, half;
+  };
+  static constexpr std::size_t longest_cover = 1U << 16U;  ///< a checker's work is bounded
+
+  /// Each of the normals may tell on which side of its primitive the whole neighbourhood lies; `near`, a point beside
+  /// the nearest of the set, which half-spaces serve. Keeps references to the set and its primitives. Precondition:
+  /// finite, radius > 0; normals of primitives that exist; of a triangle Place::outside is wanted.
+  EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const Point& centre,
+                     double radius, Place wanted, std::span<const Normal> normals, const std::optional<Point>& near);
+  EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const Triangle& triangle,
+                     double radius, std::span<const Normal> normals, const std::optional<Point>& near);
+
+  /// Of a cube about any point of the box `centre`, all of it: its neighbourhood is a ball that contains it.
+  EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const PreciseVector& centre,
+                     const Real& half_width, Place wanted);
+
+  /// Whether the cells of the cover, as Certificate states it, are all proven.
+  [[nodiscard]] bool is_covered_by(const std::vector<bool>& cover) const;
+
+  [[nodiscard]] const Cell& whole() const { return whole_; }  ///< contains the neighbourhood
+  /// Across the first of its longest edges; nothing of cells so small that the halves would not be exact in 127 bits.
+  [[nodiscard]] std::optional<std::array<Cell, 2>> halves(const Cell& cell) const;
+  /// Whether the part of the neighbourhood in the cell is proven to hold nothing of the set.
+  [[nodiscard]] bool is_empty(const Cell& cell) const;
+
+ private:
+  struct Look;
+
+  /// Of the hull of the corners; the rest is not known yet.
+  EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
+                     std::span<const Point> corners, double radius, Place wanted);
+  template <class Query>
+  void look_at_primitives(const Query& query, double radius, std::span<const Normal> normals,
+                          const std::optional<Point>& near);
+
+  const SetExpression& set_;
+  std::span<const PosedPrimitive> primitives_;
+  PreciseVector centre_;
+  std::vector<PreciseVector> corners_;  ///< of point or triangle, from the centre
+  Cell whole_;
+  PreciseInterval square_of_radius_;
+  Place wanted_;
+  std::vector<Place> places_;                           ///< of the whole neighbourhood
+  std::vector<std::optional<PreciseVector>> touching_;  ///< gradients at `near`: nothing is proven of them
+};
+
+}  // namespace verisq::verify

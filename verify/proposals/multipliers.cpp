@@ -1,0 +1,124 @@
+/// Multipliers of half-spaces: where they and a point or triangle are nearest to each other.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "verify/proof/proposals.hpp"
+#include "verify/proposals/triangle.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+using Vector = std::array<double, 3>;
+
+/// Rows of A x = b, each ending with its number of b: of three cuts and two edges at most.
+struct LinearSystem {
+  std::array<std::array<double, 6>, 5> rows{};
+  std::size_t size;
+
+  /// By Gauss, in plain floating point. Not finite where there is none.
+  [[nodiscard]] std::array<double, 5> solution() {
+    for (std::size_t i = 0; i < size; ++i) {
+      for (std::size_t j = i + 1; j < size; ++j) {
+        if (std::fabs(rows[j][i]) > std::fabs(rows[i][i])) std::swap(rows[i], rows[j]);
+      }
+      for (std::size_t j = 0; j < size; ++j) {
+        const double factor = j == i ? 0.0 : rows[j][i] / rows[i][i];
+        for (std::size_t k = i; k <= size; ++k) rows[j][k] -= factor * rows[i][k];
+      }
+    }
+    std::array<double, 5> x{};
+    for (std::size_t i = 0; i < size; ++i) x[i] = rows[i][size] / rows[i][i];
+    return x;
+  }
+};
+
+/// The pairs of a point of the half-spaces and one of the hull that are nearest to each other, as far as at most three
+/// half-spaces and one of the hull's corners, edges or its face decide: a quadratic program this small is solved by
+/// trying them all, where ascent in one multiplier at a time hardly moves between nearly parallel planes.
+class Multipliers {
+ public:
+  Multipliers(std::span<const Vector> corners, std::span<const proposed::HalfSpace> half_spaces)
+      : corners_(corners), half_spaces_(half_spaces) {}
+
+  /// Nothing where none are found.
+  [[nodiscard]] std::optional<std::vector<double>> operator()(double value) const {
+    const std::size_t n = half_spaces_.size();
+    for (unsigned corners = 1; corners < 1U << corners_.size(); ++corners) {
+      for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t j = i; j < n; ++j) {
+          for (std::size_t k = j == i ? i : j + 1; k < n; ++k) {
+            const std::array<std::size_t, 3> three{i, j, k};
+            const auto cuts = std::span(three).last(k == i ? 1 : j == i ? 2 : 3);
+            const std::array<double, 5> m = of(corners, cuts);
+            if (dual(cuts, m) > value) return all(cuts, m);
+          }
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  using Indices = std::span<const std::size_t>;
+
+  /// Of the pair e in all these cuts, t in the hull of these corners, which N = t - e is normal to.
+  [[nodiscard]] std::array<double, 5> of(unsigned corners, Indices cuts) const {
+    const auto first = static_cast<std::size_t>(std::countr_zero(corners));
+    LinearSystem system{{}, cuts.size()};
+    for (std::size_t i = first + 1; i < corners_.size(); ++i) {
+      if ((corners >> i & 1U) == 0) continue;
+      const Vector edge = difference(corners_[i], corners_[first]);
+      for (std::size_t r = 0; r < cuts.size(); ++r) {
+        system.rows[system.size][r] = dot(half_spaces_[cuts[r]].normal, edge);
+        system.rows[r][system.size] = -system.rows[system.size][r];
+      }
+      ++system.size;
+    }
+    for (std::size_t r = 0; r < cuts.size(); ++r) {
+      const Vector& n = half_spaces_[cuts[r]].normal;
+      for (std::size_t c = 0; c < cuts.size(); ++c) system.rows[r][c] = dot(n, half_spaces_[cuts[c]].normal);
+      system.rows[r][system.size] = dot(n, corners_[first]) - half_spaces_[cuts[r]].offset;
+    }
+    return system.solution();
+  }
+
+  /// Minus infinity for what is no proposal.
+  [[nodiscard]] double dual(Indices cuts, const std::array<double, 5>& m) const {
+    Vector sum{};
+    double rest = 0.0;
+    for (std::size_t r = 0; r < cuts.size(); ++r) {
+      if (!(m[r] >= 0.0) || !std::isfinite(m[r])) return -infinity;
+      sum = along(sum, half_spaces_[cuts[r]].normal, m[r]);
+      rest += 2 * m[r] * half_spaces_[cuts[r]].offset;
+    }
+    rest += dot(sum, sum);
+    double least = infinity;
+    for (const Vector& corner : corners_) least = std::min(least, 2 * dot(sum, corner) - rest);
+    return least;
+  }
+
+  [[nodiscard]] std::vector<double> all(Indices cuts, const std::array<double, 5>& m) const {
+    std::vector<double> result(half_spaces_.size(), 0.0);
+    for (std::size_t r = 0; r < cuts.size(); ++r) result[cuts[r]] = m[r];
+    return result;
+  }
+
+  std::span<const Vector> corners_;
+  std::span<const proposed::HalfSpace> half_spaces_;
+};
+
+}  // namespace
+
+std::optional<std::vector<double>> proposed::multipliers(std::span<const Vector> corners,
+                                                         std::span<const HalfSpace> half_spaces, double value) {
+  return Multipliers(corners, half_spaces)(value);
+}
+
+}  // namespace verisq::verify
