@@ -12,6 +12,7 @@
 #include "host/maps/rough_distance.hpp"
 #include "host/maps/tightest_enclosure.hpp"
 #include "host/maps/triangle_text.hpp"
+#include "verify/proof/convex_union.hpp"
 #include "verify/sets/coarse_distance.hpp"
 #include "verify/sets/triangle_pieces.hpp"
 #include "verisq/signed_distance.hpp"
@@ -33,6 +34,7 @@ class SolidTriangleProver {
         tolerance_(searched_tolerance(options, radius_)),
         out_of_time_(options.out_of_time),
         search_(model) {
+    if (certificates_ && !options.covers) verify::require_union_of_convex(model, "certificates without covers");
     const SignedDistance distance(model);
     refuse_empty(model, distance, options.interrupted);
     if (options.out_of_time) coarse_ = coarse_distance(model, distance, options.interrupted);

@@ -8,7 +8,7 @@
 namespace verisq {
 
 /// As triangle_map, for models that are not is_union_of_convex. Throws Error(input) for a model that is proven to have
-/// no point, and for options that ask for certificates.
+/// no point, and for options that ask for certificates without covers.
 [[nodiscard]] std::unique_ptr<ExactMap<Triangle>> solid_triangle_map(const Model& model, const MapOptions& options);
 
 }  // namespace verisq

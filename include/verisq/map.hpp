@@ -48,9 +48,9 @@ struct MapOptions {
   /// row is that of the device that it fell to.
   std::string device = "auto";
   bool certificates = false;  ///< deliver what proves each enclosure again; of poses there is nothing
-  /// With certificates, of points that are exact about a model that is: prove what single primitives leave wide by
-  /// covers (docs/mathematics.md §28), on the host. Models that are not the union of their primitives have no other
-  /// certificates.
+  /// With certificates, of points and triangles that are exact about a model that is: prove what single primitives
+  /// leave wide by covers (docs/mathematics.md §28), on the host. Points about models that are not the union of their
+  /// primitives have no other certificates, triangles about bent ones neither.
   bool covers = true;
   Method method = Method::duality;  ///< of points; triangles and poses know duality alone
   /// Each point is any within this radius of the one given, each triangle any whose corners are; of poses 0.
@@ -110,9 +110,9 @@ template <class Query>
 class Mapper {
  public:
   /// Throws Error(input) for other models than those above, when no device matches `options.device`, when a named
-  /// device failed its self-test, for the published method with a device or certificates, for either of these unless
-  /// the model is_union_of_convex (certificates of points know bends, too), for a model that is proven to have no
-  /// point, and as `bracket`.
+  /// device failed its self-test, for the published method with a device or certificates, for it unless the model
+  /// is_union_of_convex, for certificates without covers where there are no others, for a model that is proven to have
+  /// no point, and as `bracket`.
   Mapper(const UncertainModel& model, const MapOptions& options) requires(!std::same_as<Query, Pose>);
   /// Throws Error(input) likewise, and for options that ask for certificates or give a point radius.
   Mapper(const UncertainModel& a, const UncertainModel& b,

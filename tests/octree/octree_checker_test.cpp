@@ -128,6 +128,7 @@ TEST(OctreeChecker, RefusesWhatIsNoOctree) {
   refused({{{0, 0, 0}, 21, CubeColour::black}}, root);
   refused({{{0, 0, 0}, 0, CubeColour::gray}}, {{0, 0, 0}, -2.0});
   refused({{{0, 0, 0}, 0, CubeColour::gray}}, {{1e30, 0, 0}, 1.0});
+  refused({{{0, 0, 0}, 0, CubeColour::gray}}, {{0, 0, 0}, 1.5});  // its halves would not be exact everywhere
 }
 
 /// A root that the model reaches out of, near or far: cubes beside it are not proven to be white.

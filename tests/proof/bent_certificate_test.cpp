@@ -16,6 +16,7 @@
 #include "verisq/checker.hpp"
 #include "verisq/error.hpp"
 #include "verisq/signed_distance.hpp"
+#include "verisq/triangle_search.hpp"
 
 namespace verisq {
 namespace {
@@ -184,10 +185,16 @@ TEST(BentCertificate, ProvesNothingFalseFromNonsense) {
   }
 }
 
-TEST(BentCertificate, IsOfPointsAlone) {
+/// Normals prove nothing of triangles about bends, which have no support function: a wrong one least of all.
+TEST(BentCertificate, ProvesTrianglesByCoversAlone) {
   const Model rod{"", {{"rod", {{0.2, 0.3, 1.5}, {0.4, 1.0}}, {}, Bend{0.3, 20.0}}}};
   const Triangle triangle{Point{1.0, 0.0, 0.0}, Point{1.0, 1.0, 0.0}, Point{1.0, 0.0, 1.0}};
-  EXPECT_THROW((void)Checker(rod)(triangle, {0.0, 1.0}, {}), Error);
+  Certificate certificate;
+  certificate.normals.push_back({0, {1.0, 0.0, 0.0}});
+  EXPECT_EQ(Checker(rod)(triangle, {0.1, infinity}, certificate).verdict, Verdict::unproved);
+  const CertifiedEnclosure found = TriangleSearch(rod).certified(triangle, 1e-6);
+  EXPECT_LE(found.distance.width(), 1e-6);
+  EXPECT_EQ(Checker(rod)(triangle, found.distance, found.certificate).verdict, Verdict::proved);
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ TEST(ModelTest, ConvexCertificatesRefuseOtherSolids) {
   EXPECT_NO_THROW((void)PointMapper(difference, options));
   options.covers = false;
   expect_refusal_of_csg([&](const Model& model) { (void)PointMapper(model, options); }, "certificates without covers");
-  expect_refusal([&](const Model& model) { (void)TriangleMapper(model, options); }, "certificates");
+  expect_refusal([&](const Model& model) { (void)TriangleMapper(model, options); }, "certificates without covers");
   options.certificates = false;
   options.method = Method::published;
   expect_refusal([&](const Model& model) { (void)PointMapper(model, options); }, "the published method");

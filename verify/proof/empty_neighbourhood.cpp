@@ -297,7 +297,7 @@ bool EmptyNeighbourhood::is_empty(const Cell& cell) const {
 }
 
 bool EmptyNeighbourhood::is_covered_by(const std::vector<bool>& cover) const {
-  if (cover.size() > longest_cover) return false;
+  if (cover.size() > longest_cover || !(std::ranges::max(whole_.half) < Real(infinity))) return false;
   std::vector<Cell> open{whole()};
   for (const bool halved : cover) {
     if (open.empty()) return false;

@@ -100,8 +100,15 @@ OctreeChecker::OctreeChecker(const Model& model, const OctreeRoot& root, std::sp
   // Solids may touch the root's faces: shells begin beside it, and (1 + 2^-40)^3 < 1 + 2^-60 (3 * 2^20 + 1).
   double reach = 1.0 + 0x1p-40;
   counts[0] += (3U << 20U) + 1;
-  for (; !state_->reaches_no_farther(reach) && reach < 0x1p50; reach *= 3.0) state_->add_shell(reach);
-  if (!(root.half_width > 0.0 && reach < 0x1p50)) throw Error(ErrorKind::input, "octree: no root of this model");
+  const auto three_times = [](double x) {
+    return multiply(Real(x), Real(3), Direction::down).to_double(Direction::down);
+  };
+  for (; !state_->reaches_no_farther(reach) && reach < 0x1p50; reach = three_times(reach)) state_->add_shell(reach);
+  // A power of 2, so that the halves of cubes are exact.
+  int exponent = 0;
+  if (!(std::frexp(root.half_width, &exponent) == 0.5 && reach < 0x1p50)) {
+    throw Error(ErrorKind::input, "octree: no root of this model");
+  }
   state_->volume = {state_->volume_of(counts[1]).lower().to_double(Direction::down),
                     state_->volume_of(counts[0] + counts[1]).upper().to_double(Direction::up)};
 }
