@@ -74,7 +74,7 @@ class OctreeReader {
     if (result.colour > CubeColour::black) fail(fmt::format("cell {}: no such colour", n));
     if (corner >= points) fail(fmt::format("cell {}: no such corner", n));
     for (std::size_t i = 0; i < 3; ++i) {
-      const double lower = number<double>(arrays.points, 3 * corner + i);
+      const auto lower = number<double>(arrays.points, 3 * corner + i);
       const double place = (lower - (root.centre[i] - root.half_width)) / std::ldexp(root.half_width, 1 - result.level);
       if (!(place >= 0.0 && place < std::ldexp(1.0, result.level))) fail(fmt::format("cell {}: beyond the root", n));
       result.position[i] = static_cast<std::uint32_t>(place);

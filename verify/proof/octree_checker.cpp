@@ -30,7 +30,7 @@ ColouredCube coloured(std::uint64_t order, int level, CubeColour colour) {
   ColouredCube result{{}, std::ldexp(1.0, -level), colour};
   for (std::size_t i = 0; i < 3; ++i) {
     std::uint64_t position = 0;
-    for (unsigned bit = 0; bit < 20; ++bit) position |= (order / size_of(level) >> (3 * bit + i) & 1U) << bit;
+    for (std::uint64_t bit = 0; bit < 20; ++bit) position |= (order / size_of(level) >> (3 * bit + i) & 1U) << bit;
     result.centre[i] = (2.0 * static_cast<double>(position) + 1.0) * result.half_width - 1.0;
   }
   return result;
@@ -40,10 +40,10 @@ ColouredCube coloured(std::uint64_t order, int level, CubeColour colour) {
 
 struct OctreeChecker::State {
   /// What is left white between one place in the order and another, in the largest cubes that fit.
-  void leave_white(std::uint64_t begin, std::uint64_t end) {
-    for (int level = 0; begin < end; begin += size_of(level)) {
-      for (level = 0; begin % size_of(level) != 0 || size_of(level) > end - begin;) ++level;
-      cubes.push_back(coloured(begin, level, CubeColour::white));
+  void leave_white(std::uint64_t at, std::uint64_t next) {
+    for (int level = 0; at < next; at += size_of(level)) {
+      for (level = 0; at % size_of(level) != 0 || size_of(level) > next - at;) ++level;
+      cubes.push_back(coloured(at, level, CubeColour::white));
     }
   }
 

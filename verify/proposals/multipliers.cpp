@@ -49,17 +49,9 @@ class Multipliers {
 
   /// Nothing where none are found.
   [[nodiscard]] std::optional<std::vector<double>> operator()(double value) const {
-    const std::size_t n = half_spaces_.size();
     for (unsigned corners = 1; corners < 1U << corners_.size(); ++corners) {
-      for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t j = i; j < n; ++j) {
-          for (std::size_t k = j == i ? i : j + 1; k < n; ++k) {
-            const std::array<std::size_t, 3> three{i, j, k};
-            const auto cuts = std::span(three).last(k == i ? 1 : j == i ? 2 : 3);
-            const std::array<double, 5> m = of(corners, cuts);
-            if (dual(cuts, m) > value) return all(cuts, m);
-          }
-        }
+      for (std::size_t i = 0; i < half_spaces_.size(); ++i) {
+        if (auto found = from(i, corners, value)) return found;
       }
     }
     return std::nullopt;
@@ -67,6 +59,19 @@ class Multipliers {
 
  private:
   using Indices = std::span<const std::size_t>;
+
+  /// Of half-space i and at most two later ones.
+  [[nodiscard]] std::optional<std::vector<double>> from(std::size_t i, unsigned corners, double value) const {
+    for (std::size_t j = i; j < half_spaces_.size(); ++j) {
+      for (std::size_t k = j == i ? i : j + 1; k < half_spaces_.size(); ++k) {
+        const std::array<std::size_t, 3> three{i, j, k};
+        const auto cuts = std::span(three).last(k == i ? 1 : j == i ? 2 : 3);
+        const std::array<double, 5> m = of(corners, cuts);
+        if (dual(cuts, m) > value) return all(cuts, m);
+      }
+    }
+    return std::nullopt;
+  }
 
   /// Of the pair e in all these cuts, t in the hull of these corners, which N = t - e is normal to.
   [[nodiscard]] std::array<double, 5> of(unsigned corners, Indices cuts) const {
