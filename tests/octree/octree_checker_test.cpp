@@ -135,8 +135,7 @@ TEST(OctreeChecker, RefusesWhatIsNoOctree) {
 TEST(OctreeChecker, LooksBeyondTheRoot) {
   const Model ball{"", {{"ball", {{1, 1, 1}, {1, 1}}, {}}}};
   const std::vector<OctreeCube> whole{{{0, 0, 0}, 0, CubeColour::gray}};
-  for (const OctreeRoot& root :
-       {OctreeRoot{{0, 0, 0}, 0.5}, OctreeRoot{{0, 0, 0}, 0.125}, OctreeRoot{{40, 0, 0}, 1}}) {
+  for (const OctreeRoot& root : {OctreeRoot{{0, 0, 0}, 0.5}, OctreeRoot{{0, 0, 0}, 0.125}, OctreeRoot{{40, 0, 0}, 1}}) {
     const OctreeChecker checker(ball, root, whole);
     EXPECT_EQ(checker.cubes().size() % 26, 0U);
     const auto proved = [&](const ColouredCube& cube) { return checker.proves(cube); };
