@@ -31,7 +31,7 @@ constexpr double share_of_placements = 0.25;
 /// Of a point: beyond them its enclosure stays as wide as it is.
 constexpr std::size_t most_samples = std::size_t{1} << 13U;
 /// Searched at a time: enough to keep a device busy, few enough to fit into memory with all their samples.
-constexpr std::size_t chunk_size = 1024;
+constexpr std::size_t chunk_size = points_per_insertion_block;
 
 struct Sample {
   double time;
@@ -86,6 +86,8 @@ class PathSearch {
       : path_(path), options_(options), mapper_(implant, map_options(path, options)) {}
 
   Insertion operator()(std::span<const Point> bone) {
+    insertion_ = {};
+    summary_ = empty_summary();
     for (std::size_t first = 0; first < bone.size(); first += chunk_size) {
       search(bone.subspan(first, std::min(chunk_size, bone.size() - first)), bone.size());
     }
@@ -243,6 +245,14 @@ class PathSearch {
   Insertion insertion_{};
 };
 
+using SearchOfPoints = std::function<Insertion(std::span<const Point>)>;
+
+/// `path` and `options` must outlive it.
+SearchOfPoints search_along(const RigidPath& path, const Model& implant, const InsertionOptions& options) {
+  const auto search = std::make_shared<PathSearch>(path, implant, options);
+  return [search](std::span<const Point> points) { return (*search)(points); };
+}
+
 }  // namespace
 
 std::vector<Pose> straight_path(const Pose& last, const Point& direction, double length, std::size_t steps) {
@@ -258,11 +268,33 @@ std::vector<Pose> straight_path(const Pose& last, const Point& direction, double
   return path;
 }
 
+struct InsertionMapper::State {
+  State(std::span<const Pose> path, const Model& implant, std::span<const Point> all, const InsertionOptions& given)
+      : options(given), way(path, extent_of(all).centre()), search(search_along(way, implant, options)), bone(all) {}
+
+  InsertionOptions options;
+  RigidPath way;
+  SearchOfPoints search;
+  std::span<const Point> bone;
+};
+
+InsertionMapper::InsertionMapper(std::span<const Pose> path, const Model& implant, std::span<const Point> bone,
+                                 const InsertionOptions& options) {
+  check_path(path);
+  state_ = std::make_unique<State>(path, implant, bone, options);
+}
+
+InsertionMapper::~InsertionMapper() = default;
+InsertionMapper::InsertionMapper(InsertionMapper&&) noexcept = default;
+InsertionMapper& InsertionMapper::operator=(InsertionMapper&&) noexcept = default;
+
+Insertion InsertionMapper::operator()(std::size_t first, std::size_t count) {
+  return state_->search(state_->bone.subspan(first, count));
+}
+
 Insertion smallest_distance_along(std::span<const Pose> path, const Model& implant, std::span<const Point> bone,
                                   const InsertionOptions& options) {
-  check_path(path);
-  const RigidPath rigid_path(path, extent_of(bone).centre());
-  return PathSearch(rigid_path, implant, options)(bone);
+  return InsertionMapper(path, implant, bone, options)(0, bone.size());
 }
 
 }  // namespace verisq

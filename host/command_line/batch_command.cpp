@@ -69,32 +69,30 @@ std::string readable(const std::vector<BatchCase>& cases, const BatchRun& run, c
 
 }  // namespace
 
-void declare_batch(Options& options, BatchArguments& arguments) {
-  options.explain(closing_words);
+void declare_cohort(Options& options, BatchArguments& arguments) {
   options.require("MANIFEST", arguments.manifest, "MANIFEST.csv", "The cases, a row each");
   options.require("-o,--output", arguments.output, "DIR", "The folder of the results");
-  options.add("--jobs", arguments.jobs, whole_number<std::size_t>(1, most_jobs), "N",
-              "How many cases at a time (default 1: a case uses all processors)");
   options.add_flag("--json", arguments.json, "Print the summary of all cases as one JSON object");
   add_no_progress(options, arguments.no_progress);
 }
 
-ExitStatus run_batch_command(const BatchArguments& arguments) {
-  const std::vector<BatchCase> cases = read_manifest(arguments.manifest);
-  watch_for_interruption();
-  const std::filesystem::path manifest = std::filesystem::absolute(arguments.manifest);
+void declare_batch(Options& options, BatchArguments& arguments) {
+  options.explain(closing_words);
+  declare_cohort(options, arguments);
+  options.add("--jobs", arguments.jobs, whole_number<std::size_t>(1, most_jobs), "N",
+              "How many cases at a time (default 1: a case uses all processors)");
+}
+
+BatchFolders folders_of(const BatchArguments& arguments) {
+  return {std::filesystem::absolute(arguments.manifest).parent_path(), arguments.output};
+}
+
+ExitStatus conclude(const BatchArguments& arguments, const std::vector<BatchCase>& cases, const BatchRun& run) {
   const std::filesystem::path folder = arguments.output;
-  BatchRun run;
-  {
-    ProgressBar bar(!arguments.no_progress, "cases");
-    run = run_batch(cases, {manifest.parent_path(), folder}, arguments.jobs, [&](std::size_t done) {
-      bar.update(done, static_cast<double>(done) / static_cast<double>(cases.size()));
-    });
-  }
   const std::string json = json_table(cases, run.results, run.interrupted);
   write_csv_table(folder / "summary.csv", cases, run.results);
   write_json_table(folder / "summary.json", json);
-  write_page(folder / "overview.html", manifest.stem().string(), cases, run.results);
+  write_page(folder / "overview.html", std::filesystem::path(arguments.manifest).stem().string(), cases, run.results);
   const BatchTotals totals = totals_of(run.results);
   if (run.interrupted) {
     tell(fmt::format("interrupted; {} of {} cases are done, and the same command goes on",
@@ -103,6 +101,20 @@ ExitStatus run_batch_command(const BatchArguments& arguments) {
   fmt::print("{}", arguments.json ? json : readable(cases, run, arguments));
   if (run.interrupted) return ExitStatus::interrupted;
   return totals.wide + totals.failed > 0 ? ExitStatus::unverified : ExitStatus::verified;
+}
+
+ExitStatus run_batch_command(const BatchArguments& arguments) {
+  const std::vector<BatchCase> cases = read_manifest(arguments.manifest);
+  watch_for_interruption();
+  BatchRun run;
+  {
+    ProgressBar bar(!arguments.no_progress, "cases");
+    run = run_batch(cases, folders_of(arguments),
+                    {.jobs = arguments.jobs, .progress = [&](std::size_t done) {
+                       bar.update(done, static_cast<double>(done) / static_cast<double>(cases.size()));
+                     }});
+  }
+  return conclude(arguments, cases, run);
 }
 
 }  // namespace verisq::command_line

@@ -3,7 +3,10 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
+#include "host/command_line/batch_manifest.hpp"
+#include "host/command_line/batch_run.hpp"
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
 
@@ -18,6 +21,15 @@ struct BatchArguments {
 };
 
 void declare_batch(Options& options, BatchArguments& arguments);
+
+/// Adds the manifest, -o, --json and --no-progress.
+void declare_cohort(Options& options, BatchArguments& arguments);
+
+/// Where its cases are, and their results.
+[[nodiscard]] BatchFolders folders_of(const BatchArguments& arguments);
+
+/// Writes the tables of what was run, and prints what they say in all. Throws Error(failure).
+ExitStatus conclude(const BatchArguments& arguments, const std::vector<BatchCase>& cases, const BatchRun& run);
 
 /// `verified` when every case is; `unverified` when a case is wide or failed. Throws Error(input) for the manifest
 /// alone.

@@ -20,7 +20,8 @@ namespace {
 constexpr int not_started = 127;  // as shells have it
 
 /// Between fork and exec nothing but what signal handlers may call.
-[[noreturn]] void become(char* const* argv, const char* folder, const char* out, const char* err, pid_t parent) {
+[[noreturn]] void become(const char* program, char* const* argv, const char* folder, const char* out, const char* err,
+                         pid_t parent) {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGTERM);
 #endif
@@ -33,12 +34,12 @@ constexpr int not_started = 127;  // as shells have it
   if (dup2(in, STDIN_FILENO) < 0 || dup2(to_out, STDOUT_FILENO) < 0 || dup2(to_err, STDERR_FILENO) < 0) {
     _exit(not_started);
   }
-  execv("/proc/self/exe", argv);
+  execv(program, argv);
   _exit(not_started);
 }
 
-pid_t started(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-              const std::filesystem::path& out, const std::filesystem::path& err) {
+pid_t started(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+              const std::filesystem::path& folder, const std::filesystem::path& out, const std::filesystem::path& err) {
   std::vector<std::string> words{"verisq"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -48,16 +49,17 @@ pid_t started(const std::vector<std::string>& arguments, const std::filesystem::
   const std::string in_folder = folder.string();
   const pid_t parent = getpid();
   const pid_t id = fork();
-  if (id == 0) become(argv.data(), in_folder.c_str(), out.c_str(), err.c_str(), parent);
+  if (id == 0) become(program.c_str(), argv.data(), in_folder.c_str(), out.c_str(), err.c_str(), parent);
   if (id < 0) throw Error(ErrorKind::failure, fmt::format("cannot start a process: {}", std::strerror(errno)));
   return id;
 }
 
 }  // namespace
 
-BatchProcess::BatchProcess(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-                           const std::filesystem::path& out, const std::filesystem::path& err)
-    : id_(started(arguments, folder, out, err)) {}
+BatchProcess::BatchProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                           const std::filesystem::path& folder, const std::filesystem::path& out,
+                           const std::filesystem::path& err)
+    : id_(started(program, arguments, folder, out, err)) {}
 
 std::optional<int> BatchProcess::status() const {
   int status = 0;

@@ -10,12 +10,12 @@
 
 namespace verisq::command_line {
 
-/// This program, started again in a folder. Both of its outputs go to files.
+/// `verisq`, started in a folder. Both of its outputs go to files.
 class BatchProcess {
  public:
   /// Throws Error(failure) when it cannot be started. It ends with this one, however that ends (Linux).
-  BatchProcess(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-               const std::filesystem::path& out, const std::filesystem::path& err);
+  BatchProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+               const std::filesystem::path& folder, const std::filesystem::path& out, const std::filesystem::path& err);
 
   /// Its exit status, or 128 + the signal that ended it; nothing while it runs.
   [[nodiscard]] std::optional<int> status() const;

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -91,6 +92,29 @@ CaseResult result_of(std::string_view json, CaseOutcome outcome, std::string_vie
   const Json summary = Json::parse(json, nullptr, false);
   if (!summary.is_object()) refuse(fmt::format("{}: printed no summary", name));
   return result_in(summary, outcome);
+}
+
+std::string text_of(const CaseResult& result) {
+  const auto end = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
+  Json summary{{"outcome", to_string(result.outcome)}, {"message", result.message}, {"seconds", result.seconds}};
+  if (result.smallest)
+    summary["smallest_distance"] = {{"lo", end(result.smallest->lo)}, {"hi", end(result.smallest->hi)}};
+  if (result.rows) summary["points"] = *result.rows;
+  if (result.wide_rows) summary["wide"] = *result.wide_rows;
+  if (result.largest_width) summary["largest_width"] = *result.largest_width;
+  summary["units"] = result.units;
+  return summary.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+CaseResult result_from(std::string_view text) {
+  const Json summary = Json::parse(text);
+  CaseResult result = result_in(summary, CaseOutcome::not_run);
+  for (const CaseOutcome outcome : {CaseOutcome::verified, CaseOutcome::wide, CaseOutcome::failed}) {
+    if (summary.at("outcome") == to_string(outcome)) result.outcome = outcome;
+  }
+  result.message = summary.at("message").get<std::string>();
+  result.seconds = summary.at("seconds").get<double>();
+  return result;
 }
 
 std::vector<std::filesystem::path> inputs_of(const BatchCase& of, const std::filesystem::path& folder) {

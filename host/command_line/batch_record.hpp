@@ -37,6 +37,11 @@ struct CaseResult {
 /// What its command printed with --json. Throws Error(input) for what is no JSON object.
 [[nodiscard]] CaseResult result_of(std::string_view json, CaseOutcome outcome, std::string_view name);
 
+/// All that is known of it, as one line that `result_from` reads again.
+[[nodiscard]] std::string text_of(const CaseResult& result);
+/// Precondition: a text of `text_of`.
+[[nodiscard]] CaseResult result_from(std::string_view text);
+
 /// Which files a case reads: those that its arguments name, from the manifest's folder.
 [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const BatchCase& of, const std::filesystem::path& folder);
 

@@ -45,24 +45,28 @@ std::string last_line_of(const std::filesystem::path& path) {
 
 class Batch {
  public:
-  Batch(std::span<const BatchCase> cases, const BatchFolders& folders)
+  Batch(std::span<const BatchCase> cases, const BatchFolders& folders, const BatchOptions& options)
       : cases_(cases),
+        options_(options),
         manifest_folder_(std::filesystem::absolute(folders.manifest)),
         folder_(std::filesystem::absolute(folders.results)) {
     for (const char* const name : {"cases", "maps", "logs"}) create_folder(folder_ / name);
     run_.results.resize(cases.size());
   }
 
-  BatchRun operator()(std::size_t jobs, const std::function<void(std::size_t)>& progress) {
-    std::size_t next = 0;
-    while (next < cases_.size() || !running_.empty()) {
+  BatchRun operator()() {
+    for (bool more = true; more || !running_.empty();) {
       if (interrupted()) {
         end_all();
         break;
       }
-      while (next < cases_.size() && running_.size() < jobs) begin(next++);
+      while (more && running_.size() < options_.jobs) {
+        const std::optional<std::size_t> place = next();
+        more = place.has_value();
+        if (place) begin(*place);
+      }
       collect();
-      progress(next - running_.size());
+      options_.progress(begun_ - running_.size());
       if (!running_.empty()) std::this_thread::sleep_for(watch_interval);
     }
     return std::move(run_);
@@ -86,6 +90,11 @@ class Batch {
     return folder_ / "logs" / (of.name + ".err");
   }
 
+  [[nodiscard]] std::optional<std::size_t> next() const {
+    const std::optional<std::size_t> place = options_.next ? options_.next() : begun_;
+    return place && *place < cases_.size() ? place : std::nullopt;
+  }
+
   // What cannot be read is the case's failure, like all that its process finds.
   [[nodiscard]] std::optional<std::vector<SubjectFile>> digests_of_inputs(std::size_t place) {
     std::vector<SubjectFile> inputs;
@@ -101,6 +110,7 @@ class Batch {
   }
 
   void begin(std::size_t place) {
+    ++begun_;
     const BatchCase& of = cases_[place];
     std::optional<std::vector<SubjectFile>> inputs = digests_of_inputs(place);
     if (!inputs) return;
@@ -115,8 +125,8 @@ class Batch {
     if (of.command == "map" && !of.has_output) {
       arguments.push_back("--output=" + (folder_ / "maps" / (of.name + ".npy")).string());
     }
-    running_.push_back(
-        {place, std::move(*inputs), BatchProcess(arguments, manifest_folder_, output_of(of), log_of(of))});
+    running_.push_back({place, std::move(*inputs),
+                        BatchProcess(options_.program, arguments, manifest_folder_, output_of(of), log_of(of))});
   }
 
   void collect() {
@@ -179,17 +189,18 @@ class Batch {
   }
 
   std::span<const BatchCase> cases_;
+  const BatchOptions& options_;
   std::filesystem::path manifest_folder_;
   std::filesystem::path folder_;
   std::list<Running> running_;
+  std::size_t begun_ = 0;
   BatchRun run_;
 };
 
 }  // namespace
 
-BatchRun run_batch(std::span<const BatchCase> cases, const BatchFolders& folders, std::size_t jobs,
-                   const std::function<void(std::size_t)>& progress) {
-  return Batch(cases, folders)(jobs, progress);
+BatchRun run_batch(std::span<const BatchCase> cases, const BatchFolders& folders, const BatchOptions& options) {
+  return Batch(cases, folders, options)();
 }
 
 }  // namespace verisq::command_line

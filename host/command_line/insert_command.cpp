@@ -79,15 +79,13 @@ bool is_searched(const InsertArguments& arguments) {
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
-  if (arguments.poses.has_value() == arguments.along.has_value()) refuse("give either --poses or --along");
-  if (arguments.along && !arguments.length) refuse("--along: give the --length of the way");
-  if (arguments.poses && arguments.length) refuse("--length: only for --along, not for --poses");
-  if (!arguments.along && (arguments.turn || arguments.search_cone || arguments.search_turn))
-    refuse("--turn, --search-cone, --search-turn: only for --along, not for --poses");
+  command_line::check_usage(arguments.way);
+  if (arguments.way.poses && is_searched(arguments))
+    refuse("--search-cone, --search-turn: only for --along, not for --poses");
   if (is_searched(arguments) && !arguments.cavity && !arguments.bone)
     refuse("--search-cone, --search-turn: nothing says where bone is: give --cavity or --bone");
   check_bone_options(arguments);
-  const std::vector<std::string> inputs{arguments.implant, arguments.mesh, arguments.poses.value_or(""),
+  const std::vector<std::string> inputs{arguments.implant, arguments.mesh, arguments.way.poses.value_or(""),
                                         arguments.within.value_or("")};
   refuse_to_overwrite("-o", arguments.output, inputs);
   command_line::check_usage(arguments.report, inputs);
@@ -131,13 +129,9 @@ double least_volume_tolerance_of(const InsertArguments& arguments, const Model& 
   return arguments.volume_tolerance ? 0.0 : negligible_volume(implant);
 }
 
-WayIn given_way(const InsertArguments& arguments) {
-  return {*arguments.along, *arguments.length, arguments.turn.value_or(0.0)};
-}
-
 LeastRemoval searched_way(const InsertArguments& arguments, const Model& implant, const BoneRegion& bone) {
   ProgressBar bar(!arguments.no_progress, "ways");
-  return least_removal({.middle = given_way(arguments),
+  return least_removal({.middle = given_way(arguments.way),
                         .cone_degrees = arguments.search_cone.value_or(0.0),
                         .turn_degrees = arguments.search_turn.value_or(0.0)},
                        turning_centre(implant), implant, bone,
@@ -162,7 +156,7 @@ void search_way(const InsertArguments& arguments, const Model& implant, const Bo
   const Stopwatch time;
   report.search = searched_way(arguments, implant, bone);
   report.way = report.search->way;
-  report.degrees_off = angle_between(*arguments.along, report.way->direction) * 180.0 / std::numbers::pi;
+  report.degrees_off = angle_between(*arguments.way.along, report.way->direction) * 180.0 / std::numbers::pi;
   report.removed = report.search->removed;
   report.volume_tolerance = volume_tolerance_of(arguments);
   report.least_volume_tolerance = least_volume_tolerance_of(arguments, implant);
@@ -237,13 +231,6 @@ double parse_search_turn(std::string_view option, const std::string& text) {
   return parse_degrees(option, text, 180.0);
 }
 
-double parse_turn(std::string_view option, const std::string& text) {
-  const std::optional<double> degrees = finite_number(text);
-  if (!degrees || std::abs(*degrees) > 360.0)
-    refuse(fmt::format("{}: {} is not a number between -360 and 360", option, text));
-  return *degrees;
-}
-
 }  // namespace
 
 void declare_insert(Options& options, InsertArguments& arguments) {
@@ -252,13 +239,7 @@ void declare_insert(Options& options, InsertArguments& arguments) {
   add_pose(options, arguments.pose);
   options.require("--mesh", arguments.mesh, "FILE",
                   "The bone, or its cavity, whose vertices are meant: .stl .obj .ply .off");
-  options.add("--poses", arguments.poses, "FILE", "The path: .csv with tx,ty,tz,qw,qx,qy,qz a line");
-  options.add("--along", arguments.along, parse_direction, "x,y,z",
-              "Instead of --poses: the direction of a straight way in");
-  options.add("--length", arguments.length, parse_positive_length, "NUMBER", "Of the straight way, in model units");
-  options.add("--turn", arguments.turn, parse_turn, "DEGREES",
-              "By which the implant turns on the straight way, right-handed about its direction, through the middle of "
-              "the implant's bounding box (default 0)");
+  declare_way(options, arguments.way);
   options.add("--search-cone", arguments.search_cone, parse_cone, "DEGREES",
               "Of the ways whose direction is off --along by at most so much (80 at most), takes the one that removes "
               "least bone of those tried; with --cavity or --bone");
@@ -300,13 +281,13 @@ ExitStatus run_insert(const InsertArguments& arguments) {
                        arguments.mesh));
   if (on_triangles && bone.triangles.empty()) refuse(fmt::format("--on triangles: {}: has none", arguments.mesh));
   std::vector<Pose> path;
-  if (arguments.poses) path = read_poses(*arguments.poses);
+  if (arguments.way.poses) path = path_of(arguments.way, implant);
   watch_for_interruption();
   MapWriter writer(arguments.output, &bone);
 
   const Stopwatch time;
   InsertReport report;
-  if (arguments.along) report.way = given_way(arguments);
+  if (arguments.way.along) report.way = given_way(arguments.way);
   if (is_searched(arguments)) search_way(arguments, implant, *region, report);
   if (report.way) path = path_of(*report.way, turning_centre(implant));
   std::optional<ProgressBar> bar;  // begins at the first distances: compiling kernels is no part of the rate

@@ -11,6 +11,7 @@
 #include "host/command_line/exit_status.hpp"
 #include "host/command_line/options.hpp"
 #include "host/command_line/report_files.hpp"
+#include "host/command_line/way_option.hpp"
 
 namespace verisq::command_line {
 
@@ -19,10 +20,7 @@ struct InsertArguments {
   std::string implant;
   std::optional<Pose> pose;
   std::string mesh;
-  std::optional<std::string> poses;  ///< a file, or instead of it:
-  std::optional<Point> along;        ///< a direction, with
-  std::optional<double> length;
-  std::optional<double> turn;         ///< degrees about the direction, on the way
+  WayArguments way;
   std::optional<double> search_cone;  ///< degrees: the best of the ways whose direction is so much off
   std::optional<double> search_turn;  ///< degrees: and whose turn differs so much
   std::optional<double> tolerance;

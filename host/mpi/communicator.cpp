@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <numeric>
 #include <string>
 #include <verisq/error.hpp>
 
@@ -54,6 +55,22 @@ double Session::sum(double value) const {
   double result = 0.0;
   MPI_Allreduce(&value, &result, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
   return result;
+}
+
+std::vector<std::string> Session::gathered(const std::string& text) const {
+  const auto size = static_cast<int>(text.size());
+  const auto ranks = static_cast<std::size_t>(ranks_);
+  std::vector<int> sizes(ranks);
+  MPI_Gather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
+  std::vector<int> starts(ranks);
+  std::exclusive_scan(sizes.begin(), sizes.end(), starts.begin(), 0);
+  std::string all(static_cast<std::size_t>(starts.back() + sizes.back()), '\0');
+  MPI_Gatherv(text.data(), size, MPI_CHAR, all.data(), sizes.data(), starts.data(), MPI_CHAR, 0, MPI_COMM_WORLD);
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; rank_ == 0 && i < ranks; ++i) {
+    texts.push_back(all.substr(static_cast<std::size_t>(starts[i]), static_cast<std::size_t>(sizes[i])));
+  }
+  return texts;
 }
 
 void Session::share(std::span<std::byte> bytes) const {

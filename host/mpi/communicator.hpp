@@ -1,4 +1,4 @@
-/// What a shared map asks of MPI, with errors as exceptions; mpi.h is included by communicator.cpp alone.
+/// What shared maps and cohorts ask of MPI, with errors as exceptions; mpi.h is included by communicator.cpp alone.
 #pragma once
 
 #include <cstddef>
@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace verisq::mpi {
 
@@ -26,6 +28,8 @@ class Session {
   /// The largest of what all ranks give.
   [[nodiscard]] std::uint64_t largest(std::uint64_t value) const;
   [[nodiscard]] double sum(double value) const;
+  /// What each rank gives, in their order, at rank 0; nothing at the others. Precondition: less than 2 GiB in all.
+  [[nodiscard]] std::vector<std::string> gathered(const std::string& text) const;
   /// Of rank 0, to all.
   void share(std::span<std::byte> bytes) const;
   /// Ends all ranks: others would wait for this one for ever.

@@ -75,10 +75,10 @@ std::string identity(const SharedMapRequest& request) {
   return text;
 }
 
-std::uint64_t rows_of_new_chunks(std::uint64_t rows, int ranks) {
-  const std::uint64_t wanted = rows / (chunks_of_rank * static_cast<std::uint64_t>(ranks));
-  const std::uint64_t limited = std::clamp<std::uint64_t>(wanted, rows_per_block, most_rows_of_chunk);
-  return limited - limited % rows_per_block;
+std::uint64_t rows_of_new_chunks(const SharedMapRequest& request, int ranks) {
+  const std::uint64_t wanted = request.rows / (chunks_of_rank * static_cast<std::uint64_t>(ranks));
+  const std::uint64_t limited = std::clamp<std::uint64_t>(wanted, request.rows_of_block, most_rows_of_chunk);
+  return limited - limited % request.rows_of_block;
 }
 
 /// Of rank 0: the size of the chunks that the job to be resumed had. Throws Error(input).
@@ -94,7 +94,7 @@ std::uint64_t rows_of_resumed_chunks(const SharedMapRequest& request) {
                        beside(request.output, ".job").string()));
   }
   const std::uint64_t rows = std::strtoull(text.c_str() + key.size(), nullptr, 10);
-  if (rows == 0 || rows % rows_per_block != 0) {
+  if (rows == 0 || rows % request.rows_of_block != 0) {
     refuse(fmt::format("--resume: {}: no size of chunks", beside(request.output, ".job").string()));
   }
   return rows;
@@ -268,8 +268,7 @@ SharedMapResult shared_map(const Session& session, const SharedMapRequest& reque
   if (session.rank() == 0) {
     try {
       if (!request.resume) remove_leftovers(request);
-      rows_of_chunk =
-          request.resume ? rows_of_resumed_chunks(request) : rows_of_new_chunks(request.rows, session.ranks());
+      rows_of_chunk = request.resume ? rows_of_resumed_chunks(request) : rows_of_new_chunks(request, session.ranks());
     } catch (const Error&) {
       refusal = std::current_exception();
     }

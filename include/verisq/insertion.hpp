@@ -1,7 +1,9 @@
 /// How deep an implant cuts into the bone on its way in: the bone that must be removed.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -53,5 +55,26 @@ struct Insertion {
 /// or have a zero quaternion, and as Mapper.
 [[nodiscard]] Insertion smallest_distance_along(std::span<const Pose> path, const Model& implant,
                                                 std::span<const Point> bone, const InsertionOptions& options);
+
+/// So many points are searched together: on a processor's device a row may depend, in its last bits, on the others.
+inline constexpr std::size_t points_per_insertion_block = 1024;
+
+/// The same, some of the points at a time: whole blocks of them give the rows that all points together do.
+class InsertionMapper {
+ public:
+  /// `bone` must outlive this. Throws as `smallest_distance_along`.
+  InsertionMapper(std::span<const Pose> path, const Model& implant, std::span<const Point> bone,
+                  const InsertionOptions& options);
+  ~InsertionMapper();
+  InsertionMapper(InsertionMapper&&) noexcept;
+  InsertionMapper& operator=(InsertionMapper&&) noexcept;
+
+  /// Precondition: points of the bone; `progress` tells of them alone.
+  [[nodiscard]] Insertion operator()(std::size_t first, std::size_t count);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace verisq

@@ -183,6 +183,25 @@ TEST(Insertion, OfMoreOfAPathIsNoLarger) {
   for (std::size_t n = 0; n < bone.size(); ++n) EXPECT_LE(whole.rows[n].distance.lo, part.rows[n].distance.hi);
 }
 
+/// On whatever computes here, of which a row may depend on its block.
+TEST(Insertion, IsThatOfItsBlocks) {
+  const std::vector<Pose> path = curved_path(2);
+  const std::vector<Point> bone = random_points(12, 2 * points_per_insertion_block + 100, 9.0);
+  const InsertionOptions options{.tolerance = 0.5};
+  const Insertion whole = smallest_distance_along(path, stem, bone, options);
+  InsertionMapper blocks(path, stem, bone, options);
+  for (const std::size_t first : {2 * points_per_insertion_block, std::size_t{0}, points_per_insertion_block}) {
+    const std::size_t count = std::min(points_per_insertion_block, bone.size() - first);
+    const Insertion part = blocks(first, count);
+    ASSERT_EQ(part.rows.size(), count);
+    EXPECT_EQ(part.summary.points, count);
+    for (std::size_t n = 0; n < count; ++n) {
+      EXPECT_EQ(part.rows[n].distance, whole.rows[first + n].distance);
+      EXPECT_EQ(part.rows[n].status, whole.rows[first + n].status);
+    }
+  }
+}
+
 TEST(Insertion, TellsHowFarItIs) {
   std::vector<double> told;
   const std::vector<Point> bone = random_points(8, 20, 6.0);
