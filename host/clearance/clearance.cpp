@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "host/clearance/clearance_sum.hpp"
+#include "verify/clearance/clearance_sum.hpp"
 
 namespace verisq {
 

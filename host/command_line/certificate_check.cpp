@@ -122,8 +122,7 @@ ExitStatus check_poses(const PoseAnswers& answers, const CertificateCheckArgumen
 
 }  // namespace
 
-ExitStatus run_certificate_check(const CertificateCheckArguments& arguments) {
-  const Answer answer = read_answer(arguments.certificate);
+ExitStatus run_certificate_check(const Answer& answer, const CertificateCheckArguments& arguments) {
   if (const auto* const pair = std::get_if<PairAnswer>(&answer)) return check_pair(*pair, arguments);
   return check_poses(std::get<PoseAnswers>(answer), arguments);
 }

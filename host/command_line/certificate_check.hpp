@@ -1,8 +1,9 @@
-/// `verisq check --certificate`: proves the answer of a certificate file again.
+/// `verisq check --certificate` of pairs and poses: proves the answer of a certificate file again.
 #pragma once
 
 #include <string>
 #include <vector>
+#include <verisq/certificate_file.hpp>
 
 #include "host/command_line/exit_status.hpp"
 
@@ -16,7 +17,7 @@ struct CertificateCheckArguments {
 };
 
 /// `verified` only when the answer is proved. Throws Error(input) for what the user can correct, also for other models
-/// than those that the answer is about.
-ExitStatus run_certificate_check(const CertificateCheckArguments& arguments);
+/// than those that the answer is about. Precondition: of one of these kinds.
+ExitStatus run_certificate_check(const Answer& answer, const CertificateCheckArguments& arguments);
 
 }  // namespace verisq::command_line

@@ -17,10 +17,11 @@ namespace verisq::command_line {
 struct CheckArguments {
   std::vector<std::string> models;  ///< of a map one, of a certificate those that it is about, in its order
   InputArguments inputs;            ///< all but the model
-  // One of these three.
+  // One of these, or a map with the certificate of a fit.
   std::string map;
   std::string certificate;
   std::string octree;
+  std::string surface_map;              ///< of the fit, of whole triangles
   std::optional<std::uint64_t> sample;  ///< of the octree, how many cubes; nothing: all
   double point_radius = 0.0;
   bool json = false;

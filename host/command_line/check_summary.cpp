@@ -3,8 +3,9 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+
 #include "host/command_line/element_words.hpp"
-#include "host/command_line/json_value.hpp"
 #include "host/command_line/progress_bar.hpp"
 
 namespace verisq::command_line {
@@ -53,6 +54,11 @@ JsonObject object_of(const CheckedRow& row, MapElements elements) {
           {"reason", reason(row.claimed, row.finding)}};
 }
 
+/// Of all rows, or of none.
+bool tells_smallest(const CheckReport& report) {
+  return report.missing == 0 && !report.interrupted && std::isfinite(report.smallest.width());
+}
+
 }  // namespace
 
 const char* name_of(Verdict verdict) {
@@ -89,6 +95,9 @@ std::string readable(const CheckReport& report) {
   text += fmt::format("  unproved           {}\n", report.unproved);
   if (report.missing > 0) text += fmt::format("  missing            {} (the map ends before)\n", report.missing);
   if (report.proved > 0) text += fmt::format("largest width proved {:.3g}{}\n", report.largest_width, units);
+  if (tells_smallest(report))
+    text += fmt::format("smallest distance    {}{} of these {}, proved\n", exact_text(report.smallest), units,
+                        plural(report.elements));
   text += fmt::format("time                 {:.3g} s, {} {}/s\n", report.seconds, with_prefix(rows_per_second(report)),
                       plural(report.elements));
   text += fmt::format("map                  {}{}\n", report.map, report.interrupted ? " (interrupted)" : "");
@@ -97,14 +106,15 @@ std::string readable(const CheckReport& report) {
   return text;
 }
 
-std::string json(const CheckReport& report) {
-  const JsonObject object{
+JsonObject object_of(const CheckReport& report) {
+  return {
       {plural(report.elements), report.rows()},
       {"proved", report.proved},
       {"refuted", report.refuted},
       {"unproved", report.unproved},
       {"missing", report.missing},
       {"largest_width_proved", report.largest_width},
+      {"smallest_distance_proved", tells_smallest(report) ? JsonValue(report.smallest) : JsonValue()},
       {"units", report.units},
       {"seconds", report.seconds},
       {fmt::format("{}_per_second", plural(report.elements)), rows_per_second(report)},
@@ -113,7 +123,10 @@ std::string json(const CheckReport& report) {
       {"first", report.first ? object_of(*report.first, report.elements) : JsonValue()},
       {"falsified", report.falsified ? object_of(*report.falsified) : JsonValue()},
   };
-  return object.text() + "\n";
+}
+
+std::string json(const CheckReport& report) {
+  return object_of(report).text() + "\n";
 }
 
 }  // namespace verisq::command_line

@@ -6,7 +6,10 @@
 #include <string>
 #include <variant>
 #include <verisq/checker.hpp>
+#include <verisq/enclosure.hpp>
 #include <verisq/map_file.hpp>
+
+#include "host/command_line/json_value.hpp"
 
 namespace verisq::command_line {
 
@@ -27,6 +30,7 @@ struct CheckReport {
   std::uint64_t unproved = 0;
   std::uint64_t missing = 0;               ///< points or triangles without a row, in what an ended run left
   double largest_width = 0.0;              ///< of the proved enclosures
+  Enclosure smallest{infinity, infinity};  ///< what all rows so far prove of the smallest distance
   std::optional<CheckedRow> first;         ///< the first refuted row; without one, the first unproved
   std::optional<MapDifference> falsified;  ///< something else that the map shows, and that is not so
   double seconds = 0.0;                    ///< wall time from the first row to the last
@@ -47,7 +51,9 @@ struct CheckReport {
 
 [[nodiscard]] std::string readable(const CheckReport& report);
 
-/// One line. JSON has no infinity: an unbounded end of an enclosure is null.
+/// JSON has no infinity: an unbounded end of an enclosure is null.
+[[nodiscard]] JsonObject object_of(const CheckReport& report);
+/// One line.
 [[nodiscard]] std::string json(const CheckReport& report);
 
 }  // namespace verisq::command_line

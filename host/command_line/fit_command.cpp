@@ -19,6 +19,7 @@
 
 #include "host/command_line/choice.hpp"
 #include "host/command_line/default_tolerance.hpp"
+#include "host/command_line/fit_certificates.hpp"
 #include "host/command_line/fit_instrument.hpp"
 #include "host/command_line/fit_request.hpp"
 #include "host/command_line/fit_summary.hpp"
@@ -67,6 +68,11 @@ constexpr const char* closing_words =
     "too deep, or that F is no better. Its bound holds for all poses that keep the limit at the vertices, whatever\n"
     "else is asked of them.\n"
     "\n"
+    "--certificate-file, --map and --surface-map keep what proves it again: `verisq check --certificate FILE\n"
+    "--model FITTED --mesh F --map MAP --surface-map MAP` proves every distance, and F, the smallest distance of the\n"
+    "vertices and of the whole surface, the deepest penetration, how many vertices keep the limit and the numbers of\n"
+    "every area. Sides, areas in contact, changes of features and the bound have no certificates.\n"
+    "\n"
     "Ctrl-C ends the search, or the bound: the best pose so far is proven and written. A second Ctrl-C stops at once;\n"
     "once the proof runs, -o is written already.\n"
     "\n"
@@ -91,9 +97,12 @@ void check_outputs(const FitArguments& arguments) {
   };
   check_output("-o", arguments.output);
   if (!arguments.map.empty()) check_output("--map", arguments.map);
+  if (!arguments.surface_map.empty()) check_output("--surface-map", arguments.surface_map);
+  if (!arguments.certificate_file.empty()) check_output("--certificate-file", arguments.certificate_file);
   check_usage(arguments.report, inputs);
   std::vector<std::string> outputs;
-  for (const std::string& file : {arguments.output, arguments.map, arguments.report.html, arguments.report.png}) {
+  for (const std::string& file : {arguments.output, arguments.map, arguments.surface_map, arguments.certificate_file,
+                                  arguments.report.html, arguments.report.png}) {
     if (file.empty()) continue;
     outputs.push_back(std::filesystem::absolute(file).lexically_normal().string());
     if (std::ranges::count(outputs, outputs.back()) > 1) refuse(fmt::format("{}: is the name of two outputs", file));
@@ -182,6 +191,7 @@ double tolerance_of(const FitArguments& arguments, const Model& fitted) {
 struct MappedProof {
   FitProof proof;
   std::vector<MapResult> rows;
+  std::vector<Certificate> certificates;  ///< none, or one a row
 };
 
 /// Never ended by the first Ctrl-C, which has kept its pose already. `map` is nothing when not asked for.
@@ -189,15 +199,18 @@ MappedProof prove(const FitProblem& problem, const FitSolution& solution, const 
                   std::optional<MapWriter>& map) {
   ProgressBar bar(show_progress, "points");
   std::vector<MapResult> all;
+  std::vector<Certificate> all_certificates;
   const std::size_t size = problem.cavity.points.size();
-  const auto sink = [&](std::span<const Point> points, std::span<const MapResult> rows, std::span<const Certificate>) {
-    if (map) map->append(points, rows);
+  const auto sink = [&](std::span<const Point> points, std::span<const MapResult> rows,
+                        std::span<const Certificate> certificates) {
+    if (map) map->append(points, rows, certificates);
+    all_certificates.insert(all_certificates.end(), certificates.begin(), certificates.end());
     all.insert(all.end(), rows.begin(), rows.end());
     bar.update(all.size(), static_cast<double>(all.size()) / static_cast<double>(size));
   };
   FitProof proof = prove_fit(problem, solution, options, sink);
   if (map) map->finish();
-  return {std::move(proof), std::move(all)};
+  return {std::move(proof), std::move(all), std::move(all_certificates)};
 }
 
 std::optional<BestPossible> compared(const FitSolution& solution, const FitProof& proof,
@@ -211,20 +224,26 @@ std::vector<SurfaceSide> sides_required(const FitProblem& problem, std::size_t i
   return problem.options.sides.empty() ? std::vector<SurfaceSide>() : problem.options.sides[implant];
 }
 
-void write_report(const FitProblem& problem, const FitSummary& summary, std::span<const MapResult> rows,
+void write_report(const FitProblem& problem, const FitSummary& summary, const MappedProof& proof,
                   const FitArguments& arguments) {
   const auto name = [](const std::string& file) { return std::filesystem::path(file).filename().string(); };
   std::vector<std::string> area_names;
   for (const Area& area : problem.cavity.areas) area_names.push_back(area.name);
+  std::optional<ReportProof> page_proof;
+  if (certifies(arguments)) {
+    page_proof =
+        ReportProof{.certificates = proof.certificates, .model_file = arguments.output, .mesh_file = arguments.mesh};
+  }
   write(arguments.report, {.title = fmt::format("{}: fit of {}", name(arguments.mesh), name(summary.implant)),
                            .bone = problem.mesh,
-                           .rows = rows,
+                           .rows = proof.rows,
                            .implant = summary.fit.model,
                            .units = problem.units,
                            .summary = report_lines(summary),
                            .area_names = std::move(area_names),
                            .area_of = problem.cavity.area_of,
-                           .range = gaps_shown * problem.options.fitness.serves.hi});
+                           .range = gaps_shown * problem.options.fitness.serves.hi,
+                           .proof = page_proof});
 }
 
 void explain(const FitSummary& summary) {
@@ -373,6 +392,7 @@ void declare_fit(Options& options, FitArguments& arguments) {
   options.require("-o,--output", arguments.output, "FILE", "The fitted model: .json");
   options.add("--map", arguments.map, "FILE",
               "The proven distance of every vertex, by extension: .csv .npy .vtp .ply .json");
+  declare_certificates(options, arguments);
   declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
@@ -380,13 +400,15 @@ void declare_fit(Options& options, FitArguments& arguments) {
 
 ExitStatus run_fit(const FitArguments& arguments) {
   check_outputs(arguments);
+  check_certificates(arguments);
   const FitProblem problem = fit_problem(read_fit_request(arguments));
   refuse_what_cannot_be_drawn(arguments, problem.mesh);
+  refuse_what_has_no_certificates(problem, arguments);
   const std::vector<Instrument> instruments = read_instruments(problem, arguments);
   for (const std::string& notice : problem.notices) tell(notice);
 
   std::optional<MapWriter> map;  // before the search: an unknown format is refused, not met after all the work
-  if (!arguments.map.empty()) map.emplace(arguments.map, &problem.mesh);
+  if (!arguments.map.empty()) map.emplace(arguments.map, &problem.mesh, MapForm{.contents = contents_of(arguments)});
 
   watch_for_interruption();
   const Stopwatch search_time;
@@ -396,8 +418,13 @@ ExitStatus run_fit(const FitArguments& arguments) {
 
   const double tolerance = tolerance_of(arguments, found.model);
   const Stopwatch proof_time;
-  const auto [proof, rows] =
-      prove(problem, solution, {.tolerance = tolerance, .device = arguments.device}, !arguments.no_progress, map);
+  const MappedProof mapped = prove(problem, solution,
+                                   {.tolerance = tolerance,
+                                    .device = arguments.device,
+                                    .certificates = certifies(arguments),
+                                    .covers = has_covers(arguments)},
+                                   !arguments.no_progress, map);
+  const FitProof& proof = mapped.proof;
   std::optional<InstrumentClearance> instrument;
   if (!instruments.empty()) instrument = prove_instrument(problem, found, instruments[found.implant]);
   const FitSummary summary{.fit = found,
@@ -428,7 +455,9 @@ ExitStatus run_fit(const FitArguments& arguments) {
                            .output = arguments.output,
                            .map = arguments.map};
   explain(summary);
-  if (arguments.report.any()) write_report(problem, summary, rows, arguments);
+  if (arguments.report.any()) write_report(problem, summary, mapped, arguments);
+  write_certificates(problem, found.model, proof.clearance, {.tolerance = tolerance, .device = arguments.device},
+                     arguments);
   fmt::print("{}", arguments.json ? json(summary) : readable(summary));
   if (was_interrupted(solution)) return ExitStatus::interrupted;
   const std::optional<double> gap = arguments.bound ? std::optional(*arguments.bound / 100.0) : std::nullopt;

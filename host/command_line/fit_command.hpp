@@ -49,7 +49,10 @@ struct FitArguments {
   std::optional<double> tolerance;
   std::string device = "auto";
   std::string output;
-  std::string map;  ///< empty when not asked for
+  std::string map;               ///< empty when not asked for
+  bool certificates = false;     ///< of the map, and the page of the report
+  std::string surface_map;       ///< of whole triangles, with certificates; empty when not asked for
+  std::string certificate_file;  ///< of what the map's distances say together; empty when not asked for
   ReportFiles report;
   bool json = false;
   bool no_progress = false;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <verisq/certificate_file.hpp>
 
 #include "host/errors/refusal.hpp"
@@ -75,6 +76,31 @@ void write_answer(const std::filesystem::path& path, const PairAnswer& answer) {
   OrderedJson document = head_of(answer, "pair");
   add_claim(document, answer);
   write_text(path, text_of(document, 2) + "\n");
+}
+
+void write_answer(const std::filesystem::path& path, const FitAnswer& answer) {
+  OrderedJson document{{"format", "verisq-certificate/1"}, {"kind", "fit"}};
+  document["models"] = OrderedJson::array({json_of(answer.model)});
+  document["mesh"] = json_of(answer.mesh);
+  if (!answer.units.empty()) document["units"] = answer.units;
+  document["criterion"] = {
+      {"target", answer.fitness.target}, {"scale", answer.fitness.scale}, {"serves", json_of(answer.fitness.serves)}};
+  document["penetration_limit"] = answer.penetration_limit;
+  document["areas"] = OrderedJson::array();
+  for (const Area& area : answer.areas) document["areas"].push_back({{"name", area.name}, {"weight", area.weight}});
+  document["area_runs"] = OrderedJson::array();
+  for (const auto& [area, points] : answer.area_runs) document["area_runs"].push_back({area, points});
+  document["claims"] = OrderedJson::array();
+  for (const ClearanceClaim& claim : answer.claims) {
+    OrderedJson object{{"what", claim.what}};
+    if (!claim.area.empty()) object["area"] = claim.area;
+    object.update(json_of(claim.value));
+    document["claims"].push_back(std::move(object));
+  }
+  const std::string text = text_of(document, -1) + "\n";
+  if (text.size() > largest_certificate)
+    refuse(fmt::format("{}: takes more than the {} bytes of a certificate file", path.string(), largest_certificate));
+  write_text(path, text);
 }
 
 /// A line each, and none of them as a document in memory beside the text.

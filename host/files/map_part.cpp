@@ -159,17 +159,10 @@ std::filesystem::path part_file_of(const std::filesystem::path& map) {
 }
 
 SubjectFile digest_of_file(const std::filesystem::path& path) {
-  InputFile file(path);
-  if (!std::filesystem::is_regular_file(path)) file.fail_whole("no regular file, which parts of a map must be of");
-  constexpr std::size_t block = std::size_t{1} << 16U;
-  Sha256 hash;
-  for (;;) {
-    const std::string_view bytes = file.peek(block);
-    if (bytes.empty()) break;
-    hash.add(std::as_bytes(std::span(bytes)));
-    (void)file.take(bytes.size(), "the file");
+  if (!std::filesystem::is_regular_file(path)) {
+    InputFile(path).fail_whole("no regular file, which parts of a map must be of");
   }
-  return {path.filename().string(), hash.digest()};
+  return subject_file(path);
 }
 
 void write_map_part(const std::filesystem::path& map, const MapPart& part) {

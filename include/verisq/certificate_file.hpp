@@ -2,12 +2,17 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
+#include <verisq/cavity.hpp>
+#include <verisq/clearance_claim.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/fitness.hpp>
 #include <verisq/model.hpp>
 #include <verisq/pair_certificate.hpp>
 
@@ -45,7 +50,33 @@ struct PoseAnswers {
   std::vector<PosedAnswer> answers;
 };
 
-using Answer = std::variant<PairAnswer, PoseAnswers>;
+/// So many points, one after the other, are of an area.
+struct AreaRun {
+  std::uint32_t area;  ///< index of `FitAnswer::areas`
+  std::uint64_t points;
+  [[nodiscard]] bool operator==(const AreaRun&) const = default;
+};
+
+/// The kind `fit`: what a fit claims of the distances of a bone's vertices to the fitted model. What proves them is the
+/// map with certificates of these vertices.
+struct FitAnswer {
+  SubjectFile model;  ///< the fitted one
+  SubjectFile mesh;
+  std::string units;  ///< free text; empty when not given
+  Fitness fitness;
+  double penetration_limit;
+  std::vector<Area> areas;
+  std::vector<AreaRun> area_runs;  ///< in the order of the vertices
+  std::vector<ClearanceClaim> claims;
+};
+
+/// How many vertices the runs are of.
+[[nodiscard]] std::uint64_t points_of(const FitAnswer& answer);
+[[nodiscard]] std::vector<AreaRun> runs_of(std::span<const std::uint32_t> area_of);
+/// Precondition: `points_of` as many as fit into memory.
+[[nodiscard]] ClearanceTerms terms_of(const FitAnswer& answer);
+
+using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer>;
 
 /// Of any kind. Throws as `read_pair_answer`.
 [[nodiscard]] Answer read_answer(const std::filesystem::path& path);
@@ -64,5 +95,6 @@ using Answer = std::variant<PairAnswer, PoseAnswers>;
 /// Error(failure), and Error(input) for more than a file may hold. Precondition: an answer that it accepts.
 void write_answer(const std::filesystem::path& path, const PairAnswer& answer);
 void write_answer(const std::filesystem::path& path, const PoseAnswers& answers);
+void write_answer(const std::filesystem::path& path, const FitAnswer& answer);
 
 }  // namespace verisq

@@ -10,7 +10,7 @@
 #include <vector>
 #include <verisq/error.hpp>
 
-#include "host/clearance/clearance_sum.hpp"
+#include "verify/clearance/clearance_sum.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq {

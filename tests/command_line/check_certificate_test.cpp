@@ -84,7 +84,9 @@ TEST_F(CheckCertificate, IsOfNoOtherModel) {
 }
 
 TEST_F(CheckCertificate, NamesOptionsThatDoNotFit) {
-  expect_refused(check(proof_, {"--map", "map.csv"}), {"give one of --map, --certificate and --octree"});
+  expect_refused(check(proof_, {"--map", "map.csv"}), {"is of two models, not of a map"});
+  expect_refused(check(proof_, {"--surface-map", "map.csv"}), {"is of two models, not of a map"});
+  expect_refused(check(proof_, {"--octree", "o.vtu"}), {"--octree: not with --map or --certificate"});
   expect_refused(check(proof_, {"--mesh", "bone.off"}), {"--mesh: only with --map"});
   expect_refused(run({"check", "--model", a_, "--model", b_, "--map", "map.csv", "--points", "p.csv"}),
                  {"--model: give one"});

@@ -67,6 +67,67 @@ TEST(CertificateFile, GivesTheSameBitsAgain) {
   EXPECT_EQ(read.certificate.common, written.certificate.common);
 }
 
+FitAnswer fit_answer() {
+  return {.model = {"fitted.json", sha256("fitted")},
+          .mesh = {"bone.off", sha256("bone")},
+          .units = "mm",
+          .fitness = {2.0, 1.0 / 3.0, {1.0, infinity}},
+          .penetration_limit = 0.1,
+          .areas = {{"proximal", 3.0}, {"elsewhere", 0.0}},
+          .area_runs = {{1, 4}, {0, 2}, {1, 1}},
+          .claims = {{"objective", "", {-infinity, 0.7}}, {"mean_distance", "proximal", {0.1, 0.2}}}};
+}
+
+TEST(CertificateFile, GivesTheSameBitsOfAFitAgain) {
+  const TemporaryFolder folder;
+  const FitAnswer written = fit_answer();
+  write_answer(folder / "proof.json", written);
+  const auto read = std::get<FitAnswer>(read_answer(folder / "proof.json"));
+  EXPECT_EQ(read.model.sha256, written.model.sha256);
+  EXPECT_EQ(read.mesh.name, "bone.off");
+  EXPECT_EQ(read.units, "mm");
+  EXPECT_EQ(read.fitness.target, 2.0);
+  EXPECT_EQ(read.fitness.scale, 1.0 / 3.0);
+  EXPECT_EQ(read.fitness.serves, written.fitness.serves);
+  EXPECT_EQ(read.penetration_limit, 0.1);
+  EXPECT_EQ(read.areas, written.areas);
+  EXPECT_EQ(read.area_runs, written.area_runs);
+  ASSERT_EQ(read.claims.size(), 2U);
+  EXPECT_EQ(read.claims[0].value, written.claims[0].value);
+  EXPECT_EQ(read.claims[1].what, "mean_distance");
+  EXPECT_EQ(read.claims[1].area, "proximal");
+  EXPECT_EQ(points_of(read), 7U);
+  const ClearanceTerms terms = terms_of(read);
+  EXPECT_THAT(terms.area_of, ::testing::ElementsAre(1, 1, 1, 1, 0, 0, 1));
+  EXPECT_EQ(runs_of(terms.area_of), written.area_runs);
+}
+
+TEST(CertificateFile, RefusesWhatIsNoFit) {
+  const TemporaryFolder folder;
+  write_answer(folder / "proof.json", fit_answer());
+  std::ifstream in(folder / "proof.json");
+  const nlohmann::json valid = nlohmann::json::parse(in);
+  const auto refused = [&](const std::string& pointer, const nlohmann::json& value, const std::string& message) {
+    nlohmann::json document = valid;
+    document[nlohmann::json::json_pointer(pointer)] = value;
+    EXPECT_THAT([&] { (void)parse_answer(document.dump(), "p"); }, ThrowsMessage<Error>(HasSubstr(message)));
+  };
+  refused("/models", nlohmann::json::array(), "must be an array of one model");
+  refused("/mesh/sha256", "12", "mesh");
+  refused("/criterion/scale", 0.0, "must be above 0");
+  refused("/criterion/target", -1.0, "must be at least 0");
+  refused("/penetration_limit", -0.5, "must be at least 0");
+  refused("/areas/0/weight", -2.0, "must be at least 0");
+  refused("/areas/1/name", "proximal", "is the name of an area before");
+  refused("/area_runs/0", {2, 4}, "must be below 2");
+  refused("/area_runs/0", {0}, "must be an area's index and a number of points");
+  refused("/area_runs", {{0, 4294967295U}, {1, 4294967295U}}, "points in all");
+  refused("/claims", nlohmann::json::array(), "must not be empty");
+  refused("/claims/1", {{"what", "objective"}, {"lo", 0.0}, {"hi", 1.0}}, "is claimed before");
+  refused("/claims/0/lo", "nothing", "claims[0].lo");
+  refused("/surface", 1, "surface");
+}
+
 /// A valid file in which what stands at `pointer` is another value.
 std::string changed(const std::string& pointer, const nlohmann::json& value) {
   const TemporaryFolder folder;
@@ -132,7 +193,7 @@ TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
     other[nlohmann::json::json_pointer(pointer)] = value;
     expect_input_error([&] { (void)parse_answer(other.dump(), "proof.json"); }, "proof.json", ": " + message);
   };
-  refused("/kind", "fit", "kind = \"fit\": must be \"pair\" or \"poses\"");
+  refused("/kind", "path", "kind = \"path\": must be \"pair\", \"poses\" or \"fit\"");
   refused("/kind", "pair", "answers = [...]: unknown key");
   refused("/answers", nlohmann::json::array(), "answers = []: must not be empty");
   refused("/answers/1/extra", 1, "answers[1].extra = 1: unknown key");

@@ -1,7 +1,9 @@
 /// Fuzz target of parse_answer.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <variant>
+#include <vector>
 #include <verisq/certificate_file.hpp>
 
 #include "tests/fuzz/promise.hpp"
@@ -36,10 +38,29 @@ void check_answer(const PoseAnswers& answers) {
   for (const PosedAnswer& answer : answers.answers) check_claim(answer);
 }
 
+void check_answer(const FitAnswer& answer) {
+  check(!answer.claims.empty(), "something is claimed");
+  check(answer.fitness.scale > 0.0 && answer.penetration_limit >= 0.0, "a criterion is one");
+  for (const ClearanceClaim& claim : answer.claims) {
+    check(!std::isnan(claim.value.lo) && !std::isnan(claim.value.hi), "a claim has two ends");
+  }
+  for (const AreaRun& run : answer.area_runs) check(run.area < answer.areas.size(), "an area is there");
+  check(points_of(answer) <= std::uint64_t{1} << 32U, "as many points as a mesh may have");
+}
+
+std::vector<SubjectFile> subjects_of(const FitAnswer& answer) {
+  return {answer.model, answer.mesh};
+}
+
+template <class Posed>
+std::vector<SubjectFile> subjects_of(const Posed& answer) {
+  return {answer.models.begin(), answer.models.end()};
+}
+
 void check_any(const Answer& answer) {
   std::visit(
       [](const auto& kind) {
-        for (const SubjectFile& file : kind.models) check(file.sha256.size() == 64, "a digest has 64 digits");
+        for (const SubjectFile& file : subjects_of(kind)) check(file.sha256.size() == 64, "a digest has 64 digits");
         check_answer(kind);
       },
       answer);

@@ -631,6 +631,16 @@ class ProvingReport(unittest.TestCase):
         self.assertTrue(result.startswith(f"All {len(self.rows)} vertices are proved, in "), result)
         self.assertIsNone(first)
 
+    def test_proves_every_vertex_of_a_fit(self):
+        page = self.folder / "certified_fit.html"
+        self.run_verisq("fit", "--any-side", "--on", "vertices", "--implant", self.folder / "union.json", "--mesh",
+                        self.folder / "small_bone.off", "--translation-range", "1", "--rotation-range", "2", "--samples",
+                        "8", "--device", "host", "--certificates", "-o", self.folder / "certified_fit.json",
+                        "--report", page)
+        result, first = self.prove(page)
+        self.assertRegex(result, r"^(All \d+ vertices are proved|\d+ proved, 0 refuted, \d+ unproved), in ")
+        self.assertIn(str(len(self.bone.vertices)), result)
+
     def test_a_browser_without_workers_proves_too(self):
         driver = driver_with(no_graphics)
         script = driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": "window.Worker = undefined"})

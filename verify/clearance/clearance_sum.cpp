@@ -1,5 +1,5 @@
 /// What one more row adds to a report.
-#include "host/clearance/clearance_sum.hpp"
+#include "verify/clearance/clearance_sum.hpp"
 
 #include <algorithm>
 
@@ -65,20 +65,20 @@ ClearanceSum::ClearanceSum(const Cavity& cavity, const Fitness& fitness, double 
 }
 
 void ClearanceSum::add(std::span<const MapResult> rows) {
-  for (const MapResult& row : rows) add(row);
+  for (const MapResult& row : rows) add(row.distance);
 }
 
-void ClearanceSum::add(const MapResult& row) {
+void ClearanceSum::add(const Enclosure& distance) {
   const std::uint32_t index = cavity_.area_of[rows_++];
   AreaClearance& area = clearance_.areas[index];
-  distances_[index].add(row.distance);
+  distances_[index].add(distance);
   // A weight of 0 keeps even an unbounded value out of the sum: 0 times an infinite bound is 0 (rounding.hpp).
-  const Enclosure served = value(fitness_, row.distance);
+  const Enclosure served = value(fitness_, distance);
   objective_ += PreciseInterval(Real(area.area.weight)) * PreciseInterval(Real(served.lo), Real(served.hi));
-  count(area, row.distance, fitness_.serves);
-  clearance_.smallest_distance = minimum(clearance_.smallest_distance, row.distance);
-  if (row.distance.hi < -penetration_limit_) ++clearance_.proven_too_deep;
-  if (row.distance.lo >= -penetration_limit_) ++clearance_.proven_shallow;
+  count(area, distance, fitness_.serves);
+  clearance_.smallest_distance = minimum(clearance_.smallest_distance, distance);
+  if (distance.hi < -penetration_limit_) ++clearance_.proven_too_deep;
+  if (distance.lo >= -penetration_limit_) ++clearance_.proven_shallow;
 }
 
 Clearance ClearanceSum::report() const {

@@ -1,4 +1,4 @@
-/// Adds up a certified clearance report row by row.
+/// Adds up, distance by distance, what those of a bone's points say together.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,8 @@ class ClearanceSum {
   /// `cavity` must outlive the sum.
   ClearanceSum(const Cavity& cavity, const Fitness& fitness, double penetration_limit);
 
-  /// Precondition: in all no more rows than points.
+  /// Of the next point. Precondition: in all no more than there are points.
+  void add(const Enclosure& distance);
   void add(std::span<const MapResult> rows);
 
   /// All but the summary of the map.
@@ -32,8 +33,6 @@ class ClearanceSum {
     void add(const Enclosure& distance);
     void tell(AreaClearance& area) const;
   };
-
-  void add(const MapResult& row);
 
   const Cavity& cavity_;
   Fitness fitness_;

@@ -1,0 +1,124 @@
+/// Which options go together, and what is written.
+#include "host/command_line/fit_certificates.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <verisq/certificate_file.hpp>
+#include <verisq/clearance_claim.hpp>
+#include <verisq/uncertain_model.hpp>
+
+#include "host/command_line/progress_bar.hpp"
+#include "host/errors/refusal.hpp"
+#include "verify/proof/convex_union.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+/// The distance of every triangle, between its corners too; returns the smallest one. Never ended by the first Ctrl-C,
+/// like all that a fit proves.
+Enclosure write_surface_map(const FitProblem& problem, const Model& fitted, MapOptions options,
+                            const FitArguments& arguments) {
+  const Mesh& mesh = problem.mesh;
+  const bool convex = is_union_of_convex(fitted);
+  options.certificates = true;
+  options.covers = !convex;
+  const MapContents contents = convex ? MapContents::certified : MapContents::covered;
+  MapWriter writer(arguments.surface_map, &mesh, MapForm{.contents = contents, .elements = MapElements::triangles});
+  ProgressBar bar(!arguments.no_progress, "triangles");
+  const std::size_t size = mesh.triangles.size();
+  std::size_t asked = 0;
+  std::size_t done = 0;
+  const Source<Triangle> source = [&](std::span<Triangle> triangles) {
+    const std::size_t count = std::min(triangles.size(), size - asked);
+    for (Triangle& triangle : triangles.first(count)) {
+      const auto& [a, b, c] = mesh.triangles[asked++];
+      triangle = {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
+    }
+    return count;
+  };
+  const Sink<Triangle> sink = [&](std::span<const Triangle>, std::span<const MapResult> rows,
+                                  std::span<const Certificate> certificates) {
+    writer.append(rows, certificates);
+    done += rows.size();
+    bar.update(done, static_cast<double>(done) / static_cast<double>(size));
+  };
+  const MapSummary summary = TriangleMapper(fitted, options).map(source, sink);
+  writer.finish();
+  return {summary.minimum_lo, summary.minimum_hi};
+}
+
+}  // namespace
+
+void declare_certificates(Options& options, FitArguments& arguments) {
+  options.add_flag("--certificates", arguments.certificates,
+                   "Write what proves the distances again, for `verisq check`: into the --map (.csv, .vtp), and into "
+                   "the page of --report, which then proves itself in its reader's browser");
+  options.add("--surface-map", arguments.surface_map, "FILE",
+              "The proven distance of every triangle, between its corners too, 0 where it meets the implant, with what "
+              "proves it again: .csv .vtp");
+  options.add(
+      "--certificate-file", arguments.certificate_file, "FILE",
+      "What these distances say together, F, the smallest, the areas, for `verisq check --certificate` with the "
+      "maps, which get --certificates: .json");
+}
+
+bool certifies(const FitArguments& arguments) {
+  return arguments.certificates || !arguments.certificate_file.empty();
+}
+
+void check_certificates(const FitArguments& arguments) {
+  if (!arguments.certificate_file.empty() && arguments.map.empty())
+    refuse("--certificate-file: give the --map that holds the certificates of its distances");
+  if (arguments.certificates && arguments.map.empty() && arguments.report.html.empty())
+    refuse("--certificates: give the --map or the --report that keeps them");
+  if (!certifies(arguments) && arguments.surface_map.empty()) return;
+  if (arguments.resection)
+    refuse("--certificates, --surface-map: not with --resection, which leaves a part of the mesh out: cut it first");
+  if (!std::filesystem::is_regular_file(arguments.mesh))
+    refuse(fmt::format("--certificates: {}: is no regular file, and they must tell which it is", arguments.mesh));
+}
+
+void refuse_what_has_no_certificates(const FitProblem& problem, const FitArguments& arguments) {
+  if (!arguments.surface_map.empty() && problem.mesh.triangles.empty())
+    refuse(fmt::format("--surface-map: {}: has no triangles", arguments.mesh));
+  if (!certifies(arguments) || arguments.report.html.empty()) return;
+  for (std::size_t i = 0; i < problem.series.size(); ++i) {
+    if (verify::is_union(bracket(problem.series[i]).largest)) continue;
+    refuse(
+        fmt::format("--report with --certificates: {}: the page proves unions of primitives, not other csg; write "
+                    "the certificates by --map alone",
+                    problem.names[i]));
+  }
+}
+
+bool has_covers(const FitArguments& arguments) {
+  return certifies(arguments) && arguments.report.html.empty();
+}
+
+MapContents contents_of(const FitArguments& arguments) {
+  if (has_covers(arguments)) return MapContents::covered;
+  return certifies(arguments) ? MapContents::certified : MapContents::enclosures;
+}
+
+void write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
+                        const MapOptions& options, const FitArguments& arguments) {
+  std::optional<Enclosure> surface;
+  if (!arguments.surface_map.empty()) surface = write_surface_map(problem, fitted, options, arguments);
+  if (arguments.certificate_file.empty()) return;
+  write_answer(arguments.certificate_file, FitAnswer{.model = subject_file(arguments.output),
+                                                     .mesh = subject_file(arguments.mesh),
+                                                     .units = problem.units,
+                                                     .fitness = problem.options.fitness,
+                                                     .penetration_limit = problem.options.penetration_limit,
+                                                     .areas = problem.cavity.areas,
+                                                     .area_runs = runs_of(problem.cavity.area_of),
+                                                     .claims = claims_of(clearance, surface)});
+}
+
+}  // namespace verisq::command_line

@@ -1,0 +1,38 @@
+/// What a fit leaves for those who prove its distances again: certificates in its maps and its page, and a file of what
+/// the distances say together.
+#pragma once
+
+#include <verisq/clearance.hpp>
+#include <verisq/fit_problem.hpp>
+#include <verisq/map.hpp>
+#include <verisq/map_file.hpp>
+
+#include "host/command_line/fit_command.hpp"
+
+namespace verisq::command_line {
+
+/// Adds --certificates, --surface-map and --certificate-file.
+void declare_certificates(Options& options, FitArguments& arguments);
+
+/// Whether the distances of the vertices get certificates.
+[[nodiscard]] bool certifies(const FitArguments& arguments);
+
+/// Throws Error(input) where nothing keeps them, or they would be of another mesh than the file's.
+void check_certificates(const FitArguments& arguments);
+
+/// Throws Error(input) for what has no triangles, and for models that no page proves, where these are asked for. Before
+/// the search: whatever is chosen has the set operations of its file.
+void refuse_what_has_no_certificates(const FitProblem& problem, const FitArguments& arguments);
+
+/// A page proves by single primitives alone, and so its map does.
+[[nodiscard]] bool has_covers(const FitArguments& arguments);
+
+/// Of the map of the vertices.
+[[nodiscard]] MapContents contents_of(const FitArguments& arguments);
+
+/// Writes the map of whole triangles and the certificate file, where they are asked for. Precondition: the fitted
+/// model's file is written. `options`: tolerance and device. Throws Error(failure), and as TriangleMapper.
+void write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
+                        const MapOptions& options, const FitArguments& arguments);
+
+}  // namespace verisq::command_line

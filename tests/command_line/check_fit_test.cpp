@@ -1,0 +1,182 @@
+/// What a fit claims of its distances is proved from its files alone, and no forgery of them is.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/fixtures/program_test.hpp"
+
+namespace verisq::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class CheckFit : public ProgramTest {
+ protected:
+  void SetUp() override {
+    std::ifstream in(VERISQ_EXAMPLES "/stem_mm.json");
+    json stem = json::parse(in);
+    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
+    stem["areas"] = {{{"name", "upper"}, {"weight", 3}, {"box", {{-999, -999, -150}, {999, 999, 999}}}}};
+    (void)write("stem.json", stem.dump());
+    const Outcome outcome =
+        fit({"-o", fitted_, "--map", map_, "--surface-map", surface_, "--certificate-file", proof_});
+    ASSERT_TRUE(outcome.status == 0 || outcome.status == 3) << outcome.err;
+  }
+
+  [[nodiscard]] Outcome fit(const Arguments& more) const {
+    Arguments arguments{"fit",
+                        "--implant",
+                        path("stem.json"),
+                        "--mesh",
+                        mesh_,
+                        "--any-side",
+                        "--on",
+                        "vertices",
+                        "--translation-range",
+                        "0.5",
+                        "--rotation-range",
+                        "1",
+                        "--samples",
+                        "16",
+                        "--device",
+                        "host",
+                        "--penetration-limit",
+                        "0.01",
+                        "--no-progress"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  [[nodiscard]] Outcome check_with(const std::string& map, const std::string& surface, const std::string& proof,
+                                   const Arguments& more = {}) const {
+    Arguments arguments{VERISQ_CHECK_PROGRAM, "--model", fitted_,         "--mesh", mesh_,          "--map", map,
+                        "--surface-map",      surface,   "--certificate", proof,    "--no-progress"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Process(arguments, folder_.path()).wait();
+  }
+
+  [[nodiscard]] json document() const {
+    std::ifstream in(proof_);
+    return json::parse(in);
+  }
+
+  /// The certificate with another value at `pointer`.
+  [[nodiscard]] std::string forged(const std::string& pointer, const json& value) const {
+    json other = document();
+    other[json::json_pointer(pointer)] = value;
+    return write("forged.json", other.dump());
+  }
+
+  void expect_not_proved(const std::string& pointer, const json& value) const {
+    const Outcome outcome = check_with(map_, surface_, forged(pointer, value));
+    EXPECT_EQ(outcome.status, 3) << pointer << " " << value << outcome.out << outcome.err;
+  }
+
+  std::string mesh_ = VERISQ_EXAMPLES "/cavity.off";
+  std::string fitted_ = path("fitted.json");
+  std::string map_ = path("map.csv");
+  std::string surface_ = path("surface.vtp");
+  std::string proof_ = path("proof.json");
+};
+
+TEST_F(CheckFit, ProvesEveryDistanceAndWhatTheySayTogether) {
+  const Outcome outcome = check_with(map_, surface_, proof_);
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("points               786\n  proved             786\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("triangles            1568\n  proved             1568\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("claims of the fit    15\n  proved             15\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  proved   F of the vertices: ["));
+  EXPECT_THAT(outcome.out, HasSubstr("  proved   smallest distance of the whole surface: ["));
+  EXPECT_THAT(outcome.out, HasSubstr("  proved   mean distance of the vertices, area upper: ["));
+  const Outcome as_json = check_with(map_, surface_, proof_, {"--json"});
+  const json object = json::parse(as_json.out);
+  EXPECT_EQ(object["kind"], "fit");
+  EXPECT_EQ(object["vertices"]["proved"], 786);
+  EXPECT_EQ(object["surface"]["proved"], 1568);
+  ASSERT_EQ(object["claims"].size(), 15U);
+  for (const json& claim : object["claims"]) EXPECT_EQ(claim["verdict"], "proved") << claim;
+}
+
+TEST_F(CheckFit, NeverProvesAForgery) {
+  const json proven = json::parse(check_with(map_, surface_, proof_, {"--json"}).out)["claims"];
+  for (std::size_t i = 0; i < proven.size(); ++i) {
+    const std::string claim = "/claims/" + std::to_string(i);
+    const double lo = proven[i]["proven"]["lo"];
+    const double hi = proven[i]["proven"]["hi"];
+    expect_not_proved(claim + "/lo", hi + 1e-12 * std::max(1.0, std::abs(hi)));
+    expect_not_proved(claim + "/hi", lo - 1e-12 * std::max(1.0, std::abs(lo)));
+    expect_not_proved(claim + "/what", "clearance");
+  }
+  expect_not_proved("/areas/0/weight", 3.5);
+  expect_not_proved("/areas/0/name", "lower");
+  expect_not_proved("/criterion/scale", 1.99);
+  expect_not_proved("/criterion/serves/hi", proven[6]["proven"]["lo"].get<double>());
+  expect_not_proved("/area_runs", {{1, 786}});
+}
+
+TEST_F(CheckFit, IsOfNoOtherModelMeshOrMap) {
+  const auto refused = [&](const Outcome& outcome, const std::string& words) {
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  refused(check_with(map_, surface_, forged("/models/0/sha256", std::string(64, '0'))), "is about another model");
+  refused(check_with(map_, surface_, forged("/mesh/sha256", std::string(64, '0'))), "is about another mesh");
+  refused(check_with(map_, surface_, forged("/area_runs", {{0, 100}})), "are of 100 vertices, and the mesh has 786");
+  refused(check_with(surface_, surface_, proof_), "is no map of vertices");
+  refused(check_with(map_, map_, proof_), "is no map of triangles");
+  refused(run({"check", "--model", fitted_, "--mesh", mesh_, "--map", map_, "--certificate", proof_}),
+          "give the --surface-map");
+  refused(run({"check", "--model", fitted_, "--mesh", mesh_, "--certificate", proof_}),
+          "give the --mesh, and the --map");
+  refused(run({"check", "--model", fitted_, "--model", fitted_, "--certificate", proof_}), "give one --model");
+  // Of another place of the implant everything is false.
+  std::ifstream in(fitted_);
+  json other = json::parse(in);
+  other["primitives"][0]["pose"]["translation"][0] = 30.0;
+  (void)write("fitted.json", other.dump());
+  refused(check_with(map_, surface_, proof_), "is about another model");
+}
+
+TEST_F(CheckFit, LeavesOpenWhatAnEndedMapDoesNotShow) {
+  std::ifstream in(map_);
+  std::string line;
+  std::string part;
+  for (int i = 0; i < 400 && std::getline(in, line); ++i) part += line + "\n";
+  const Outcome outcome = check_with(write("map.csv.partial", part), surface_, proof_);
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("missing "));
+  EXPECT_THAT(outcome.out, HasSubstr("  unproved F of the vertices: ["));
+  EXPECT_THAT(outcome.out, HasSubstr("  proved   smallest distance of the whole surface: ["));
+}
+
+TEST_F(CheckFit, OfVerticesAloneSaysSo) {
+  const std::string alone = path("alone.json");
+  const Outcome fitted = fit({"-o", fitted_, "--map", path("map.vtp"), "--certificate-file", alone});
+  EXPECT_TRUE(fitted.status == 0 || fitted.status == 3) << fitted.err;
+  const Outcome outcome = run({"check", "--model", fitted_, "--mesh", mesh_, "--map", path("map.vtp"), "--certificate",
+                               alone, "--no-progress"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("not claimed          anything of what lies between the vertices"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("whole surface")));
+}
+
+TEST_F(CheckFit, CertificatesNeedWhatKeepsThem) {
+  const auto refused = [&](const Arguments& more, const std::string& words) {
+    const Outcome outcome = fit(more);
+    EXPECT_EQ(outcome.status, 2) << words;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  refused({"-o", path("f.json"), "--certificate-file", path("c.json")}, "give the --map");
+  refused({"-o", path("f.json"), "--certificates"}, "give the --map or the --report");
+  refused({"-o", path("f.json"), "--certificates", "--map", path("m.npy")}, ".csv");
+  refused({"-o", path("f.json"), "--map", path("m.csv"), "--certificate-file", path("m.csv")}, "two outputs");
+}
+
+}  // namespace
+}  // namespace verisq::testing
