@@ -10,7 +10,7 @@ namespace verisq {
 
 Clearance certified_clearance(const Model& posed, const Cavity& cavity, const Fitness& fitness,
                               double penetration_limit, const MapOptions& options, const Sink<Point>& sink) {
-  ClearanceSum sum(cavity, fitness, penetration_limit);
+  ClearanceSum sum(cavity.areas, cavity.area_of, fitness, penetration_limit);
   std::span<const Point> rest = cavity.points;
   const Source<Point> source = [&rest](std::span<Point> chunk) {
     const std::size_t count = std::min(chunk.size(), rest.size());

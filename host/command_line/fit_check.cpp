@@ -137,6 +137,7 @@ std::string readable(const FitAnswer& answer, const FitCheckReport& report, cons
   }
   text += fmt::format("limit                {}{}; distances in {}{} serve\n", answer.penetration_limit, units,
                       exact_text(answer.fitness.serves), units);
+  if (answer.areas.size() > 1) text += "areas, weights       of the vertices that the certificate gives them\n";
   if (!report.surface)
     text += "not claimed          anything of what lies between the vertices (--surface-map of fit)\n";
   return text + fmt::format("certificate          {}\n", arguments.certificate);

@@ -19,7 +19,7 @@ namespace verisq::mpi {
 using RangeMap = std::function<MapSummary(const RowRange&, const std::function<void(std::span<const MapResult>)>&)>;
 
 struct SharedMapRequest {
-  std::filesystem::path output;                  ///< `.npy` or `.csv`
+  std::filesystem::path output;  ///< `.npy` or `.csv`
   std::uint64_t rows = 0;
   std::uint64_t rows_of_block = rows_per_block;  ///< chunks are of whole blocks, so that no row depends on ranks
   std::vector<std::string> subjects;             ///< files that rows depend on: models, then the input

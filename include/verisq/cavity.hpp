@@ -8,16 +8,11 @@
 #include <string>
 #include <string_view>
 #include <vector>
+#include <verisq/clearance_report.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
 
 namespace verisq {
-
-struct Area {
-  std::string name;
-  double weight;  ///< of each of its points in the objective; finite, >= 0
-  [[nodiscard]] bool operator==(const Area&) const = default;
-};
 
 /// Every index of `area_of` is below `areas.size()`; one a point. The triangles, whose indices are below
 /// `points.size()`, are the surface that the implant must not cut between the points; there may be none.

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <variant>
 #include <vector>
-#include <verisq/cavity.hpp>
 #include <verisq/clearance_claim.hpp>
+#include <verisq/clearance_report.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/fitness.hpp>
 #include <verisq/model.hpp>

@@ -6,9 +6,8 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <verisq/cavity.hpp>
 #include <verisq/checker.hpp>
-#include <verisq/clearance.hpp>
+#include <verisq/clearance_report.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/fitness.hpp>
 

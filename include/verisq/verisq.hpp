@@ -8,6 +8,8 @@
 #include <verisq/certificate_file.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
+#include <verisq/clearance_claim.hpp>
+#include <verisq/clearance_report.hpp>
 #include <verisq/closest_point.hpp>
 #include <verisq/closest_points.hpp>
 #include <verisq/columns.hpp>
@@ -32,6 +34,7 @@
 #include <verisq/map_file.hpp>
 #include <verisq/map_part.hpp>
 #include <verisq/map_result.hpp>
+#include <verisq/map_summary.hpp>
 #include <verisq/mesh.hpp>
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/mesh_file.hpp>

@@ -11,11 +11,14 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
+#include <verisq/checker.hpp>
+#include <verisq/clearance_claim.hpp>
 #include <verisq/error.hpp>
 #include <verisq/fit_problem.hpp>
 #include <verisq/fit_solution.hpp>
@@ -40,6 +43,10 @@ template <>
 inline constexpr std::size_t member_count<AreaClearance> = 9;
 template <>
 inline constexpr std::size_t member_count<Clearance> = 7;
+template <>
+inline constexpr std::size_t member_count<Fitness> = 3;
+template <>
+inline constexpr std::size_t member_count<ClearanceTerms> = 4;
 template <>
 inline constexpr std::size_t member_count<Sides> = 2;
 template <>
@@ -80,8 +87,9 @@ struct PythonFit {
   PythonMap map;
   std::vector<SurfaceSide> required_sides;
   bool as_asked;
+  ClearanceTerms terms;
 
-  static constexpr std::size_t members = 6;
+  static constexpr std::size_t members = 7;
 };
 
 /// "implant", or "implants[k]" where there are several.
@@ -189,6 +197,7 @@ struct FoundFit {
   FitSolution solution;
   FitProof proof;
   std::vector<MapResult> rows;
+  std::vector<Certificate> certificates;  ///< none, or one a row
   double tolerance;
 };
 
@@ -196,23 +205,30 @@ struct FoundFit {
 class FitRun {
  public:
   FitRun(const FitProblem& problem, Interruption& interruption, const std::optional<double>& gap, double bound_time,
-         const std::optional<double>& tolerance)
+         const std::optional<double>& tolerance, bool certificates)
       : problem_(problem),
         interrupted_(interruption.poll()),
         gap_(gap),
         bound_time_(bound_time),
-        tolerance_(tolerance) {}
+        tolerance_(tolerance),
+        certificates_(certificates) {}
 
   FoundFit operator()() {
-    FoundFit found{.solution = solve_fit(problem_, options()), .proof = {}, .rows = {}, .tolerance = 0.0};
+    FoundFit found{
+        .solution = solve_fit(problem_, options()), .proof = {}, .rows = {}, .certificates = {}, .tolerance = 0.0};
     const Model& fitted = found.solution.fit.model;
     found.tolerance = tolerance_or_default(tolerance_, bounding_radius(fitted));
-    const auto sink = [&](std::span<const Point>, std::span<const MapResult> rows, std::span<const Certificate>) {
+    const auto sink = [&](std::span<const Point>, std::span<const MapResult> rows,
+                          std::span<const Certificate> certificates) {
       found.rows.insert(found.rows.end(), rows.begin(), rows.end());
+      found.certificates.insert(found.certificates.end(), certificates.begin(), certificates.end());
     };
-    found.proof =
-        prove_fit(problem_, found.solution,
-                  {.tolerance = found.tolerance, .device = problem_.options.device, .interrupted = interrupted_}, sink);
+    found.proof = prove_fit(problem_, found.solution,
+                            {.tolerance = found.tolerance,
+                             .device = problem_.options.device,
+                             .certificates = certificates_,
+                             .interrupted = interrupted_},
+                            sink);
     return found;
   }
 
@@ -235,18 +251,19 @@ class FitRun {
   std::optional<double> gap_;
   double bound_time_;
   std::optional<double> tolerance_;
+  bool certificates_;
   std::atomic<Clock::duration> end_{Clock::duration::max()};
 };
 
 PythonFit solved(FitRequest request, const std::optional<double>& bound, double bound_time,
-                 const std::optional<double>& tolerance) {
+                 const std::optional<double>& tolerance, bool certificates) {
   check_ranges(request);
   check_time_limit(bound_time);
   if (tolerance) check_length(*tolerance, "tolerance");
   const std::optional<double> gap = gap_of(bound);
   Interruption interruption;
   const FitProblem problem = without_lock(interruption, [&] { return fit_problem(std::move(request)); });
-  FitRun run(problem, interruption, gap, bound_time, tolerance);
+  FitRun run(problem, interruption, gap, bound_time, tolerance, certificates);
   FoundFit found = without_lock(interruption, [&] { return run(); });
   const Fit& fit = found.solution.fit;
   const bool as_asked = is_as_asked(problem, found.solution, found.proof, gap);
@@ -254,8 +271,42 @@ PythonFit solved(FitRequest request, const std::optional<double>& bound, double 
   if (!problem.options.sides.empty()) sides = problem.options.sides[fit.implant];
   PythonModel model(fit.model, posed(problem.implant_landmarks[fit.implant], fit.pose));
   PythonMap map = map_of_rows(found.rows, found.proof.clearance.map, found.tolerance);
-  return {std::move(model), std::move(found.solution), std::move(found.proof),
-          std::move(map),   std::move(sides),          as_asked};
+  if (certificates) map.certificates = std::make_shared<CertificateList>(std::move(found.certificates));
+  return {std::move(model),
+          std::move(found.solution),
+          std::move(found.proof),
+          std::move(map),
+          std::move(sides),
+          as_asked,
+          {problem.options.fitness, problem.options.penetration_limit, problem.cavity.areas, problem.cavity.area_of}};
+}
+
+/// Every distance by its certificate, and then what they say together.
+bool is_proved(const PythonFit& self, const PythonMesh& mesh) {
+  if (!self.map.certificates) throw py::value_error("certificates: fit(..., certificates=True) keeps them");
+  const std::vector<Certificate>& certificates = self.map.certificates->certificates;
+  const std::vector<Point>& vertices = mesh.mesh.vertices;
+  if (vertices.size() != certificates.size())
+    throw py::value_error(
+        fmt::format("mesh: has {} vertices, and the fit is of {}", vertices.size(), certificates.size()));
+  const auto lo = self.map.lo.unchecked<1>();
+  const auto hi = self.map.hi.unchecked<1>();
+  Interruption interruption;
+  const auto interrupted = interruption.poll();
+  return without_lock(interruption, [&] {
+    const Checker checker{UncertainModel(self.solution.fit.model)};
+    std::vector<Enclosure> proven;
+    bool all = true;
+    for (std::size_t i = 0; i < vertices.size() && !interrupted(); ++i) {
+      const auto row = static_cast<py::ssize_t>(i);
+      const Finding found = checker(vertices[i], {lo(row), hi(row)}, certificates[i]);
+      all = all && found.verdict == Verdict::proved;
+      proven.push_back(found.proven);
+    }
+    if (proven.size() < vertices.size()) return false;
+    const std::vector<Finding> claims = check(claims_of(self.proof.clearance), self.terms, proven);
+    return all && std::ranges::all_of(claims, [](const Finding& f) { return f.verdict == Verdict::proved; });
+  });
 }
 
 PythonFit fit_of(const py::object& implants, const PythonMesh& mesh, const std::optional<std::string>& surface,
@@ -267,7 +318,8 @@ PythonFit fit_of(const py::object& implants, const PythonMesh& mesh, const std::
                  const std::optional<std::string>& on, const py::object& pose_start,
                  const std::optional<double>& translation_range, double rotation_range, const py::object& labels,
                  const Weights& weights, const std::optional<double>& bound, double bound_time, std::uint64_t seed,
-                 std::size_t samples, const std::optional<double>& tolerance, const std::string& device) {
+                 std::size_t samples, const std::optional<double>& tolerance, bool certificates,
+                 const std::string& device) {
   FitRequest request{.implants = implants_of(implants),
                      .mesh_name = "mesh",
                      .mesh = mesh.mesh,
@@ -293,7 +345,9 @@ PythonFit fit_of(const py::object& implants, const PythonMesh& mesh, const std::
   check_length(landmark_radius, "landmark_radius");
   if (landmarks) request.landmarks = {"landmarks", landmarks_of(*landmarks), side_of(landmark_side), landmark_radius};
   request.labelled = labelled(labels, request.mesh, request.weights);
-  return solved(std::move(request), bound, bound_time, tolerance);
+  if (certificates && request.resection)
+    throw py::value_error("certificates: not with a resection: cut the mesh first");
+  return solved(std::move(request), bound, bound_time, tolerance, certificates);
 }
 
 py::array_t<double> pose_array(const PythonFit& self) {
@@ -468,6 +522,11 @@ void declare_class_of_fits(py::module_& module) {
           "What the objective is below the bound at most, as a share of it, proven; None where that is not known.")
       .def_readonly("as_asked", &PythonFit::as_asked,
                     "Every row verified, nothing proven too deep, sides, features and contact kept, the bound reached.")
+      .def("is_proved", is_proved, py::arg("mesh"),
+           "is_proved(mesh) -> bool\n\nProves again, by MPFR alone, the distance of every vertex from its certificate, "
+           "and from\nthese objective, smallest_distance, deepest_penetration, how many vertices keep the limit and "
+           "the\nnumbers of all areas. Sides, contact, changes, surface and bound have no certificates. Raises\n"
+           "ValueError without certificates, and for a mesh of other vertices than the fit's.")
       .def("__repr__", representation)
       .def(pickled<PythonFit>());
 }
@@ -488,13 +547,13 @@ void declare_fits(py::module_& module) {
       py::arg("on") = py::none(), py::arg("pose_start") = py::none(), py::arg("translation_range") = py::none(),
       py::arg("rotation_range") = 30.0, py::arg("labels") = py::none(), py::arg("weights") = Weights(),
       py::arg("bound") = py::none(), py::arg("bound_time") = 300.0, py::arg("seed") = 1, py::arg("samples") = 4096,
-      py::arg("tolerance") = py::none(), py::arg("device") = "auto",
+      py::arg("tolerance") = py::none(), py::arg("certificates") = false, py::arg("device") = "auto",
       "fit(implants, mesh, *, surface=None, resection=None, crossing=(), outside=(), landmarks=None,\n"
       "    landmark_side=None, landmark_radius=0.0, keep={}, objective=\"fitness\", implant_contact=False,\n"
       "    completion=\"cementless\", gap=None, gap_tolerance=None, penetration_limit=0.0, on=None, pose_start=None,\n"
       "    translation_range=None, rotation_range=30.0, labels=None, weights={}, bound=None, bound_time=300.0, "
       "seed=1,\n"
-      "    samples=4096, tolerance=None, device=\"auto\") -> Fit\n\n"
+      "    samples=4096, tolerance=None, certificates=False, device=\"auto\") -> Fit\n\n"
       "Searches for the pose and the sizes of an implant, a Model or a series of them, that serve the vertices of a\n"
       "Mesh best, and proves what it found. Semi-axes that are intervals are sizes to choose from, of unions without\n"
       "bends. Lengths are in the implants' units.\n\n"
@@ -517,7 +576,8 @@ void declare_fits(py::module_& module) {
       "    their names.\n"
       "bound, bound_time: asks for a proof that no pose is better by more than so many percent; seconds for it.\n"
       "seed, samples: the same seed on the same device gives the same pose; poses sampled first.\n"
-      "tolerance: of the map, default 1e-6 of the fitted model's bounding_radius.\n\n"
+      "tolerance: of the map, default 1e-6 of the fitted model's bounding_radius.\n"
+      "certificates: keep what proves the map's rows again, for Fit.is_proved and Checker; not with a resection.\n\n"
       "Ctrl-C ends it: KeyboardInterrupt. Raises ValueError for numbers and words out of range, Error as `verisq fit`\n"
       "does, by its options' names.");
 }

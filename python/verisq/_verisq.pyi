@@ -638,6 +638,7 @@ class Fit:
     def gap(self) -> float | None: ...
     @property
     def as_asked(self) -> bool: ...
+    def is_proved(self, mesh: Mesh) -> bool: ...
 
 def fit(
     implants: Model | Sequence[Model],
@@ -668,6 +669,7 @@ def fit(
     seed: int = 1,
     samples: int = 4096,
     tolerance: float | None = None,
+    certificates: bool = False,
     device: str = "auto",
 ) -> Fit: ...
 

@@ -51,8 +51,7 @@ KnownFit known_fit(std::uint64_t seed) {
 
 /// As the program claims them.
 std::vector<ClearanceClaim> claims_about(const KnownFit& fit, double width) {
-  const Cavity cavity{.points = {}, .areas = fit.terms.areas, .area_of = fit.terms.area_of};
-  ClearanceSum sum(cavity, fit.terms.fitness, fit.terms.penetration_limit);
+  ClearanceSum sum(fit.terms.areas, fit.terms.area_of, fit.terms.fitness, fit.terms.penetration_limit);
   for (const Enclosure& distance : fit.enclosures(width)) sum.add(distance);
   return claims_of(sum.report());
 }

@@ -167,7 +167,7 @@ TEST(Clearance, RefusesWhatTheMapRefuses) {
 /// The report of rows made by hand, all in one area of weight 1.
 Clearance report_of(std::vector<MapResult> rows, const Fitness& fitness, double limit, double weight = 1.0) {
   const Cavity cavity = cavity_of(std::vector<Point>(rows.size()), {{"all", weight}});
-  ClearanceSum sum(cavity, fitness, limit);
+  ClearanceSum sum(cavity.areas, cavity.area_of, fitness, limit);
   sum.add(rows);
   return sum.report();
 }
@@ -254,7 +254,7 @@ TEST(ClearanceSum, EnclosesMeanAndPercentiles) {
 
 TEST(ClearanceSum, KeepsAreasApart) {
   const Cavity cavity{std::vector<Point>(3), {{"rim", 1.0}, {"floor", 3.0}, {"none", 5.0}}, {1, 0, 1}};
-  ClearanceSum sum(cavity, {0.0, 1.0, {-1.0, 1.0}}, 2.0);
+  ClearanceSum sum(cavity.areas, cavity.area_of, {0.0, 1.0, {-1.0, 1.0}}, 2.0);
   sum.add(std::vector{row(0.0, 0.0), row(3.0, 3.5)});
   sum.add(std::vector{row(-1.0, -1.0)});
   const Clearance report = sum.report();

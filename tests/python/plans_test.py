@@ -92,6 +92,21 @@ class Fits(Files):
         # Of tolerances of their own, but of one truth.
         self.assertLessEqual(max(lo, cut.smallest_distance.lo), min(hi, cut.smallest_distance.hi))
 
+    def test_certificates_prove_the_fit(self):
+        labels = np.where(self.cavity.vertices[:, 0] > 0, 7, -1)
+        found = verisq.fit(self.implant, self.cavity, surface="any", on="vertices", labels=labels, certificates=True,
+                           **self.ARGUMENTS)
+        self.assertEqual(len(found.map.certificates), len(self.cavity.vertices))
+        self.assertTrue(found.is_proved(self.cavity))
+        self.assertTrue(pickle.loads(pickle.dumps(found)).is_proved(self.cavity))
+        moved = verisq.Mesh(self.cavity.vertices + [0.5, 0, 0], self.cavity.triangles)
+        self.assertFalse(found.is_proved(moved))
+        with self.assertRaisesRegex(ValueError, "has 3 vertices"):
+            found.is_proved(verisq.Mesh(np.eye(3), [[0, 1, 2]]))
+        alone = verisq.fit(self.implant, self.cavity, surface="any", on="vertices", **self.ARGUMENTS)
+        with self.assertRaisesRegex(ValueError, "certificates=True"):
+            alone.is_proved(self.cavity)
+
     def test_labels_bounds_and_features(self):
         labels = np.where(self.cavity.vertices[:, 0] > 0, 7, -1)
         landmarks = {"head_centre": [0, 0, 8], "shaft_proximal": [0, 0, 0], "shaft_distal": [0, 0, -100]}

@@ -39,8 +39,7 @@ std::vector<ClearanceClaim> claims_of(const Clearance& clearance, const std::opt
 
 std::vector<Finding> check(std::span<const ClearanceClaim> claims, const ClearanceTerms& terms,
                            std::span<const Enclosure> distances, const std::optional<Enclosure>& surface) {
-  const Cavity cavity{.points = {}, .areas = terms.areas, .area_of = terms.area_of};
-  ClearanceSum sum(cavity, terms.fitness, terms.penetration_limit);
+  ClearanceSum sum(terms.areas, terms.area_of, terms.fitness, terms.penetration_limit);
   for (const Enclosure& distance : distances) sum.add(distance);
   const std::vector<ClearanceClaim> known = claims_of(sum.report(), surface);
   std::vector<Finding> findings;

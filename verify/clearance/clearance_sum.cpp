@@ -58,10 +58,11 @@ void ClearanceSum::Distances::tell(AreaClearance& area) const {
   area.distance_of_95 = {percentile(lower, 95), percentile(upper, 95)};
 }
 
-ClearanceSum::ClearanceSum(const Cavity& cavity, const Fitness& fitness, double penetration_limit)
-    : cavity_(cavity), fitness_(fitness), penetration_limit_(penetration_limit), distances_(cavity.areas.size()) {
+ClearanceSum::ClearanceSum(std::span<const Area> areas, std::span<const std::uint32_t> area_of, const Fitness& fitness,
+                           double penetration_limit)
+    : area_of_(area_of), fitness_(fitness), penetration_limit_(penetration_limit), distances_(areas.size()) {
   clearance_.smallest_distance = nothing;
-  for (const Area& area : cavity.areas) clearance_.areas.push_back({.area = area, .smallest_distance = nothing});
+  for (const Area& area : areas) clearance_.areas.push_back({.area = area, .smallest_distance = nothing});
 }
 
 void ClearanceSum::add(std::span<const MapResult> rows) {
@@ -69,7 +70,7 @@ void ClearanceSum::add(std::span<const MapResult> rows) {
 }
 
 void ClearanceSum::add(const Enclosure& distance) {
-  const std::uint32_t index = cavity_.area_of[rows_++];
+  const std::uint32_t index = area_of_[points_++];
   AreaClearance& area = clearance_.areas[index];
   distances_[index].add(distance);
   // A weight of 0 keeps even an unbounded value out of the sum: 0 times an infinite bound is 0 (rounding.hpp).

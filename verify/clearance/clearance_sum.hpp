@@ -2,19 +2,23 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "verify/numbers/interval.hpp"
-#include "verisq/clearance.hpp"
+#include "verisq/clearance_report.hpp"
+#include "verisq/fitness.hpp"
+#include "verisq/map_result.hpp"
 
 namespace verisq {
 
-/// Rows in the order of the cavity's points; the report is of the rows added so far.
+/// Distances in the order of the points; the report is of those added so far.
 class ClearanceSum {
  public:
-  /// `cavity` must outlive the sum.
-  ClearanceSum(const Cavity& cavity, const Fitness& fitness, double penetration_limit);
+  /// Spans must outlive the sum. Precondition: `area_of`, one a point, indices of `areas`.
+  ClearanceSum(std::span<const Area> areas, std::span<const std::uint32_t> area_of, const Fitness& fitness,
+               double penetration_limit);
 
   /// Of the next point. Precondition: in all no more than there are points.
   void add(const Enclosure& distance);
@@ -34,10 +38,10 @@ class ClearanceSum {
     void tell(AreaClearance& area) const;
   };
 
-  const Cavity& cavity_;
+  std::span<const std::uint32_t> area_of_;
   Fitness fitness_;
   double penetration_limit_;
-  std::size_t rows_ = 0;
+  std::size_t points_ = 0;
   /// Of terms of either sign: 127 bits, because the roundings of thousands of binary64 additions would add up.
   verify::PreciseInterval objective_{0};
   Clearance clearance_{};
