@@ -116,7 +116,7 @@ std::string subject_of(const ClearanceClaim& claim) {
       {"median_distance", "median distance of the vertices"},
       {"distance_of_95", "distance that 95 % of the vertices keep"},
   }};
-  const auto known = std::ranges::find(words, claim.what, &std::pair<std::string_view, std::string_view>::first);
+  const auto* const known = std::ranges::find(words, claim.what, &std::pair<std::string_view, std::string_view>::first);
   const std::string what(known != words.end() ? known->second : claim.what);
   return claim.area.empty() ? what : fmt::format("{}, area {}", what, claim.area);
 }
