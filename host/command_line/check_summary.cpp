@@ -95,9 +95,11 @@ std::string readable(const CheckReport& report) {
   text += fmt::format("  unproved           {}\n", report.unproved);
   if (report.missing > 0) text += fmt::format("  missing            {} (the map ends before)\n", report.missing);
   if (report.proved > 0) text += fmt::format("largest width proved {:.3g}{}\n", report.largest_width, units);
-  if (tells_smallest(report))
-    text += fmt::format("smallest distance    {}{} of these {}, proved\n", exact_text(report.smallest), units,
-                        plural(report.elements));
+  if (tells_smallest(report)) {
+    const bool meets = report.elements == MapElements::triangles && report.smallest.hi == 0.0;
+    text += fmt::format("smallest distance    {}{} of these {}{}, proved\n", exact_text(report.smallest), units,
+                        plural(report.elements), meets ? ", of which one meets the model" : "");
+  }
   text += fmt::format("time                 {:.3g} s, {} {}/s\n", report.seconds, with_prefix(rows_per_second(report)),
                       plural(report.elements));
   text += fmt::format("map                  {}{}\n", report.map, report.interrupted ? " (interrupted)" : "");

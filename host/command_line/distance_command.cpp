@@ -75,7 +75,7 @@ void refuse_what_certified_poses_lack(const DistanceArguments& arguments) {
   if (pose_uncertainty(arguments.pose_uncertainty)) {
     refuse("--certificate-file: of exact places only, not with --translation-error or --rotation-error");
   }
-  if (*arguments.output == *arguments.certificate_file) refuse("-o, --certificate-file: name two files");
+  refuse_one_file_twice({*arguments.output, *arguments.certificate_file});
   if (std::filesystem::exists(*arguments.poses) && !std::filesystem::is_regular_file(*arguments.poses)) {
     refuse(fmt::format("--certificate-file: {}: is read twice: give a regular file", *arguments.poses));
   }

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 #include <verisq/map_file.hpp>
 
@@ -25,6 +25,8 @@ struct FitCheckReport {
   CheckReport vertices;
   std::optional<CheckReport> surface = {};  ///< of triangles, where the fit claims something of them
   std::vector<Finding> findings = {};       ///< one a claim; none of an interrupted check
+  std::uint64_t too_deep = 0;               ///< vertices proven deeper than the limit
+  std::uint64_t shallow = 0;                ///< and no deeper
 
   [[nodiscard]] bool interrupted() const { return vertices.interrupted || (surface && surface->interrupted); }
   [[nodiscard]] std::ptrdiff_t count(Verdict verdict) const {
@@ -101,45 +103,95 @@ void judge_claims(const FitAnswer& answer, const std::vector<Enclosure>& distanc
                        points_of(answer), distances.size()));
   }
   report.findings = check(answer.claims, terms_of(answer), distances, surface);
+  for (const Enclosure& distance : distances) {
+    if (distance.hi < -answer.penetration_limit) ++report.too_deep;
+    if (distance.lo >= -answer.penetration_limit) ++report.shallow;
+  }
+}
+
+/// What a claim is about, in words, and whether that is a length.
+struct Words {
+  std::string_view what;
+  std::string_view words;
+  bool is_length;
+};
+
+constexpr std::array<Words, 9> all_words{{
+    {"objective", "F of the vertices", false},
+    {"smallest_distance", "smallest signed distance of the vertices", true},
+    {"deepest_penetration", "deepest penetration of a vertex", true},
+    {"points_within_limit", "vertices no deeper than the limit", false},
+    {"surface_distance", "distance of the whole surface, 0 where it meets or enters the implant", true},
+    {"points_within_band", "vertices whose distance serves", false},
+    {"mean_distance", "mean distance of the vertices", true},
+    {"median_distance", "median distance of the vertices", true},
+    {"distance_of_95", "distance that 95 % of the vertices do not exceed", true},
+}};
+
+std::string with_units(const FitAnswer& answer, const std::string& text) {
+  return answer.units.empty() ? text : fmt::format("{} {}", text, answer.units);
+}
+
+std::uint64_t points_of_area(const FitAnswer& answer, std::size_t area) {
+  std::uint64_t points = 0;
+  for (const AreaRun& run : answer.area_runs) points += run.area == area ? run.points : 0;
+  return points;
 }
 
 /// A claim of an unknown name is shown by it.
-std::string subject_of(const ClearanceClaim& claim) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 9> words{{
-      {"objective", "F of the vertices"},
-      {"smallest_distance", "smallest distance of the vertices"},
-      {"deepest_penetration", "deepest penetration of a vertex"},
-      {"points_within_limit", "vertices no deeper than the limit"},
-      {"surface_distance", "smallest distance of the whole surface"},
-      {"points_within_band", "vertices whose distance serves"},
-      {"mean_distance", "mean distance of the vertices"},
-      {"median_distance", "median distance of the vertices"},
-      {"distance_of_95", "distance that 95 % of the vertices keep"},
-  }};
-  const auto* const known = std::ranges::find(words, claim.what, &std::pair<std::string_view, std::string_view>::first);
-  const std::string what(known != words.end() ? known->second : claim.what);
-  return claim.area.empty() ? what : fmt::format("{}, area {}", what, claim.area);
+std::string in_words(const FitAnswer& answer, const ClearanceClaim& claim) {
+  const auto* const known = std::ranges::find(all_words, claim.what, &Words::what);
+  const bool is_known = known != all_words.end();
+  const std::string what = is_known ? std::string(known->words) : fmt::format("\"{}\", unknown", claim.what);
+  const std::string value = exact_text(claim.value);
+  const std::string area = claim.area.empty() ? std::string() : fmt::format(", area {}", claim.area);
+  return fmt::format("{}{}: {}", what, area, is_known && known->is_length ? with_units(answer, value) : value);
 }
 
-std::string readable(const FitAnswer& answer, const FitCheckReport& report, const CheckArguments& arguments) {
-  const std::string units = answer.units.empty() ? std::string() : " " + answer.units;
-  std::string text = readable(report.vertices);
-  if (report.surface) text += readable(*report.surface);
-  text += fmt::format("claims of the fit    {}\n", report.findings.size());
+/// What the proven distances say of the limit, whatever is claimed of it.
+std::string limit_in_words(const FitAnswer& answer, const FitCheckReport& report) {
+  const std::uint64_t points = points_of(answer);
+  std::string text = with_units(answer, fmt::format("{}", answer.penetration_limit));
+  if (report.too_deep > 0)
+    return text + fmt::format(": EXCEEDED, proven of {} of {} vertices", report.too_deep, points);
+  if (report.shallow == points) return text + fmt::format(": kept, proven of all {} vertices", points);
+  return text + fmt::format(": kept, proven of {} of {} vertices; of the others not decided", report.shallow, points);
+}
+
+std::string criterion_in_words(const FitAnswer& answer) {
+  std::string text = fmt::format(
+      "criterion            distances in {} serve; F adds up weight times f, which is 1 at "
+      "{} and 1/2 at {} from there\n",
+      with_units(answer, exact_text(answer.fitness.serves)),
+      with_units(answer, fmt::format("{}", answer.fitness.target)),
+      with_units(answer, fmt::format("{}", answer.fitness.scale)));
+  for (std::size_t i = 0; i < answer.areas.size(); ++i) {
+    text += fmt::format("area {:<15} weight {}, {} vertices, which the certificate names\n", answer.areas[i].name,
+                        answer.areas[i].weight, points_of_area(answer, i));
+  }
+  return text;
+}
+
+std::string claims_in_words(const FitAnswer& answer, const FitCheckReport& report) {
+  if (report.interrupted()) return fmt::format("claims of the fit    {}, not judged\n", answer.claims.size());
+  std::string text = fmt::format("claims of the fit    {}\n", report.findings.size());
   for (const Verdict verdict : {Verdict::proved, Verdict::refuted, Verdict::unproved})
     text += fmt::format("  {:<19}{}\n", name_of(verdict), report.count(verdict));
   for (std::size_t i = 0; i < report.findings.size(); ++i) {
     const Finding& finding = report.findings[i];
-    text += fmt::format("  {:<8} {}: {}\n", name_of(finding.verdict), subject_of(answer.claims[i]),
-                        exact_text(answer.claims[i].value));
+    text += fmt::format("  {:<8} {}\n", name_of(finding.verdict), in_words(answer, answer.claims[i]));
     if (finding.verdict != Verdict::proved)
       text += fmt::format("           proven of it: {}\n", exact_text(finding.proven));
   }
-  text += fmt::format("limit                {}{}; distances in {}{} serve\n", answer.penetration_limit, units,
-                      exact_text(answer.fitness.serves), units);
-  if (answer.areas.size() > 1) text += "areas, weights       of the vertices that the certificate gives them\n";
-  if (!report.surface)
-    text += "not claimed          anything of what lies between the vertices (--surface-map of fit)\n";
+  return text + fmt::format("limit                {}\n", limit_in_words(answer, report));
+}
+
+std::string readable(const FitAnswer& answer, const FitCheckReport& report, const CheckArguments& arguments) {
+  std::string text = readable(report.vertices);
+  if (report.surface) text += readable(*report.surface);
+  text += claims_in_words(answer, report) + criterion_in_words(answer);
+  text += fmt::format("not claimed          {}sides, areas in contact, changes of features, how near the best fit is\n",
+                      report.surface ? "" : "what lies between the vertices, ");
   return text + fmt::format("certificate          {}\n", arguments.certificate);
 }
 
@@ -156,13 +208,27 @@ JsonValue claims_of(const FitAnswer& answer, const FitCheckReport& report) {
   return claims;
 }
 
+JsonValue areas_of(const FitAnswer& answer) {
+  JsonValue::Array areas;
+  for (std::size_t i = 0; i < answer.areas.size(); ++i) {
+    areas.push_back(JsonObject{
+        {"name", answer.areas[i].name}, {"weight", answer.areas[i].weight}, {"points", points_of_area(answer, i)}});
+  }
+  return areas;
+}
+
 std::string json(const FitAnswer& answer, const FitCheckReport& report, const CheckArguments& arguments) {
   const JsonObject object{{"kind", "fit"},
                           {"vertices", object_of(report.vertices)},
                           {"surface", report.surface ? JsonValue(object_of(*report.surface)) : JsonValue()},
                           {"claims", claims_of(answer, report)},
                           {"penetration_limit", answer.penetration_limit},
+                          {"proven_within_limit", report.shallow},
+                          {"proven_too_deep", report.too_deep},
+                          {"target", answer.fitness.target},
+                          {"scale", answer.fitness.scale},
                           {"serves", answer.fitness.serves},
+                          {"areas", areas_of(answer)},
                           {"units", answer.units},
                           {"interrupted", report.interrupted()},
                           {"certificate", arguments.certificate}};
@@ -176,6 +242,9 @@ ExitStatus run_fit_check(const FitAnswer& answer, const CheckArguments& argument
   watch_for_interruption();
   FitCheckReport report{};
   const std::vector<Enclosure> distances = check_vertices(arguments, report);
+  if (report.vertices.units != answer.units)
+    refuse(fmt::format("{}: units = \"{}\": are not those of the model, \"{}\"", arguments.certificate, answer.units,
+                       report.vertices.units));
   const std::optional<Enclosure> surface = check_surface(arguments, report);
   if (!report.interrupted()) judge_claims(answer, distances, surface, arguments, report);
   fmt::print("{}", arguments.json ? json(answer, report, arguments) : readable(answer, report, arguments));

@@ -100,13 +100,8 @@ void check_outputs(const FitArguments& arguments) {
   if (!arguments.surface_map.empty()) check_output("--surface-map", arguments.surface_map);
   if (!arguments.certificate_file.empty()) check_output("--certificate-file", arguments.certificate_file);
   check_usage(arguments.report, inputs);
-  std::vector<std::string> outputs;
-  for (const std::string& file : {arguments.output, arguments.map, arguments.surface_map, arguments.certificate_file,
-                                  arguments.report.html, arguments.report.png}) {
-    if (file.empty()) continue;
-    outputs.push_back(std::filesystem::absolute(file).lexically_normal().string());
-    if (std::ranges::count(outputs, outputs.back()) > 1) refuse(fmt::format("{}: is the name of two outputs", file));
-  }
+  refuse_one_file_twice({arguments.output, arguments.map, arguments.surface_map, arguments.certificate_file,
+                         arguments.report.html, arguments.report.png});
 }
 
 void refuse_what_cannot_be_drawn(const FitArguments& arguments, const Mesh& mesh) {
@@ -261,6 +256,17 @@ void explain(const FitSummary& summary) {
   for (const std::string& sentence : broken_sides(summary)) tell(sentence);
   for (const std::string& sentence : broken_features(summary)) tell(sentence);
   for (const std::string& sentence : broken_contacts(summary)) tell(sentence);
+}
+
+/// Where nothing was found that keeps the limit and its sides, and nobody said where to look: the usual reason is that
+/// the implant's file is of another frame than the bone's.
+void hint_where_to_look(const FitSummary& summary, const FitArguments& arguments) {
+  const bool found = summary.fit.within_limit && broken_sides(summary).empty();
+  if (found || summary.fit.interrupted || arguments.pose_start || arguments.translation_range) return;
+  tell(
+      "the search began where the implant's file places it, and went up to half the mesh's size from there: where the "
+      "implant belongs somewhere else, say by --pose-start where to begin, and by --translation-range and "
+      "--rotation-range how far to look");
 }
 
 bool was_interrupted(const FitSolution& solution) {
@@ -453,8 +459,11 @@ ExitStatus run_fit(const FitArguments& arguments) {
                            .search_seconds = search_seconds,
                            .proof_seconds = proof_time.seconds(),
                            .output = arguments.output,
-                           .map = arguments.map};
+                           .map = arguments.map,
+                           .surface_map = arguments.surface_map,
+                           .certificate_file = arguments.certificate_file};
   explain(summary);
+  hint_where_to_look(summary, arguments);
   if (arguments.report.any()) write_report(problem, summary, mapped, arguments);
   write_certificates(problem, found.model, proof.clearance, {.tolerance = tolerance, .device = arguments.device},
                      arguments);

@@ -407,6 +407,8 @@ Lines run_lines(const FitSummary& summary) {
                                           with_prefix(static_cast<double>(summary.best->bound.boxes)))});
   }
   if (!summary.map.empty()) lines.push_back({"map", summary.map});
+  if (!summary.surface_map.empty()) lines.push_back({"map of triangles", summary.surface_map});
+  if (!summary.certificate_file.empty()) lines.push_back({"certificate", summary.certificate_file});
   return lines;
 }
 
@@ -723,6 +725,8 @@ std::string json(const FitSummary& summary) {
       {"interrupted", fit.interrupted},
       {"output", summary.output},
       {"map", summary.map},
+      {"surface_map", summary.surface_map},
+      {"certificate_file", summary.certificate_file},
   };
   return object.text() + "\n";
 }

@@ -12,6 +12,8 @@
 #include <utility>
 #include <verisq/error.hpp>
 
+#include "host/files/through_links.hpp"
+
 namespace verisq {
 namespace {
 
@@ -22,15 +24,6 @@ constexpr std::size_t buffer_size = std::size_t{1} << 16;
 std::filesystem::path temporary_for(const std::filesystem::path& target) {
   std::filesystem::path name = target;
   name += fmt::format(".{:08x}.partial", std::random_device{}());
-  return name;
-}
-
-/// Where the name leads to, whether there is a file or not. Precondition: its links do not lead in circles.
-std::filesystem::path through_links(std::filesystem::path name) {
-  while (std::filesystem::is_symlink(name)) {
-    const std::filesystem::path next = std::filesystem::read_symlink(name);
-    name = name.parent_path() / next;  // `next` alone where it is absolute
-  }
   return name;
 }
 

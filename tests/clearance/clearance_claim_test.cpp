@@ -129,7 +129,7 @@ TEST(ClearanceClaims, OfUnknownNamesAreUnproved) {
                                            {"mean_distance", "nowhere", {0.0, 0.0}},
                                            {"objective", "proximal", {0.0, 1e9}}};
   const std::vector<Finding> found = check(claims, fit.terms, fit.enclosures(width));
-  EXPECT_EQ(found[0].verdict, Verdict::proved);  // it claims nothing
+  EXPECT_EQ(found[0].verdict, Verdict::unproved);
   EXPECT_EQ(found[1].verdict, Verdict::unproved);
   EXPECT_EQ(found[2].verdict, Verdict::unproved);
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -92,8 +93,12 @@ TEST_F(CheckFit, ProvesEveryDistanceAndWhatTheySayTogether) {
   EXPECT_THAT(outcome.out, HasSubstr("triangles            1568\n  proved             1568\n"));
   EXPECT_THAT(outcome.out, HasSubstr("claims of the fit    15\n  proved             15\n"));
   EXPECT_THAT(outcome.out, HasSubstr("  proved   F of the vertices: ["));
-  EXPECT_THAT(outcome.out, HasSubstr("  proved   smallest distance of the whole surface: ["));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("  proved   distance of the whole surface, 0 where it meets or enters the implant: ["));
   EXPECT_THAT(outcome.out, HasSubstr("  proved   mean distance of the vertices, area upper: ["));
+  EXPECT_THAT(outcome.out, HasSubstr("limit                0.01 mm: kept, proven of all 786 vertices\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("area upper           weight 3, "));
+  EXPECT_THAT(outcome.out, HasSubstr("not claimed          sides, areas in contact"));
   const Outcome as_json = check_with(map_, surface_, proof_, {"--json"});
   const json object = json::parse(as_json.out);
   EXPECT_EQ(object["kind"], "fit");
@@ -113,6 +118,13 @@ TEST_F(CheckFit, NeverProvesAForgery) {
     expect_not_proved(claim + "/hi", lo - 1e-12 * std::max(1.0, std::abs(lo)));
     expect_not_proved(claim + "/what", "clearance");
   }
+  const json everything{{"lo", "-inf"}, {"hi", "inf"}};
+  for (const json& name : {json{{"what", "inside the cavity"}}, json{{"what", "mean_distance"}, {"area", "all"}},
+                           json{{"what", "surface_distance"}, {"area", "upper"}}}) {
+    json claim = name;
+    claim.update(everything);
+    expect_not_proved("/claims", json::array({claim}));
+  }
   expect_not_proved("/areas/0/weight", 3.5);
   expect_not_proved("/areas/0/name", "lower");
   expect_not_proved("/criterion/scale", 1.99);
@@ -128,6 +140,10 @@ TEST_F(CheckFit, IsOfNoOtherModelMeshOrMap) {
   refused(check_with(map_, surface_, forged("/models/0/sha256", std::string(64, '0'))), "is about another model");
   refused(check_with(map_, surface_, forged("/mesh/sha256", std::string(64, '0'))), "is about another mesh");
   refused(check_with(map_, surface_, forged("/area_runs", {{0, 100}})), "are of 100 vertices, and the mesh has 786");
+  refused(check_with(map_, surface_, forged("/units", "cm")), "are not those of the model, \"mm\"");
+  refused(check_with(map_, surface_, forged("/areas/0/name", "")), "must not be empty");
+  refused(check_with(map_, surface_, forged("/areas/0/name", "a\n  proved   sides")), "no control characters");
+  refused(check_with(map_, surface_, forged("/claims/0/what", "a\u001b[2K")), "no control characters");
   refused(check_with(surface_, surface_, proof_), "is no map of vertices");
   refused(check_with(map_, map_, proof_), "is no map of triangles");
   refused(run({"check", "--model", fitted_, "--mesh", mesh_, "--map", map_, "--certificate", proof_}),
@@ -143,6 +159,16 @@ TEST_F(CheckFit, IsOfNoOtherModelMeshOrMap) {
   refused(check_with(map_, surface_, proof_), "is about another model");
 }
 
+TEST_F(CheckFit, SaysThatTheLimitIsExceeded) {
+  const Outcome fitted = fit({"-o", fitted_, "--map", map_, "--surface-map", surface_, "--certificate-file", proof_,
+                              "--pose-start", "8,0,0,1,0,0,0"});
+  EXPECT_EQ(fitted.status, 3) << fitted.err;
+  const Outcome outcome = check_with(map_, surface_, proof_);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("limit                0.01 mm: EXCEEDED, proven of "));
+  EXPECT_THAT(outcome.out, HasSubstr("0 where it meets or enters the implant: [0, 0] mm\n"));
+}
+
 TEST_F(CheckFit, LeavesOpenWhatAnEndedMapDoesNotShow) {
   std::ifstream in(map_);
   std::string line;
@@ -152,7 +178,8 @@ TEST_F(CheckFit, LeavesOpenWhatAnEndedMapDoesNotShow) {
   EXPECT_EQ(outcome.status, 3) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("missing "));
   EXPECT_THAT(outcome.out, HasSubstr("  unproved F of the vertices: ["));
-  EXPECT_THAT(outcome.out, HasSubstr("  proved   smallest distance of the whole surface: ["));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("  proved   distance of the whole surface, 0 where it meets or enters the implant: ["));
 }
 
 TEST_F(CheckFit, OfVerticesAloneSaysSo) {
@@ -162,8 +189,8 @@ TEST_F(CheckFit, OfVerticesAloneSaysSo) {
   const Outcome outcome = run({"check", "--model", fitted_, "--mesh", mesh_, "--map", path("map.vtp"), "--certificate",
                                alone, "--no-progress"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("not claimed          anything of what lies between the vertices"));
-  EXPECT_THAT(outcome.out, Not(HasSubstr("whole surface")));
+  EXPECT_THAT(outcome.out, HasSubstr("not claimed          what lies between the vertices, sides, areas in contact"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("distance of the whole surface")));
 }
 
 TEST_F(CheckFit, CertificatesNeedWhatKeepsThem) {
@@ -176,6 +203,11 @@ TEST_F(CheckFit, CertificatesNeedWhatKeepsThem) {
   refused({"-o", path("f.json"), "--certificates"}, "give the --map or the --report");
   refused({"-o", path("f.json"), "--certificates", "--map", path("m.npy")}, ".csv");
   refused({"-o", path("f.json"), "--map", path("m.csv"), "--certificate-file", path("m.csv")}, "two outputs");
+  refused({"-o", path("f.json"), "--map", path("m.csv"), "--certificate-file", path("c.csv")}, "is a .json");
+  std::filesystem::create_directory_symlink(folder_.path(), folder_.path() / "link");
+  refused({"-o", path("f.json"), "--map", path("m.csv"), "--certificate-file", path("link/f.json")}, "two outputs");
+  std::filesystem::create_symlink(path("f.json"), path("g.json"));
+  refused({"-o", path("f.json"), "--map", path("m.csv"), "--certificate-file", path("g.json")}, "two outputs");
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr Point semi_axes{3.0, 4.0, 8.0};
 constexpr Point displacement{1.0, -0.5, 2.0};  // of the cavity from where the implant's file places it
@@ -228,7 +229,15 @@ TEST_F(FitCommand, SaysThatTheLimitIsExceeded) {
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.out, HasSubstr("0.1 mm: EXCEEDED, proven of "));
   EXPECT_THAT(outcome.err, HasSubstr("proven deeper inside the implant than the limit"));
+  EXPECT_THAT(outcome.err, Not(HasSubstr("--pose-start")));  // the user has said where to look
   EXPECT_EQ(read_model(fitted()).primitives.size(), 1U);
+}
+
+TEST_F(FitCommand, SaysHowToTellItWhereToLook) {
+  const Outcome outcome = run({"fit", "--cavity", "--implant", implant("large.json", "[9, 9, 30]"), "--mesh", bone(),
+                               "-o", fitted(), "--device", "host", "--samples", "4"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("say by --pose-start where to begin"));
 }
 
 TEST_F(FitCommand, ChoosesFromASeries) {

@@ -118,6 +118,10 @@ TEST(CertificateFile, RefusesWhatIsNoFit) {
   refused("/criterion/target", -1.0, "must be at least 0");
   refused("/penetration_limit", -0.5, "must be at least 0");
   refused("/areas/0/weight", -2.0, "must be at least 0");
+  refused("/areas/1/name", "", "must not be empty");
+  refused("/areas/1/name", "a\tb", "must have no control characters");
+  refused("/claims/0/what", "a\nb", "must have no control characters");
+  refused("/criterion/serves", {{"lo", 2.0}, {"hi", 1.0}}, "must have lo no larger than hi");
   refused("/areas/1/name", "proximal", "is the name of an area before");
   refused("/area_runs/0", {2, 4}, "must be below 2");
   refused("/area_runs/0", {0}, "must be an area's index and a number of points");

@@ -46,8 +46,11 @@ std::vector<Finding> check(std::span<const ClearanceClaim> claims, const Clearan
   for (const ClearanceClaim& claim : claims) {
     const auto same =
         std::ranges::find_if(known, [&](const auto& k) { return k.what == claim.what && k.area == claim.area; });
-    const Enclosure proven = same != known.end() ? same->value : Enclosure{-infinity, infinity};
-    findings.push_back(verify::judged(claim.value, proven, proven));
+    if (same == known.end()) {
+      findings.push_back({Verdict::unproved, {-infinity, infinity}});  // whatever its ends are: nobody knows of what
+    } else {
+      findings.push_back(verify::judged(claim.value, same->value, same->value));
+    }
   }
   return findings;
 }

@@ -40,7 +40,7 @@ Fitness cementless(double gap, double penetration_limit) {
   require(std::isfinite(gap) && gap > 0.0, "gap", "positive and finite", gap);
   require(std::isfinite(penetration_limit) && penetration_limit >= 0.0, "penetration limit", "finite and at least 0",
           penetration_limit);
-  return {0.0, gap, {-penetration_limit, gap}};
+  return {0.0, gap, {0.0 - penetration_limit, gap}};  // exact, and 0 is not -0
 }
 
 Fitness cemented(double gap, double tolerance) {
