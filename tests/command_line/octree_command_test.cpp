@@ -237,7 +237,7 @@ TEST_F(OctreeCommand, IsProvedAgain) {
     EXPECT_THAT(outcome.err, HasSubstr(message));
   };
   refused({"check", "--model", ball(), "--octree", ball()}, "not an octree of `verisq octree`");
-  refused({"check", "--model", ball(), "--octree", cubes(), "--map", "map.csv"}, "give one of --map");
+  refused({"check", "--model", ball(), "--octree", cubes(), "--map", "map.csv"}, "--octree: not with --map");
   refused({"check", "--model", ball(), "--map", "map.csv", "--sample", "3"}, "--sample: only with --octree");
   refused({"check", "--model", ball(), "--octree", cubes(), "--mesh", "bone.off"}, "--mesh: only with --map");
 }
