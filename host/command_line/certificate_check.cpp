@@ -28,12 +28,8 @@ void refuse_other_models(std::span<const SubjectFile> expected, const Certificat
     refuse(fmt::format("{}: is about {} models: give a --model for each, in its order, not {}", arguments.certificate,
                        expected.size(), arguments.models.size()));
   }
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    const SubjectFile given = subject_file(arguments.models[i]);
-    if (given.sha256 == expected[i].sha256) continue;
-    refuse(fmt::format("{}: {} is about another model: its SHA-256 is {}, not {}", arguments.models[i],
-                       arguments.certificate, expected[i].sha256, given.sha256));
-  }
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    refuse_other_file(arguments.models[i], "model", expected[i], arguments.certificate);
 }
 
 /// A and B.
@@ -121,6 +117,14 @@ ExitStatus check_poses(const PoseAnswers& answers, const CertificateCheckArgumen
 }
 
 }  // namespace
+
+void refuse_other_file(const std::string& file, const char* what, const SubjectFile& expected,
+                       const std::string& certificate) {
+  const SubjectFile given = subject_file(file);
+  if (given.sha256 == expected.sha256) return;
+  refuse(fmt::format("{}: {} is about another {}: its SHA-256 is {}, not {}", file, certificate, what, expected.sha256,
+                     given.sha256));
+}
 
 ExitStatus run_certificate_check(const Answer& answer, const CertificateCheckArguments& arguments) {
   if (const auto* const pair = std::get_if<PairAnswer>(&answer)) return check_pair(*pair, arguments);

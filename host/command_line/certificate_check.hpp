@@ -16,6 +16,10 @@ struct CertificateCheckArguments {
   bool json = false;
 };
 
+/// Throws Error(input) unless the file, a `what`, is byte for byte the one that the certificate is about.
+void refuse_other_file(const std::string& file, const char* what, const SubjectFile& expected,
+                       const std::string& certificate);
+
 /// `verified` only when the answer is proved. Throws Error(input) for what the user can correct, also for other models
 /// than those that the answer is about. Precondition: of one of these kinds.
 ExitStatus run_certificate_check(const Answer& answer, const CertificateCheckArguments& arguments);

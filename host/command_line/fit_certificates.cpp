@@ -3,8 +3,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -14,6 +13,7 @@
 #include <verisq/uncertain_model.hpp>
 
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/triangle_stream.hpp"
 #include "host/errors/refusal.hpp"
 #include "verify/proof/convex_union.hpp"
 
@@ -31,22 +31,14 @@ Enclosure write_surface_map(const FitProblem& problem, const Model& fitted, MapO
   const MapContents contents = convex ? MapContents::certified : MapContents::covered;
   MapWriter writer(arguments.surface_map, &mesh, MapForm{.contents = contents, .elements = MapElements::triangles});
   ProgressBar bar(!arguments.no_progress, "triangles");
-  const std::size_t size = mesh.triangles.size();
-  std::size_t asked = 0;
-  std::size_t done = 0;
-  const Source<Triangle> source = [&](std::span<Triangle> triangles) {
-    const std::size_t count = std::min(triangles.size(), size - asked);
-    for (Triangle& triangle : triangles.first(count)) {
-      const auto& [a, b, c] = mesh.triangles[asked++];
-      triangle = {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
-    }
-    return count;
-  };
+  TriangleStream stream(mesh);
+  std::uint64_t done = 0;
+  const Source<Triangle> source = [&](std::span<Triangle> triangles) { return stream.read(triangles); };
   const Sink<Triangle> sink = [&](std::span<const Triangle>, std::span<const MapResult> rows,
                                   std::span<const Certificate> certificates) {
     writer.append(rows, certificates);
     done += rows.size();
-    bar.update(done, static_cast<double>(done) / static_cast<double>(size));
+    bar.update(done, stream.fraction(done));
   };
   const MapSummary summary = TriangleMapper(fitted, options).map(source, sink);
   writer.finish();

@@ -11,7 +11,9 @@
 #include <string_view>
 #include <vector>
 #include <verisq/map_file.hpp>
+#include <verisq/model_file.hpp>
 
+#include "host/command_line/certificate_check.hpp"
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/json_value.hpp"
@@ -24,9 +26,8 @@ namespace {
 struct FitCheckReport {
   CheckReport vertices;
   std::optional<CheckReport> surface = {};  ///< of triangles, where the fit claims something of them
+  Clearance proven = {};                    ///< what the vertices' distances say together
   std::vector<Finding> findings = {};       ///< one a claim; none of an interrupted check
-  std::uint64_t too_deep = 0;               ///< vertices proven deeper than the limit
-  std::uint64_t shallow = 0;                ///< and no deeper
 
   [[nodiscard]] bool interrupted() const { return vertices.interrupted || (surface && surface->interrupted); }
   [[nodiscard]] std::ptrdiff_t count(Verdict verdict) const {
@@ -40,14 +41,6 @@ struct FitCheckReport {
 
 bool claims_surface(const FitAnswer& answer) {
   return std::ranges::find(answer.claims, "surface_distance", &ClearanceClaim::what) != answer.claims.end();
-}
-
-void refuse_other_file(const std::string& file, const char* what, const SubjectFile& expected,
-                       const std::string& certificate) {
-  const SubjectFile given = subject_file(file);
-  if (given.sha256 == expected.sha256) return;
-  refuse(fmt::format("{}: {} is about another {}: its SHA-256 is {}, not {}", file, certificate, what, expected.sha256,
-                     given.sha256));
 }
 
 /// What is missing, or is not what the answer is about.
@@ -65,6 +58,8 @@ void refuse_other_subjects(const FitAnswer& answer, const CheckArguments& argume
     refuse(fmt::format("{}: is of a fit: not with --points, --pose or --point-radius", certificate));
   refuse_other_file(arguments.models.front(), "model", answer.model, certificate);
   refuse_other_file(arguments.inputs.mesh, "mesh", answer.mesh, certificate);
+  if (const std::string units = read_uncertain_model(arguments.models.front()).units; units != answer.units)
+    refuse(fmt::format("{}: units = \"{}\": are not those of the model, \"{}\"", certificate, answer.units, units));
 }
 
 void refuse_other_elements(const MapReader& map, MapElements expected, const std::string& file) {
@@ -102,11 +97,8 @@ void judge_claims(const FitAnswer& answer, const std::vector<Enclosure>& distanc
     refuse(fmt::format("{}: area_runs: are of {} vertices, and the mesh has {}", arguments.certificate,
                        points_of(answer), distances.size()));
   }
-  report.findings = check(answer.claims, terms_of(answer), distances, surface);
-  for (const Enclosure& distance : distances) {
-    if (distance.hi < -answer.penetration_limit) ++report.too_deep;
-    if (distance.lo >= -answer.penetration_limit) ++report.shallow;
-  }
+  report.proven = clearance_of(terms_of(answer), distances);
+  report.findings = check(answer.claims, report.proven, surface);
 }
 
 /// What a claim is about, in words, and whether that is a length.
@@ -152,10 +144,11 @@ std::string in_words(const FitAnswer& answer, const ClearanceClaim& claim) {
 std::string limit_in_words(const FitAnswer& answer, const FitCheckReport& report) {
   const std::uint64_t points = points_of(answer);
   std::string text = with_units(answer, fmt::format("{}", answer.penetration_limit));
-  if (report.too_deep > 0)
-    return text + fmt::format(": EXCEEDED, proven of {} of {} vertices", report.too_deep, points);
-  if (report.shallow == points) return text + fmt::format(": kept, proven of all {} vertices", points);
-  return text + fmt::format(": kept, proven of {} of {} vertices; of the others not decided", report.shallow, points);
+  const std::uint64_t too_deep = report.proven.proven_too_deep;
+  const std::uint64_t shallow = report.proven.proven_shallow;
+  if (too_deep > 0) return text + fmt::format(": EXCEEDED, proven of {} of {} vertices", too_deep, points);
+  if (shallow == points) return text + fmt::format(": kept, proven of all {} vertices", points);
+  return text + fmt::format(": kept, proven of {} of {} vertices; of the others not decided", shallow, points);
 }
 
 std::string criterion_in_words(const FitAnswer& answer) {
@@ -191,7 +184,7 @@ std::string readable(const FitAnswer& answer, const FitCheckReport& report, cons
   if (report.surface) text += readable(*report.surface);
   text += claims_in_words(answer, report) + criterion_in_words(answer);
   text += fmt::format("not claimed          {}sides, areas in contact, changes of features, how near the best fit is\n",
-                      report.surface ? "" : "what lies between the vertices, ");
+                      claims_surface(answer) ? "" : "what lies between the vertices, ");
   return text + fmt::format("certificate          {}\n", arguments.certificate);
 }
 
@@ -223,8 +216,8 @@ std::string json(const FitAnswer& answer, const FitCheckReport& report, const Ch
                           {"surface", report.surface ? JsonValue(object_of(*report.surface)) : JsonValue()},
                           {"claims", claims_of(answer, report)},
                           {"penetration_limit", answer.penetration_limit},
-                          {"proven_within_limit", report.shallow},
-                          {"proven_too_deep", report.too_deep},
+                          {"proven_within_limit", report.proven.proven_shallow},
+                          {"proven_too_deep", report.proven.proven_too_deep},
                           {"target", answer.fitness.target},
                           {"scale", answer.fitness.scale},
                           {"serves", answer.fitness.serves},
@@ -242,9 +235,6 @@ ExitStatus run_fit_check(const FitAnswer& answer, const CheckArguments& argument
   watch_for_interruption();
   FitCheckReport report{};
   const std::vector<Enclosure> distances = check_vertices(arguments, report);
-  if (report.vertices.units != answer.units)
-    refuse(fmt::format("{}: units = \"{}\": are not those of the model, \"{}\"", arguments.certificate, answer.units,
-                       report.vertices.units));
   const std::optional<Enclosure> surface = check_surface(arguments, report);
   if (!report.interrupted()) judge_claims(answer, distances, surface, arguments, report);
   fmt::print("{}", arguments.json ? json(answer, report, arguments) : readable(answer, report, arguments));

@@ -79,21 +79,16 @@ bool is_searched(const InsertArguments& arguments) {
 
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
-  command_line::check_usage(arguments.way);
-  if (arguments.way.poses && is_searched(arguments))
+  command_line::check_usage(arguments.inputs);
+  if (arguments.inputs.poses && is_searched(arguments))
     refuse("--search-cone, --search-turn: only for --along, not for --poses");
   if (is_searched(arguments) && !arguments.cavity && !arguments.bone)
     refuse("--search-cone, --search-turn: nothing says where bone is: give --cavity or --bone");
   check_bone_options(arguments);
-  const std::vector<std::string> inputs{arguments.implant, arguments.mesh, arguments.way.poses.value_or(""),
-                                        arguments.within.value_or("")};
+  const std::vector<std::string> inputs{arguments.inputs.implant, arguments.inputs.mesh,
+                                        arguments.inputs.poses.value_or(""), arguments.within.value_or("")};
   refuse_to_overwrite("-o", arguments.output, inputs);
   command_line::check_usage(arguments.report, inputs);
-}
-
-double tolerance_of(const InsertArguments& arguments, const Model& implant) {
-  return arguments.tolerance ? *arguments.tolerance
-                             : default_tolerance(tolerance_along_ways, bounding_radius(implant), "the implant");
 }
 
 /// Returns the name of the file that holds the map; empty when an interrupted search left none.
@@ -131,7 +126,7 @@ double least_volume_tolerance_of(const InsertArguments& arguments, const Model& 
 
 LeastRemoval searched_way(const InsertArguments& arguments, const Model& implant, const BoneRegion& bone) {
   ProgressBar bar(!arguments.no_progress, "ways");
-  return least_removal({.middle = given_way(arguments.way),
+  return least_removal({.middle = given_way(arguments.inputs),
                         .cone_degrees = arguments.search_cone.value_or(0.0),
                         .turn_degrees = arguments.search_turn.value_or(0.0)},
                        turning_centre(implant), implant, bone,
@@ -156,7 +151,7 @@ void search_way(const InsertArguments& arguments, const Model& implant, const Bo
   const Stopwatch time;
   report.search = searched_way(arguments, implant, bone);
   report.way = report.search->way;
-  report.degrees_off = angle_between(*arguments.way.along, report.way->direction) * 180.0 / std::numbers::pi;
+  report.degrees_off = angle_between(*arguments.inputs.along, report.way->direction) * 180.0 / std::numbers::pi;
   report.removed = report.search->removed;
   report.volume_tolerance = volume_tolerance_of(arguments);
   report.least_volume_tolerance = least_volume_tolerance_of(arguments, implant);
@@ -194,15 +189,16 @@ struct Inserted {
 
 void write_report(const InsertArguments& arguments, const Inserted& inserted, const InsertReport& report) {
   const auto name = [](const std::string& file) { return std::filesystem::path(file).filename().string(); };
-  write(arguments.report, {.title = fmt::format("{}: way in of {}", name(arguments.mesh), name(arguments.implant)),
-                           .bone = inserted.bone,
-                           .rows = inserted.insertion.rows,
-                           .implant = inserted.implant,
-                           .units = inserted.implant.units,
-                           .summary = report_lines(report),
-                           .area_names = {},
-                           .area_of = {},
-                           .path = inserted.path});
+  write(arguments.report,
+        {.title = fmt::format("{}: way in of {}", name(arguments.inputs.mesh), name(arguments.inputs.implant)),
+         .bone = inserted.bone,
+         .rows = inserted.insertion.rows,
+         .implant = inserted.implant,
+         .units = inserted.implant.units,
+         .summary = report_lines(report),
+         .area_names = {},
+         .area_of = {},
+         .path = inserted.path});
 }
 
 /// The whole surface's penetration, and the volume, are as narrow as asked for.
@@ -235,20 +231,12 @@ double parse_search_turn(std::string_view option, const std::string& text) {
 
 void declare_insert(Options& options, InsertArguments& arguments) {
   options.explain(closing_words);
-  require_model(options, "--implant", arguments.implant);
-  add_pose(options, arguments.pose);
-  options.require("--mesh", arguments.mesh, "FILE",
-                  "The bone, or its cavity, whose vertices are meant: .stl .obj .ply .off");
-  declare_way(options, arguments.way);
+  declare_inputs(options, arguments.inputs);
   options.add("--search-cone", arguments.search_cone, parse_cone, "DEGREES",
               "Of the ways whose direction is off --along by at most so much (80 at most), takes the one that removes "
               "least bone of those tried; with --cavity or --bone");
   options.add("--search-turn", arguments.search_turn, parse_search_turn, "DEGREES",
               "The same for turns that differ from --turn by at most so much (180 at most)");
-  options.add("--tol", arguments.tolerance, parse_positive_length, "NUMBER",
-              fmt::format("Largest width of a verified enclosure, in model units, more than 0.\n"
-                          "Default: {} times the radius of the implant's bounding sphere",
-                          tolerance_along_ways.text));
   options.add("--on", arguments.on,
               choice<MapElements>({{"vertices", MapElements::vertices}, {"triangles", MapElements::triangles}}), "WHAT",
               "What the deepest penetration is told of: vertices (default); or triangles, the whole surface, too");
@@ -271,28 +259,29 @@ void declare_insert(Options& options, InsertArguments& arguments) {
 
 ExitStatus run_insert(const InsertArguments& arguments) {
   check_usage(arguments);
-  const Model implant = read_model_at(arguments.pose, arguments.implant);
-  const NamedMesh whole_bone{arguments.mesh, read_mesh(arguments.mesh)};
+  const Model implant = read_model_at(arguments.inputs.pose, arguments.inputs.implant);
+  const NamedMesh whole_bone{arguments.inputs.mesh, read_mesh(arguments.inputs.mesh)};
   const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);
   const Mesh bone = arguments.resection ? before_resection(whole_bone, *arguments.resection) : whole_bone.mesh;
   const bool on_triangles = arguments.on == MapElements::triangles;
   if (arguments.report.any() && bone.triangles.empty())
     refuse(fmt::format("{}: {}: has no triangles to draw", arguments.report.html.empty() ? "--png" : "--report",
-                       arguments.mesh));
-  if (on_triangles && bone.triangles.empty()) refuse(fmt::format("--on triangles: {}: has none", arguments.mesh));
+                       arguments.inputs.mesh));
+  if (on_triangles && bone.triangles.empty())
+    refuse(fmt::format("--on triangles: {}: has none", arguments.inputs.mesh));
   std::vector<Pose> path;
-  if (arguments.way.poses) path = path_of(arguments.way, implant);
+  if (arguments.inputs.poses) path = path_of(arguments.inputs, implant);
   watch_for_interruption();
   MapWriter writer(arguments.output, &bone);
 
   const Stopwatch time;
   InsertReport report;
-  if (arguments.way.along) report.way = given_way(arguments.way);
+  if (arguments.inputs.along) report.way = given_way(arguments.inputs);
   if (is_searched(arguments)) search_way(arguments, implant, *region, report);
   if (report.way) path = path_of(*report.way, turning_centre(implant));
   std::optional<ProgressBar> bar;  // begins at the first distances: compiling kernels is no part of the rate
   const auto points = static_cast<double>(bone.vertices.size());
-  const InsertionOptions options{.tolerance = tolerance_of(arguments, implant),
+  const InsertionOptions options{.tolerance = tolerance_of(arguments.inputs, implant),
                                  .device = arguments.device,
                                  .interrupted = interrupted,
                                  .progress = [&](double done) {

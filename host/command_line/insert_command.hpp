@@ -9,21 +9,17 @@
 #include <verisq/removed_volume.hpp>
 
 #include "host/command_line/exit_status.hpp"
+#include "host/command_line/insertion_inputs.hpp"
 #include "host/command_line/options.hpp"
 #include "host/command_line/report_files.hpp"
-#include "host/command_line/way_option.hpp"
 
 namespace verisq::command_line {
 
 /// As typed; `run_insert` checks what depends on several options.
 struct InsertArguments {
-  std::string implant;
-  std::optional<Pose> pose;
-  std::string mesh;
-  WayArguments way;
-  std::optional<double> search_cone;  ///< degrees: the best of the ways whose direction is so much off
-  std::optional<double> search_turn;  ///< degrees: and whose turn differs so much
-  std::optional<double> tolerance;
+  InsertionInputs inputs;
+  std::optional<double> search_cone;       ///< degrees: the best of the ways whose direction is so much off
+  std::optional<double> search_turn;       ///< degrees: and whose turn differs so much
   MapElements on = MapElements::vertices;  ///< triangles: of the whole surface, too
   bool cavity = false;                     ///< the mesh is that of a cavity
   bool bone = false;                       ///< the mesh is the bone's outer surface

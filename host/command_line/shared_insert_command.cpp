@@ -1,19 +1,13 @@
 /// Ranges of the vertices of a mesh that every rank reads for itself.
 #include "host/command_line/shared_insert_command.hpp"
 
-#include <fmt/format.h>
-
 #include <vector>
 #include <verisq/insertion.hpp>
 #include <verisq/mesh_file.hpp>
 
-#include "host/command_line/default_tolerance.hpp"
-#include "host/command_line/length_option.hpp"
-#include "host/command_line/overwriting.hpp"
 #include "host/command_line/part_option.hpp"
 #include "host/command_line/pose_option.hpp"
 #include "host/command_line/posed_input.hpp"
-#include "host/command_line/shared_options.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -30,17 +24,16 @@ constexpr const char* closing_words =
     "usage or input.";
 
 void check_usage(const SharedInsertArguments& arguments) {
-  check_usage(arguments.way);
+  check_usage(arguments.inputs);
   (void)format_of_part(arguments.rows.output, std::nullopt);
-  refuse_to_overwrite("-o", arguments.rows.output,
-                      {arguments.implant, arguments.mesh, arguments.way.poses.value_or("")});
+  refuse_to_overwrite(arguments.rows.output, arguments.inputs);
 }
 
 std::vector<PartSetting> settings_of(const SharedInsertArguments& arguments, double tolerance,
                                      const std::vector<Pose>& path) {
   std::vector<PartSetting> settings = settings_of(arguments.rows, tolerance);
   settings.push_back({"command", "insert"});
-  if (arguments.pose) settings.push_back({"pose", option_text(*arguments.pose)});
+  if (arguments.inputs.pose) settings.push_back({"pose", option_text(*arguments.inputs.pose)});
   for (const Pose& pose : path) settings.push_back({"way", option_text(pose)});
   return settings;
 }
@@ -49,32 +42,22 @@ std::vector<PartSetting> settings_of(const SharedInsertArguments& arguments, dou
 
 void declare_shared_insert(Options& options, SharedInsertArguments& arguments) {
   options.explain(closing_words);
-  require_model(options, "--implant", arguments.implant);
-  add_pose(options, arguments.pose);
-  options.require("--mesh", arguments.mesh, "FILE",
-                  "The bone, or its cavity, whose vertices are meant: .stl .obj .ply .off");
-  declare_way(options, arguments.way);
-  options.add("--tol", arguments.rows.tolerance, parse_positive_length, "NUMBER",
-              fmt::format("Largest width of a verified enclosure, in model units, more than 0.\n"
-                          "Default: {} times the radius of the implant's bounding sphere",
-                          tolerance_along_ways.text));
+  declare_inputs(options, arguments.inputs);
   declare_shared_rows(options, arguments.rows);
 }
 
 ExitStatus run_shared_insert(const SharedInsertArguments& arguments, const mpi::Session& session) {
   check_usage(arguments);
-  const Model implant = read_model_at(arguments.pose, arguments.implant);
-  const Mesh bone = read_mesh(arguments.mesh);
-  const std::vector<Pose> path = path_of(arguments.way, implant);
-  const double tolerance = arguments.rows.tolerance
-                               ? *arguments.rows.tolerance
-                               : default_tolerance(tolerance_along_ways, bounding_radius(implant), "the implant");
+  const Model implant = read_model_at(arguments.inputs.pose, arguments.inputs.implant);
+  const Mesh bone = read_mesh(arguments.inputs.mesh);
+  const std::vector<Pose> path = path_of(arguments.inputs, implant);
+  const double tolerance = tolerance_of(arguments.inputs, implant);
   InsertionMapper mapper(path, implant, bone.vertices,
                          {.tolerance = tolerance, .device = device_of(arguments.rows, session)});
   const mpi::SharedMapRequest request{.output = arguments.rows.output,
                                       .rows = bone.vertices.size(),
                                       .rows_of_block = points_per_insertion_block,
-                                      .subjects = {arguments.implant, arguments.mesh},
+                                      .subjects = {arguments.inputs.implant, arguments.inputs.mesh},
                                       .settings = settings_of(arguments, tolerance, path),
                                       .resume = arguments.rows.resume};
   const auto map = [&](const RowRange& range, const std::function<void(std::span<const MapResult>)>& deliver) {

@@ -2,17 +2,14 @@
 #pragma once
 
 #include "host/command_line/exit_status.hpp"
+#include "host/command_line/insertion_inputs.hpp"
 #include "host/command_line/shared_rows.hpp"
-#include "host/command_line/way_option.hpp"
 
 namespace verisq::command_line {
 
 /// As typed.
 struct SharedInsertArguments {
-  std::string implant;
-  std::optional<Pose> pose;
-  std::string mesh;
-  WayArguments way;
+  InsertionInputs inputs;
   SharedRowsArguments rows;
 };
 

@@ -59,11 +59,11 @@ MapOptions options_of(const SharedMapArguments& arguments, const UncertainModel&
                       const mpi::Session& session) {
   const double radius = bounding_radius(bracket(model).largest);
   const SharedRowsArguments& given = arguments.rows;
-  return {
-      .tolerance = given.tolerance ? *given.tolerance : default_tolerance(tolerance_of_distances, radius, "the model"),
-      .device = given.device == "auto" && rows <= few_rows ? "host" : device_of(given, session),
-      .point_radius = arguments.point_radius,
-      .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty, arguments.inputs.pose)};
+  return {.tolerance = arguments.tolerance ? *arguments.tolerance
+                                           : default_tolerance(tolerance_of_distances, radius, "the model"),
+          .device = given.device == "auto" && rows <= few_rows ? "host" : device_of(given, session),
+          .point_radius = arguments.point_radius,
+          .pose_uncertainty = pose_uncertainty(arguments.pose_uncertainty, arguments.inputs.pose)};
 }
 
 template <class Stream>
@@ -103,7 +103,7 @@ void declare_shared_map(Options& options, SharedMapArguments& arguments) {
   options.add("--on", arguments.on,
               choice<MapElements>({{"vertices", MapElements::vertices}, {"triangles", MapElements::triangles}}), "WHAT",
               "What of the mesh is mapped: vertices (default) or triangles");
-  add_tolerance(options, arguments.rows.tolerance, "the model");
+  add_tolerance(options, arguments.tolerance, "the model");
   options.add("--point-radius", arguments.point_radius, parse_length, "NUMBER",
               "Each vertex or point is any within this distance of the given one, in model units (default 0)");
   add_pose_uncertainty(options, arguments.pose_uncertainty, "The model's");

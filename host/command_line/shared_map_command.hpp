@@ -1,6 +1,7 @@
 /// `verisq-mpi map`: one map by all ranks of an MPI job.
 #pragma once
 
+#include <optional>
 #include <verisq/map_file.hpp>
 
 #include "host/command_line/exit_status.hpp"
@@ -14,6 +15,7 @@ namespace verisq::command_line {
 struct SharedMapArguments {
   InputArguments inputs;
   MapElements on = MapElements::vertices;
+  std::optional<double> tolerance;
   double point_radius = 0.0;
   PoseUncertaintyArguments pose_uncertainty;
   SharedRowsArguments rows;

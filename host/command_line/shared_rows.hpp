@@ -1,7 +1,6 @@
 /// What `verisq-mpi map` and `insert` have in common: whose device a rank takes, how a shared map goes on and ends.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,6 @@
 namespace verisq::command_line {
 
 struct SharedRowsArguments {
-  std::optional<double> tolerance;
   std::string device = "auto";
   bool device_of_rank = false;
   std::string output;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <verisq/mesh.hpp>
 
 #include "host/command_line/point_stream.hpp"
@@ -17,6 +18,9 @@ class TriangleStream {
 
   /// Reads the mesh. Throws Error(input), also for a mesh without triangles. Precondition: `inputs` names a mesh.
   explicit TriangleStream(const InputArguments& inputs);
+
+  /// Precondition: a mesh with triangles.
+  explicit TriangleStream(Mesh mesh) : mesh_(std::move(mesh)) {}
 
   /// Fills `triangles` from the front; returns how many, fewer than asked only at the end.
   std::size_t read(std::span<Triangle> triangles);

@@ -137,22 +137,13 @@ Fitness read_criterion(const JsonValue& value) {
   return fitness;
 }
 
-/// Of one line: what is shown beside verdicts must not look like one.
-std::string read_name(const JsonValue& value) {
-  const std::string name = value.text();
-  if (std::ranges::any_of(name, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
-    value.fail("must have no control characters");
-  if (name.empty()) value.fail("must not be empty");
-  return name;
-}
-
 std::vector<Area> read_claimed_areas(const JsonValue& value) {
   std::vector<Area> areas;
   std::set<std::string> names;
   for (std::size_t i = 0; i < value.size(); ++i) {
     const JsonValue area = value.element(i);
     area.check_keys({"name", "weight"});
-    areas.push_back({read_name(area.at("name")), nonnegative_number(area.at("weight"))});
+    areas.push_back({area.at("name").name(), nonnegative_number(area.at("weight"))});
     if (!names.insert(areas.back().name).second) area.at("name").fail("is the name of an area before");
   }
   return areas;
@@ -180,8 +171,8 @@ std::vector<ClearanceClaim> read_clearance_claims(const JsonValue& value) {
     const JsonValue claim = value.element(i);
     claim.check_keys({"what", "area", "lo", "hi"});
     const auto area = claim.find("area");
-    claims.push_back({read_name(claim.at("what")),
-                      area ? read_name(*area) : std::string(),
+    claims.push_back({claim.at("what").name(),
+                      area ? area->name() : std::string(),
                       {claim.at("lo").number_or_infinity(), claim.at("hi").number_or_infinity()}});
     if (!seen.insert({claims.back().what, claims.back().area}).second) claim.fail("is claimed before");
   }

@@ -248,6 +248,14 @@ std::string JsonValue::text() const {
   return value_->get<std::string>();
 }
 
+std::string JsonValue::name() const {
+  const std::string name = text();
+  if (name.empty()) fail("must not be empty");
+  if (std::ranges::any_of(name, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+    fail("must have no control characters");
+  return name;
+}
+
 double JsonValue::number() const {
   if (!value_->is_number()) fail("must be a number");
   return value_->get<double>();

@@ -35,11 +35,13 @@ struct ClearanceClaim {
 [[nodiscard]] std::vector<ClearanceClaim> claims_of(const Clearance& clearance,
                                                     const std::optional<Enclosure>& surface = {});
 
-/// What is proven of each claim by `distances`, which enclose those of the points, and by `surface`, which encloses
-/// that of all points of triangles. Claims of another name or area are unproved, by [-infinity, infinity].
-/// Precondition: as many distances as `area_of` has points.
-[[nodiscard]] std::vector<Finding> check(std::span<const ClearanceClaim> claims, const ClearanceTerms& terms,
-                                         std::span<const Enclosure> distances,
+/// What distances that enclose those of the points say together; its `map` is empty. Precondition: as many as `area_of`
+/// has points.
+[[nodiscard]] Clearance clearance_of(const ClearanceTerms& terms, std::span<const Enclosure> distances);
+
+/// What is proven of each claim by `proven`, the clearance of proven distances, and by `surface`, which encloses that
+/// of all points of triangles. Claims of another name or area are unproved, by [-infinity, infinity].
+[[nodiscard]] std::vector<Finding> check(std::span<const ClearanceClaim> claims, const Clearance& proven,
                                          const std::optional<Enclosure>& surface = {});
 
 }  // namespace verisq

@@ -304,7 +304,7 @@ bool is_proved(const PythonFit& self, const PythonMesh& mesh) {
       proven.push_back(found.proven);
     }
     if (proven.size() < vertices.size()) return false;
-    const std::vector<Finding> claims = check(claims_of(self.proof.clearance), self.terms, proven);
+    const std::vector<Finding> claims = check(claims_of(self.proof.clearance), clearance_of(self.terms, proven));
     return all && std::ranges::all_of(claims, [](const Finding& f) { return f.verdict == Verdict::proved; });
   });
 }

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "tests/fixtures/requested_count.hpp"
-#include "verify/clearance/clearance_sum.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq {
@@ -51,9 +50,7 @@ KnownFit known_fit(std::uint64_t seed) {
 
 /// As the program claims them.
 std::vector<ClearanceClaim> claims_about(const KnownFit& fit, double width) {
-  ClearanceSum sum(fit.terms.areas, fit.terms.area_of, fit.terms.fitness, fit.terms.penetration_limit);
-  for (const Enclosure& distance : fit.enclosures(width)) sum.add(distance);
-  return claims_of(sum.report());
+  return claims_of(clearance_of(fit.terms, fit.enclosures(width)));
 }
 
 Number exact_fitness(const Fitness& fitness, const Number& distance) {
@@ -104,7 +101,7 @@ TEST(ClearanceClaims, AreTrueAndProved) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const KnownFit fit = known_fit(seed);
     const std::vector<ClearanceClaim> claims = claims_about(fit, width);
-    const std::vector<Finding> found = check(claims, fit.terms, fit.enclosures(width));
+    const std::vector<Finding> found = check(claims, clearance_of(fit.terms, fit.enclosures(width)));
     ASSERT_EQ(found.size(), claims.size());
     for (std::size_t i = 0; i < claims.size(); ++i) {
       EXPECT_EQ(found[i].verdict, Verdict::proved) << claims[i].what;
@@ -116,11 +113,12 @@ TEST(ClearanceClaims, AreTrueAndProved) {
 TEST(ClearanceClaims, AreProvedByTighterDistancesAndOpenByWiderOnes) {
   const KnownFit fit = known_fit(1);
   const std::vector<ClearanceClaim> claims = claims_about(fit, width);
-  for (const Finding& found : check(claims, fit.terms, fit.enclosures(width / 8)))
+  for (const Finding& found : check(claims, clearance_of(fit.terms, fit.enclosures(width / 8))))
     EXPECT_EQ(found.verdict, Verdict::proved);
   const std::vector<Enclosure> nothing(fit.distances.size(), {-infinity, infinity});
-  for (const Finding& found : check(claims, fit.terms, nothing)) EXPECT_EQ(found.verdict, Verdict::unproved);
-  EXPECT_EQ(check(claims, fit.terms, fit.enclosures(8 * width)).front().verdict, Verdict::unproved);
+  for (const Finding& found : check(claims, clearance_of(fit.terms, nothing)))
+    EXPECT_EQ(found.verdict, Verdict::unproved);
+  EXPECT_EQ(check(claims, clearance_of(fit.terms, fit.enclosures(8 * width))).front().verdict, Verdict::unproved);
 }
 
 TEST(ClearanceClaims, OfUnknownNamesAreUnproved) {
@@ -128,7 +126,7 @@ TEST(ClearanceClaims, OfUnknownNamesAreUnproved) {
   const std::vector<ClearanceClaim> claims{{"sides", "", {-infinity, infinity}},
                                            {"mean_distance", "nowhere", {0.0, 0.0}},
                                            {"objective", "proximal", {0.0, 1e9}}};
-  const std::vector<Finding> found = check(claims, fit.terms, fit.enclosures(width));
+  const std::vector<Finding> found = check(claims, clearance_of(fit.terms, fit.enclosures(width)));
   EXPECT_EQ(found[0].verdict, Verdict::unproved);
   EXPECT_EQ(found[1].verdict, Verdict::unproved);
   EXPECT_EQ(found[2].verdict, Verdict::unproved);
@@ -138,7 +136,7 @@ TEST(ClearanceClaims, OfUnknownNamesAreUnproved) {
 TEST(ClearanceClaims, NeverProvesAForgery) {
   std::size_t forged = 0;
   const auto expect_not = [&](const KnownFit& fit, const ClearanceClaim& claim, double used) {
-    const Finding found = check(std::vector{claim}, fit.terms, fit.enclosures(used)).front();
+    const Finding found = check(std::vector{claim}, clearance_of(fit.terms, fit.enclosures(used))).front();
     EXPECT_NE(found.verdict, Verdict::proved) << claim.what << " " << claim.area;
     ++forged;
   };

@@ -37,11 +37,15 @@ std::vector<ClearanceClaim> claims_of(const Clearance& clearance, const std::opt
   return claims;
 }
 
-std::vector<Finding> check(std::span<const ClearanceClaim> claims, const ClearanceTerms& terms,
-                           std::span<const Enclosure> distances, const std::optional<Enclosure>& surface) {
+Clearance clearance_of(const ClearanceTerms& terms, std::span<const Enclosure> distances) {
   ClearanceSum sum(terms.areas, terms.area_of, terms.fitness, terms.penetration_limit);
   for (const Enclosure& distance : distances) sum.add(distance);
-  const std::vector<ClearanceClaim> known = claims_of(sum.report(), surface);
+  return sum.report();
+}
+
+std::vector<Finding> check(std::span<const ClearanceClaim> claims, const Clearance& proven,
+                           const std::optional<Enclosure>& surface) {
+  const std::vector<ClearanceClaim> known = claims_of(proven, surface);
   std::vector<Finding> findings;
   for (const ClearanceClaim& claim : claims) {
     const auto same =
