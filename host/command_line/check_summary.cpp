@@ -54,9 +54,9 @@ JsonObject object_of(const CheckedRow& row, MapElements elements) {
           {"reason", reason(row.claimed, row.finding)}};
 }
 
-/// Of all rows, or of none.
+/// Of all rows, or of none; and not of a map that is another one's.
 bool tells_smallest(const CheckReport& report) {
-  return report.missing == 0 && !report.interrupted && std::isfinite(report.smallest.width());
+  return report.missing == 0 && report.refuted == 0 && !report.interrupted && std::isfinite(report.smallest.width());
 }
 
 }  // namespace
