@@ -2,6 +2,7 @@
 #include "bench/on_device/measured_rates.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <span>
 #include <verisq/map.hpp>
@@ -22,11 +23,12 @@ namespace {
 constexpr double long_enough = 0.5;  // seconds
 constexpr std::size_t different_queries = std::size_t{1} << 16U;
 constexpr std::size_t most_queries = std::size_t{1} << 28U;
+constexpr std::size_t queries_in_memory = std::size_t{1} << 25U;
 
 // As the benches of these kinds ask for, in units of the object's size.
 constexpr double tolerance_outside = 1e-12;
 constexpr double tolerance_inside = 1e-6;
-constexpr double tolerance_of_solids = 1e-6;
+constexpr double tolerance_of_solids = 1e-4;  // of files in mm
 
 constexpr std::size_t points_of_fit = 4096;
 constexpr std::size_t candidates_of_fit = 64;
@@ -40,15 +42,15 @@ double seconds_of(const Work& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The first run, which is not long enough, warms up.
-template <class Query>
-MeasuredRate rate_of_map(std::string what, std::string object, Mapper<Query> mapper, std::span<const Query> queries) {
+// `map(count)` maps so many queries. A first run, which does not count, has the device compile what they ask for.
+template <class Map>
+MeasuredRate rate_of_runs(std::string what, std::string object, std::size_t first_count, const Map& map) {
   MeasuredRate rate{std::move(what), std::move(object), 0.0, 0.0, 0.0, 0.0, 0.0};
-  const auto drop = [](std::span<const Query>, std::span<const MapResult>, std::span<const Certificate>) {};
+  (void)map(first_count);
   double seconds = 0.0;
-  for (std::size_t count = queries.size() / 8; seconds < long_enough && count <= most_queries; count *= 2) {
+  for (std::size_t count = first_count; seconds < long_enough && count <= most_queries; count *= 2) {
     MapSummary summary;
-    seconds = seconds_of([&] { summary = mapper.map(repeated(queries, count), drop); });
+    seconds = seconds_of([&] { summary = map(count); });
     const auto answered = static_cast<double>(summary.points);
     rate.queries = answered;
     rate.per_second = answered / seconds;
@@ -57,6 +59,35 @@ MeasuredRate rate_of_map(std::string what, std::string object, Mapper<Query> map
     rate.largest_width = summary.largest_width;
   }
   return rate;
+}
+
+template <class Query>
+MeasuredRate rate_of_map(std::string what, std::string object, Mapper<Query> mapper, std::span<const Query> queries) {
+  const auto drop = [](std::span<const Query>, std::span<const MapResult>, std::span<const Certificate>) {};
+  return rate_of_runs(std::move(what), std::move(object), queries.size() / 8,
+                      [&](std::size_t count) { return mapper.map(repeated(queries, count), drop); });
+}
+
+// Points and rows in the caller's memory, column by column, as those of NumPy or of a file: nothing is read, converted
+// or written on the way. Memory is touched before.
+MeasuredRate rate_of_columns(std::string object, const Model& model, const std::string& device, double tolerance,
+                             const std::vector<Point>& points) {
+  std::array<std::vector<double>, 3> coordinates;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    coordinates[axis].resize(queries_in_memory);
+    for (std::size_t n = 0; n < queries_in_memory; ++n) coordinates[axis][n] = points[n % points.size()][axis];
+  }
+  std::vector<double> los(queries_in_memory);
+  std::vector<double> his(queries_in_memory);
+  std::vector<Status> statuses(queries_in_memory);
+  PointMapper mapper(model, {.tolerance = tolerance, .device = device});
+  const auto first_of = [](auto& column, std::size_t count) { return std::span(column).first(count); };
+  return rate_of_runs("points_in_memory", std::move(object), points.size(), [&](std::size_t count) {
+    count = std::min(count, queries_in_memory);
+    return mapper.map(
+        PointColumns(first_of(coordinates[0], count), first_of(coordinates[1], count), first_of(coordinates[2], count)),
+        ResultColumns(first_of(los, count), first_of(his, count), first_of(statuses, count)));
+  });
 }
 
 MeasuredRate rate_of_points(std::string what, std::string object, const Model& model, const std::string& device,
@@ -73,6 +104,8 @@ void add_objects(std::vector<MeasuredRate>& rates, const std::string& device) {
     const Model model{"", {{"", solid, {}}}};
     rates.push_back(rate_of_points("points_outside", name, model, device, tolerance_outside * size,
                                    points_outside(solid, different_queries)));
+    rates.push_back(
+        rate_of_columns(name, model, device, tolerance_outside * size, points_outside(solid, different_queries)));
     rates.push_back(rate_of_points("points_inside", name, model, device, tolerance_inside * size,
                                    points_inside(solid, different_queries)));
     const std::vector<Triangle> triangles = random_triangles(solid, different_queries);
@@ -115,19 +148,23 @@ MeasuredRate rate_of_octree(std::string object, const Model& model, const std::s
   return rate;
 }
 
-// Signed distances with gradients of a fit, which prove nothing.
+// Signed distances with gradients of a fit, which prove nothing. The first run compiles.
 MeasuredRate rate_of_fit(const Model& implant, const std::string& device) {
   MeasuredRate rate{"fit_distances", "stem.json", 0.0, 0.0, 0.0, 1.0, 0.0};
   const std::vector<Point> points = points_about(implant, points_of_fit);
   const auto evaluator = device::device_candidate_evaluator(device::select_device(device).device.value(), points,
                                                             std::vector<double>(points.size(), 1.0));
   const fit_search::Candidate candidate{implant.primitives, {}};
+  std::vector<fit_search::Evaluation> evaluations;
+  const auto evaluate = [&](std::size_t count) {
+    const std::vector<fit_search::Candidate> candidates(count, candidate);
+    evaluator->evaluate(candidates, {1.0, 0.5, {0.0, 2.0}}, {}, 1, evaluations);
+  };
+  evaluate(1);
   double seconds = 0.0;
   for (std::size_t count = candidates_of_fit; seconds < long_enough && count < most_queries / points_of_fit;
        count *= 2) {
-    const std::vector<fit_search::Candidate> candidates(count, candidate);
-    std::vector<fit_search::Evaluation> evaluations;
-    seconds = seconds_of([&] { evaluator->evaluate(candidates, {1.0, 0.5, {0.0, 2.0}}, {}, 1, evaluations); });
+    seconds = seconds_of([&] { evaluate(count); });
     rate.queries = static_cast<double>(count * points.size());
     rate.per_second = rate.per_device_second = rate.queries / seconds;
   }

@@ -9,6 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "host/threads/parallel.hpp"
+#include "host/threads/pieces.hpp"
+
 namespace verisq::device {
 namespace {
 
@@ -133,33 +136,44 @@ class PinnedColumn {
   Value* values_;
 };
 
-// A column of results on its way: directly where the caller's values follow each other.
+// A piece of a chunk is long enough to be worth a thread of its own.
+constexpr std::size_t smallest_piece = std::size_t{1} << 15U;
+
+/// work(first, count) of pieces of the chunk's `size` points, on all processors: one alone copies several times slower
+/// than a graphics processor is fed.
+template <class Work>
+void in_pieces(std::size_t size, const Work& work) {
+  const std::vector<Piece> pieces = pieces_of(size, smallest_piece);
+  in_parallel(pieces.size(), [&](std::size_t k) { work(pieces[k].first, pieces[k].count); });
+}
+
+// A column of results on its way.
 template <class Value>
 class CopiedColumn {
  public:
   CopiedColumn(const Device& device, std::size_t capacity)
       : buffer_(device.context, CL_MEM_READ_WRITE, capacity * sizeof(Value)), pinned_(device, capacity) {}
 
-  [[nodiscard]] BoundColumn bind(const Column<Value>& column, std::size_t size) {
+  [[nodiscard]] BoundColumn bind(const Column<Value>& column) {
     column_ = column;
-    size_ = size;
     return {buffer_, 0, 1};
   }
-  void fetch(ChunkQueue& queue) {
-    Value* const to = column_.stride == 1 ? column_.first : pinned_.values();
-    queue.read_bytes(buffer_, std::as_writable_bytes(std::span(to, size_)));
+  void fetch(ChunkQueue& queue, std::size_t size) {
+    queue.read_bytes(buffer_, std::as_writable_bytes(std::span(pinned_.values(), size)));
   }
-  void deliver() const {
-    if (column_.stride == 1) return;
-    for (std::size_t n = 0; n < size_; ++n) column_[n] = pinned_.values()[n];
+  void deliver(std::size_t first, std::size_t count) const {
+    const Value* const from = pinned_.values() + first;
+    const Column<Value> to = column_.from(first);
+    if (to.stride == 1)
+      std::copy_n(from, count, to.first);
+    else
+      for (std::size_t n = 0; n < count; ++n) to[n] = from[n];
   }
-  void release() { size_ = 0; }
 
  private:
   cl::Buffer buffer_;
   PinnedColumn<Value> pinned_;
   Column<Value> column_;
-  std::size_t size_ = 0;
 };
 
 class CopiedMemory final : public HostMemory {
@@ -173,57 +187,48 @@ class CopiedMemory final : public HostMemory {
         status_(device, capacity) {}
 
   BoundChunk bind(ChunkQueue& queue, const PointColumns& points, const ResultColumns& rows) override {
-    const std::size_t size = points.size();
-    return {upload(queue, points),
-            {lo_.bind(rows.lo(), size), hi_.bind(rows.hi(), size)},
-            status_.bind(rows.status(), size)};
+    size_ = points.size();
+    return {upload(queue, points), {lo_.bind(rows.lo()), hi_.bind(rows.hi())}, status_.bind(rows.status())};
   }
 
   void fetch(ChunkQueue& queue) override {
-    lo_.fetch(queue);
-    hi_.fetch(queue);
-    status_.fetch(queue);
+    lo_.fetch(queue, size_);
+    hi_.fetch(queue, size_);
+    status_.fetch(queue, size_);
   }
 
   void deliver() override {
-    lo_.deliver();
-    hi_.deliver();
-    status_.deliver();
+    in_pieces(size_, [&](std::size_t first, std::size_t count) {
+      lo_.deliver(first, count);
+      hi_.deliver(first, count);
+      status_.deliver(first, count);
+    });
   }
 
-  void release() override {
-    lo_.release();
-    hi_.release();
-    status_.release();
-  }
+  void release() override { size_ = 0; }
 
  private:
   [[nodiscard]] std::array<BoundColumn, 3> upload(ChunkQueue& queue, const PointColumns& points) const {
-    const auto& [x, y, z] = points.coordinates();
-    if (x.stride == 1 && y.stride == 1 && z.stride == 1) {
-      std::uint64_t offset = 0;
-      for (const Column<const double>& column : points.coordinates()) {
-        queue.write(points_, {column.first, points.size()}, offset);
-        offset += capacity_;
-      }
-      return {{{points_, 0, 1}, {points_, capacity_, 1}, {points_, 2 * capacity_, 1}}};
-    }
-    const bool as_they_are =
-        x.stride == 3 && y.stride == 3 && z.stride == 3 && y.first == x.first + 1 && z.first == x.first + 2;
-    if (!as_they_are) {
-      double* to = pinned_.values();
-      for (std::size_t n = 0; n < points.size(); ++n) to = std::ranges::copy(points[n], to).out;
-    }
-    queue.write(points_, {as_they_are ? x.first : pinned_.values(), 3 * points.size()});
-    return {{{points_, 0, 3}, {points_, 1, 3}, {points_, 2, 3}}};
+    in_pieces(size_, [&](std::size_t first, std::size_t count) {
+      for (std::size_t axis = 0; axis < 3; ++axis) gather(points.coordinates()[axis].from(first), count, axis, first);
+    });
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      queue.write(points_, {pinned_.values() + axis * capacity_, size_}, axis * capacity_);
+    return {{{points_, 0, 1}, {points_, capacity_, 1}, {points_, 2 * capacity_, 1}}};
+  }
+
+  void gather(const Column<const double>& from, std::size_t count, std::size_t axis, std::size_t first) const {
+    double* const to = pinned_.values() + axis * capacity_ + first;
+    for (std::size_t n = 0; n < count; ++n) to[n] = from[n];
   }
 
   std::size_t capacity_;
   cl::Buffer points_;
-  PinnedColumn<double> pinned_;
+  PinnedColumn<double> pinned_;  // as `points_`: all x, all y, all z
   CopiedColumn<double> lo_;
   CopiedColumn<double> hi_;
   CopiedColumn<Status> status_;
+  std::size_t size_ = 0;  // of the chunk
 };
 
 }  // namespace

@@ -202,7 +202,8 @@ TEST(ColumnsMapTest, TellHowFarAnInterruptedMapCame) {
   PointMapper mapper(ball(), options);
   if (PointMapper(ball(), {.tolerance = 1e-6}).map(std::vector<Point>(), std::span<MapResult>()).device == "host")
     GTEST_SKIP();
-  const std::vector<Point> points = random_points(400000, 100.0);
+  // More than two chunks of a graphics processor.
+  const std::vector<Point> points = random_points(std::size_t{5} << 19U, 100.0);
   std::vector<MapResult> rows(points.size(), {{5.0, -5.0}, Status::wide});
   polls = 0;
   const MapSummary summary = mapper.map(points, rows);
