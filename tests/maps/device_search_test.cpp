@@ -204,7 +204,8 @@ TEST(DeviceSearchTest, AgreesWithTheHostWherePrimitivesOverlap) {
   const std::vector<MapResult> rows = mapped(overlapping(), points, {.tolerance = tolerance}, summary);
   ASSERT_EQ(rows.size(), points.size());
   EXPECT_EQ(summary.wide, 0U);
-  // A graphics processor's search ends after fewer cubes (host/batches/solid_batch.cpp): the hardest rows are the host's.
+  // A graphics processor's search ends after fewer cubes (host/batches/solid_batch.cpp): the hardest rows are the
+  // host's.
   const int width = std::ranges::find_if(devices, &DeviceReport::passed)->vector_width;
   EXPECT_LE(summary.host_verified, width > 1 ? 0U : points.size() / 20);
   const SignedDistance host(overlapping());
