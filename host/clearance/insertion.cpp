@@ -52,6 +52,7 @@ struct PointSearch {
   std::vector<Stretch> open = {};
   double settled_lo = -infinity;  ///< of all of the path that is in no open stretch
   double hi = infinity;
+  double deepest = 0.0;  ///< the time of that end
   std::size_t samples = 0;
   bool host_worked = false;
 
@@ -208,6 +209,7 @@ class PathSearch {
         const Enclosure distance{verify::subtract(row.distance.lo, radius, Direction::down),
                                  verify::add(row.distance.hi, radius, Direction::up)};
         samples.push_back({query.time, distance});
+        if (distance.hi < search.hi) search.deepest = query.time;
         search.hi = std::min(search.hi, distance.hi);
         search.host_worked = search.host_worked || row.status != Status::device_verified;
         ++search.samples;
@@ -233,6 +235,7 @@ class PathSearch {
                           : search.host_worked                    ? Status::host_verified
                                                                   : Status::device_verified;
     insertion_.rows.push_back({distance, status});
+    insertion_.deepest.push_back(search.deepest);
     count(summary_, insertion_.rows.back());
   }
 

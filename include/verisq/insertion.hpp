@@ -47,6 +47,7 @@ struct InsertionOptions {
 /// minus the depth of bone to be removed there where it is negative. `rows` in the order of the points.
 struct Insertion {
   std::vector<MapResult> rows;
+  std::vector<double> deepest;  ///< of each row a time, k at pose k, of which the distance is at most the upper end
   MapSummary summary;
 };
 

@@ -27,6 +27,7 @@
 #include <verisq/fit_solution.hpp>
 #include <verisq/fitness.hpp>
 #include <verisq/insertion.hpp>
+#include <verisq/insertion_certificate.hpp>
 #include <verisq/label_volume.hpp>
 #include <verisq/landmark_file.hpp>
 #include <verisq/least_removal.hpp>

@@ -267,7 +267,8 @@ double RigidPath::length_leg_by_leg_up(const Point& c, double begin, double end)
     const double until = std::min(end, pose_before + 1.0);
     const Leg& leg = legs_[static_cast<std::size_t>(pose_before)];
     const double speed = std::max(speed_up(leg, c, time - pose_before), speed_up(leg, c, until - pose_before));
-    length = add(length, multiply(until - time, speed, Direction::up), Direction::up);  // times' difference is exact
+    const double duration = subtract(until, time, Direction::up);  // of times of any number of digits
+    length = add(length, multiply(duration, speed, Direction::up), Direction::up);
     time = until;
   }
   return length;

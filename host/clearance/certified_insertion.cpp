@@ -1,0 +1,185 @@
+/// A point's way is cut into parts, each as long as one segment beside or before the implant speaks for all of it.
+#include "verisq/certified_insertion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <verisq/signed_distance.hpp>
+#include <verisq/triangle_distance.hpp>
+
+#include "host/batches/rotation.hpp"
+#include "host/maps/summary_count.hpp"
+#include "host/mesh/extent.hpp"
+#include "host/threads/parallel.hpp"
+#include "verify/placement/way_part.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq {
+namespace {
+
+using verify::Chord;
+using verify::RigidPath;
+
+/// Of a point: a certificate has no more.
+constexpr std::size_t most_parts = std::size_t{1} << 9U;
+/// Of the tolerance goes to the point at the deepest time, and as much to what is left beyond a way out.
+constexpr double share_of_points = 0.25;
+/// Some tenths of a second, between which limits are felt.
+constexpr std::size_t points_at_a_time = 256;
+
+Point operator+(const Point& a, const Point& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+Point operator*(double factor, const Point& a) {
+  return {factor * a[0], factor * a[1], factor * a[2]};
+}
+
+double length_of(const Point& a) {
+  return std::hypot(a[0], a[1], a[2]);
+}
+
+/// Times of poses first, as the search has it: they have few digits, which keeps proofs short.
+double middle(double begin, double end) {
+  const double half = begin + (end - begin) / 2;
+  return end - begin > 1.0 ? std::floor(half) : half;
+}
+
+struct ProvenPart {
+  WayPart part;
+  double lower;
+};
+
+class InsertionProver {
+ public:
+  InsertionProver(std::span<const Pose> path, const Model& implant, const Point& about, double tolerance)
+      : tolerance_(tolerance),
+        implant_(implant),
+        path_(path, about),
+        points_(implant),
+        triangles_(implant),
+        checker_(implant),
+        insertions_(implant, path, about) {}
+
+  [[nodiscard]] std::pair<Enclosure, InsertionCertificate> operator()(const Point& point, const Enclosure& found,
+                                                                      double deepest) const {
+    const auto [centre, radius] = local_point(point, deepest);
+    CertifiedEnclosure there = points_.certified(centre, share_of_points * tolerance_);
+    InsertionCertificate certificate{deepest, std::move(there.certificate), {}};
+    const double upper = there.distance.hi + radius;
+    if (std::isfinite(found.lo)) {
+      const double goal = std::min(found.lo, upper - tolerance_);
+      prove(point, 0.0, path_.last_time(), goal, certificate.parts);
+    }
+    const Finding finding = insertions_(point, {found.lo, upper}, certificate);
+    return {finding.proven, std::move(certificate)};
+  }
+
+ private:
+  [[nodiscard]] verify::PointBall local_point(const Point& point, double time) const {
+    return RigidPath::local_point(path_.nearest_pose(time), point);
+  }
+
+  // Appends parts from `begin` to `end`, of which no distance is below the goal, or as near to that as they get.
+  void prove(const Point& point, double begin, double end, double goal, std::vector<WayPart>& parts) const {
+    const Chord chord = verify::chord_of(path_, point, begin, end);
+    ProvenPart best = beside(chord, end, goal);
+    if (best.lower < goal && goal < 0.0)
+      if (auto outward = before_the_way_out(point, chord, begin, end, goal); outward && outward->lower > best.lower)
+        best = *std::move(outward);
+    const double half = middle(begin, end);
+    if (best.lower >= goal || !(begin < half && half < end) || parts.size() + 1 >= most_parts) {
+      parts.push_back(std::move(best.part));
+      return;
+    }
+    prove(point, begin, half, goal, parts);
+    prove(point, half, end, goal, parts);
+  }
+
+  // By the straight way itself, where it is outside.
+  [[nodiscard]] ProvenPart beside(const Chord& chord, double end, double goal) const {
+    return proven_by({chord.begin.centre, chord.end.centre}, chord, end, goal);
+  }
+
+  // By that way moved out of the implant: where its middle leaves it soonest, by all that the goal allows, or by a little
+  // more than it takes, where another primitive is near.
+  [[nodiscard]] std::optional<ProvenPart> before_the_way_out(const Point& point, const Chord& chord, double begin,
+                                                             double end, double goal) const {
+    const Point centre = local_point(point, middle(begin, end)).centre;
+    const double slack = share_of_points * tolerance_;
+    const CertifiedEnclosure there = points_.certified(centre, slack);
+    const Point way_out = way_out_of(centre, there.certificate);
+    const double length = length_of(way_out);
+    if (!(length > 0.0) || !std::isfinite(length)) return std::nullopt;
+    const double room = (-goal - chord.bulge - 2.0 * std::max(chord.begin.radius, chord.end.radius)) * (1.0 - 0x1p-40);
+    std::optional<ProvenPart> best;
+    for (const double moved : {room, std::min(room, slack - there.distance.lo)}) {
+      const Point by = (moved / length) * way_out;
+      ProvenPart next = proven_by({chord.begin.centre + by, chord.end.centre + by}, chord, end, goal);
+      if (!best || next.lower > best->lower) best = std::move(next);
+      if (best->lower >= goal) break;
+    }
+    return best;
+  }
+
+  // From a point inside to one outside, or along the gradient of the distance; zero where nothing is known.
+  [[nodiscard]] Point way_out_of(const Point& inside, const Certificate& certificate) const {
+    if (certificate.escape) return *certificate.escape + (-1.0) * inside;
+    if (certificate.normals.empty()) return {};
+    const auto& [primitive, v] = certificate.normals.front();
+    const auto r = device::rotation_matrix(implant_.primitives[primitive].pose.quaternion);
+    Point outward{};
+    for (std::size_t i = 0; i < 3; ++i) outward[i] = r[3 * i] * v[0] + r[3 * i + 1] * v[1] + r[3 * i + 2] * v[2];
+    return outward;
+  }
+
+  [[nodiscard]] ProvenPart proven_by(const std::array<Point, 2>& segment, const Chord& chord, double end,
+                                     double goal) const {
+    CertifiedEnclosure distance = triangles_.certified({segment[0], segment[1], segment[1]});
+    distance.certificate.weights.reset();  // which say something of the upper end alone
+    WayPart part{end, segment, std::move(distance.certificate)};
+    const double lower = verify::lower_end(checker_, chord, part, goal);
+    return {std::move(part), lower};
+  }
+
+  double tolerance_;
+  Model implant_;
+  RigidPath path_;
+  SignedDistance points_;
+  TriangleDistance triangles_;
+  Checker checker_;
+  InsertionChecker insertions_;
+};
+
+}  // namespace
+
+CertifiedInsertion certified_insertion(std::span<const Pose> path, const Model& implant, std::span<const Point> bone,
+                                       const Insertion& found, const InsertionOptions& options) {
+  const InsertionProver prover(path, implant, extent_of(bone).centre(), options.tolerance);
+  CertifiedInsertion result{found.rows, std::vector<InsertionCertificate>(found.rows.size()), empty_summary()};
+  const auto prove = [&](std::size_t n) {
+    auto [distance, certificate] = prover(bone[n], found.rows[n].distance, found.deepest[n]);
+    result.rows[n] = {distance, verified(distance, options.tolerance) ? Status::host_verified : Status::wide};
+    result.certificates[n] = std::move(certificate);
+  };
+  std::size_t done = 0;
+  while (done < result.rows.size() && !options.interrupted()) {
+    const std::size_t count = std::min(points_at_a_time, result.rows.size() - done);
+    in_parallel(count, [&](std::size_t i) { prove(done + i); });
+    done += count;
+    options.progress(static_cast<double>(done) / static_cast<double>(result.rows.size()));
+  }
+  MapSummary& summary = result.summary;
+  summary.interrupted = found.summary.interrupted || done < result.rows.size();
+  result.rows.resize(done);
+  result.certificates.resize(done);
+  count(summary, result.rows);
+  summary.device = found.summary.device;
+  summary.notice = found.summary.notice;
+  summary.device_seconds = found.summary.device_seconds;
+  summary.host_seconds = found.summary.host_seconds;
+  return result;
+}
+
+}  // namespace verisq

@@ -1,0 +1,64 @@
+/// A way of length L between points l apart is nowhere farther than sqrt(L^2 - l^2) / 2 from the straight line between
+/// them: it lies in the ellipsoid with these foci and the axis L (docs/mathematics.md §16).
+#include "verify/placement/way_part.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "verify/analysis/distance_up.hpp"
+#include "verify/numbers/rounding.hpp"
+#include "verisq/enclosure.hpp"
+
+namespace verisq::verify {
+namespace {
+
+double distance_down(const Point& x, const Point& y) {
+  return length<Real>(PreciseVector(precise(x) - precise(y))).lower().to_double(Direction::down);
+}
+
+double sum_up(double a, double b) {
+  return add(a, b, Direction::up);
+}
+
+bool is_finite(const Point& x) {
+  return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
+}
+
+bool is_finite(const PointBall& ball) {
+  return is_finite(ball.centre) && std::isfinite(ball.radius);
+}
+
+/// How far a point anywhere in the ball may be from `x`.
+double farthest(const PointBall& ball, const Point& x) {
+  return sum_up(distance_up(ball.centre, x), ball.radius);
+}
+
+}  // namespace
+
+Chord chord_of(const RigidPath& path, const Point& c, double begin, double end) {
+  const auto ball_at = [&](double time) { return RigidPath::local_point(path.nearest_pose(time), c); };
+  const PointBall a = ball_at(begin);
+  const PointBall b = begin == end ? a : ball_at(end);
+  const double way = path.length_up(c, begin, end);
+  if (!is_finite(a) || !is_finite(b) || !std::isfinite(way)) return {a, b, infinity};
+  const double apart = subtract(distance_down(a.centre, b.centre), sum_up(a.radius, b.radius), Direction::down);
+  const double chord = std::clamp(apart, 0.0, way);
+  // (L - l) (L + l), of which the first factor alone is rounded by much of itself.
+  const double product = multiply(subtract(way, chord, Direction::up), sum_up(way, chord), Direction::up);
+  return {a, b, multiply(0.5, square_root(product, Direction::up), Direction::up)};
+}
+
+// A point of the way is at most the bulge off a point x of the straight line from `begin` to `end`, and x no farther
+// from the point of the segment that divides it alike than the farther of the ends from the segment's: that point is
+// outside, and at least as far as the segment; and the signed distance changes by no more than a point moves.
+double lower_end(const Checker& implant, const Chord& chord, const WayPart& part, double asked) {
+  const auto& [first, last] = part.segment;
+  if (!std::isfinite(chord.bulge) || !is_finite(first) || !is_finite(last)) return -infinity;
+  const double off = sum_up(chord.bulge, std::max(farthest(chord.begin, first), farthest(chord.end, last)));
+  const double far = std::max(sum_up(asked, off), std::numeric_limits<double>::denorm_min());
+  const double proven = implant(Triangle{first, last, last}, {far, infinity}, part.certificate).proven.lo;
+  return proven > 0.0 ? subtract(proven, off, Direction::down) : -infinity;
+}
+
+}  // namespace verisq::verify

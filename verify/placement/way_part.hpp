@@ -1,0 +1,23 @@
+/// What a part of the way of a point through the implant's frame says of its distance to the implant.
+#pragma once
+
+#include "verify/placement/rigid_path.hpp"
+#include "verisq/checker.hpp"
+#include "verisq/insertion_certificate.hpp"
+
+namespace verisq::verify {
+
+/// Where a point of the bone is at two times, and how far it may be, between them, from the straight way.
+struct Chord {
+  PointBall begin, end;
+  double bulge;  ///< rounded up
+};
+
+/// Precondition: 0 <= begin <= end <= path.last_time().
+[[nodiscard]] Chord chord_of(const RigidPath& path, const Point& c, double begin, double end);
+
+/// No distance on the part of the way is less than what is returned, which is no more than -infinity where its
+/// certificate proves nothing; `asked` is what is to be proven.
+[[nodiscard]] double lower_end(const Checker& implant, const Chord& chord, const WayPart& part, double asked);
+
+}  // namespace verisq::verify
