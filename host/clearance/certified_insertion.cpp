@@ -12,6 +12,7 @@
 #include "host/maps/summary_count.hpp"
 #include "host/mesh/extent.hpp"
 #include "host/threads/parallel.hpp"
+#include "verify/numbers/rounding.hpp"
 #include "verify/placement/way_part.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -67,7 +68,8 @@ class InsertionProver {
     const auto [centre, radius] = local_point(point, deepest);
     CertifiedEnclosure there = points_.certified(centre, share_of_points * tolerance_);
     InsertionCertificate certificate{deepest, std::move(there.certificate), {}};
-    const double upper = there.distance.hi + radius;
+    // Rounded up, so that the checker, which takes the radius off again, asks for no more than was proven.
+    const double upper = verify::add(there.distance.hi, radius, verify::Direction::up);
     if (std::isfinite(found.lo)) {
       const double goal = std::min(found.lo, upper - tolerance_);
       prove(point, 0.0, path_.last_time(), goal, certificate.parts);
@@ -102,8 +104,8 @@ class InsertionProver {
     return proven_by({chord.begin.centre, chord.end.centre}, chord, end, goal);
   }
 
-  // By that way moved out of the implant: where its middle leaves it soonest, by all that the goal allows, or by a little
-  // more than it takes, where another primitive is near.
+  // By that way moved out of the implant: where its middle leaves it soonest, by all that the goal allows, or by a
+  // little more than it takes, where another primitive is near.
   [[nodiscard]] std::optional<ProvenPart> before_the_way_out(const Point& point, const Chord& chord, double begin,
                                                              double end, double goal) const {
     const Point centre = local_point(point, middle(begin, end)).centre;

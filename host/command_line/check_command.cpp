@@ -10,6 +10,7 @@
 #include "host/command_line/certificate_check.hpp"
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/fit_check.hpp"
+#include "host/command_line/insertion_check.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/map_check.hpp"
@@ -37,7 +38,9 @@ constexpr const char* closing_words =
     "must be, byte for byte, the files that the answer is about. Of a `verisq fit --certificate-file` give the fitted\n"
     "--model, the --mesh, the --map and, where there was one, the --surface-map: every distance is proved, and then "
     "what they say together, F, the smallest\n"
-    "distance, the deepest penetration, how many vertices keep the limit, the numbers of every area.\n"
+    "distance, the deepest penetration, how many vertices keep the limit, the numbers of every area. Of a\n"
+    "`verisq insert --certificate-file` give the implant's --model and the bone's --mesh: the smallest distance of every\n"
+    "vertex along the whole way is proved.\n"
     "\n"
     "--octree: a file of `verisq octree`, with or without white cubes. Its black cubes are proved to lie inside, and\n"
     "what black and gray ones leave out outside; all together they prove the volume.\n"
@@ -119,6 +122,7 @@ ExitStatus run_check(const CheckArguments& given) {
   if (!given.certificate.empty()) {
     const Answer answer = read_answer(given.certificate);
     if (const auto* const fit = std::get_if<FitAnswer>(&answer)) return run_fit_check(*fit, arguments);
+    if (const auto* const way = std::get_if<InsertionAnswer>(&answer)) return run_insertion_check(*way, arguments);
     refuse_what_certificates_lack(given);
     return run_certificate_check(answer, {given.certificate, given.models, given.json});
   }

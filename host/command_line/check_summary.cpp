@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/command_line/element_words.hpp"
@@ -23,15 +24,6 @@ std::string digits_of(const Triangle& triangle) {
   return fmt::format("{}, {}, {}", digits_of(triangle[0]), digits_of(triangle[1]), digits_of(triangle[2]));
 }
 
-std::string readable(const CheckedRow& row, MapElements elements) {
-  const auto position = std::visit([](const auto& element) { return digits_of(element); }, row.element);
-  auto text = fmt::format("first {} {}, index {}, at {}: {}\n", name_of(row.finding.verdict), singular(elements),
-                          row.index, position, reason(row.claimed, row.finding));
-  text += fmt::format("  claimed            {}\n", exact_text(row.claimed));
-  text += fmt::format("  proven             {}\n", exact_text(row.finding.proven));
-  return text;
-}
-
 std::string readable(const MapDifference& falsified) {
   const auto place = falsified.index ? fmt::format(", index {}", *falsified.index) : std::string();
   return fmt::format("falsified {}{}\n  shown              {}\n  expected           {}\n", falsified.array, place,
@@ -45,21 +37,33 @@ JsonObject object_of(const MapDifference& falsified) {
           {"expected", falsified.expected}};
 }
 
-JsonObject object_of(const CheckedRow& row, MapElements elements) {
-  return {{"verdict", name_of(row.finding.verdict)},
-          {"index", row.index},
-          {singular(elements), std::visit([](const auto& element) { return JsonValue(element); }, row.element)},
-          {"claimed", row.claimed},
-          {"proven", row.finding.proven},
-          {"reason", reason(row.claimed, row.finding)}};
-}
-
 /// Of all rows, or of none; and not of a map that is another one's.
 bool tells_smallest(const CheckReport& report) {
   return report.missing == 0 && report.refuted == 0 && !report.interrupted && std::isfinite(report.smallest.width());
 }
 
+bool comes_first(const CheckedRow& a, const CheckedRow& b) {
+  const bool a_refuted = a.finding.verdict == Verdict::refuted;
+  const bool b_refuted = b.finding.verdict == Verdict::refuted;
+  return a_refuted != b_refuted ? a_refuted : a.index < b.index;
+}
+
 }  // namespace
+
+void count(const CheckedRow& row, CheckReport& report) {
+  report.smallest = {std::min(report.smallest.lo, row.finding.proven.lo),
+                     std::min(report.smallest.hi, row.finding.proven.hi)};
+  switch (row.finding.verdict) {
+    case Verdict::proved: ++report.proved; break;
+    case Verdict::refuted: ++report.refuted; break;
+    case Verdict::unproved: ++report.unproved; break;
+  }
+  if (row.finding.verdict == Verdict::proved) {
+    report.largest_width = std::max(report.largest_width, row.claimed.width());
+  } else if (!report.first || comes_first(row, *report.first)) {
+    report.first = row;
+  }
+}
 
 const char* name_of(Verdict verdict) {
   switch (verdict) {
@@ -85,6 +89,24 @@ std::string reason(const Enclosure& claimed, const Finding& finding) {
 
 std::string exact_text(const Enclosure& enclosure) {
   return fmt::format("[{:.17g}, {:.17g}]", enclosure.lo, enclosure.hi);
+}
+
+std::string readable(const CheckedRow& row, MapElements elements) {
+  const auto position = std::visit([](const auto& element) { return digits_of(element); }, row.element);
+  auto text = fmt::format("first {} {}, index {}, at {}: {}\n", name_of(row.finding.verdict), singular(elements),
+                          row.index, position, reason(row.claimed, row.finding));
+  text += fmt::format("  claimed            {}\n", exact_text(row.claimed));
+  text += fmt::format("  proven             {}\n", exact_text(row.finding.proven));
+  return text;
+}
+
+JsonObject object_of(const CheckedRow& row, MapElements elements) {
+  return {{"verdict", name_of(row.finding.verdict)},
+          {"index", row.index},
+          {singular(elements), std::visit([](const auto& element) { return JsonValue(element); }, row.element)},
+          {"claimed", row.claimed},
+          {"proven", row.finding.proven},
+          {"reason", reason(row.claimed, row.finding)}};
 }
 
 std::string readable(const CheckReport& report) {

@@ -40,6 +40,9 @@ struct CheckReport {
   [[nodiscard]] bool all_proved() const { return refuted + unproved + missing == 0 && !falsified; }
 };
 
+/// Adds a row, in any order.
+void count(const CheckedRow& row, CheckReport& report);
+
 /// "proved", "refuted", "unproved".
 [[nodiscard]] const char* name_of(Verdict verdict);
 
@@ -48,6 +51,10 @@ struct CheckReport {
 
 /// 17 significant digits give back the same binary64.
 [[nodiscard]] std::string exact_text(const Enclosure& enclosure);
+
+/// Of the first refuted or unproved row.
+[[nodiscard]] std::string readable(const CheckedRow& row, MapElements elements);
+[[nodiscard]] JsonObject object_of(const CheckedRow& row, MapElements elements);
 
 [[nodiscard]] std::string readable(const CheckReport& report);
 

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <vector>
 #include <verisq/bone_region.hpp>
+#include <verisq/certificate_file.hpp>
+#include <verisq/certified_insertion.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/least_removal.hpp>
 #include <verisq/map_file.hpp>
@@ -77,6 +79,17 @@ bool is_searched(const InsertArguments& arguments) {
   return arguments.search_cone || arguments.search_turn;
 }
 
+void check_certificate_file(const InsertArguments& arguments, const std::vector<std::string>& inputs) {
+  const std::string& file = arguments.certificate_file;
+  if (file.empty()) return;
+  if (std::filesystem::path(file).extension() != ".json")
+    refuse(fmt::format("--certificate-file {}: is a .json", file));
+  if (arguments.resection)
+    refuse("--certificate-file: not with --resection, which leaves a part of the mesh out: cut it first");
+  refuse_to_overwrite("--certificate-file", file, inputs);
+  refuse_one_file_twice({arguments.output, file, arguments.report.html, arguments.report.png});
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
   command_line::check_usage(arguments.inputs);
@@ -89,6 +102,43 @@ void check_usage(const InsertArguments& arguments) {
                                         arguments.inputs.poses.value_or(""), arguments.within.value_or("")};
   refuse_to_overwrite("-o", arguments.output, inputs);
   command_line::check_usage(arguments.report, inputs);
+  check_certificate_file(arguments, inputs);
+}
+
+/// Throws Error(input) where the implant's rows have no certificates.
+void require_certificates(const InsertArguments& arguments, const Model& implant) {
+  if (arguments.certificate_file.empty() || is_union_of_convex(implant)) return;
+  refuse(
+      fmt::format("--certificate-file: {}: ways in of bent models, or of csg other than the union of all primitives, "
+                  "have no certificates",
+                  arguments.inputs.implant));
+}
+
+/// What was found, by what certificates prove; it is written when that is all.
+void certify(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant, const Mesh& bone,
+             InsertionOptions options, Insertion& insertion) {
+  std::optional<ProgressBar> bar;
+  bar.emplace(!arguments.no_progress, "certificates");
+  options.progress = [&](double done) {
+    bar->update(static_cast<std::uint64_t>(done * static_cast<double>(bone.vertices.size())), done);
+  };
+  CertifiedInsertion certified = certified_insertion(path, implant, bone.vertices, insertion, options);
+  bar.reset();
+  std::ranges::copy(certified.rows, insertion.rows.begin());
+  if (certified.summary.interrupted) {
+    insertion.summary.interrupted = true;
+    return;
+  }
+  insertion.summary = certified.summary;
+  InsertionAnswer answer{.model = subject_file(arguments.inputs.implant),
+                         .mesh = subject_file(arguments.inputs.mesh),
+                         .units = implant.units,
+                         .pose = arguments.inputs.pose,
+                         .path = {path.begin(), path.end()},
+                         .rows = {}};
+  for (std::size_t n = 0; n < insertion.rows.size(); ++n)
+    answer.rows.push_back({insertion.rows[n].distance, std::move(certified.certificates[n])});
+  write_answer(arguments.certificate_file, answer);
 }
 
 /// Returns the name of the file that holds the map; empty when an interrupted search left none.
@@ -252,6 +302,9 @@ void declare_insert(Options& options, InsertArguments& arguments) {
               "Default: 0.02, or 1e-7 of the cube about the implant's bounding sphere");
   add_device(options, arguments.device);
   options.require("-o,--output", arguments.output, "FILE", map_explanation);
+  options.add("--certificate-file", arguments.certificate_file, "FILE",
+              "The rows with what proves each again, for `verisq check --certificate`: .json. The map gets what these "
+              "prove");
   declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
@@ -260,6 +313,7 @@ void declare_insert(Options& options, InsertArguments& arguments) {
 ExitStatus run_insert(const InsertArguments& arguments) {
   check_usage(arguments);
   const Model implant = read_model_at(arguments.inputs.pose, arguments.inputs.implant);
+  require_certificates(arguments, implant);
   const NamedMesh whole_bone{arguments.inputs.mesh, read_mesh(arguments.inputs.mesh)};
   const std::optional<BoneRegion> region = bone_region(arguments, whole_bone);
   const Mesh bone = arguments.resection ? before_resection(whole_bone, *arguments.resection) : whole_bone.mesh;
@@ -288,8 +342,10 @@ ExitStatus run_insert(const InsertArguments& arguments) {
                                    if (!bar) bar.emplace(!arguments.no_progress, "points");
                                    bar->update(static_cast<std::uint64_t>(done * points), done);
                                  }};
-  const Insertion insertion = smallest_distance_along(path, implant, bone.vertices, options);
+  Insertion insertion = smallest_distance_along(path, implant, bone.vertices, options);
   bar.reset();  // the line is cleared before anything else is said
+  if (!arguments.certificate_file.empty() && !insertion.summary.interrupted)
+    certify(arguments, path, implant, bone, options, insertion);
 
   count(insertion, report);
   if (on_triangles && !insertion.summary.interrupted) {
@@ -304,6 +360,7 @@ ExitStatus run_insert(const InsertArguments& arguments) {
     report.least_volume_tolerance = least_volume_tolerance_of(arguments, implant);
     report.volume_seconds = volume_time.seconds();
   }
+  if (!insertion.summary.interrupted) report.certificate = arguments.certificate_file;
   report.output = write_map(bone, insertion, std::move(writer), arguments.output);
   report.poses = path.size();
   report.units = implant.units;

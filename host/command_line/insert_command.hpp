@@ -28,6 +28,7 @@ struct InsertArguments {
   std::optional<double> volume_tolerance;  ///< relative
   std::string device = "auto";
   std::string output;
+  std::string certificate_file;  ///< empty: none
   ReportFiles report;
   bool json = false;
   bool no_progress = false;

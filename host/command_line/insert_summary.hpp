@@ -32,6 +32,7 @@ struct InsertReport {
   double volume_seconds = 0.0;                ///< wall time of the volume
   std::optional<WayIn> way = {};              ///< of paths that are not given pose by pose
   std::optional<LeastRemoval> search = {};    ///< of that way among others, where asked for
+  std::string certificate = {};               ///< the certificates' file; empty when not written
   std::string page = {};                      ///< the report's file; empty when not written
   std::string picture = {};
   double degrees_off = 0.0;  ///< its direction of the one that was given, about

@@ -30,12 +30,6 @@ namespace {
 
 constexpr std::size_t chunk_size = 4096;
 
-bool comes_first(const CheckedRow& a, const CheckedRow& b) {
-  const bool a_refuted = a.finding.verdict == Verdict::refuted;
-  const bool b_refuted = b.finding.verdict == Verdict::refuted;
-  return a_refuted != b_refuted ? a_refuted : a.index < b.index;
-}
-
 /// Counts verdicts, which threads deliver in any order.
 template <typename Stream>
 class Tally {
@@ -47,18 +41,7 @@ class Tally {
     const std::lock_guard lock(mutex_);
     statuses_.add(row.index, {row.claimed, status}, tightest);
     proven_(row.index, row.finding.proven);
-    report_.smallest = {std::min(report_.smallest.lo, row.finding.proven.lo),
-                        std::min(report_.smallest.hi, row.finding.proven.hi)};
-    switch (row.finding.verdict) {
-      case Verdict::proved: ++report_.proved; break;
-      case Verdict::refuted: ++report_.refuted; break;
-      case Verdict::unproved: ++report_.unproved; break;
-    }
-    if (row.finding.verdict == Verdict::proved) {
-      report_.largest_width = std::max(report_.largest_width, row.claimed.width());
-    } else if (!report_.first || comes_first(row, *report_.first)) {
-      report_.first = row;
-    }
+    count(row, report_);
     bar_.update(report_.rows(), stream_.fraction(report_.rows()));
   }
 

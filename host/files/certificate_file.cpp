@@ -9,8 +9,10 @@
 #include <utility>
 #include <verisq/certificate_file.hpp>
 
+#include "host/files/certificate_fields.hpp"
 #include "host/files/certificate_size.hpp"
 #include "host/files/input_file.hpp"
+#include "host/files/insertion_answer.hpp"
 #include "host/files/json_document.hpp"
 #include "host/files/sha256.hpp"
 #include "host/files/subject_file.hpp"
@@ -20,38 +22,9 @@ namespace {
 
 constexpr std::string_view certificate_format = "verisq-certificate/1";
 
-template <std::size_t N>
-std::array<double, N> finite_numbers(const JsonValue& value) {
-  if (value.size() != N) value.fail(fmt::format("must be an array of {} numbers", N));
-  std::array<double, N> result{};
-  for (std::size_t k = 0; k < N; ++k) result[k] = value.element(k).number();
-  return result;
-}
-
-Enclosure read_claim(const JsonValue& value) {
-  value.check_keys({"lo", "hi"});
-  return {value.at("lo").number_or_infinity(), value.at("hi").number_or_infinity()};
-}
-
 std::array<SubjectFile, 2> read_two_models(const JsonValue& value) {
   if (value.size() != 2) value.fail("must be an array of two models");
   return {read_subject_file(value.element(0)), read_subject_file(value.element(1))};
-}
-
-Pose read_second_pose(const JsonValue& value) {
-  value.check_keys({"translation", "quaternion"});
-  const Pose pose{finite_numbers<3>(value.at("translation")), finite_numbers<4>(value.at("quaternion"))};
-  if (std::ranges::all_of(pose.quaternion, [](double c) { return c == 0.0; })) {
-    value.at("quaternion").fail("must not be zero");
-  }
-  return pose;
-}
-
-std::uint32_t read_index(const JsonValue& value) {
-  if (!value.json().is_number_unsigned() || value.json().get<std::uint64_t>() > 0xffffffffU) {
-    value.fail("must be an index");
-  }
-  return value.json().get<std::uint32_t>();
 }
 
 Separation read_separation(const JsonValue& value) {
@@ -87,13 +60,8 @@ std::string checked_kind(const JsonValue& root) {
   return root.at("kind").text();
 }
 
-std::string units_of(const JsonValue& root) {
-  const auto units = root.find("units");
-  return units ? units->text() : std::string();
-}
-
 PosedAnswer read_posed(const JsonValue& value) {
-  return {read_second_pose(value.at("pose")), read_claim(value.at("distance")), read_pair_proof(value.at("proof"))};
+  return {read_pose_object(value.at("pose")), read_claim(value.at("distance")), read_pair_proof(value.at("proof"))};
 }
 
 PairAnswer read_pair(const JsonValue& root) {
@@ -120,12 +88,6 @@ std::uint32_t read_area_index(const JsonValue& value, std::size_t areas) {
   const std::uint32_t index = read_index(value);
   if (index >= areas) value.fail(fmt::format("must be below {}, the number of areas", areas));
   return index;
-}
-
-double nonnegative_number(const JsonValue& value) {
-  const double number = value.number();
-  if (number < 0.0) value.fail("must be at least 0");
-  return number;
 }
 
 Fitness read_criterion(const JsonValue& value) {
@@ -246,7 +208,8 @@ Answer parse_answer(std::string_view json, std::string_view name) {
   if (kind == "pair") return read_pair(root);
   if (kind == "poses") return read_poses(root);
   if (kind == "fit") return read_fit(root);
-  root.at("kind").fail("must be \"pair\", \"poses\" or \"fit\"");
+  if (kind == "insertion") return read_insertion(root);
+  root.at("kind").fail("must be \"pair\", \"poses\", \"fit\" or \"insertion\"");
 }
 
 Answer read_answer(const std::filesystem::path& path) {

@@ -9,6 +9,7 @@
 
 #include "host/errors/refusal.hpp"
 #include "host/files/certificate_size.hpp"
+#include "host/files/cover_digits.hpp"
 #include "host/files/output_file.hpp"
 
 namespace verisq {
@@ -29,6 +30,35 @@ OrderedJson json_of(const Enclosure& claim) {
   return {{"lo", end_of_claim(claim.lo)}, {"hi", end_of_claim(claim.hi)}};
 }
 
+OrderedJson json_of(const Pose& pose) {
+  return {{"translation", pose.translation}, {"quaternion", pose.quaternion}};
+}
+
+/// What of it an insertion needs.
+void add_certificate(OrderedJson& object, const Certificate& certificate) {
+  object["normals"] = OrderedJson::array();
+  for (const auto& [primitive, v] : certificate.normals)
+    object["normals"].push_back(OrderedJson::array({primitive, v[0], v[1], v[2]}));
+  if (certificate.escape) object["escape"] = *certificate.escape;
+  if (certificate.witness) object["witness"] = *certificate.witness;
+  if (!certificate.cover.empty()) object["cover"] = digits_of_cover(certificate.cover);
+}
+
+OrderedJson json_of(const WayPart& part) {
+  OrderedJson object{{"until", part.until}, {"segment", part.segment}};
+  add_certificate(object, part.certificate);
+  return object;
+}
+
+OrderedJson json_of(const InsertionAnswer::Row& row) {
+  OrderedJson object = json_of(row.distance);
+  object["deepest"] = {{"time", row.certificate.deepest}};
+  add_certificate(object["deepest"], row.certificate.at_deepest);
+  object["parts"] = OrderedJson::array();
+  for (const WayPart& part : row.certificate.parts) object["parts"].push_back(json_of(part));
+  return object;
+}
+
 OrderedJson json_of(const Separation& separation) {
   return {{"primitive_a", separation.primitive_a},
           {"primitive_b", separation.primitive_b},
@@ -47,7 +77,7 @@ OrderedJson json_of(const PairCertificate& certificate) {
 /// Of what `answer` claims and by what.
 template <class Posed>
 void add_claim(OrderedJson& object, const Posed& answer) {
-  object["pose"] = {{"translation", answer.pose.translation}, {"quaternion", answer.pose.quaternion}};
+  object["pose"] = json_of(answer.pose);
   object["distance"] = json_of(answer.distance);
   object["proof"] = json_of(answer.certificate);
 }
@@ -68,6 +98,25 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   OutputFile file(path);
   file.write(text);
   file.finish();
+}
+
+/// `head` with the `count` objects of `key` at its end, a line each, and none of them as a document in memory beside
+/// the text. Of `fewer` it asks where they are too many.
+template <class Object>
+void write_lines(const std::filesystem::path& path, const OrderedJson& head, const char* key, std::size_t count,
+                 const char* fewer, const Object& object) {
+  const std::string ending = "\n]}\n";
+  std::string text = text_of(head, -1);
+  text.back() = ',';  // instead of the brace
+  text += fmt::format("\n\"{}\": [", key);
+  for (std::size_t i = 0; i < count; ++i) {
+    text += (i == 0 ? "\n" : ",\n") + text_of(object(i), -1);
+    if (text.size() + ending.size() > largest_certificate) {
+      refuse(fmt::format("{}: the first {} of {} {} take more than the {} bytes of a certificate file: give fewer {}",
+                         path.string(), i + 1, count, key, largest_certificate, fewer));
+    }
+  }
+  write_text(path, text + ending);
 }
 
 }  // namespace
@@ -103,23 +152,24 @@ void write_answer(const std::filesystem::path& path, const FitAnswer& answer) {
   write_text(path, text);
 }
 
-/// A line each, and none of them as a document in memory beside the text.
 void write_answer(const std::filesystem::path& path, const PoseAnswers& answers) {
-  const std::string ending = "\n]}\n";
-  std::string text = text_of(head_of(answers, "poses"), -1);
-  text.back() = ',';  // instead of the brace
-  text += "\n\"answers\": [";
-  for (std::size_t i = 0; i < answers.answers.size(); ++i) {
+  write_lines(path, head_of(answers, "poses"), "answers", answers.answers.size(), "poses", [&](std::size_t i) {
     OrderedJson object;
     add_claim(object, answers.answers[i]);
-    text += (i == 0 ? "\n" : ",\n") + text_of(object, -1);
-    if (text.size() + ending.size() > largest_certificate) {
-      refuse(fmt::format(
-          "{}: the first {} of {} answers take more than the {} bytes of a certificate file: give fewer poses",
-          path.string(), i + 1, answers.answers.size(), largest_certificate));
-    }
-  }
-  write_text(path, text + ending);
+    return object;
+  });
+}
+
+void write_answer(const std::filesystem::path& path, const InsertionAnswer& answer) {
+  OrderedJson head{{"format", "verisq-certificate/1"}, {"kind", "insertion"}};
+  head["models"] = OrderedJson::array({json_of(answer.model)});
+  head["mesh"] = json_of(answer.mesh);
+  if (!answer.units.empty()) head["units"] = answer.units;
+  if (answer.pose) head["pose"] = json_of(*answer.pose);
+  head["path"] = OrderedJson::array();
+  for (const Pose& pose : answer.path) head["path"].push_back(json_of(pose));
+  write_lines(path, head, "rows", answer.rows.size(), "vertices",
+              [&](std::size_t i) { return json_of(answer.rows[i]); });
 }
 
 }  // namespace verisq

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include <verisq/clearance_report.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/fitness.hpp>
+#include <verisq/insertion_certificate.hpp>
 #include <verisq/model.hpp>
 #include <verisq/pair_certificate.hpp>
 
@@ -76,7 +78,22 @@ struct FitAnswer {
 /// Precondition: `points_of` as many as fit into memory.
 [[nodiscard]] ClearanceTerms terms_of(const FitAnswer& answer);
 
-using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer>;
+/// The kind `insertion`: the smallest signed distance of each of a bone's vertices to an implant along its way in.
+struct InsertionAnswer {
+  struct Row {
+    Enclosure distance;  ///< the claim
+    InsertionCertificate certificate;
+  };
+
+  SubjectFile model;
+  SubjectFile mesh;
+  std::string units;         ///< free text; empty when not given
+  std::optional<Pose> pose;  ///< moves the model first (verisq/posed_model.hpp)
+  std::vector<Pose> path;    ///< at least one
+  std::vector<Row> rows;     ///< in the order of the vertices
+};
+
+using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, InsertionAnswer>;
 
 /// Of any kind. Throws as `read_pair_answer`.
 [[nodiscard]] Answer read_answer(const std::filesystem::path& path);
@@ -96,5 +113,6 @@ using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer>;
 void write_answer(const std::filesystem::path& path, const PairAnswer& answer);
 void write_answer(const std::filesystem::path& path, const PoseAnswers& answers);
 void write_answer(const std::filesystem::path& path, const FitAnswer& answer);
+void write_answer(const std::filesystem::path& path, const InsertionAnswer& answer);
 
 }  // namespace verisq

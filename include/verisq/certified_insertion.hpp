@@ -16,8 +16,8 @@ struct CertifiedInsertion {
 
 /// Of what `smallest_distance_along` found with the same arguments. Rows are about as tight as those, and wide where a
 /// certificate would have too many parts. Interrupted, it has the rows that are proven by then, the first ones; no
-/// device is used. Throws Error(input) unless the implant is is_union_of_convex. Precondition: `found` has a row for each
-/// point of the bone.
+/// device is used. Throws Error(input) unless the implant is is_union_of_convex. Precondition: `found` has a row for
+/// each point of the bone.
 [[nodiscard]] CertifiedInsertion certified_insertion(std::span<const Pose> path, const Model& implant,
                                                      std::span<const Point> bone, const Insertion& found,
                                                      const InsertionOptions& options);

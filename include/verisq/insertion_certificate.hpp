@@ -26,8 +26,8 @@ struct WayPart {
 
 /// What proves an enclosure [lo, hi] of the smallest signed distance along a path, whatever it holds.
 struct InsertionCertificate {
-  double deepest = 0.0;       ///< a time, of which the distance is at most hi
-  Certificate at_deepest;     ///< of the point at that time
+  double deepest = 0.0;        ///< a time, of which the distance is at most hi
+  Certificate at_deepest;      ///< of the point at that time
   std::vector<WayPart> parts;  ///< of all of the way: of each the distance is at least lo
 
   [[nodiscard]] bool operator==(const InsertionCertificate&) const = default;

@@ -26,10 +26,10 @@ using verify::RigidPath;
 const Model one{"mm", {{"shaft", {{1.0, 1.4, 6.0}, {0.7, 0.9}}, {{0.0, 0.0, -3.0}, {1.0, 0.1, 0.0, 0.0}}}}, {}};
 
 /// Of two solids that overlap, and one of them tapered.
-const Model stem{"mm",
-                 {one.primitives.front(),
-                  {"neck", {{0.8, 0.8, 3.0}, {0.4, 1.0}, 1.5}, {{1.0, 0.5, 3.0}, {0.9, 0.3, -0.2, 0.1}}}},
-                 {}};
+const Model stem{
+    "mm",
+    {one.primitives.front(), {"neck", {{0.8, 0.8, 3.0}, {0.4, 1.0}, 1.5}, {{1.0, 0.5, 3.0}, {0.9, 0.3, -0.2, 0.1}}}},
+    {}};
 
 struct Scene {
   const char* name;

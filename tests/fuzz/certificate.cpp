@@ -48,7 +48,23 @@ void check_answer(const FitAnswer& answer) {
   check(points_of(answer) <= std::uint64_t{1} << 32U, "as many points as a mesh may have");
 }
 
+void check_answer(const InsertionAnswer& answer) {
+  check(!answer.path.empty() && !answer.rows.empty(), "there are a way and vertices");
+  for (const Pose& pose : answer.path)
+    check(std::ranges::any_of(pose.quaternion, [](double c) { return c != 0.0; }), "a quaternion is not zero");
+  for (const auto& [claim, certificate] : answer.rows) {
+    check(!std::isnan(claim.lo) && !std::isnan(claim.hi), "a claim has two ends");
+    check(certificate.deepest >= 0.0, "a time is not negative");
+    for (const WayPart& part : certificate.parts)
+      check(part.until >= 0.0 && finite(part.segment[0]) && finite(part.segment[1]), "a part of a way is finite");
+  }
+}
+
 std::vector<SubjectFile> subjects_of(const FitAnswer& answer) {
+  return {answer.model, answer.mesh};
+}
+
+std::vector<SubjectFile> subjects_of(const InsertionAnswer& answer) {
   return {answer.model, answer.mesh};
 }
 

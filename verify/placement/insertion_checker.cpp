@@ -59,9 +59,9 @@ InsertionChecker& InsertionChecker::operator=(InsertionChecker&&) noexcept = def
 
 Finding InsertionChecker::operator()(const Point& point, const Enclosure& claimed,
                                      const InsertionCertificate& certificate) const {
-  const Enclosure proven = verify::between(
-      state_->lower(point, claimed.lo, certificate), state_->upper(point, claimed.hi, certificate),
-      [&] { return "the smallest distance on the way of " + verify::text_of(point); });
+  const Enclosure proven =
+      verify::between(state_->lower(point, claimed.lo, certificate), state_->upper(point, claimed.hi, certificate),
+                      [&] { return "the smallest distance on the way of " + verify::text_of(point); });
   return verify::judged(claimed, proven, proven);
 }
 

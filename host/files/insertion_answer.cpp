@@ -1,0 +1,91 @@
+/// Rows are read one by one; what proves them need not prove anything.
+#include "host/files/insertion_answer.hpp"
+
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "host/files/certificate_fields.hpp"
+#include "host/files/cover_digits.hpp"
+#include "host/files/subject_file.hpp"
+
+namespace verisq {
+namespace {
+
+/// [primitive, x, y, z]
+Normal read_normal(const JsonValue& value) {
+  if (value.size() != 4) value.fail("must be the index of a primitive and three numbers");
+  return {read_index(value.element(0)),
+          {value.element(1).number(), value.element(2).number(), value.element(3).number()}};
+}
+
+std::vector<Normal> read_normals(const JsonValue& value) {
+  std::vector<Normal> normals;
+  for (std::size_t i = 0; i < value.size(); ++i) normals.push_back(read_normal(value.element(i)));
+  return normals;
+}
+
+std::optional<Point> read_point(const JsonValue& object, std::string_view key) {
+  const auto point = object.find(key);
+  return point ? std::optional<Point>(finite_numbers<3>(*point)) : std::nullopt;
+}
+
+Certificate read_certificate(const JsonValue& object) {
+  Certificate certificate{read_normals(object.at("normals")), read_point(object, "escape")};
+  certificate.witness = read_point(object, "witness");
+  if (const auto text = object.find("cover")) {
+    auto cover = cover_from(text->text());
+    if (!cover) text->fail("must be the hexadecimal digits of a cover");
+    certificate.cover = *std::move(cover);
+  }
+  return certificate;
+}
+
+WayPart read_part(const JsonValue& value) {
+  value.check_keys({"until", "segment", "normals", "escape", "witness", "cover"});
+  const JsonValue segment = value.at("segment");
+  if (segment.size() != 2) segment.fail("must be an array of two points");
+  return {nonnegative_number(value.at("until")),
+          {finite_numbers<3>(segment.element(0)), finite_numbers<3>(segment.element(1))},
+          read_certificate(value)};
+}
+
+InsertionAnswer::Row read_row(const JsonValue& value) {
+  value.check_keys({"lo", "hi", "deepest", "parts"});
+  const JsonValue deepest = value.at("deepest");
+  deepest.check_keys({"time", "normals", "escape", "witness", "cover"});
+  InsertionAnswer::Row row{{value.at("lo").number_or_infinity(), value.at("hi").number_or_infinity()},
+                           {nonnegative_number(deepest.at("time")), read_certificate(deepest), {}}};
+  const JsonValue parts = value.at("parts");
+  for (std::size_t i = 0; i < parts.size(); ++i) row.certificate.parts.push_back(read_part(parts.element(i)));
+  return row;
+}
+
+std::vector<Pose> read_path(const JsonValue& value) {
+  if (value.size() == 0) value.fail("must not be empty");
+  std::vector<Pose> path;
+  for (std::size_t k = 0; k < value.size(); ++k) path.push_back(read_pose_object(value.element(k)));
+  return path;
+}
+
+}  // namespace
+
+InsertionAnswer read_insertion(const JsonValue& root) {
+  root.check_keys({"format", "kind", "models", "mesh", "units", "pose", "path", "rows"});
+  const JsonValue models = root.at("models");
+  if (models.size() != 1) models.fail("must be an array of one model");
+  InsertionAnswer answer{.model = read_subject_file(models.element(0)),
+                         .mesh = read_subject_file(root.at("mesh")),
+                         .units = units_of(root),
+                         .pose = {},
+                         .path = read_path(root.at("path")),
+                         .rows = {}};
+  if (const auto pose = root.find("pose")) answer.pose = read_pose_object(*pose);
+  const JsonValue rows = root.at("rows");
+  if (rows.size() == 0) rows.fail("must not be empty");
+  answer.rows.reserve(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) answer.rows.push_back(read_row(rows.element(i)));
+  return answer;
+}
+
+}  // namespace verisq

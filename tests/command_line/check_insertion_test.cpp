@@ -1,0 +1,172 @@
+/// The distances along a way in are proved from their file alone, and no forgery of it is.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/fixtures/program_test.hpp"
+
+namespace verisq::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class CheckInsertion : public ProgramTest {
+ protected:
+  void SetUp() override {
+    const Outcome outcome = insert({"--along", "0,0,-1", "--length", "60", "--certificate-file", proof_});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("certificate          " + proof_));
+  }
+
+  [[nodiscard]] Outcome insert(const Arguments& more) const {
+    Arguments arguments{"insert", "--implant", implant_, "--mesh",   mesh_,  "-o",
+                        map_,     "--tol",     "0.2",    "--device", "host", "--no-progress"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  [[nodiscard]] Outcome check(const std::string& proof, const Arguments& more = {}) const {
+    Arguments arguments{VERISQ_CHECK_PROGRAM, "--model", implant_,       "--mesh", mesh_,
+                        "--certificate",      proof,     "--no-progress"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Process(arguments, folder_.path()).wait();
+  }
+
+  [[nodiscard]] json document() const {
+    std::ifstream in(proof_);
+    return json::parse(in);
+  }
+
+  [[nodiscard]] std::string forged(const std::string& pointer, const json& value) const {
+    json other = document();
+    other[json::json_pointer(pointer)] = value;
+    return write("forged.json", other.dump());
+  }
+
+  void expect_not_proved(const std::string& pointer, const json& value) const {
+    const Outcome outcome = check(forged(pointer, value));
+    EXPECT_EQ(outcome.status, 3) << pointer << " " << value << outcome.out << outcome.err;
+  }
+
+  std::string implant_ = VERISQ_EXAMPLES "/stem_mm.json";
+  std::string mesh_ = VERISQ_EXAMPLES "/cavity.off";
+  std::string map_ = path("map.csv");
+  std::string proof_ = path("proof.json");
+};
+
+TEST_F(CheckInsertion, ProvesTheDistanceOfEveryVertex) {
+  const Outcome outcome = check(proof_);
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("points               786\n  proved             786\n"));
+  EXPECT_THAT(outcome.out, HasSubstr(" mm of these points along the whole way, proved\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("where bone must be removed\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("the way begins at    0,0,60,1,0,0,0"));
+  EXPECT_THAT(outcome.out, HasSubstr("not claimed          what lies between the vertices"));
+  const json object = json::parse(check(proof_, {"--json"}).out);
+  EXPECT_EQ(object["kind"], "insertion");
+  EXPECT_EQ(object["proved"], 786);
+  EXPECT_EQ(object["proven_cut"].get<int>() + object["proven_untouched"].get<int>() + object["undecided"].get<int>(),
+            786);
+  EXPECT_GT(object["proven_cut"], 100);
+}
+
+TEST_F(CheckInsertion, IsOfTheRowsOfTheMap) {
+  const json proof = document();
+  const std::vector<Row> rows = rows_of(map_);
+  ASSERT_EQ(rows.size(), proof["rows"].size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    EXPECT_EQ(rows[n].distance.lo, proof["rows"][n]["lo"].get<double>());
+    EXPECT_EQ(rows[n].distance.hi, proof["rows"][n]["hi"].get<double>());
+  }
+}
+
+TEST_F(CheckInsertion, NeverProvesAForgery) {
+  const json proof = document();
+  for (const std::string& row : {std::string("/rows/3"), std::string("/rows/500"), std::string("/rows/741")}) {
+    const double lo = proof[json::json_pointer(row + "/lo")];
+    const double hi = proof[json::json_pointer(row + "/hi")];
+    expect_not_proved(row + "/lo", hi + 1e-12);
+    expect_not_proved(row + "/hi", lo - 1e-12);
+    expect_not_proved(row + "/parts", json::array());
+    expect_not_proved(row + "/parts/0/until", 2.5);
+    expect_not_proved(row + "/parts/0/segment/0/2", -1000.0);
+    expect_not_proved(row + "/parts/0/normals", json::array());
+    expect_not_proved(row + "/deepest/normals", json::array());
+  }
+  expect_not_proved("/path/0/translation/0", 9.0);
+  expect_not_proved("/pose", {{"translation", {0, 0, 1}}, {"quaternion", {1, 0, 0, 0}}});
+  json swapped = proof;
+  std::swap(swapped["rows"][10], swapped["rows"][700]);
+  EXPECT_EQ(check(write("forged.json", swapped.dump())).status, 3);
+}
+
+/// Of a refuted answer no smallest distance is told: it would be read as that of the way.
+TEST_F(CheckInsertion, TellsNoSmallestDistanceOfWhatIsRefuted) {
+  const Outcome outcome = check(forged("/rows/3/hi", -5.0));
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.out, HasSubstr("  refuted            1\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("first refuted point, index 3, at ("));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("smallest distance")));
+}
+
+TEST_F(CheckInsertion, IsOfNoOtherModelMeshOrForm) {
+  const auto refused = [&](const Outcome& outcome, const std::string& words) {
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  refused(check(forged("/models/0/sha256", std::string(64, '0'))), "is about another model");
+  refused(check(forged("/mesh/sha256", std::string(64, '0'))), "is about another mesh");
+  refused(check(forged("/units", "cm")), "are not those of the model, \"mm\"");
+  refused(check(forged("/path", json::array())), "path = []: must not be empty");
+  refused(check(forged("/rows", json::array({document()["rows"][0]}))), "1 rows for the 786 vertices");
+  refused(check(forged("/rows/7/parts/0/until", -1)), "rows[7].parts[0].until = -1: must be at least 0");
+  refused(check(forged("/rows/7/parts/0/cover", "0f")), "rows[7].parts[0].cover = \"0f\": must be the hexadecimal");
+  refused(check(forged("/rows/7/deepest/normals", {{0, 1, 2}})), "must be the index of a primitive and three numbers");
+  refused(check(forged("/path/0/quaternion", {0, 0, 0, 0})), "must not be zero");
+  refused(check(proof_, {"--map", map_}), "not with --map");
+  refused(check(proof_, {"--pose", "0,0,1,1,0,0,0"}), "not with --pose");
+  refused(run({"check", "--model", implant_, "--certificate", proof_}), "give the --mesh");
+}
+
+TEST_F(CheckInsertion, IsOfTheModelWhereItWasMoved) {
+  const std::string moved = path("moved.json");
+  const Outcome outcome = insert({"--along", "0,0.1,-1", "--length", "60", "--turn", "20", "--pose",
+                                  "0.1,0,2,1,0.01,0,0", "--certificate-file", moved});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome proved = check(moved);
+  EXPECT_EQ(proved.status, 0) << proved.err << proved.out;
+  EXPECT_THAT(proved.out, HasSubstr("model moved by       0.1"));
+}
+
+TEST_F(CheckInsertion, NeedsWhatHasCertificates) {
+  const auto refused = [&](const Outcome& outcome, const std::string& words) {
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  const Arguments way{"--along", "0,0,-1", "--length", "60"};
+  const auto with = [&](Arguments more) {
+    more.insert(more.begin(), way.begin(), way.end());
+    return insert(more);
+  };
+  refused(with({"--certificate-file", path("c.csv")}), "is a .json");
+  refused(with({"--certificate-file", mesh_}), "is a .json");
+  refused(with({"--certificate-file", implant_}), "--certificate-file");
+  refused(with({"--certificate-file", path("c.json"), "--resection", "0,0,0,0,0,1", "--cavity"}),
+          "not with --resection");
+  std::filesystem::create_symlink(path("c.json"), path("d.json"));
+  refused(run({"insert", "--implant", implant_, "--mesh", mesh_, "--along", "0,0,-1", "--length", "60", "-o",
+               path("c.json"), "--certificate-file", path("d.json")}),
+          "two outputs");
+  refused(run({"insert", "--implant", VERISQ_EXAMPLES "/bent_stem.json", "--mesh", mesh_, "--along", "0,0,-1",
+               "--length", "60", "-o", map_, "--certificate-file", path("c.json")}),
+          "ways in of bent models");
+}
+
+}  // namespace
+}  // namespace verisq::testing
