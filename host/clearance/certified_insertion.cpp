@@ -70,17 +70,23 @@ class InsertionProver {
     InsertionCertificate certificate{deepest, std::move(there.certificate), {}};
     // Rounded up, so that the checker, which takes the radius off again, asks for no more than was proven.
     const double upper = verify::add(there.distance.hi, radius, verify::Direction::up);
-    if (std::isfinite(found.lo)) {
-      const double goal = std::min(found.lo, upper - tolerance_);
-      prove(point, 0.0, path_.last_time(), goal, certificate.parts);
-    }
-    const Finding finding = insertions_(point, {found.lo, upper}, certificate);
-    return {finding.proven, std::move(certificate)};
+    const double goal = upper - tolerance_;
+    Enclosure proven = prove(point, {goal, upper}, certificate);
+    // That may ask for more than is true; what was found does not.
+    if (!verified(proven, tolerance_) && found.lo < goal) proven = prove(point, {found.lo, upper}, certificate);
+    return {proven, std::move(certificate)};
   }
 
  private:
   [[nodiscard]] verify::PointBall local_point(const Point& point, double time) const {
     return RigidPath::local_point(path_.nearest_pose(time), point);
+  }
+
+  // What the certificate proves with parts of which no distance is below the claim, or as near to that as they get.
+  [[nodiscard]] Enclosure prove(const Point& point, const Enclosure& claim, InsertionCertificate& certificate) const {
+    certificate.parts.clear();
+    if (std::isfinite(claim.lo)) prove(point, 0.0, path_.last_time(), claim.lo, certificate.parts);
+    return insertions_(point, claim, certificate).proven;
   }
 
   // Appends parts from `begin` to `end`, of which no distance is below the goal, or as near to that as they get.

@@ -62,6 +62,8 @@ constexpr const char* closing_words =
     "Examples:\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --along 0,0,-1 --length 120 -o removal.vtp\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --poses path.csv --tol 0.05 -o removal.csv --json\n"
+    "  verisq insert --implant fitted.json --mesh femur.stl --along 0,0,-1 --length 120 -o removal.vtp \\\n"
+    "    --certificate-file removal.json\n"
     "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
     "    --along 0,0,-1 --length 100 -o removal.vtp\n"
     "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"

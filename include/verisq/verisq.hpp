@@ -6,6 +6,7 @@
 #include <verisq/cavity.hpp>
 #include <verisq/certificate.hpp>
 #include <verisq/certificate_file.hpp>
+#include <verisq/certified_insertion.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
 #include <verisq/clearance_claim.hpp>

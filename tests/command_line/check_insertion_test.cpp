@@ -19,6 +19,10 @@ using ::testing::Not;
 class CheckInsertion : public ProgramTest {
  protected:
   void SetUp() override {
+    std::ifstream in(VERISQ_EXAMPLES "/stem_mm.json");
+    json stem = json::parse(in);
+    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
+    (void)write("stem.json", stem.dump());
     const Outcome outcome = insert({"--along", "0,0,-1", "--length", "60", "--certificate-file", proof_});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("certificate          " + proof_));
@@ -54,7 +58,7 @@ class CheckInsertion : public ProgramTest {
     EXPECT_EQ(outcome.status, 3) << pointer << " " << value << outcome.out << outcome.err;
   }
 
-  std::string implant_ = VERISQ_EXAMPLES "/stem_mm.json";
+  std::string implant_ = path("stem.json");
   std::string mesh_ = VERISQ_EXAMPLES "/cavity.off";
   std::string map_ = path("map.csv");
   std::string proof_ = path("proof.json");
@@ -73,7 +77,7 @@ TEST_F(CheckInsertion, ProvesTheDistanceOfEveryVertex) {
   EXPECT_EQ(object["proved"], 786);
   EXPECT_EQ(object["proven_cut"].get<int>() + object["proven_untouched"].get<int>() + object["undecided"].get<int>(),
             786);
-  EXPECT_GT(object["proven_cut"], 100);
+  EXPECT_GE(object["proven_cut"], 50);
 }
 
 TEST_F(CheckInsertion, IsOfTheRowsOfTheMap) {
