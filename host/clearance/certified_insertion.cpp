@@ -10,7 +10,6 @@
 
 #include "host/batches/rotation.hpp"
 #include "host/maps/summary_count.hpp"
-#include "host/mesh/extent.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/way_part.hpp"
@@ -54,14 +53,14 @@ struct ProvenPart {
 
 class InsertionProver {
  public:
-  InsertionProver(std::span<const Pose> path, const Model& implant, const Point& about, double tolerance)
+  InsertionProver(std::span<const Pose> path, const Model& implant, double tolerance)
       : tolerance_(tolerance),
         implant_(implant),
-        path_(path, about),
+        path_(path, verify::seat_of(implant, path)),
         points_(implant),
         triangles_(implant),
         checker_(implant),
-        insertions_(implant, path, about) {}
+        insertions_(implant, path) {}
 
   [[nodiscard]] std::pair<Enclosure, InsertionCertificate> operator()(const Point& point, const Enclosure& found,
                                                                       double deepest) const {
@@ -164,7 +163,7 @@ class InsertionProver {
 
 CertifiedInsertion certified_insertion(std::span<const Pose> path, const Model& implant, std::span<const Point> bone,
                                        const Insertion& found, const InsertionOptions& options) {
-  const InsertionProver prover(path, implant, extent_of(bone).centre(), options.tolerance);
+  const InsertionProver prover(path, implant, options.tolerance);
   CertifiedInsertion result{found.rows, std::vector<InsertionCertificate>(found.rows.size()), empty_summary()};
   const auto prove = [&](std::size_t n) {
     auto [distance, certificate] = prover(bone[n], found.rows[n].distance, found.deepest[n]);

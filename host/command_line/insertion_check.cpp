@@ -22,7 +22,6 @@
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/errors/refusal.hpp"
-#include "host/mesh/extent.hpp"
 #include "host/threads/parallel.hpp"
 
 namespace verisq::command_line {
@@ -68,7 +67,7 @@ void count(const CheckedRow& row, InsertionCheckReport& report) {
 
 InsertionCheckReport checked(const InsertionAnswer& answer, const Model& implant, std::span<const Point> bone,
                              const CheckArguments& arguments) {
-  const InsertionChecker checker(implant, answer.path, extent_of(bone).centre());
+  const InsertionChecker checker(implant, answer.path);
   InsertionCheckReport report{};
   ProgressBar bar(!arguments.no_progress, "points");
   const Stopwatch time;

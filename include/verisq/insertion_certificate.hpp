@@ -37,9 +37,9 @@ struct InsertionCertificate {
 /// after construction: safe to call from many threads.
 class InsertionChecker {
  public:
-  /// Of points near to `about` long paths are proven tightest. Throws Error(input) for a path without poses, for poses
-  /// that are not finite or have a zero quaternion, and as Checker.
-  InsertionChecker(const Model& implant, std::span<const Pose> path, const Point& about = {});
+  /// Throws Error(input) for a path without poses, for poses that are not finite or have a zero quaternion, and as
+  /// Checker.
+  InsertionChecker(const Model& implant, std::span<const Pose> path);
   ~InsertionChecker();
   InsertionChecker(InsertionChecker&&) noexcept;
   InsertionChecker& operator=(InsertionChecker&&) noexcept;

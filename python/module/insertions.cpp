@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 #include <verisq/bone_region.hpp>
+#include <verisq/certified_insertion.hpp>
 #include <verisq/error.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/removed_volume.hpp>
@@ -28,6 +29,10 @@ namespace verisq::python {
 
 template <>
 inline constexpr std::size_t member_count<RemovedVolume> = 5;
+template <>
+inline constexpr std::size_t member_count<WayPart> = 3;
+template <>
+inline constexpr std::size_t member_count<InsertionCertificate> = 3;
 
 namespace {
 
@@ -61,6 +66,50 @@ PythonMap map_along(const PythonModel& implant, const py::handle& object, const 
   const Insertion found =
       without_lock(interruption, [&] { return smallest_distance_along(way, exact, bone, options); });
   return map_of_rows(found.rows, found.summary, width);
+}
+
+/// The smallest distances along a way in, with what proves them again.
+struct CertifiedWay {
+  PythonMap map;
+  std::vector<InsertionCertificate> certificates;
+
+  static constexpr std::size_t members = 2;
+};
+
+CertifiedWay certified_map_along(const PythonModel& implant, const py::handle& object, const py::handle& path,
+                                 const std::optional<double>& tolerance, const std::string& device) {
+  const Model& exact = implant.exact("certified_map_along");
+  const std::vector<Point> bone = points(object, "points");
+  const std::vector<Pose> way = poses(path, "path");
+  Interruption interruption;
+  const double width = tolerance_along_way(tolerance, implant.bounding_radius());
+  const InsertionOptions options{.tolerance = width, .device = device, .interrupted = interruption.poll()};
+  CertifiedInsertion proven = without_lock(interruption, [&] {
+    return certified_insertion(way, exact, bone, smallest_distance_along(way, exact, bone, options), options);
+  });
+  return {map_of_rows(proven.rows, proven.summary, width), std::move(proven.certificates)};
+}
+
+bool is_proved(const CertifiedWay& self, const PythonModel& implant, const py::handle& object, const py::handle& path) {
+  const Model& exact = implant.exact("is_proved");
+  const std::vector<Point> bone = points(object, "points");
+  const std::vector<Pose> way = poses(path, "path");
+  if (bone.size() != self.certificates.size())
+    throw py::value_error(
+        fmt::format("points: are {}, and the certificates are of {}", bone.size(), self.certificates.size()));
+  const auto lo = self.map.lo.unchecked<1>();
+  const auto hi = self.map.hi.unchecked<1>();
+  Interruption interruption;
+  const auto interrupted = interruption.poll();
+  return without_lock(interruption, [&] {
+    const InsertionChecker checker(exact, way);
+    for (std::size_t i = 0; i < bone.size(); ++i) {
+      const auto row = static_cast<py::ssize_t>(i);
+      if (interrupted() || checker(bone[i], {lo(row), hi(row)}, self.certificates[i]).verdict != Verdict::proved)
+        return false;
+    }
+    return true;
+  });
 }
 
 NamedMesh named(const char* name, const py::handle& mesh) {
@@ -121,6 +170,24 @@ void declare_insertions(py::module_& module) {
       "(K, 7), each applied after the poses of the primitives; between two of them the translation is linear,\n"
       "and the rotation turns at constant speed by the smaller angle. Default tolerance: 1e-3 of the implant's\n"
       "bounding_radius. Raises Error for models with intervals, a path without poses, and as map().");
+  py::class_<CertifiedWay>(module, "CertifiedWay", "What certified_map_along() proves.")
+      .def_readonly("map", &CertifiedWay::map, "The rows (Map): what the certificates prove.")
+      .def("is_proved", is_proved, py::arg("implant"), py::arg("points"), py::arg("path"),
+           "is_proved(implant, points, path) -> bool\n\n"
+           "Proves every row again, of this implant, these points and this path, by MPFR and the certificates alone.\n"
+           "False where one is not proved. Raises ValueError for another number of points.")
+      .def("__len__", [](const CertifiedWay& self) { return self.certificates.size(); })
+      .def("__repr__",
+           [](const CertifiedWay& self) {
+             return fmt::format("<verisq.CertifiedWay: {} rows, {} wide>", self.certificates.size(),
+                                self.map.summary.wide);
+           })
+      .def(pickled<CertifiedWay>());
+  module.def(
+      "certified_map_along", certified_map_along, py::arg("implant"), py::arg("points"), py::arg("path"), py::kw_only(),
+      py::arg("tolerance") = py::none(), py::arg("device") = "auto",
+      "certified_map_along(implant, points, path, *, tolerance=None, device=\"auto\") -> CertifiedWay\n\n"
+      "As map_along(), of a union of convex primitives, with what proves each row again. Rows are mostly tighter.");
   module.def(
       "removed_volume", volume, py::arg("implant"), py::arg("path"), py::kw_only(), py::arg("cavity") = py::none(),
       py::arg("within") = py::none(), py::arg("bone") = py::none(), py::arg("resection") = py::none(),

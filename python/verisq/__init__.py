@@ -21,7 +21,7 @@ What proves an answer again
 Whole surfaces and solids
     deviation, mesh_clearance, prove_containment, octree, recover
 Implants
-    fit; map_along, straight_path, removed_volume for their way in
+    fit; map_along, certified_map_along, straight_path, removed_volume for their way in
 Stance
     StanceModel, Equilibrium, Stability, Motion, Bounce
 Femurs
@@ -41,6 +41,7 @@ from ._verisq import (
     AreaWithin,
     Bounce,
     Certificates,
+    CertifiedWay,
     Checker,
     ClosestPairMap,
     ClosestPointMap,
@@ -80,6 +81,7 @@ from ._verisq import (
     StanceModel,
     TriangleMapper,
     __version__,
+    certified_map_along,
     closest_pairs,
     closest_points,
     detect_femur,
@@ -132,6 +134,7 @@ __all__ = [
     "AreaWithin",
     "Bounce",
     "Certificates",
+    "CertifiedWay",
     "Checker",
     "ClosestPairMap",
     "ClosestPointMap",
@@ -174,6 +177,7 @@ __all__ = [
     "TriangleMapper",
     "Verdict",
     "__version__",
+    "certified_map_along",
     "closest_pairs",
     "closest_points",
     "detect_femur",

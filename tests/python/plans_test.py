@@ -166,6 +166,21 @@ class WaysIn(Files):
         self.assertEqual(list(removed.volume), ends(said["removed_volume"]))
         self.assertTrue(removed.within_tolerance)
 
+    def test_are_proved_again(self):
+        points = self.cavity.vertices[::16] * 0.95
+        path = verisq.straight_path([0, 0.1, -1], 20.0)
+        found = verisq.map_along(self.implant, points, path, tolerance=0.2, device="host")
+        way = verisq.certified_map_along(self.implant, points, path, tolerance=0.2, device="host")
+        self.assertEqual(len(way), len(points))
+        self.assertEqual(way.map.wide, 0)
+        self.assertTrue(np.all(way.map.lo <= found.hi) and np.all(found.lo <= way.map.hi))
+        self.assertTrue(way.is_proved(self.implant, points, path))
+        self.assertFalse(way.is_proved(self.implant, points + 1.0, path))
+        self.assertFalse(way.is_proved(self.implant, points, path + [[0, 0, 0.5, 0, 0, 0, 0]]))
+        self.assertFalse(way.is_proved(self.implant.posed([0, 0, 1, 1, 0, 0, 0]), points, path))
+        with self.assertRaises(ValueError):
+            way.is_proved(self.implant, points[1:], path)
+
     def test_what_is_refused(self):
         path = verisq.straight_path([0, 0, -1], 1.0)
         with self.assertRaisesRegex(verisq.Error, "^--cavity: nothing says where the bone around it ends"):

@@ -16,7 +16,7 @@ using verify::PointBall;
 using verify::RigidPath;
 
 struct InsertionChecker::State {
-  State(const Model& model, std::span<const Pose> poses, const Point& about) : implant(model), path(poses, about) {}
+  State(const Model& model, std::span<const Pose> poses) : implant(model), path(poses, verify::seat_of(model, poses)) {}
 
   /// Of parts that do not follow each other from the first time to the last nothing.
   [[nodiscard]] double lower(const Point& point, double asked, const InsertionCertificate& certificate) const {
@@ -49,9 +49,9 @@ struct InsertionChecker::State {
   RigidPath path;
 };
 
-InsertionChecker::InsertionChecker(const Model& implant, std::span<const Pose> path, const Point& about) {
+InsertionChecker::InsertionChecker(const Model& implant, std::span<const Pose> path) {
   check_path(path);
-  state_ = std::make_unique<State>(implant, path, about);
+  state_ = std::make_unique<State>(implant, path);
 }
 InsertionChecker::~InsertionChecker() = default;
 InsertionChecker::InsertionChecker(InsertionChecker&&) noexcept = default;

@@ -9,6 +9,7 @@
 #include "verify/analysis/distance_up.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verisq/enclosure.hpp"
+#include "verisq/posed_model.hpp"
 
 namespace verisq::verify {
 namespace {
@@ -35,6 +36,11 @@ double farthest(const PointBall& ball, const Point& x) {
 }
 
 }  // namespace
+
+Point seat_of(const Model& implant, std::span<const Pose> path) {
+  const Point seat = implant.primitives.empty() ? Point{} : implant.primitives.front().pose.translation;
+  return posed(seat, path.back());
+}
 
 Chord chord_of(const RigidPath& path, const Point& c, double begin, double end) {
   const auto ball_at = [&](double time) { return RigidPath::local_point(path.nearest_pose(time), c); };

@@ -7,6 +7,10 @@
 
 namespace verisq::verify {
 
+/// About where the implant is at the end of its path, and so are the points of the bone that matter: paths of many legs
+/// are proven tightest of points nearby. Proves nothing.
+[[nodiscard]] Point seat_of(const Model& implant, std::span<const Pose> path);
+
 /// Where a point of the bone is at two times, and how far it may be, between them, from the straight way.
 struct Chord {
   PointBall begin, end;
