@@ -59,7 +59,6 @@ class InsertionProver {
         path_(path, verify::seat_of(implant, path)),
         points_(implant),
         triangles_(implant),
-        checker_(implant),
         insertions_(implant, path) {}
 
   [[nodiscard]] std::pair<Enclosure, InsertionCertificate> operator()(const Point& point, const Enclosure& found,
@@ -91,7 +90,7 @@ class InsertionProver {
   // Appends parts from `begin` to `end`, of which no distance is below the goal, or as near to that as they get.
   void prove(const Point& point, double begin, double end, double goal, std::vector<WayPart>& parts) const {
     const Chord chord = verify::chord_of(path_, point, begin, end);
-    ProvenPart best = beside(chord, end, goal);
+    ProvenPart best = beside(chord, end);
     if (best.lower < goal && goal < 0.0)
       if (auto outward = before_the_way_out(point, chord, begin, end, goal); outward && outward->lower > best.lower)
         best = *std::move(outward);
@@ -105,8 +104,8 @@ class InsertionProver {
   }
 
   // By the straight way itself, where it is outside.
-  [[nodiscard]] ProvenPart beside(const Chord& chord, double end, double goal) const {
-    return proven_by({chord.begin.centre, chord.end.centre}, chord, end, goal);
+  [[nodiscard]] ProvenPart beside(const Chord& chord, double end) const {
+    return proven_by({chord.begin.centre, chord.end.centre}, chord, end);
   }
 
   // By that way moved out of the implant: where its middle leaves it soonest, by all that the goal allows, or by a
@@ -123,7 +122,7 @@ class InsertionProver {
     std::optional<ProvenPart> best;
     for (const double moved : {room, std::min(room, slack - there.distance.lo)}) {
       const Point by = (moved / length) * way_out;
-      ProvenPart next = proven_by({chord.begin.centre + by, chord.end.centre + by}, chord, end, goal);
+      ProvenPart next = proven_by({chord.begin.centre + by, chord.end.centre + by}, chord, end);
       if (!best || next.lower > best->lower) best = std::move(next);
       if (best->lower >= goal) break;
     }
@@ -141,13 +140,13 @@ class InsertionProver {
     return outward;
   }
 
-  [[nodiscard]] ProvenPart proven_by(const std::array<Point, 2>& segment, const Chord& chord, double end,
-                                     double goal) const {
+  [[nodiscard]] ProvenPart proven_by(const std::array<Point, 2>& segment, const Chord& chord, double end) const {
     CertifiedEnclosure distance = triangles_.certified({segment[0], segment[1], segment[1]});
     distance.certificate.weights.reset();  // which say something of the upper end alone
-    WayPart part{end, segment, std::move(distance.certificate)};
-    const double lower = verify::lower_end(checker_, chord, part, goal);
-    return {std::move(part), lower};
+    const double offset = verify::offset_of(chord, segment);
+    const bool outside = distance.distance.lo > 0.0 && std::isfinite(offset);
+    const double lower = outside ? verify::subtract(distance.distance.lo, offset, verify::Direction::down) : -infinity;
+    return {{end, segment, std::move(distance.certificate)}, lower};
   }
 
   double tolerance_;
@@ -155,7 +154,6 @@ class InsertionProver {
   RigidPath path_;
   SignedDistance points_;
   TriangleDistance triangles_;
-  Checker checker_;
   InsertionChecker insertions_;
 };
 

@@ -74,7 +74,7 @@ void check_usage(const DeviationArguments& arguments) {
   }
   const std::vector<std::string> inputs{arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points};
   if (!arguments.output.empty()) refuse_to_overwrite("-o", arguments.output, inputs);
-  check_usage(arguments.report, inputs);
+  check_usage(arguments.report, inputs, {arguments.output});
   if (!arguments.report.any()) return;
   if (arguments.inputs.mesh.empty()) {
     refuse(fmt::format("{}: give a --mesh to draw", arguments.report.html.empty() ? "--png" : "--report"));

@@ -61,7 +61,7 @@ void check_usage(const FeaturesArguments& arguments) {
   if (arguments.report.any() && !has_surface) refuse("--report and --png: want a --mesh or a --model");
   if (arguments.implant.empty() && !(arguments.implant_head.empty() && arguments.implant_neck.empty()))
     refuse("--head and --neck: want an --implant");
-  check_usage(arguments.report, inputs);
+  check_usage(arguments.report, inputs, {arguments.written_landmarks, arguments.axes});
   if (!arguments.written_landmarks.empty()) refuse_to_overwrite("-o", arguments.written_landmarks, inputs);
   if (!arguments.axes.empty()) refuse_to_overwrite("--axes", arguments.axes, inputs);
 }

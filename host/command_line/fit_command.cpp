@@ -99,9 +99,8 @@ void check_outputs(const FitArguments& arguments) {
   if (!arguments.map.empty()) check_output("--map", arguments.map);
   if (!arguments.surface_map.empty()) check_output("--surface-map", arguments.surface_map);
   if (!arguments.certificate_file.empty()) check_output("--certificate-file", arguments.certificate_file);
-  check_usage(arguments.report, inputs);
-  refuse_one_file_twice({arguments.output, arguments.map, arguments.surface_map, arguments.certificate_file,
-                         arguments.report.html, arguments.report.png});
+  check_usage(arguments.report, inputs,
+              {arguments.output, arguments.map, arguments.surface_map, arguments.certificate_file});
 }
 
 void refuse_what_cannot_be_drawn(const FitArguments& arguments, const Mesh& mesh) {

@@ -89,7 +89,6 @@ void check_certificate_file(const InsertArguments& arguments, const std::vector<
   if (arguments.resection)
     refuse("--certificate-file: not with --resection, which leaves a part of the mesh out: cut it first");
   refuse_to_overwrite("--certificate-file", file, inputs);
-  refuse_one_file_twice({arguments.output, file, arguments.report.html, arguments.report.png});
 }
 
 /// Everything that the options alone tell, before any file is opened.
@@ -103,7 +102,7 @@ void check_usage(const InsertArguments& arguments) {
   const std::vector<std::string> inputs{arguments.inputs.implant, arguments.inputs.mesh,
                                         arguments.inputs.poses.value_or(""), arguments.within.value_or("")};
   refuse_to_overwrite("-o", arguments.output, inputs);
-  command_line::check_usage(arguments.report, inputs);
+  command_line::check_usage(arguments.report, inputs, {arguments.output, arguments.certificate_file});
   check_certificate_file(arguments, inputs);
 }
 

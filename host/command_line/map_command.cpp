@@ -176,7 +176,7 @@ void check_outputs(const MapArguments& arguments) {
   } else {
     refuse_to_overwrite("-o", arguments.output, inputs);
   }
-  check_usage(arguments.report, inputs);
+  check_usage(arguments.report, inputs, {arguments.output});
   check_closest_points(arguments);
   if (!arguments.report.any()) return;
   if (arguments.inputs.mesh.empty()) refuse(fmt::format("{}: give a --mesh to draw", report_option(arguments)));

@@ -94,7 +94,7 @@ RecoveryOptions options_of(const RecoverArguments& arguments) {
 void check_usage(const RecoverArguments& arguments) {
   const std::vector<std::string> inputs{arguments.points, arguments.mesh};
   refuse_to_overwrite("-o", arguments.output, inputs);
-  check_usage(arguments.report, inputs);
+  check_usage(arguments.report, inputs, {arguments.output});
   if (!arguments.report.any()) return;
   const char* const option = arguments.report.html.empty() ? "--png" : "--report";
   if (arguments.mesh.empty()) refuse(fmt::format("{}: give a --mesh to draw", option));

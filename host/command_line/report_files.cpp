@@ -36,11 +36,15 @@ void declare_report_files(Options& options, ReportFiles& files) {
               "What both show on top (default: the mesh's long axis, at the model's end)");
 }
 
-void check_usage(const ReportFiles& files, const std::vector<std::string>& inputs) {
+void check_usage(const ReportFiles& files, const std::vector<std::string>& inputs,
+                 const std::vector<std::string>& outputs) {
   if (!files.any() && files.range) refuse("--range: give the --report or --png that it is for");
   if (!files.any() && files.up) refuse("--up: give the --report or --png that it is for");
   check("--report", files.html, ".html", inputs);
   check("--png", files.png, ".png", inputs);
+  std::vector<std::string> all{files.html, files.png};
+  all.insert(all.end(), outputs.begin(), outputs.end());
+  refuse_one_file_twice(all);
 }
 
 void write(const ReportFiles& files, const Report& report) {

@@ -24,8 +24,10 @@ struct ReportFiles {
 void declare_report_files(Options& options, ReportFiles& files);
 
 /// Throws Error(input) for other extensions and where a file would overwrite one of `inputs`, whose empty names are
-/// none; Error(failure) where a file cannot be written: known before all the work, not after it.
-void check_usage(const ReportFiles& files, const std::vector<std::string>& inputs);
+/// none, or be one of the other `outputs`, by links, too; Error(failure) where a file cannot be written: known before
+/// all the work, not after it.
+void check_usage(const ReportFiles& files, const std::vector<std::string>& inputs,
+                 const std::vector<std::string>& outputs);
 
 /// Throws Error(failure). --range and --up, where given, take the place of what `report` says.
 void write(const ReportFiles& files, const Report& report);

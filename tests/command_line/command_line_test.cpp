@@ -82,6 +82,15 @@ TEST_F(CommandLine, RefusesTwoCommandsAtOnce) {
   EXPECT_EQ(outcome.err, "verisq: give one command, not both distance and devices\n");
 }
 
+TEST_F(CommandLine, RefusesOutputsThatAreOneFileByLinks) {
+  std::filesystem::create_symlink(path("map.csv"), path("page.html"));
+  const Outcome outcome = run({"map", "--model", VERISQ_EXAMPLES "/stem_mm.json", "--mesh",
+                               VERISQ_EXAMPLES "/cavity.off", "-o", path("map.csv"), "--report", path("page.html")});
+  EXPECT_EQ(outcome.status, 2) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("is the name of two outputs"));
+  EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
+}
+
 TEST_F(CommandLine, MapsAMeshOnTheHost) {
   const auto mesh = write("mesh.off", tetrahedron);
   const auto outcome = map({"--model", ball, "--mesh", mesh, "-o", path("map.csv")});

@@ -56,15 +56,22 @@ Chord chord_of(const RigidPath& path, const Point& c, double begin, double end) 
 }
 
 // A point of the way is at most the bulge off a point x of the straight line from `begin` to `end`, and x no farther
-// from the point of the segment that divides it alike than the farther of the ends from the segment's: that point is
-// outside, and at least as far as the segment; and the signed distance changes by no more than a point moves.
+// from the point of the segment that divides it alike than the farther of the ends from the segment's.
+double offset_of(const Chord& chord, const std::array<Point, 2>& segment) {
+  const auto& [first, last] = segment;
+  if (!std::isfinite(chord.bulge) || !is_finite(first) || !is_finite(last)) return infinity;
+  return sum_up(chord.bulge, std::max(farthest(chord.begin, first), farthest(chord.end, last)));
+}
+
+// All points of the segment are outside, and at least as far as the segment; and the signed distance changes by no more
+// than a point moves.
 double lower_end(const Checker& implant, const Chord& chord, const WayPart& part, double asked) {
+  const double offset = offset_of(chord, part.segment);
+  if (!std::isfinite(offset)) return -infinity;
   const auto& [first, last] = part.segment;
-  if (!std::isfinite(chord.bulge) || !is_finite(first) || !is_finite(last)) return -infinity;
-  const double off = sum_up(chord.bulge, std::max(farthest(chord.begin, first), farthest(chord.end, last)));
-  const double far = std::max(sum_up(asked, off), std::numeric_limits<double>::denorm_min());
+  const double far = std::max(sum_up(asked, offset), std::numeric_limits<double>::denorm_min());
   const double proven = implant(Triangle{first, last, last}, {far, infinity}, part.certificate).proven.lo;
-  return proven > 0.0 ? subtract(proven, off, Direction::down) : -infinity;
+  return proven > 0.0 ? subtract(proven, offset, Direction::down) : -infinity;
 }
 
 }  // namespace verisq::verify

@@ -20,6 +20,9 @@ struct Chord {
 /// Precondition: 0 <= begin <= end <= path.last_time().
 [[nodiscard]] Chord chord_of(const RigidPath& path, const Point& c, double begin, double end);
 
+/// No point of the way is farther from the segment's point that divides it alike; infinite for what is not finite.
+[[nodiscard]] double offset_of(const Chord& chord, const std::array<Point, 2>& segment);
+
 /// No distance on the part of the way is less than what is returned, which is no more than -infinity where its
 /// certificate proves nothing; `asked` is what is to be proven.
 [[nodiscard]] double lower_end(const Checker& implant, const Chord& chord, const WayPart& part, double asked);
