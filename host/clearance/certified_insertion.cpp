@@ -2,8 +2,9 @@
 #include "verisq/certified_insertion.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <optional>
+#include <thread>
 #include <utility>
 #include <verisq/signed_distance.hpp>
 #include <verisq/triangle_distance.hpp>
@@ -21,11 +22,13 @@ namespace {
 using verify::Chord;
 using verify::RigidPath;
 
-/// Of a point: a certificate has no more.
-constexpr std::size_t most_parts = std::size_t{1} << 9U;
+/// Of a point: about so many parts a certificate has at most, and so many ways out are looked for, some of which take
+/// hundredths of a second.
+constexpr std::size_t most_parts = 512;
+constexpr std::size_t most_ways_out = 96;
 /// Of the tolerance goes to the point at the deepest time, and as much to what is left beyond a way out.
 constexpr double share_of_points = 0.25;
-/// Some tenths of a second, between which limits are felt.
+/// Between which progress is told.
 constexpr std::size_t points_at_a_time = 256;
 
 Point operator+(const Point& a, const Point& b) {
@@ -80,27 +83,40 @@ class InsertionProver {
     return RigidPath::local_point(path_.nearest_pose(time), point);
   }
 
+  // Of one point: what is to be shown of each part of its way, those that are shown, how often a way out was asked for.
+  struct Search {
+    const Point& point;
+    double goal;
+    std::vector<WayPart>& parts;
+    std::size_t ways_out = 0;
+  };
+
   // What the certificate proves with parts of which no distance is below the claim, or as near to that as they get.
   [[nodiscard]] Enclosure prove(const Point& point, const Enclosure& claim, InsertionCertificate& certificate) const {
     certificate.parts.clear();
-    if (std::isfinite(claim.lo)) prove(point, 0.0, path_.last_time(), claim.lo, certificate.parts);
+    Search search{point, claim.lo, certificate.parts};
+    if (std::isfinite(claim.lo)) prove(search, 0.0, path_.last_time());
     return insertions_(point, claim, certificate).proven;
   }
 
-  // Appends parts from `begin` to `end`, of which no distance is below the goal, or as near to that as they get.
-  void prove(const Point& point, double begin, double end, double goal, std::vector<WayPart>& parts) const {
-    const Chord chord = verify::chord_of(path_, point, begin, end);
+  // Appends parts from `begin` to `end`, halved until each reaches the goal, or the search has had its share of work.
+  void prove(Search& search, double begin, double end) const {
+    const Chord chord = verify::chord_of(path_, search.point, begin, end);
     ProvenPart best = beside(chord, end);
-    if (best.lower < goal && goal < 0.0)
-      if (auto outward = before_the_way_out(point, chord, begin, end, goal); outward && outward->lower > best.lower)
-        best = *std::move(outward);
+    if (best.lower < search.goal && search.goal < 0.0 && search.ways_out < most_ways_out) {
+      ++search.ways_out;
+      ProvenPart outward = before_the_way_out(search, chord, begin, end);
+      if (outward.lower > best.lower) best = std::move(outward);
+    }
     const double half = middle(begin, end);
-    if (best.lower >= goal || !(begin < half && half < end) || parts.size() + 1 >= most_parts) {
-      parts.push_back(std::move(best.part));
+    const bool spent = search.ways_out >= most_ways_out || search.parts.size() + 1 >= most_parts;
+    if (best.lower >= search.goal || spent || !(begin < half && half < end)) {
+      if (best.lower == -infinity) best = far_away(chord, end);
+      search.parts.push_back(std::move(best.part));
       return;
     }
-    prove(point, begin, half, goal, parts);
-    prove(point, half, end, goal, parts);
+    prove(search, begin, half);
+    prove(search, half, end);
   }
 
   // By the straight way itself, where it is outside.
@@ -110,23 +126,35 @@ class InsertionProver {
 
   // By that way moved out of the implant: where its middle leaves it soonest, by all that the goal allows, or by a
   // little more than it takes, where another primitive is near.
-  [[nodiscard]] std::optional<ProvenPart> before_the_way_out(const Point& point, const Chord& chord, double begin,
-                                                             double end, double goal) const {
-    const Point centre = local_point(point, middle(begin, end)).centre;
+  [[nodiscard]] ProvenPart before_the_way_out(const Search& search, const Chord& chord, double begin,
+                                              double end) const {
+    const Point centre = local_point(search.point, middle(begin, end)).centre;
     const double slack = share_of_points * tolerance_;
-    const CertifiedEnclosure there = points_.certified(centre, slack);
+    const CertifiedEnclosure there = points_.certified(centre, slack, [] { return false; }, false);
     const Point way_out = way_out_of(centre, there.certificate);
     const double length = length_of(way_out);
-    if (!(length > 0.0) || !std::isfinite(length)) return std::nullopt;
-    const double room = (-goal - chord.bulge - 2.0 * std::max(chord.begin.radius, chord.end.radius)) * (1.0 - 0x1p-40);
-    std::optional<ProvenPart> best;
+    ProvenPart best{{end, {}, {}}, -infinity};
+    if (!(length > 0.0) || !std::isfinite(length)) return best;
+    const double rounding = chord.bulge + 2.0 * std::max(chord.begin.radius, chord.end.radius);
+    const double room = (-search.goal - rounding) * (1.0 - 0x1p-40);
     for (const double moved : {room, std::min(room, slack - there.distance.lo)}) {
-      const Point by = (moved / length) * way_out;
-      ProvenPart next = proven_by({chord.begin.centre + by, chord.end.centre + by}, chord, end);
-      if (!best || next.lower > best->lower) best = std::move(next);
-      if (best->lower >= goal) break;
+      ProvenPart next = moved_by((moved / length) * way_out, chord, end);
+      if (next.lower > best.lower) best = std::move(next);
+      if (best.lower >= search.goal) break;
     }
     return best;
+  }
+
+  // By that way beside all of the implant, wherever it is: a bound, if not a tight one.
+  [[nodiscard]] ProvenPart far_away(const Chord& chord, double end) const {
+    const Point& from = implant_.primitives.front().pose.translation;
+    const double beyond = 4.0 * bounding_radius(implant_) + length_of(chord.begin.centre + (-1.0) * from) +
+                          length_of(chord.end.centre + (-1.0) * from);
+    return moved_by({beyond, 0.0, 0.0}, chord, end);
+  }
+
+  [[nodiscard]] ProvenPart moved_by(const Point& step, const Chord& chord, double end) const {
+    return proven_by({chord.begin.centre + step, chord.end.centre + step}, chord, end);
   }
 
   // From a point inside to one outside, or along the gradient of the distance; zero where nothing is known.
@@ -169,9 +197,15 @@ CertifiedInsertion certified_insertion(std::span<const Pose> path, const Model& 
     result.certificates[n] = std::move(certificate);
   };
   std::size_t done = 0;
-  while (done < result.rows.size() && !options.interrupted()) {
+  std::atomic<bool> interrupted{false};
+  const std::thread::id caller = std::this_thread::get_id();
+  while (done < result.rows.size() && !interrupted) {
     const std::size_t count = std::min(points_at_a_time, result.rows.size() - done);
-    in_parallel(count, [&](std::size_t i) { prove(done + i); });
+    in_parallel(count, [&](std::size_t i) {
+      if (std::this_thread::get_id() == caller && options.interrupted()) interrupted = true;
+      if (!interrupted) prove(done + i);
+    });
+    if (interrupted) break;
     done += count;
     options.progress(static_cast<double>(done) / static_cast<double>(result.rows.size()));
   }

@@ -34,6 +34,8 @@
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/errors/refusal.hpp"
+#include "host/files/output_file.hpp"
+#include "host/maps/summary_count.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -89,6 +91,19 @@ void check_certificate_file(const InsertArguments& arguments, const std::vector<
   if (arguments.resection)
     refuse("--certificate-file: not with --resection, which leaves a part of the mesh out: cut it first");
   refuse_to_overwrite("--certificate-file", file, inputs);
+  const OutputFile trial(file);  // known before all the work, not after it; leaves nothing behind
+}
+
+/// What rows say together, of rows that are others now.
+void recount(Insertion& insertion) {
+  MapSummary& summary = insertion.summary;
+  MapSummary counted = empty_summary();
+  count(counted, insertion.rows);
+  counted.device = summary.device;
+  counted.notice = summary.notice;
+  counted.device_seconds = summary.device_seconds;
+  counted.host_seconds = summary.host_seconds;
+  summary = counted;
 }
 
 /// Everything that the options alone tell, before any file is opened.
@@ -115,31 +130,35 @@ void require_certificates(const InsertArguments& arguments, const Model& implant
                   arguments.inputs.implant));
 }
 
-/// What was found, by what certificates prove; it is written when that is all.
-void certify(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant, const Mesh& bone,
-             InsertionOptions options, Insertion& insertion) {
-  std::optional<ProgressBar> bar;
-  bar.emplace(!arguments.no_progress, "certificates");
+/// Rows that certificates prove to the tolerance are theirs from here on; others stay as they were found. Nothing where
+/// it was interrupted.
+std::optional<InsertionAnswer> certify(const InsertArguments& arguments, std::span<const Pose> path,
+                                       const Model& implant, const Mesh& bone, InsertionOptions options,
+                                       Insertion& insertion, InsertReport& report) {
+  ProgressBar bar(!arguments.no_progress, "certificates");
   options.progress = [&](double done) {
-    bar->update(static_cast<std::uint64_t>(done * static_cast<double>(bone.vertices.size())), done);
+    bar.update(static_cast<std::uint64_t>(done * static_cast<double>(bone.vertices.size())), done);
   };
   CertifiedInsertion certified = certified_insertion(path, implant, bone.vertices, insertion, options);
-  bar.reset();
-  std::ranges::copy(certified.rows, insertion.rows.begin());
   if (certified.summary.interrupted) {
     insertion.summary.interrupted = true;
-    return;
+    return std::nullopt;
   }
-  insertion.summary = certified.summary;
   InsertionAnswer answer{.model = subject_file(arguments.inputs.implant),
                          .mesh = subject_file(arguments.inputs.mesh),
                          .units = implant.units,
                          .pose = arguments.inputs.pose,
                          .path = {path.begin(), path.end()},
                          .rows = {}};
-  for (std::size_t n = 0; n < insertion.rows.size(); ++n)
-    answer.rows.push_back({insertion.rows[n].distance, std::move(certified.certificates[n])});
-  write_answer(arguments.certificate_file, answer);
+  for (std::size_t n = 0; n < insertion.rows.size(); ++n) {
+    const MapResult& proven = certified.rows[n];
+    const bool looser = proven.status == Status::wide && proven.distance.width() > insertion.rows[n].distance.width();
+    report.looser_certificates += looser ? 1 : 0;
+    if (!looser) insertion.rows[n] = proven;
+    answer.rows.push_back({proven.distance, std::move(certified.certificates[n])});
+  }
+  recount(insertion);
+  return answer;
 }
 
 /// Returns the name of the file that holds the map; empty when an interrupted search left none.
@@ -345,8 +364,9 @@ ExitStatus run_insert(const InsertArguments& arguments) {
                                  }};
   Insertion insertion = smallest_distance_along(path, implant, bone.vertices, options);
   bar.reset();  // the line is cleared before anything else is said
+  std::optional<InsertionAnswer> certified;
   if (!arguments.certificate_file.empty() && !insertion.summary.interrupted)
-    certify(arguments, path, implant, bone, options, insertion);
+    certified = certify(arguments, path, implant, bone, options, insertion, report);
 
   count(insertion, report);
   if (on_triangles && !insertion.summary.interrupted) {
@@ -361,8 +381,13 @@ ExitStatus run_insert(const InsertArguments& arguments) {
     report.least_volume_tolerance = least_volume_tolerance_of(arguments, implant);
     report.volume_seconds = volume_time.seconds();
   }
-  if (!insertion.summary.interrupted) report.certificate = arguments.certificate_file;
   report.output = write_map(bone, insertion, std::move(writer), arguments.output);
+  if (certified) {
+    write_answer(arguments.certificate_file, *certified);
+    report.certificate = arguments.certificate_file;
+  } else if (!arguments.certificate_file.empty()) {
+    tell(fmt::format("interrupted; {} is not written", arguments.certificate_file));
+  }
   report.poses = path.size();
   report.units = implant.units;
   report.tolerance = options.tolerance;

@@ -118,7 +118,11 @@ std::string readable(const InsertReport& report) {
   text += fmt::format("time                 {:.3g} s (device {:.3g} s, host proofs {:.3g} s)\n", report.seconds,
                       summary.device_seconds, summary.host_seconds);
   text += fmt::format("map                  {}\n", report.output.empty() ? "not kept" : report.output);
-  if (!report.certificate.empty()) text += fmt::format("certificate          {}\n", report.certificate);
+  if (!report.certificate.empty()) {
+    text += fmt::format("certificate          {}, of the distances of the points alone\n", report.certificate);
+    if (report.looser_certificates > 0)
+      text += fmt::format("  proves less        of {} points than the map says\n", report.looser_certificates);
+  }
   if (!report.page.empty()) text += fmt::format("report               {}\n", report.page);
   if (!report.picture.empty()) text += fmt::format("picture              {}\n", report.picture);
   return text;
@@ -203,7 +207,10 @@ std::string json(const InsertReport& report) {
       {"interrupted", report.interrupted()},
       {"output", report.output},
   };
-  if (!report.certificate.empty()) object.set("certificate", report.certificate);
+  if (!report.certificate.empty()) {
+    object.set("certificate", report.certificate);
+    object.set("looser_certificates", report.looser_certificates);
+  }
   if (!report.page.empty()) object.set("report", report.page);
   if (!report.picture.empty()) object.set("png", report.picture);
   return object.text() + "\n";

@@ -33,6 +33,7 @@ struct InsertReport {
   std::optional<WayIn> way = {};              ///< of paths that are not given pose by pose
   std::optional<LeastRemoval> search = {};    ///< of that way among others, where asked for
   std::string certificate = {};               ///< the certificates' file; empty when not written
+  std::uint64_t looser_certificates = 0;      ///< rows of which they prove less than the map says
   std::string page = {};                      ///< the report's file; empty when not written
   std::string picture = {};
   double degrees_off = 0.0;  ///< its direction of the one that was given, about

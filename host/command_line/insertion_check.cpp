@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,11 +36,12 @@ struct InsertionCheckReport {
   std::uint64_t proven_cut = 0;
   std::uint64_t proven_untouched = 0;
 
+  std::uint64_t unbounded = 0;  ///< rows that claim nothing of an end
+
   [[nodiscard]] std::uint64_t undecided() const { return rows.rows() - proven_cut - proven_untouched; }
   /// Of all vertices, and of no answer that is another one's.
-  [[nodiscard]] bool tells_smallest() const {
-    return rows.refuted == 0 && !rows.interrupted && std::isfinite(rows.smallest.width());
-  }
+  [[nodiscard]] bool tells_counts() const { return rows.refuted == 0 && !rows.interrupted; }
+  [[nodiscard]] bool tells_smallest() const { return tells_counts() && std::isfinite(rows.smallest.width()); }
 };
 
 /// What is missing, or is not what the answer is about.
@@ -63,6 +65,7 @@ void count(const CheckedRow& row, InsertionCheckReport& report) {
   const Enclosure& proven = row.finding.proven;
   report.proven_cut += proven.hi < 0.0 ? 1 : 0;
   report.proven_untouched += proven.lo >= 0.0 ? 1 : 0;
+  report.unbounded += std::isfinite(row.claimed.lo) && std::isfinite(row.claimed.hi) ? 0 : 1;
 }
 
 InsertionCheckReport checked(const InsertionAnswer& answer, const Model& implant, std::span<const Point> bone,
@@ -89,6 +92,31 @@ InsertionCheckReport checked(const InsertionAnswer& answer, const Model& implant
   return report;
 }
 
+/// Of the implant's origin, about: for people.
+double length_of(std::span<const Pose> path) {
+  double length = 0.0;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const Point& from = path[k - 1].translation;
+    const Point& to = path[k].translation;
+    length += std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+  }
+  return length;
+}
+
+/// Of all its turns, about: for people.
+double degrees_of(std::span<const Pose> path) {
+  double degrees = 0.0;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const auto& p = path[k - 1].quaternion;
+    const auto& q = path[k].quaternion;
+    const double product = std::abs(p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]);
+    const double lengths = std::hypot(std::hypot(p[0], p[1]), std::hypot(p[2], p[3])) *
+                           std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+    degrees += 2.0 * std::acos(std::clamp(product / lengths, 0.0, 1.0)) * 180.0 / std::numbers::pi;
+  }
+  return degrees;
+}
+
 std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& report,
                      const CheckArguments& arguments) {
   const CheckReport& rows = report.rows;
@@ -97,10 +125,15 @@ std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& 
   text += fmt::format("  proved             {}\n", rows.proved);
   text += fmt::format("  refuted            {}\n", rows.refuted);
   text += fmt::format("  unproved           {}\n", rows.unproved);
+  if (report.unbounded > 0)
+    text +=
+        fmt::format("  WITHOUT AN END     {}: of these nothing is claimed on one side at least\n", report.unbounded);
   if (rows.proved > 0) text += fmt::format("largest width proved {:.3g}{}\n", rows.largest_width, units);
   if (report.tells_smallest()) {
     text += fmt::format("smallest distance    {}{} of these points along the whole way, proved\n",
                         exact_text(rows.smallest), units);
+  }
+  if (report.tells_counts()) {
     text += fmt::format("  proven cut         {}, where bone must be removed\n", report.proven_cut);
     text += fmt::format("  proven untouched   {}\n", report.proven_untouched);
     text += fmt::format("  undecided          {}\n", report.undecided());
@@ -109,6 +142,9 @@ std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& 
   text += fmt::format("the way begins at    {}: translation, quaternion\n", option_text(answer.path.front()));
   text += fmt::format("  and ends at        {}\n", option_text(answer.path.back()));
   text += fmt::format("  poses              {}, and all between them\n", answer.path.size());
+  text += fmt::format("  length             {:.4g}{}, of the implant's origin\n", length_of(answer.path), units);
+  text += fmt::format("  turning            {:.4g} degrees in all\n", degrees_of(answer.path));
+  text += "  is it the way that was meant? That is not proved, but for you to see\n";
   text += "not claimed          what lies between the vertices, how much bone is removed\n";
   text += fmt::format("time                 {:.3g} s\n", rows.seconds);
   text += fmt::format("certificate          {}{}\n", arguments.certificate, rows.interrupted ? " (interrupted)" : "");
@@ -118,6 +154,7 @@ std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& 
 std::string json(const InsertionAnswer& answer, const InsertionCheckReport& report, const CheckArguments& arguments) {
   const CheckReport& rows = report.rows;
   const bool tells = report.tells_smallest();
+  const bool counts = report.tells_counts();
   const JsonObject object{{"kind", "insertion"},
                           {"points", rows.rows()},
                           {"proved", rows.proved},
@@ -125,13 +162,16 @@ std::string json(const InsertionAnswer& answer, const InsertionCheckReport& repo
                           {"unproved", rows.unproved},
                           {"largest_width_proved", rows.largest_width},
                           {"smallest_distance_proved", tells ? JsonValue(rows.smallest) : JsonValue()},
-                          {"proven_cut", tells ? JsonValue(report.proven_cut) : JsonValue()},
-                          {"proven_untouched", tells ? JsonValue(report.proven_untouched) : JsonValue()},
-                          {"undecided", tells ? JsonValue(report.undecided()) : JsonValue()},
+                          {"without_an_end", report.unbounded},
+                          {"proven_cut", counts ? JsonValue(report.proven_cut) : JsonValue()},
+                          {"proven_untouched", counts ? JsonValue(report.proven_untouched) : JsonValue()},
+                          {"undecided", counts ? JsonValue(report.undecided()) : JsonValue()},
                           {"pose", answer.pose ? JsonValue(*answer.pose) : JsonValue()},
                           {"path_begin", answer.path.front()},
                           {"path_end", answer.path.back()},
                           {"poses", answer.path.size()},
+                          {"path_length", length_of(answer.path)},
+                          {"path_degrees", degrees_of(answer.path)},
                           {"first", rows.first ? JsonValue(object_of(*rows.first, rows.elements)) : JsonValue()},
                           {"units", rows.units},
                           {"seconds", rows.seconds},
@@ -158,7 +198,7 @@ ExitStatus run_insertion_check(const InsertionAnswer& answer, const CheckArgumen
   const InsertionCheckReport report = checked(answer, implant, bone.vertices, arguments);
   fmt::print("{}", arguments.json ? json(answer, report, arguments) : readable(answer, report, arguments));
   if (report.rows.interrupted) return ExitStatus::interrupted;
-  return report.rows.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
+  return report.rows.all_proved() && report.unbounded == 0 ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 }  // namespace verisq::command_line

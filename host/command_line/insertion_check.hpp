@@ -8,7 +8,7 @@
 
 namespace verisq::command_line {
 
-/// `verified` only when every distance is proved. Throws Error(input) for what the user can correct, also for another
+/// `verified` only when every distance is proved, and claimed on both sides. Throws Error(input) for what the user can correct, also for another
 /// model or mesh than those that the answer is about.
 ExitStatus run_insertion_check(const InsertionAnswer& answer, const CheckArguments& arguments);
 

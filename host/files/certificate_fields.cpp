@@ -34,7 +34,7 @@ Pose read_pose_object(const JsonValue& value) {
 
 std::string units_of(const JsonValue& root) {
   const auto units = root.find("units");
-  return units ? units->text() : std::string();
+  return units ? units->line() : std::string();
 }
 
 }  // namespace verisq

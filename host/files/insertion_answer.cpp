@@ -1,6 +1,8 @@
 /// Rows are read one by one; what proves them need not prove anything.
 #include "host/files/insertion_answer.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <optional>
 #include <utility>
@@ -41,6 +43,9 @@ Certificate read_certificate(const JsonValue& object) {
   return certificate;
 }
 
+/// So that no more work can be asked for than a row is worth.
+constexpr std::size_t most_parts = 4096;
+
 WayPart read_part(const JsonValue& value) {
   value.check_keys({"until", "segment", "normals", "escape", "witness", "cover"});
   const JsonValue segment = value.at("segment");
@@ -57,6 +62,7 @@ InsertionAnswer::Row read_row(const JsonValue& value) {
   InsertionAnswer::Row row{{value.at("lo").number_or_infinity(), value.at("hi").number_or_infinity()},
                            {nonnegative_number(deepest.at("time")), read_certificate(deepest), {}}};
   const JsonValue parts = value.at("parts");
+  if (parts.size() > most_parts) parts.fail(fmt::format("must have no more than {} parts", most_parts));
   for (std::size_t i = 0; i < parts.size(); ++i) row.certificate.parts.push_back(read_part(parts.element(i)));
   return row;
 }

@@ -208,6 +208,9 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
 // Two passes: a single one, by the parser's callback, looks at all elements of an array after each of them.
 Json parse_json(std::string_view text, std::string_view name) {
   if (text.empty()) refuse_file(name, "the file is empty");
+  // The parser takes one for the end of the text.
+  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
+    refuse_file(name, fmt::format("byte {} is 0, which is no JSON", zero));
   StrictEvents events(text, name);
   Json::sax_parse(text, &events);
   return Json::parse(text);
@@ -248,12 +251,16 @@ std::string JsonValue::text() const {
   return value_->get<std::string>();
 }
 
-std::string JsonValue::name() const {
-  const std::string name = text();
-  if (name.empty()) fail("must not be empty");
-  if (std::ranges::any_of(name, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+std::string JsonValue::line() const {
+  const std::string line = text();
+  if (std::ranges::any_of(line, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
     fail("must have no control characters");
-  return name;
+  return line;
+}
+
+std::string JsonValue::name() const {
+  if (text().empty()) fail("must not be empty");
+  return line();
 }
 
 double JsonValue::number() const {

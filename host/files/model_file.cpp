@@ -125,7 +125,7 @@ Bend read_bend(const JsonValue& value, const Superquadric& superquadric) {
 
 UncertainPrimitive read_primitive(const JsonValue& value, Intervals intervals) {
   value.check_keys({"name", "superquadric", "bend", "pose"});
-  UncertainPrimitive primitive{value.at("name").text(), {}, {}, {}, Pose{}.quaternion};
+  UncertainPrimitive primitive{value.at("name").line(), {}, {}, {}, Pose{}.quaternion};
   read_superquadric(value.at("superquadric"), intervals, primitive);
   if (const auto pose = value.find("pose")) read_pose(*pose, intervals, primitive);
   if (const auto bend = value.find("bend")) primitive.bend = read_bend(*bend, largest(primitive));
@@ -222,7 +222,7 @@ ModelDocument parse(std::string_view json, std::string_view name, Intervals inte
   root.check_keys({"format", "units", "primitives", "csg", "areas", "landmarks"});
   ModelDocument result;
   UncertainModel& model = result.model;
-  if (const auto units = root.find("units")) model.units = units->text();
+  if (const auto units = root.find("units")) model.units = units->line();
   model.primitives = read_primitives(root.at("primitives"), intervals);
   if (const auto csg = root.find("csg")) model.csg = SetExpressions(model.primitives).read_operator(*csg);
   check_intervals(model, name);

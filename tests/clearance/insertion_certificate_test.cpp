@@ -243,8 +243,9 @@ TEST(InsertionCertificate, HasTheRowsBeforeAnInterruption) {
   const std::vector<Point> bone = bone_of(8, 600);
   InsertionOptions options{.tolerance = tolerance, .device = "host"};
   const Insertion found = smallest_distance_along(scene.path, scene.implant, bone, options);
-  int polls = 0;
-  options.interrupted = [&polls] { return ++polls > 1; };
+  bool told = false;
+  options.progress = [&told](double) { told = true; };
+  options.interrupted = [&told] { return told; };
   const CertifiedInsertion part = certified_insertion(scene.path, scene.implant, bone, found, options);
   EXPECT_TRUE(part.summary.interrupted);
   EXPECT_GT(part.rows.size(), 0U);

@@ -119,6 +119,14 @@ TEST_F(CheckInsertion, TellsNoSmallestDistanceOfWhatIsRefuted) {
   EXPECT_THAT(outcome.out, Not(HasSubstr("smallest distance")));
 }
 
+/// What claims nothing is not called proved without a word.
+TEST_F(CheckInsertion, TellsOfRowsWithoutAnEnd) {
+  const Outcome outcome = check(forged("/rows/3/lo", "-inf"));
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.out, HasSubstr("  WITHOUT AN END     1: of these nothing is claimed on one side at least\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  proven cut "));
+}
+
 TEST_F(CheckInsertion, IsOfNoOtherModelMeshOrForm) {
   const auto refused = [&](const Outcome& outcome, const std::string& words) {
     EXPECT_EQ(outcome.status, 2) << outcome.out;
@@ -132,6 +140,8 @@ TEST_F(CheckInsertion, IsOfNoOtherModelMeshOrForm) {
   refused(check(forged("/rows/7/parts/0/until", -1)), "rows[7].parts[0].until = -1: must be at least 0");
   refused(check(forged("/rows/7/parts/0/cover", "0f")), "rows[7].parts[0].cover = \"0f\": must be the hexadecimal");
   refused(check(forged("/rows/7/deepest/normals", {{0, 1, 2}})), "must be the index of a primitive and three numbers");
+  const json part = document()["rows"][7]["parts"][0];
+  refused(check(forged("/rows/7/parts", json(std::vector<json>(4097, part)))), "must have no more than 4096 parts");
   refused(check(forged("/path/0/quaternion", {0, 0, 0, 0})), "must not be zero");
   refused(check(proof_, {"--map", map_}), "not with --map");
   refused(check(proof_, {"--pose", "0,0,1,1,0,0,0"}), "not with --pose");
@@ -160,6 +170,7 @@ TEST_F(CheckInsertion, NeedsWhatHasCertificates) {
   };
   refused(with({"--certificate-file", path("c.csv")}), "is a .json");
   refused(with({"--certificate-file", mesh_}), "is a .json");
+  EXPECT_EQ(with({"--certificate-file", path("no_folder/c.json")}).status, 1);
   refused(with({"--certificate-file", implant_}), "--certificate-file");
   refused(with({"--certificate-file", path("c.json"), "--resection", "0,0,0,0,0,1", "--cavity"}),
           "not with --resection");

@@ -514,6 +514,9 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Syntax, ModelRefusal,
     ::testing::Values(Refusal{"Empty", "", ": the file is empty"},
+                      Refusal{"ZeroByte", std::string("{}\0x", 4), ": byte 2 is 0, which is no JSON"},
+                      Refusal{"NameOfTwoLines", model_of(ball("a\\nb")),
+                              ": primitives[0].name = \"a\\nb\": must have no control characters"},
                       Refusal{"Comma", "{\"format\": \"verisq-model/1\",\n \"units\": \"mm\",\n}",
                               ": line 3, column 1: syntax error while parsing object key - unexpected '}'; expected "
                               "string literal"},

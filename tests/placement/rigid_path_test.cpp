@@ -103,6 +103,25 @@ TEST(RigidPath, HoldsTheExactPointAtEveryTime) {
 }
 
 /// The chords of a way are no longer than it, and of many chords hardly shorter.
+/// Each digit costs an enclosure some of its own: what it has lost is in the radius, or nothing is known.
+TEST(RigidPath, HoldsTheExactPointAtTimesOfManyDigits) {
+  RandomCases random(9);
+  std::size_t known = 0;
+  for (int digits = 1; digits < 400; ++digits) {
+    const std::vector<Pose> poses = random_poses(random, 2, 9.0);
+    const RigidPath path(poses);
+    const Point c{random.uniform(-9.0, 9.0), random.uniform(-9.0, 9.0), random.uniform(-9.0, 9.0)};
+    // Ones and zeros in turn cost most.
+    const double time = std::ldexp(digits % 2 == 0 ? 0x1.5555555555555p-1 : random.uniform(0.5, 1.0), -digits);
+    const auto [centre, radius] = RigidPath::local_point(path.nearest_pose(time), c);
+    if (!std::isfinite(radius)) continue;
+    ++known;
+    const Number error = distance(exact_local_point(poses, c, time), {centre[0], centre[1], centre[2]});
+    EXPECT_LE(error, Number(radius)) << digits;
+  }
+  EXPECT_GT(known, 10U);
+}
+
 TEST(RigidPath, BoundsTheLengthOfTheWayTightly) {
   RandomCases random(12);
   for (int n = 0; n < 100; ++n) {

@@ -97,6 +97,18 @@ PreciseMatrix rotation_of(const Quaternion& q) {
           {sum_entry(x * z, -(w * y)), sum_entry(y * z, w * x), square_entry(x, y)}};
 }
 
+/// Halvings widen the enclosures, with all the digits that a time has to some 2^-90. What is wider is no pose to nearest.
+bool is_narrow(const PreciseMatrix& rotation) {
+  const Real widest(0x1p-60);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const PreciseInterval& entry = rotation(i, j);
+      if (!(subtract(entry.upper(), entry.lower(), Direction::up) <= widest)) return false;
+    }
+  }
+  return true;
+}
+
 Point to_nearest(const PreciseVector& v) {
   return {nearest(v[0]), nearest(v[1]), nearest(v[2])};
 }
@@ -185,18 +197,20 @@ RigidPath::NearestPose RigidPath::nearest_pose(double time) const {
   const auto k = static_cast<std::size_t>(time);
   const RigidMotion pose = enclosed_pose(time);
   const bool moves = time != static_cast<double>(k);
+  const double of_ends = moves ? one_norm(poses_[k].translation) + one_norm(poses_[k + 1].translation) : 0.0;
   const PreciseMatrix& rotation = pose.rotation;
   return {.rotation = {to_nearest(rotation.row(0)), to_nearest(rotation.row(1)), to_nearest(rotation.row(2))},
           .translation = to_nearest(pose.translation),
-          .reach = moves ? one_norm(poses_[k].translation) + one_norm(poses_[k + 1].translation) : 0.0};
+          .reach = is_narrow(rotation) ? of_ends : infinity};
 }
 
 // With u = 2^-53, S = |c|_1 + |t|_1 and what was rounded marked by ~: each |t~_i - t_i| <= u |t_i| (and hardly more:
-// the enclosures are 2^-120 wide), each |R~_ij - R_ij| <= u because |R_ij| <= 1, and |c_i - t~_i| is rounded by u of
-// itself. A product and its two additions round by at most 3.01 u |R~_ij| |d~_i|. In all each coordinate errs by at
-// most u (|t|_1 + 1.01 S) + 1.01 u S + 3.05 u S < 8 u S, the vector by less than 16 u S = 2^-49 S; doubled to cover the
-// rounding of S itself, and what underflows is less than the smallest normal number. Where the ends of a leg cancel in
-// t, what their 127 bits lose, less than 2^-110 of them, is no longer small beside |t|: it is added.
+// the enclosures are 2^-120 wide), each |R~_ij - R_ij| <= u because |R_ij| <= 1 and its enclosure is at most 2^-60
+// wide, or nothing is known, and |c_i - t~_i| is rounded by u of itself. A product and its two additions round by at
+// most 3.01 u |R~_ij| |d~_i|. In all each coordinate errs by at most u (|t|_1 + 1.01 S) + 1.01 u S + 3.05 u S < 8 u S,
+// the vector by less than 16 u S = 2^-49 S; doubled to cover the rounding of S itself, and what underflows is less than
+// the smallest normal number. Where the ends of a leg cancel in t, what their 127 bits lose, less than 2^-110 of them,
+// is no longer small beside |t|: it is added.
 PointBall RigidPath::local_point(const NearestPose& pose, const Point& c) {
   const auto& [rotation, t, reach] = pose;
   const Point d{c[0] - t[0], c[1] - t[1], c[2] - t[2]};

@@ -25,7 +25,8 @@ class RigidPath {
   struct NearestPose {
     std::array<Point, 3> rotation;  ///< rows of R
     Point translation;
-    double reach = 0.0;  ///< sum of the magnitudes of what was added up to the translation, where it was
+    double reach = 0.0;  ///< sum of the magnitudes of what was added up to the translation, where it was; infinite
+                         ///< where the rotation is not known to nearest
   };
 
   /// Lengths of many legs are as tight as the points are near to `about`. Precondition: at least one pose; each finite,
