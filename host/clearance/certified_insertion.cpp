@@ -130,7 +130,8 @@ class InsertionProver {
                                               double end) const {
     const Point centre = local_point(search.point, middle(begin, end)).centre;
     const double slack = share_of_points * tolerance_;
-    const CertifiedEnclosure there = points_.certified(centre, slack, [] { return false; }, false);
+    const CertifiedEnclosure there = points_.certified(
+        centre, slack, [] { return false; }, false);
     const Point way_out = way_out_of(centre, there.certificate);
     const double length = length_of(way_out);
     ProvenPart best{{end, {}, {}}, -infinity};

@@ -197,7 +197,7 @@ TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
     other[nlohmann::json::json_pointer(pointer)] = value;
     expect_input_error([&] { (void)parse_answer(other.dump(), "proof.json"); }, "proof.json", ": " + message);
   };
-  refused("/kind", "path", "kind = \"path\": must be \"pair\", \"poses\" or \"fit\"");
+  refused("/kind", "path", "kind = \"path\": must be \"pair\", \"poses\", \"fit\" or \"insertion\"");
   refused("/kind", "pair", "answers = [...]: unknown key");
   refused("/answers", nlohmann::json::array(), "answers = []: must not be empty");
   refused("/answers/1/extra", 1, "answers[1].extra = 1: unknown key");
@@ -212,6 +212,32 @@ TEST(CertificateFile, IsRefusedWhereItWouldBeTooLarge) {
   EXPECT_THAT([&] { write_answer(folder / "proof.json", many); },
               ThrowsMessage<Error>(HasSubstr("67108864 bytes of a certificate file: give fewer poses")));
   EXPECT_FALSE(std::filesystem::exists(folder / "proof.json"));
+}
+
+TEST(CertificateFile, OfAWayInGivesTheSameBitsAgain) {
+  const TemporaryFolder folder;
+  const std::string hash(64, 'a');
+  Certificate deep{{{3, {0.1, -1e-320, 1e300}}}, Point{1.0 / 3.0, 0.0, -2.0}};
+  deep.witness = Point{0.5, 0.25, 1e-5};
+  deep.cover = {true, false, true, false, false};
+  const InsertionCertificate certificate{0.625, deep, {{0.5, {{{1, 2, 3}, {4, 5, 6}}}, deep}, {2.0, {}, {}}}};
+  const InsertionAnswer written{.model = {"m.json", hash},
+                                .mesh = {"b.stl", hash},
+                                .units = "mm",
+                                .pose = Pose{{1.0, 2.0, 3.0}, {0.5, 0.5, 0.5, 0.5}},
+                                .path = {Pose{}, Pose{{0.1, 0.0, 0.0}, {1.0, 0.1, 0.0, 0.0}}},
+                                .rows = {{{-infinity, 0.1}, certificate}, {{-0.5, infinity}, {}}}};
+  write_answer(folder / "way.json", written);
+  const Answer any = read_answer(folder / "way.json");
+  const auto& read = std::get<InsertionAnswer>(any);
+  EXPECT_EQ(read.pose->quaternion, written.pose->quaternion);
+  ASSERT_EQ(read.path.size(), 2U);
+  EXPECT_EQ(read.path[1].translation, written.path[1].translation);
+  ASSERT_EQ(read.rows.size(), 2U);
+  for (std::size_t n = 0; n < 2; ++n) {
+    EXPECT_EQ(read.rows[n].distance, written.rows[n].distance);
+    EXPECT_EQ(read.rows[n].certificate, written.rows[n].certificate);
+  }
 }
 
 }  // namespace

@@ -545,7 +545,7 @@ class RandomModels {
   explicit RandomModels(std::uint32_t seed) : generator_(seed) {}
 
   [[nodiscard]] Model model() {
-    Model result{pick(2) == 0 ? "" : "mm\n\"\u00e9\"", {}};
+    Model result{pick(2) == 0 ? "" : "mm \"\u00e9\"", {}};
     const std::size_t count = 1 + pick(5);
     for (std::size_t k = 0; k < count; ++k) result.primitives.push_back(primitive("part " + std::to_string(k)));
     if (pick(2) == 0) result.csg = expression(count, 3);

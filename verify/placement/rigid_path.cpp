@@ -97,7 +97,7 @@ PreciseMatrix rotation_of(const Quaternion& q) {
           {sum_entry(x * z, -(w * y)), sum_entry(y * z, w * x), square_entry(x, y)}};
 }
 
-/// Halvings widen the enclosures, with all the digits that a time has to some 2^-90. What is wider is no pose to nearest.
+/// Halvings widen the enclosures, with all the digits that a time has to some 2^-90. What is wider is not to nearest.
 bool is_narrow(const PreciseMatrix& rotation) {
   const Real widest(0x1p-60);
   for (std::size_t i = 0; i < 3; ++i) {
