@@ -147,44 +147,65 @@ class Forger {
   }
 
  private:
-  [[nodiscard]] std::vector<InsertionCertificate> evidence_of(std::size_t n) const {
-    const std::vector<InsertionCertificate>& all = proven_.insertion.certificates;
-    const InsertionCertificate& own = all[n];
-    std::vector<InsertionCertificate> evidence{own, all[(n + 1) % all.size()], {}};
-    const auto add = [&](const auto& change) {
-      evidence.push_back(own);
-      change(evidence.back());
-    };
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    for (const double time : {0.0, 0.5 * last_, last_, -1.0, 2.0 * last_ + 1.0, nan, infinity})
-      add([&](auto& e) { e.deepest = time; });
-    add([](auto& e) { e.parts.pop_back(); });
-    add([](auto& e) { e.parts.erase(e.parts.begin()); });
-    add([](auto& e) { std::ranges::reverse(e.parts); });
-    add([](auto& e) { e.parts.push_back(e.parts.back()); });
-    for (const double time : {0.0, 0.25 * last_, last_, last_ + 1.0, -1.0, nan, infinity})
-      add([&](auto& e) { e.parts.front().until = time; });
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (const double by : {1e-3, -1e-3, 1.0, 100.0, nan, infinity})
-        add([&](auto& e) {
-          for (WayPart& part : e.parts)
-            for (Point& end : part.segment) end[axis] += by;
-        });
-    }
-    add([](auto& e) {
-      for (WayPart& part : e.parts) part.segment[1] = part.segment[0];
-    });
-    add([](auto& e) {
-      for (WayPart& part : e.parts)
-        for (Normal& normal : part.certificate.normals)
-          for (double& c : normal.vector) c = -c;
-    });
-    add([](auto& e) {
-      for (WayPart& part : e.parts)
-        for (Normal& normal : part.certificate.normals) normal.primitive += 1;
-    });
-    add([](auto& e) { std::swap(e.at_deepest, e.parts.front().certificate); });
+  using Evidence = std::vector<InsertionCertificate>;
+
+  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+  [[nodiscard]] Evidence evidence_of(std::size_t n) const {
+    const Evidence& all = proven_.insertion.certificates;
+    Evidence evidence{all[n], all[(n + 1) % all.size()], {}};
+    add_times(all[n], evidence);
+    add_parts(all[n], evidence);
+    add_segments(all[n], evidence);
+    add_normals(all[n], evidence);
     return evidence;
+  }
+
+  void add_times(const InsertionCertificate& own, Evidence& evidence) const {
+    for (const double time : {0.0, 0.5 * last_, last_, -1.0, 2.0 * last_ + 1.0, nan, infinity}) {
+      evidence.push_back(own);
+      evidence.back().deepest = time;
+    }
+    for (const double time : {0.0, 0.25 * last_, last_, last_ + 1.0, -1.0, nan, infinity}) {
+      evidence.push_back(own);
+      evidence.back().parts.front().until = time;
+    }
+  }
+
+  static void add_parts(const InsertionCertificate& own, Evidence& evidence) {
+    evidence.push_back(own);
+    evidence.back().parts.pop_back();
+    evidence.push_back(own);
+    evidence.back().parts.erase(evidence.back().parts.begin());
+    evidence.push_back(own);
+    std::ranges::reverse(evidence.back().parts);
+    evidence.push_back(own);
+    evidence.back().parts.push_back(own.parts.back());
+  }
+
+  static void add_segments(const InsertionCertificate& own, Evidence& evidence) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const double by : {1e-3, -1e-3, 1.0, 100.0, nan, infinity}) {
+        evidence.push_back(own);
+        for (WayPart& part : evidence.back().parts)
+          for (Point& end : part.segment) end[axis] += by;
+      }
+    }
+    evidence.push_back(own);
+    for (WayPart& part : evidence.back().parts) part.segment[1] = part.segment[0];
+  }
+
+  static void add_normals(const InsertionCertificate& own, Evidence& evidence) {
+    const auto each_normal = [&](const auto& change) {
+      evidence.push_back(own);
+      for (WayPart& part : evidence.back().parts) std::ranges::for_each(part.certificate.normals, change);
+    };
+    each_normal([](Normal& normal) {
+      for (double& c : normal.vector) c = -c;
+    });
+    each_normal([](Normal& normal) { normal.primitive += 1; });
+    evidence.push_back(own);
+    std::swap(evidence.back().at_deepest, evidence.back().parts.front().certificate);
   }
 
   InsertionChecker check_;

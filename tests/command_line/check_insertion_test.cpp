@@ -178,8 +178,9 @@ TEST_F(CheckInsertion, NeedsWhatHasCertificates) {
   refused(run({"insert", "--implant", implant_, "--mesh", mesh_, "--along", "0,0,-1", "--length", "60", "-o",
                path("c.json"), "--certificate-file", path("d.json")}),
           "two outputs");
-  refused(run({"insert", "--implant", VERISQ_EXAMPLES "/bent_stem.json", "--mesh", mesh_, "--along", "0,0,-1",
-               "--length", "60", "-o", map_, "--certificate-file", path("c.json")}),
+  const std::string bent = VERISQ_EXAMPLES "/bent_stem.json";
+  refused(run({"insert", "--implant", bent, "--mesh", mesh_, "--along", "0,0,-1", "--length", "60", "-o", map_,
+               "--certificate-file", path("c.json")}),
           "ways in of bent models");
 }
 
