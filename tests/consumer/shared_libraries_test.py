@@ -16,7 +16,8 @@ ORDER = ["proposals", "proof", "bend_range", "placement", "verify", "readers", "
          "report"]
 CORE = ORDER[:7]
 SYSTEM = {
-    "proposals": [], "proof": [], "bend_range": [], "placement": [], "verify": ["fmt"], "readers": ["fmt"], "core": ["fmt", "dl"],
+    "proposals": [], "proof": [], "bend_range": [], "placement": ["fmt"], "verify": ["fmt"], "readers": ["fmt"],
+    "core": ["fmt", "dl"],
     "map_readers": ["fmt", "pugixml"], "files": ["fmt", "pugixml", "z"], "fit": ["fmt", "nlopt", "dl"],
     "report": ["fmt", "cairo"],
 }
