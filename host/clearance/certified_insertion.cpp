@@ -170,11 +170,13 @@ class InsertionProver {
   }
 
   [[nodiscard]] ProvenPart proven_by(const std::array<Point, 2>& segment, const Chord& chord, double end) const {
+    const double offset = verify::offset_of(chord, segment);
+    if (!std::isfinite(offset)) return {{end, {}, {}}, -infinity};  // numbers overflow
     CertifiedEnclosure distance = triangles_.certified({segment[0], segment[1], segment[1]});
     distance.certificate.weights.reset();  // which say something of the upper end alone
-    const double offset = verify::offset_of(chord, segment);
-    const bool outside = distance.distance.lo > 0.0 && std::isfinite(offset);
-    const double lower = outside ? verify::subtract(distance.distance.lo, offset, verify::Direction::down) : -infinity;
+    const double lower = distance.distance.lo > 0.0
+                             ? verify::subtract(distance.distance.lo, offset, verify::Direction::down)
+                             : -infinity;
     return {{end, segment, std::move(distance.certificate)}, lower};
   }
 

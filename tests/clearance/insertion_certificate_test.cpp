@@ -259,6 +259,23 @@ TEST(InsertionCertificate, RefusesImplantsThatAreBent) {
   EXPECT_THROW((void)certified_insertion(path, bent, bone, found, options), Error);
 }
 
+/// Nothing is proven where numbers overflow, and nothing that is not finite is handed on.
+TEST(InsertionCertificate, BearsHugeWays) {
+  const std::vector<Point> bone = bone_of(9, 4);
+  const InsertionOptions options{.tolerance = tolerance, .device = "host"};
+  for (const double length : {1e100, 1e200, 1e308}) {
+    const std::vector<Pose> path = straight_path({}, {0.0, 0.0, -1.0}, length, 1);
+    const Insertion found = smallest_distance_along(path, stem, bone, options);
+    const CertifiedInsertion proven = certified_insertion(path, stem, bone, found, options);
+    const InsertionChecker check(stem, path);
+    for (std::size_t n = 0; n < bone.size(); ++n) {
+      EXPECT_EQ(check(bone[n], proven.rows[n].distance, proven.certificates[n]).verdict, Verdict::proved) << length;
+      for (const WayPart& part : proven.certificates[n].parts)
+        for (const Point& end : part.segment) EXPECT_TRUE(std::isfinite(end[0]) && std::isfinite(end[2]));
+    }
+  }
+}
+
 TEST(InsertionCertificate, HasTheRowsBeforeAnInterruption) {
   const Scene scene = scenes().front();
   const std::vector<Point> bone = bone_of(8, 600);
