@@ -8,8 +8,8 @@
 
 namespace verisq::command_line {
 
-/// `verified` only when every distance is proved, and claimed on both sides. Throws Error(input) for what the user can correct, also for another
-/// model or mesh than those that the answer is about.
+/// `verified` only when every distance is proved, and claimed on both sides. Throws Error(input) for what the user can
+/// correct, also for another model or mesh than those that the answer is about.
 ExitStatus run_insertion_check(const InsertionAnswer& answer, const CheckArguments& arguments);
 
 }  // namespace verisq::command_line

@@ -44,14 +44,17 @@ class TaperedContactProblem {
     const auto rise = [&](const Float& t) { return Float(side * slope(place(t, side))); };  // falls with t
     Float low = -farthest();
     Float high = farthest();
-    if (rise(low) <= 0) return excess_ == 0 ? corner(place(low, side)) : contact(place(low, side));
-    if (rise(high) >= 0) return contact(place(high, side));
+    const Float at_low = rise(low);
+    const Float at_high = rise(high);
+    if (at_low <= 0) return excess_ == 0 ? corner(place(low, side)) : contact(place(low, side));
+    if (at_high >= 0) return contact(place(high, side));
+    if (!(at_low > 0 && at_high < 0)) return radial();  // numbers overflow
     std::uintmax_t most_steps = 100;
     // A few units in the last place of Float: nearer, the bracket's ends are rounding errors, and only bisected.
     const Float last_places = 4 * std::numeric_limits<Float>::epsilon();
     const Float wanted = std::max(Float(resolution_.step * resolution_.step), last_places);
     const auto close = [&](const Float& a, const Float& b) { return fabs(b - a) <= wanted * (1 + fabs(a)); };
-    std::tie(low, high) = boost::math::tools::toms748_solve(rise, low, high, close, most_steps);
+    std::tie(low, high) = boost::math::tools::toms748_solve(rise, low, high, at_low, at_high, close, most_steps);
     return contact(place((low + high) / 2, side));
   }
 
