@@ -41,7 +41,7 @@ class JsonValue {
   /// A string that is shown: fails unless it is of one line, without control characters.
   [[nodiscard]] std::string line() const;
   [[nodiscard]] std::string name() const;  ///< likewise, and not empty
-  [[nodiscard]] double number() const;  ///< fails unless this is a number
+  [[nodiscard]] double number() const;     ///< fails unless this is a number
   /// The strings "inf" and "-inf", too: JSON has no infinite numbers.
   [[nodiscard]] double number_or_infinity() const;
 
