@@ -10,6 +10,7 @@
 #include <verisq/triangle_distance.hpp>
 
 #include "host/batches/rotation.hpp"
+#include "host/clearance/middle_of_way.hpp"
 #include "host/maps/summary_count.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/numbers/rounding.hpp"
@@ -20,6 +21,7 @@ namespace verisq {
 namespace {
 
 using verify::Chord;
+using verify::Moment;
 using verify::RigidPath;
 
 /// Of a point: about so many parts a certificate has at most, and so many ways out are looked for, some of which take
@@ -43,12 +45,6 @@ double length_of(const Point& a) {
   return std::hypot(a[0], a[1], a[2]);
 }
 
-/// Times of poses first, as the search has it: they have few digits, which keeps proofs short.
-double middle(double begin, double end) {
-  const double half = begin + (end - begin) / 2;
-  return end - begin > 1.0 ? std::floor(half) : half;
-}
-
 struct ProvenPart {
   WayPart part;
   double lower;
@@ -66,7 +62,7 @@ class InsertionProver {
 
   [[nodiscard]] std::pair<Enclosure, InsertionCertificate> operator()(const Point& point, const Enclosure& found,
                                                                       double deepest) const {
-    const auto [centre, radius] = local_point(point, deepest);
+    const auto [centre, radius] = moment(point, deepest).place;
     CertifiedEnclosure there = points_.certified(centre, share_of_points * tolerance_);
     InsertionCertificate certificate{deepest, std::move(there.certificate), {}};
     // Rounded up, so that the checker, which takes the radius off again, asks for no more than was proven.
@@ -79,9 +75,7 @@ class InsertionProver {
   }
 
  private:
-  [[nodiscard]] verify::PointBall local_point(const Point& point, double time) const {
-    return RigidPath::local_point(path_.nearest_pose(time), point);
-  }
+  [[nodiscard]] Moment moment(const Point& point, double time) const { return verify::moment_of(path_, point, time); }
 
   // Of one point: what is to be shown of each part of its way, those that are shown, how often a way out was asked for.
   struct Search {
@@ -95,23 +89,27 @@ class InsertionProver {
   [[nodiscard]] Enclosure prove(const Point& point, const Enclosure& claim, InsertionCertificate& certificate) const {
     certificate.parts.clear();
     Search search{point, claim.lo, certificate.parts};
-    if (std::isfinite(claim.lo)) prove(search, 0.0, path_.last_time());
+    if (std::isfinite(claim.lo)) prove(search, moment(point, 0.0), moment(point, path_.last_time()));
     return insertions_(point, claim, certificate).proven;
   }
 
   // Appends parts from `begin` to `end`, halved until each reaches the goal, or the search has had its share of work.
-  void prove(Search& search, double begin, double end) const {
+  void prove(Search& search, const Moment& begin, const Moment& end) const {
     const Chord chord = verify::chord_of(path_, search.point, begin, end);
-    ProvenPart best = beside(chord, end);
-    if (best.lower < search.goal && search.goal < 0.0 && search.ways_out < most_ways_out) {
+    ProvenPart best = beside(chord);
+    if (best.lower >= search.goal) {
+      search.parts.push_back(std::move(best.part));
+      return;
+    }
+    const Moment half = moment(search.point, middle_of_way(begin.time, end.time));
+    if (search.goal < 0.0 && search.ways_out < most_ways_out) {
       ++search.ways_out;
-      ProvenPart outward = before_the_way_out(search, chord, begin, end);
+      ProvenPart outward = before_the_way_out(search.goal, chord, half.place.centre);
       if (outward.lower > best.lower) best = std::move(outward);
     }
-    const double half = middle(begin, end);
     const bool spent = search.ways_out >= most_ways_out || search.parts.size() + 1 >= most_parts;
-    if (best.lower >= search.goal || spent || !(begin < half && half < end)) {
-      if (best.lower == -infinity) best = far_away(chord, end);
+    if (best.lower >= search.goal || spent || !(begin.time < half.time && half.time < end.time)) {
+      if (best.lower == -infinity) best = far_away(chord);
       search.parts.push_back(std::move(best.part));
       return;
     }
@@ -120,42 +118,40 @@ class InsertionProver {
   }
 
   // By the straight way itself, where it is outside.
-  [[nodiscard]] ProvenPart beside(const Chord& chord, double end) const {
-    return proven_by({chord.begin.centre, chord.end.centre}, chord, end);
+  [[nodiscard]] ProvenPart beside(const Chord& chord) const {
+    return proven_by({chord.begin.place.centre, chord.end.place.centre}, chord);
   }
 
   // By that way moved out of the implant: where its middle leaves it soonest, by all that the goal allows, or by a
   // little more than it takes, where another primitive is near.
-  [[nodiscard]] ProvenPart before_the_way_out(const Search& search, const Chord& chord, double begin,
-                                              double end) const {
-    const Point centre = local_point(search.point, middle(begin, end)).centre;
+  [[nodiscard]] ProvenPart before_the_way_out(double goal, const Chord& chord, const Point& centre) const {
     const double slack = share_of_points * tolerance_;
     const CertifiedEnclosure there = points_.certified(
         centre, slack, [] { return false; }, false);
     const Point way_out = way_out_of(centre, there.certificate);
     const double length = length_of(way_out);
-    ProvenPart best{{end, {}, {}}, -infinity};
+    ProvenPart best{{chord.end.time, {}, {}}, -infinity};
     if (!(length > 0.0) || !std::isfinite(length)) return best;
-    const double rounding = chord.bulge + 2.0 * std::max(chord.begin.radius, chord.end.radius);
-    const double room = (-search.goal - rounding) * (1.0 - 0x1p-40);
+    const double rounding = chord.bulge + 2.0 * std::max(chord.begin.place.radius, chord.end.place.radius);
+    const double room = (-goal - rounding) * (1.0 - 0x1p-40);
     for (const double moved : {room, std::min(room, slack - there.distance.lo)}) {
-      ProvenPart next = moved_by((moved / length) * way_out, chord, end);
+      ProvenPart next = moved_by((moved / length) * way_out, chord);
       if (next.lower > best.lower) best = std::move(next);
-      if (best.lower >= search.goal) break;
+      if (best.lower >= goal) break;
     }
     return best;
   }
 
   // By that way beside all of the implant, wherever it is: a bound, if not a tight one.
-  [[nodiscard]] ProvenPart far_away(const Chord& chord, double end) const {
+  [[nodiscard]] ProvenPart far_away(const Chord& chord) const {
     const Point& from = implant_.primitives.front().pose.translation;
-    const double beyond = 4.0 * bounding_radius(implant_) + length_of(chord.begin.centre + (-1.0) * from) +
-                          length_of(chord.end.centre + (-1.0) * from);
-    return moved_by({beyond, 0.0, 0.0}, chord, end);
+    const double beyond = 4.0 * bounding_radius(implant_) + length_of(chord.begin.place.centre + (-1.0) * from) +
+                          length_of(chord.end.place.centre + (-1.0) * from);
+    return moved_by({beyond, 0.0, 0.0}, chord);
   }
 
-  [[nodiscard]] ProvenPart moved_by(const Point& step, const Chord& chord, double end) const {
-    return proven_by({chord.begin.centre + step, chord.end.centre + step}, chord, end);
+  [[nodiscard]] ProvenPart moved_by(const Point& step, const Chord& chord) const {
+    return proven_by({chord.begin.place.centre + step, chord.end.place.centre + step}, chord);
   }
 
   // From a point inside to one outside, or along the gradient of the distance; zero where nothing is known.
@@ -169,15 +165,15 @@ class InsertionProver {
     return outward;
   }
 
-  [[nodiscard]] ProvenPart proven_by(const std::array<Point, 2>& segment, const Chord& chord, double end) const {
+  [[nodiscard]] ProvenPart proven_by(const std::array<Point, 2>& segment, const Chord& chord) const {
     const double offset = verify::offset_of(chord, segment);
-    if (!std::isfinite(offset)) return {{end, {}, {}}, -infinity};  // numbers overflow
+    if (!std::isfinite(offset)) return {{chord.end.time, {}, {}}, -infinity};  // numbers overflow
     CertifiedEnclosure distance = triangles_.certified({segment[0], segment[1], segment[1]});
     distance.certificate.weights.reset();  // which say something of the upper end alone
     const double lower = distance.distance.lo > 0.0
                              ? verify::subtract(distance.distance.lo, offset, verify::Direction::down)
                              : -infinity;
-    return {{end, segment, std::move(distance.certificate)}, lower};
+    return {{chord.end.time, segment, std::move(distance.certificate)}, lower};
   }
 
   double tolerance_;
@@ -193,7 +189,7 @@ class InsertionProver {
 CertifiedInsertion certified_insertion(std::span<const Pose> path, const Model& implant, std::span<const Point> bone,
                                        const Insertion& found, const InsertionOptions& options) {
   const InsertionProver prover(path, implant, options.tolerance);
-  CertifiedInsertion result{found.rows, std::vector<InsertionCertificate>(found.rows.size()), empty_summary()};
+  CertifiedInsertion result{found.rows, std::vector<InsertionCertificate>(found.rows.size()), {}};
   const auto prove = [&](std::size_t n) {
     auto [distance, certificate] = prover(bone[n], found.rows[n].distance, found.deepest[n]);
     result.rows[n] = {distance, verified(distance, options.tolerance) ? Status::host_verified : Status::wide};
@@ -212,15 +208,10 @@ CertifiedInsertion certified_insertion(std::span<const Pose> path, const Model& 
     done += count;
     options.progress(static_cast<double>(done) / static_cast<double>(result.rows.size()));
   }
-  MapSummary& summary = result.summary;
-  summary.interrupted = found.summary.interrupted || done < result.rows.size();
   result.rows.resize(done);
   result.certificates.resize(done);
-  count(summary, result.rows);
-  summary.device = found.summary.device;
-  summary.notice = found.summary.notice;
-  summary.device_seconds = found.summary.device_seconds;
-  summary.host_seconds = found.summary.host_seconds;
+  result.summary = recounted(found.summary, result.rows);
+  result.summary.interrupted = found.summary.interrupted || done < found.rows.size();
   return result;
 }
 

@@ -91,6 +91,13 @@ std::string exact_text(const Enclosure& enclosure) {
   return fmt::format("[{:.17g}, {:.17g}]", enclosure.lo, enclosure.hi);
 }
 
+std::string verdicts_in_words(const CheckReport& report) {
+  return fmt::format("{:<21}{}\n", plural(report.elements), report.rows()) +
+         fmt::format("  proved             {}\n", report.proved) +
+         fmt::format("  refuted            {}\n", report.refuted) +
+         fmt::format("  unproved           {}\n", report.unproved);
+}
+
 std::string readable(const CheckedRow& row, MapElements elements) {
   const auto position = std::visit([](const auto& element) { return digits_of(element); }, row.element);
   auto text = fmt::format("first {} {}, index {}, at {}: {}\n", name_of(row.finding.verdict), singular(elements),
@@ -111,10 +118,7 @@ JsonObject object_of(const CheckedRow& row, MapElements elements) {
 
 std::string readable(const CheckReport& report) {
   const auto units = report.units.empty() ? std::string() : " " + report.units;
-  auto text = fmt::format("{:<21}{}\n", plural(report.elements), report.rows());
-  text += fmt::format("  proved             {}\n", report.proved);
-  text += fmt::format("  refuted            {}\n", report.refuted);
-  text += fmt::format("  unproved           {}\n", report.unproved);
+  std::string text = verdicts_in_words(report);
   if (report.missing > 0) text += fmt::format("  missing            {} (the map ends before)\n", report.missing);
   if (report.proved > 0) text += fmt::format("largest width proved {:.3g}{}\n", report.largest_width, units);
   if (tells_smallest(report)) {

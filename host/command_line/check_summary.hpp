@@ -52,6 +52,9 @@ void count(const CheckedRow& row, CheckReport& report);
 /// 17 significant digits give back the same binary64.
 [[nodiscard]] std::string exact_text(const Enclosure& enclosure);
 
+/// How many rows, and how many of each verdict: a line each.
+[[nodiscard]] std::string verdicts_in_words(const CheckReport& report);
+
 /// Of the first refuted or unproved row.
 [[nodiscard]] std::string readable(const CheckedRow& row, MapElements elements);
 [[nodiscard]] JsonObject object_of(const CheckedRow& row, MapElements elements);

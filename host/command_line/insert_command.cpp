@@ -94,18 +94,6 @@ void check_certificate_file(const InsertArguments& arguments, const std::vector<
   const OutputFile trial(file);  // known before all the work, not after it; leaves nothing behind
 }
 
-/// What rows say together, of rows that are others now.
-void recount(Insertion& insertion) {
-  MapSummary& summary = insertion.summary;
-  MapSummary counted = empty_summary();
-  count(counted, insertion.rows);
-  counted.device = summary.device;
-  counted.notice = summary.notice;
-  counted.device_seconds = summary.device_seconds;
-  counted.host_seconds = summary.host_seconds;
-  summary = counted;
-}
-
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
   command_line::check_usage(arguments.inputs);
@@ -157,7 +145,7 @@ std::optional<InsertionAnswer> certify(const InsertArguments& arguments, std::sp
     if (!looser) insertion.rows[n] = proven;
     answer.rows.push_back({proven.distance, std::move(certified.certificates[n])});
   }
-  recount(insertion);
+  insertion.summary = recounted(insertion.summary, insertion.rows);
   return answer;
 }
 

@@ -35,7 +35,6 @@ struct InsertionCheckReport {
   // By what is proven, whatever is claimed.
   std::uint64_t proven_cut = 0;
   std::uint64_t proven_untouched = 0;
-
   std::uint64_t unbounded = 0;  ///< rows that claim nothing of an end
 
   [[nodiscard]] std::uint64_t undecided() const { return rows.rows() - proven_cut - proven_untouched; }
@@ -121,10 +120,7 @@ std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& 
                      const CheckArguments& arguments) {
   const CheckReport& rows = report.rows;
   const std::string units = rows.units.empty() ? std::string() : " " + rows.units;
-  std::string text = fmt::format("points               {}\n", rows.rows());
-  text += fmt::format("  proved             {}\n", rows.proved);
-  text += fmt::format("  refuted            {}\n", rows.refuted);
-  text += fmt::format("  unproved           {}\n", rows.unproved);
+  std::string text = verdicts_in_words(rows);
   if (report.unbounded > 0)
     text +=
         fmt::format("  WITHOUT AN END     {}: of these nothing is claimed on one side at least\n", report.unbounded);

@@ -54,6 +54,17 @@ inline void count(MapSummary& summary, std::span<const MapResult> rows) {
   add(summary, of_rows);
 }
 
+/// What rows say together that took the place of those of `earlier`, which tells how they were found.
+[[nodiscard]] inline MapSummary recounted(const MapSummary& earlier, std::span<const MapResult> rows) {
+  MapSummary summary = empty_summary();
+  count(summary, rows);
+  summary.device = earlier.device;
+  summary.notice = earlier.notice;
+  summary.device_seconds = earlier.device_seconds;
+  summary.host_seconds = earlier.host_seconds;
+  return summary;
+}
+
 /// Likewise what a device has summed up.
 inline void count(MapSummary& summary, const device::RowSums& sums) {
   summary.points += std::uint64_t{sums.verified} + sums.wide;

@@ -1,6 +1,5 @@
 /// The lower end is that of all parts of the way, the upper end that of one point on it.
 #include <algorithm>
-#include <cmath>
 
 #include "verify/placement/path_check.hpp"
 #include "verify/placement/way_part.hpp"
@@ -21,25 +20,25 @@ struct InsertionChecker::State {
   /// Of parts that do not follow each other from the first time to the last nothing.
   [[nodiscard]] double lower(const Point& point, double asked, const InsertionCertificate& certificate) const {
     double least = infinity;
-    double begin = 0.0;
+    verify::Moment begin = verify::moment_of(path, point, 0.0);
     for (std::size_t k = 0; k < certificate.parts.size(); ++k) {
       const WayPart& part = certificate.parts[k];
       const bool all_at_rest = k == 0 && part.until == 0.0;
-      if (!(part.until > begin || all_at_rest) || !(part.until <= path.last_time())) return -infinity;
-      const verify::Chord chord = verify::chord_of(path, point, begin, part.until);
+      if (!(part.until > begin.time || all_at_rest) || !(part.until <= path.last_time())) return -infinity;
+      const verify::Moment end = verify::moment_of(path, point, part.until);
+      const verify::Chord chord = verify::chord_of(path, point, begin, end);
       least = std::min(least, verify::lower_end(implant, chord, part, asked));
       if (least == -infinity) return least;
-      begin = part.until;
+      begin = end;
     }
-    return !certificate.parts.empty() && begin == path.last_time() ? least : -infinity;
+    return !certificate.parts.empty() && begin.time == path.last_time() ? least : -infinity;
   }
 
   [[nodiscard]] double upper(const Point& point, double asked, const InsertionCertificate& certificate) const {
     const double time = certificate.deepest;
     if (!(time >= 0.0 && time <= path.last_time())) return infinity;
-    const PointBall ball = RigidPath::local_point(path.nearest_pose(time), point);
-    const auto is_finite = [](double c) { return std::isfinite(c); };
-    if (!std::ranges::all_of(ball.centre, is_finite) || !std::isfinite(ball.radius)) return infinity;
+    const PointBall ball = verify::moment_of(path, point, time).place;
+    if (!verify::is_finite(ball)) return infinity;
     const double of_centre = verify::subtract(asked, ball.radius, Direction::down);
     const double proven = implant(ball.centre, {-infinity, of_centre}, certificate.at_deepest).proven.hi;
     return verify::add(proven, ball.radius, Direction::up);

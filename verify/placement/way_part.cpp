@@ -26,10 +26,6 @@ bool is_finite(const Point& x) {
   return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
 }
 
-bool is_finite(const PointBall& ball) {
-  return is_finite(ball.centre) && std::isfinite(ball.radius);
-}
-
 /// How far a point anywhere in the ball may be from `x`.
 double farthest(const PointBall& ball, const Point& x) {
   return sum_up(distance_up(ball.centre, x), ball.radius);
@@ -42,17 +38,24 @@ Point seat_of(const Model& implant, std::span<const Pose> path) {
   return posed(seat, path.back());
 }
 
-Chord chord_of(const RigidPath& path, const Point& c, double begin, double end) {
-  const auto ball_at = [&](double time) { return RigidPath::local_point(path.nearest_pose(time), c); };
-  const PointBall a = ball_at(begin);
-  const PointBall b = begin == end ? a : ball_at(end);
-  const double way = path.length_up(c, begin, end);
-  if (!is_finite(a) || !is_finite(b) || !std::isfinite(way)) return {a, b, infinity};
+Moment moment_of(const RigidPath& path, const Point& c, double time) {
+  return {time, RigidPath::local_point(path.nearest_pose(time), c)};
+}
+
+bool is_finite(const PointBall& ball) {
+  return is_finite(ball.centre) && std::isfinite(ball.radius);
+}
+
+Chord chord_of(const RigidPath& path, const Point& c, const Moment& begin, const Moment& end) {
+  const PointBall& a = begin.place;
+  const PointBall& b = end.place;
+  const double way = path.length_up(c, begin.time, end.time);
+  if (!is_finite(a) || !is_finite(b) || !std::isfinite(way)) return {begin, end, infinity};
   const double apart = subtract(distance_down(a.centre, b.centre), sum_up(a.radius, b.radius), Direction::down);
   const double chord = std::clamp(apart, 0.0, way);
   // (L - l) (L + l), of which the first factor alone is rounded by much of itself.
   const double product = multiply(subtract(way, chord, Direction::up), sum_up(way, chord), Direction::up);
-  return {a, b, multiply(0.5, square_root(product, Direction::up), Direction::up)};
+  return {begin, end, multiply(0.5, square_root(product, Direction::up), Direction::up)};
 }
 
 // A point of the way is at most the bulge off a point x of the straight line from `begin` to `end`, and x no farther
@@ -60,7 +63,7 @@ Chord chord_of(const RigidPath& path, const Point& c, double begin, double end) 
 double offset_of(const Chord& chord, const std::array<Point, 2>& segment) {
   const auto& [first, last] = segment;
   if (!std::isfinite(chord.bulge) || !is_finite(first) || !is_finite(last)) return infinity;
-  return sum_up(chord.bulge, std::max(farthest(chord.begin, first), farthest(chord.end, last)));
+  return sum_up(chord.bulge, std::max(farthest(chord.begin.place, first), farthest(chord.end.place, last)));
 }
 
 // All points of the segment are outside, and at least as far as the segment; and the signed distance changes by no more

@@ -11,14 +11,26 @@ namespace verisq::verify {
 /// are proven tightest of points nearby. Proves nothing.
 [[nodiscard]] Point seat_of(const Model& implant, std::span<const Pose> path);
 
-/// Where a point of the bone is at two times, and how far it may be, between them, from the straight way.
-struct Chord {
-  PointBall begin, end;
-  double bulge;  ///< rounded up
+/// Where a point of the bone is at a time, as the resting implant sees it.
+struct Moment {
+  double time;
+  PointBall place;
 };
 
-/// Precondition: 0 <= begin <= end <= path.last_time().
-[[nodiscard]] Chord chord_of(const RigidPath& path, const Point& c, double begin, double end);
+/// Precondition: 0 <= time <= path.last_time().
+[[nodiscard]] Moment moment_of(const RigidPath& path, const Point& c, double time);
+
+/// Where numbers overflow nothing is known.
+[[nodiscard]] bool is_finite(const PointBall& ball);
+
+/// How far the point may be, between two moments, from the straight way.
+struct Chord {
+  Moment begin, end;
+  double bulge;  ///< rounded up; infinite where nothing is known
+};
+
+/// Precondition: moments of this point and path, the first no later than the second.
+[[nodiscard]] Chord chord_of(const RigidPath& path, const Point& c, const Moment& begin, const Moment& end);
 
 /// No point of the way is farther from the segment's point that divides it alike; infinite for what is not finite.
 [[nodiscard]] double offset_of(const Chord& chord, const std::array<Point, 2>& segment);
