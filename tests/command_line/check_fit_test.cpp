@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "tests/fixtures/program_test.hpp"
+#include "tests/fixtures/proof_file_test.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -17,7 +17,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class CheckFit : public ProgramTest {
+class CheckFit : public ProofFileTest {
  protected:
   void SetUp() override {
     std::ifstream in(VERISQ_EXAMPLES "/stem_mm.json");
@@ -62,18 +62,6 @@ class CheckFit : public ProgramTest {
     return Process(arguments, folder_.path()).wait();
   }
 
-  [[nodiscard]] json document() const {
-    std::ifstream in(proof_);
-    return json::parse(in);
-  }
-
-  /// The certificate with another value at `pointer`.
-  [[nodiscard]] std::string forged(const std::string& pointer, const json& value) const {
-    json other = document();
-    other[json::json_pointer(pointer)] = value;
-    return write("forged.json", other.dump());
-  }
-
   void expect_not_proved(const std::string& pointer, const json& value) const {
     const Outcome outcome = check_with(map_, surface_, forged(pointer, value));
     EXPECT_EQ(outcome.status, 3) << pointer << " " << value << outcome.out << outcome.err;
@@ -83,7 +71,6 @@ class CheckFit : public ProgramTest {
   std::string fitted_ = path("fitted.json");
   std::string map_ = path("map.csv");
   std::string surface_ = path("surface.vtp");
-  std::string proof_ = path("proof.json");
 };
 
 TEST_F(CheckFit, ProvesEveryDistanceAndWhatTheySayTogether) {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "tests/fixtures/program_test.hpp"
+#include "tests/fixtures/proof_file_test.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -16,7 +16,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class CheckInsertion : public ProgramTest {
+class CheckInsertion : public ProofFileTest {
  protected:
   void SetUp() override {
     std::ifstream in(VERISQ_EXAMPLES "/stem_mm.json");
@@ -42,17 +42,6 @@ class CheckInsertion : public ProgramTest {
     return Process(arguments, folder_.path()).wait();
   }
 
-  [[nodiscard]] json document() const {
-    std::ifstream in(proof_);
-    return json::parse(in);
-  }
-
-  [[nodiscard]] std::string forged(const std::string& pointer, const json& value) const {
-    json other = document();
-    other[json::json_pointer(pointer)] = value;
-    return write("forged.json", other.dump());
-  }
-
   void expect_not_proved(const std::string& pointer, const json& value) const {
     const Outcome outcome = check(forged(pointer, value));
     EXPECT_EQ(outcome.status, 3) << pointer << " " << value << outcome.out << outcome.err;
@@ -61,7 +50,6 @@ class CheckInsertion : public ProgramTest {
   std::string implant_ = path("stem.json");
   std::string mesh_ = VERISQ_EXAMPLES "/cavity.off";
   std::string map_ = path("map.csv");
-  std::string proof_ = path("proof.json");
 };
 
 TEST_F(CheckInsertion, ProvesTheDistanceOfEveryVertex) {
