@@ -10,6 +10,7 @@
 #include <variant>
 #include <verisq/certificate_file.hpp>
 #include <verisq/model_file.hpp>
+#include <verisq/pair_checker.hpp>
 
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/common_units.hpp"
@@ -40,13 +41,6 @@ TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::strin
                     const CertificateCheckArguments& arguments) {
   refuse_other_models(subjects, arguments);
   TwoModels models{read_model(arguments.models[0]), read_model(arguments.models[1])};
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    if (is_union_of_convex(models[i])) continue;
-    refuse(
-        fmt::format("{}: pairs of bent models, or of csg other than the union of all primitives, have no "
-                    "certificates to check",
-                    arguments.models[i]));
-  }
   const std::string units = common_units(models[0], models[1], arguments.models[0], arguments.models[1]);
   if (stated_units != units) {
     refuse(fmt::format("{}: units = \"{}\": are not those of the models, \"{}\"", arguments.certificate, stated_units,
@@ -100,7 +94,7 @@ std::string json(const CertificateReport& report) {
 ExitStatus check_pair(const PairAnswer& answer, const CertificateCheckArguments& arguments) {
   const auto [a, b] = models_of(answer.models, answer.units, arguments);
   const Stopwatch time;
-  const Finding finding = check(a, b, answer.pose, answer.distance, answer.certificate);
+  const Finding finding = PairChecker(a, b)(answer.pose, answer.distance, answer.certificate);
   const CertificateReport report{arguments.certificate, arguments.models, answer.units,  answer.pose,
                                  answer.distance,       finding,          time.seconds()};
   fmt::print("{}", arguments.json ? json(report) : readable(report));

@@ -9,6 +9,8 @@
 
 #include "host/command_line/certificate_check.hpp"
 #include "host/command_line/check_summary.hpp"
+#include "host/command_line/deviation_check.hpp"
+#include "host/command_line/features_check.hpp"
 #include "host/command_line/fit_check.hpp"
 #include "host/command_line/insertion_check.hpp"
 #include "host/command_line/interruption.hpp"
@@ -40,7 +42,10 @@ constexpr const char* closing_words =
     "what they say together, F, the smallest\n"
     "distance, the deepest penetration, how many vertices keep the limit, the numbers of every area. Of a\n"
     "`verisq insert --certificate-file` give the implant's --model and the bone's --mesh: the smallest distance of\n"
-    "every vertex along the whole way is proved.\n"
+    "every vertex along the whole way is proved. Of a `verisq deviation --certificate-file` give --model and --mesh, "
+    "or\n"
+    "--points: how far these lie from the model's surface is proved, at most, in the mean, and percentiles.\n"
+    "Of a `verisq features --certificate-file` what its landmarks say is enclosed once more, at 127 bits.\n"
     "\n"
     "--octree: a file of `verisq octree`, with or without white cubes. Its black cubes are proved to lie inside, and\n"
     "what black and gray ones leave out outside; all together they prove the volume.\n"
@@ -89,10 +94,9 @@ ExitStatus check_map_file(const CheckArguments& arguments) {
 
 void declare_check(Options& options, CheckArguments& arguments) {
   options.explain(fmt::format("{}  {} {}", closing_words, options.full_name(), example));
-  options.require_each(
-      "--model", arguments.models, "FILE",
-      "Model of posed superquadrics (verisq-model/1, JSON); of a --certificate each that it is about,\n"
-      "in its order");
+  options.add_each("--model", arguments.models, "FILE",
+                   "Model of posed superquadrics (verisq-model/1, JSON); of a --certificate each that it is about,\n"
+                   "in its order; that of features needs none");
   declare_points(options, arguments.inputs);
   options.add("--map", arguments.map, "FILE", "The map, written with --certificates: .csv .vtp .csv.partial");
   options.add("--certificate", arguments.certificate, "FILE",
@@ -118,14 +122,20 @@ ExitStatus run_check(const CheckArguments& given) {
   if (!given.surface_map.empty() && given.certificate.empty()) refuse("--surface-map: only with --certificate");
   if (given.sample && given.octree.empty()) refuse("--sample: only with --octree");
   CheckArguments arguments = given;
-  arguments.inputs.model = given.models.front();
+  if (!given.models.empty()) arguments.inputs.model = given.models.front();
   if (!given.certificate.empty()) {
     const Answer answer = read_answer(given.certificate);
     if (const auto* const fit = std::get_if<FitAnswer>(&answer)) return run_fit_check(*fit, arguments);
     if (const auto* const way = std::get_if<InsertionAnswer>(&answer)) return run_insertion_check(*way, arguments);
+    if (const auto* const deviation = std::get_if<DeviationAnswer>(&answer))
+      return run_deviation_check(*deviation, arguments);
+    if (const auto* const features = std::get_if<FeaturesAnswer>(&answer))
+      return run_features_check(*features, arguments);
+    if (given.models.empty()) refuse("--model is required");
     refuse_what_certificates_lack(given);
     return run_certificate_check(answer, {given.certificate, given.models, given.json});
   }
+  if (given.models.empty()) refuse("--model is required");
   if (given.models.size() != 1) refuse("--model: give one, that of the --map or --octree");
   if (!given.octree.empty()) {
     refuse_points(given);

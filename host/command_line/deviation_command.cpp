@@ -3,7 +3,10 @@
 
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <utility>
+#include <verisq/certificate_file.hpp>
+#include <verisq/certified_deviation.hpp>
 #include <verisq/deviation.hpp>
 #include <verisq/error.hpp>
 #include <verisq/landmark_file.hpp>
@@ -25,6 +28,7 @@
 #include "host/command_line/whole_number.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/features/femur_regions.hpp"
+#include "host/files/output_file.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -59,6 +63,16 @@ double parse_percentile(std::string_view option, const std::string& text) {
   return *percent;
 }
 
+void check_certificate_file(const DeviationArguments& arguments, const std::vector<std::string>& inputs) {
+  const std::string& file = arguments.certificate_file;
+  if (file.empty()) return;
+  if (std::filesystem::path(file).extension() != ".json")
+    refuse(fmt::format("--certificate-file {}: is a .json", file));
+  if (arguments.time_limit) refuse("--certificate-file: not with --time-limit");
+  refuse_to_overwrite("--certificate-file", file, inputs);
+  const OutputFile trial(file);  // known before all the work, not after it; leaves nothing behind
+}
+
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const DeviationArguments& arguments) {
   check_usage(arguments.inputs);
@@ -74,7 +88,8 @@ void check_usage(const DeviationArguments& arguments) {
   }
   const std::vector<std::string> inputs{arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points};
   if (!arguments.output.empty()) refuse_to_overwrite("-o", arguments.output, inputs);
-  check_usage(arguments.report, inputs, {arguments.output});
+  check_certificate_file(arguments, inputs);
+  check_usage(arguments.report, inputs, {arguments.output, arguments.certificate_file});
   if (!arguments.report.any()) return;
   if (arguments.inputs.mesh.empty()) {
     refuse(fmt::format("{}: give a --mesh to draw", arguments.report.html.empty() ? "--png" : "--report"));
@@ -142,6 +157,30 @@ bool write_report(const Model& model, const Mesh& mesh, const DeviationReport& r
   return true;
 }
 
+/// False where it is interrupted.
+bool write_certificate(const Model& model, const Mesh& mesh, const DeviationArguments& arguments,
+                       DeviationReport& report) {
+  const std::string& file = arguments.certificate_file;
+  if (file.empty() || report.deviation.interrupted) return file.empty();
+  ProgressBar bar(!arguments.no_progress, "points");
+  DeviationOptions options = report.options;
+  options.progress = [&bar](std::string_view stage, double done) { bar.update_state(stage, done); };
+  CertifiedDeviation certified = certified_deviation(model, mesh, report.deviation, options);
+  if (certified.proven.interrupted) return false;
+  const InputArguments& inputs = arguments.inputs;
+  write_answer(file, DeviationAnswer{.model = subject_file(inputs.model),
+                                     .mesh = subject_file(inputs.mesh.empty() ? inputs.points : inputs.mesh),
+                                     .units = model.units,
+                                     .pose = inputs.pose,
+                                     .percentiles = options.percentiles,
+                                     .of_vertices = certified.proven.of_vertices,
+                                     .from_mesh = certified.proven.from_mesh,
+                                     .certificate = std::move(certified.certificate)});
+  report.certificate = file;
+  report.certified = std::move(certified.proven);
+  return true;
+}
+
 ExitStatus status_of(const Deviation& deviation) {
   if (deviation.interrupted) return ExitStatus::interrupted;
   return deviation.to_tolerance ? ExitStatus::verified : ExitStatus::unverified;
@@ -180,6 +219,9 @@ void declare_deviation(Options& options, DeviationArguments& arguments) {
   add_device(options, arguments.device);
   options.add("-o,--output", arguments.output, "FILE",
               fmt::format("{}: signed distances of the vertices or points", map_explanation));
+  options.add("--certificate-file", arguments.certificate_file, "FILE",
+              "What lies from --mesh, or --points, to the model with what proves it again, for\n"
+              "`verisq check --certificate`: .json, up to 64 MiB");
   declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
@@ -213,10 +255,12 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
   report.seconds = time.seconds();
   report.output = write_rows(mesh, report.deviation, writer, arguments.output);
   if (write_report(model, mesh, report, arguments)) report.files = arguments.report;
+  const bool certified = write_certificate(model, mesh, arguments, report);
+  if (!certified) tell(fmt::format("interrupted; {} is not written", arguments.certificate_file));
   tell_notice(report.deviation.map.notice);
   if (report.deviation.out_of_time) tell("the limit is reached; enclosures are valid, and some are wide");
   fmt::print("{}", arguments.json ? json(report) : readable(report));
-  return status_of(report.deviation);
+  return certified ? status_of(report.deviation) : ExitStatus::interrupted;
 }
 
 }  // namespace verisq::command_line

@@ -70,6 +70,11 @@ std::string tolerance_text(const DeviationReport& report) {
   return fmt::format("{:g}{}", *report.options.tolerance, report.units.empty() ? "" : " " + report.units);
 }
 
+/// Of the mesh, or of the points.
+const DistanceSummary& certified_summary(const ProvenDeviation& proven) {
+  return proven.from_mesh ? *proven.from_mesh : proven.of_vertices;
+}
+
 /// What matters most first: a picture has room for a few lines.
 std::vector<Line> lines_of(const DeviationReport& report) {
   const Deviation& deviation = report.deviation;
@@ -101,6 +106,17 @@ JsonValue json_of(const std::optional<DistanceStatistics>& statistics, const Dev
   return object;
 }
 
+JsonValue json_of_certified(const DeviationReport& report) {
+  if (!report.certified) return {};
+  const DistanceSummary& summary = certified_summary(*report.certified);
+  JsonValue::Array percentiles;
+  for (std::size_t i = 0; i < summary.percentiles.size(); ++i) {
+    const auto& [lo, hi] = summary.percentiles[i];
+    percentiles.push_back(JsonObject{{"percent", report.options.percentiles[i]}, {"lo", lo}, {"hi", hi}});
+  }
+  return JsonObject{{"largest", summary.largest}, {"mean", summary.mean}, {"percentiles", percentiles}};
+}
+
 }  // namespace
 
 std::string readable(const DeviationReport& report) {
@@ -115,6 +131,12 @@ std::string readable(const DeviationReport& report) {
                       deviation.vertices.size() + deviation.samples, deviation.patches);
   text += fmt::format("{:<23}{:.3g} s\n", "time", report.seconds);
   if (!report.output.empty()) text += fmt::format("{:<23}{}\n", "map", report.output);
+  if (report.certified) {
+    const DistanceSummary& summary = certified_summary(*report.certified);
+    text += fmt::format("{:<23}{}\n", "certificate", report.certificate);
+    text += fmt::format("{:<23}{}\n", "  proves, largest", with_units(summary.largest, report));
+    text += fmt::format("{:<23}{}\n", "  proves, mean", with_units(summary.mean, report));
+  }
   if (!report.files.html.empty()) text += fmt::format("{:<23}{}\n", "report", report.files.html);
   if (!report.files.png.empty()) text += fmt::format("{:<23}{}\n", "picture", report.files.png);
   return text;
@@ -159,6 +181,8 @@ std::string json(const DeviationReport& report) {
       {"interrupted", deviation.interrupted},
       {"out_of_time", deviation.out_of_time},
       {"output", report.output},
+      {"certificate", report.certificate},
+      {"certified", json_of_certified(report)},
       {"report", report.files.html},
       {"png", report.files.png},
   };

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 #include <verisq/deviation.hpp>
+#include <verisq/deviation_certificate.hpp>
 #include <verisq/report.hpp>
 
 #include "host/command_line/report_files.hpp"
@@ -17,7 +19,9 @@ struct DeviationReport {
   std::vector<std::string> region_names = {};
   bool is_cloud = false;
   std::size_t triangles = 0;
-  std::string output = {};  ///< the file that holds the rows; empty when none was kept
+  std::string output = {};                        ///< the file that holds the rows; empty when none was kept
+  std::string certificate = {};                   ///< what proves mesh to model again; empty where none was written
+  std::optional<ProvenDeviation> certified = {};  ///< what it proves
   ReportFiles files = {};
   std::string units = {};  ///< of the model; empty when not given
   double seconds = 0.0;    ///< wall time

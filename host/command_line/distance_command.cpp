@@ -133,8 +133,6 @@ void refuse_what_searches_lack(const LargestModels& models, const DistanceArgume
                        path));
   };
   if (arguments.closest_points) refuse_option("--closest-points");
-  if (arguments.certificate) refuse_option("--certificate");
-  if (arguments.certificate_file) refuse_option("--certificate-file");
 }
 
 double tolerance_of(const DistanceArguments& arguments, const LargestModels& models) {
@@ -211,10 +209,10 @@ std::optional<PartRecord> part_record(PoseStream& stream, const MapOptions& opti
 }
 
 /// `status`: of the map, whose rows they prove.
-ExitStatus write_certificates(const LargestModels& models, const std::string& units, ExitStatus status,
-                              const DistanceArguments& arguments) {
+ExitStatus write_certificates(const LargestModels& models, const std::string& units, double tolerance,
+                              ExitStatus status, const DistanceArguments& arguments) {
   PoseAnswers answers{{subject_file(arguments.model_a), subject_file(arguments.model_b)}, units, {}};
-  answers.answers = certified_distances(models.a, models.b, *arguments.poses, !arguments.no_progress);
+  answers.answers = certified_distances(models.a, models.b, *arguments.poses, tolerance, !arguments.no_progress);
   if (interrupted()) {
     tell("interrupted: the distances are written, without certificates");
     return ExitStatus::interrupted;
@@ -259,7 +257,8 @@ ExitStatus map_poses(const LargestModels& models, const std::string& units, doub
   }
   const ExitStatus status = map_to_file(
       peeked, nullptr, [&] { return PoseMapper(models.a, models.b, options); }, request);
-  if (arguments.certificate_file && !interrupted()) return write_certificates(models, units, status, arguments);
+  if (arguments.certificate_file && !interrupted())
+    return write_certificates(models, units, tolerance, status, arguments);
   return status;
 }
 
@@ -311,9 +310,11 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
   if (arguments.poses) return map_poses(models, units, tolerance, arguments);
 
   DistanceReport report =
-      searched ? searched_distance(
-                     models.a, models.b, pose,
-                     {.tolerance = tolerance, .seconds = arguments.time_limit, .show_progress = !arguments.no_progress})
+      searched ? searched_distance(models.a, models.b, pose,
+                                   {.tolerance = tolerance,
+                                    .seconds = arguments.time_limit,
+                                    .show_progress = !arguments.no_progress,
+                                    .with_certificate = arguments.certificate || arguments.certificate_file})
                : certified_distance(a, b, models, pose, tolerance, arguments.time_limit);
   report.units = units;
   report.tolerance = tolerance;
@@ -321,7 +322,7 @@ ExitStatus run_distance(const DistanceArguments& arguments) {
     write_answer(*arguments.certificate_file, {{subject_file(arguments.model_a), subject_file(arguments.model_b)},
                                                units,
                                                pose,
-                                               report.distance,
+                                               report.certified.value_or(report.distance),
                                                report.certificate.value()});
   }
   if (!arguments.certificate) report.certificate.reset();

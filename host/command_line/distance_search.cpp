@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <utility>
 #include <verisq/model_search.hpp>
 
 #include "host/command_line/interruption.hpp"
@@ -31,20 +32,29 @@ class WidthFraction {
   double first_ = 0.0;
 };
 
+void tell_what_is_not_certified(const DistanceReport& report) {
+  const Enclosure& proven = *report.certified;
+  if (verified(proven, report.tolerance) || proven.width() <= report.distance.width()) return;
+  tell(
+      fmt::format("the certificate proves less than was found, [{}, {}]: planes between sections of primitives, and "
+                  "points, do not decide here",
+                  proven.lo, proven.hi));
+}
+
 }  // namespace
 
 DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pose, const DistanceSearch& search) {
   watch_for_interruption();
   TimeLimit limit(search.seconds);
   limit.start();
+  const ModelSearch models(a, b);
+  SearchOptions options{.tolerance = search.tolerance, .interrupted = [&] { return interrupted() || limit.passed(); }};
   SearchedDistance found{};
   {
     ProgressBar bar(search.show_progress, "cubes");
     WidthFraction fraction(search.tolerance);
-    found = ModelSearch(a, b)(
-        pose, {.tolerance = search.tolerance,
-               .interrupted = [&] { return interrupted() || limit.passed(); },
-               .progress = [&](const Enclosure& e, std::uint64_t cubes) { bar.update(cubes, fraction(e.width())); }});
+    options.progress = [&](const Enclosure& e, std::uint64_t cubes) { bar.update(cubes, fraction(e.width())); };
+    found = models(pose, options);
   }
   if (!verified(found.distance, search.tolerance) && !(search.tolerance == 0.0 && found.reached)) {
     const char* const reason = interrupted()    ? "interrupted"
@@ -53,11 +63,18 @@ DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pos
     tell(fmt::format("{}; the enclosure is valid, and wide", reason));
   }
   DistanceReport report{found.distance, found.proximity};
+  report.tolerance = search.tolerance;
   report.searched = true;
   report.interrupted = interrupted() && !found.reached;
   report.tightest = search.tolerance == 0.0 && found.reached;
   report.near_points = found.near_points;
   report.common = found.common;
+  if (search.with_certificate) {
+    auto [proven, certificate] = models.certified(pose, found, options);
+    report.certified = proven;
+    report.certificate = std::move(certificate);
+    tell_what_is_not_certified(report);
+  }
   return report;
 }
 

@@ -12,6 +12,7 @@ struct DistanceSearch {
   double tolerance;
   std::optional<double> seconds;  ///< the limit; nothing: none
   bool show_progress;
+  bool with_certificate;  ///< what is proven again, and by what, is asked for, too
 };
 
 /// As ModelSearch; an early end is told on standard error.

@@ -56,6 +56,10 @@ std::string readable(const PairCertificate& certificate) {
     text += fmt::format("certificate        primitives {} and {}: vector {}, point of A {}, point of B {}\n", a, b,
                         text_of(vector), text_of(on_a), text_of(on_b));
   }
+  for (const auto& [a, b, cuts, planes] : certificate.divisions) {
+    text += fmt::format("certificate        primitives {} and {}: {} plane{} between sections\n", a, b, planes.size(),
+                        planes.size() == 1 ? "" : "s");
+  }
   return text;
 }
 
@@ -71,6 +75,9 @@ JsonValue json_of(const PairCertificate& certificate) {
   for (const auto& [a, b, vector, on_a, on_b] : certificate.separations) {
     separations.push_back(
         JsonObject{{"primitive_a", a}, {"primitive_b", b}, {"vector", vector}, {"on_a", on_a}, {"on_b", on_b}});
+  }
+  for (const auto& [a, b, cuts, planes] : certificate.divisions) {
+    separations.push_back(JsonObject{{"primitive_a", a}, {"primitive_b", b}, {"planes", planes.size()}});
   }
   return separations;
 }
@@ -108,6 +115,7 @@ std::string readable(const DistanceReport& report) {
   }
   if (report.uncertain) text += "closest points     not enclosed, because the models are uncertain\n";
   if (report.searched) text += "closest points     not enclosed, because a model is bent or built by set operations\n";
+  if (report.certified) text += fmt::format("certified          {}{}\n", text_of(*report.certified), units);
   return report.certificate ? text + readable(*report.certificate) : text;
 }
 
@@ -132,6 +140,7 @@ std::string json(const DistanceReport& report) {
   if (const auto near = shown_near_points(report)) {
     object.set("near_points", JsonObject{{"on_a", (*near)[0]}, {"on_b", (*near)[1]}});
   }
+  if (report.certified) object.set("certified", *report.certified);
   if (report.certificate) object.set("certificate", json_of(*report.certificate));
   return object.indented_text() + "\n";
 }

@@ -12,14 +12,15 @@ struct DistanceReport {
   Enclosure distance;
   Proximity proximity;
   bool uncertain = false;  ///< a model gives intervals: the enclosure holds for all members; no points, no certificate
-  bool searched = false;   ///< by branch and bound: no closest points, no certificate
+  bool searched = false;   ///< by branch and bound: no closest points
   bool interrupted = false;  ///< Ctrl-C came before the tolerance was reached
   bool complete = true;      ///< of certificates: neither that nor the time limit came before all pairs were looked at
   std::optional<Point> common = std::nullopt;
   std::optional<std::array<Point, 2>> near_points = std::nullopt;  ///< of a search; each in its model's own frame
   std::optional<ClosestPoints> closest = std::nullopt;
   std::optional<PairCertificate> certificate = std::nullopt;  ///< where it was asked for
-  std::string units = {};                                     ///< of both models; empty when not given
+  std::optional<Enclosure> certified = std::nullopt;  ///< of a search: what that proves, which may be less than found
+  std::string units = {};                             ///< of both models; empty when not given
   double tolerance = 0.0;
   bool tightest = false;  ///< of a tolerance of 0: the enclosure is as tight as the method gives
 };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <verisq/certificate_file.hpp>
 #include <verisq/error.hpp>
 #include <verisq/landmark_file.hpp>
 #include <verisq/map.hpp>
@@ -61,7 +62,9 @@ void check_usage(const FeaturesArguments& arguments) {
   if (arguments.report.any() && !has_surface) refuse("--report and --png: want a --mesh or a --model");
   if (arguments.implant.empty() && !(arguments.implant_head.empty() && arguments.implant_neck.empty()))
     refuse("--head and --neck: want an --implant");
-  check_usage(arguments.report, inputs, {arguments.written_landmarks, arguments.axes});
+  check_usage(arguments.report, inputs, {arguments.written_landmarks, arguments.axes, arguments.certificate_file});
+  if (!arguments.certificate_file.empty())
+    refuse_to_overwrite("--certificate-file", arguments.certificate_file, inputs);
   if (!arguments.written_landmarks.empty()) refuse_to_overwrite("-o", arguments.written_landmarks, inputs);
   if (!arguments.axes.empty()) refuse_to_overwrite("--axes", arguments.axes, inputs);
 }
@@ -202,6 +205,24 @@ bool draw(const FeaturesArguments& arguments, const Mesh& mesh, const Model& fig
   return true;
 }
 
+void write_certificate(const FeaturesArguments& arguments, const std::optional<Surface>& surface,
+                       const std::optional<Implant>& implant, const FeaturesReport& report) {
+  FeaturesAnswer answer{.implant = {},
+                        .mesh = {},
+                        .claims = {.landmarks = report.landmarks,
+                                   .side = report.side,
+                                   .landmark_radius = report.landmark_radius,
+                                   .features = report.bone.features,
+                                   .frame = report.bone.frame}};
+  if (surface) answer.mesh = subject_file(surface->file);
+  if (implant) {
+    answer.implant = subject_file(arguments.implant);
+    answer.claims.implant = implant->points;
+    answer.claims.changes = report.changes->features;
+  }
+  write_answer(arguments.certificate_file, answer);
+}
+
 }  // namespace
 
 void declare_features(Options& options, FeaturesArguments& arguments) {
@@ -224,6 +245,8 @@ void declare_features(Options& options, FeaturesArguments& arguments) {
               "Write the landmarks, to be corrected by hand: .json");
   options.add("--axes", arguments.axes, "FILE", "Write the head's sphere and the axes as a model: .json");
   declare_report_files(options, arguments.report);
+  options.add("--certificate-file", arguments.certificate_file, "FILE",
+              "Landmarks, and what is claimed of them, for `verisq check --certificate`: .json");
   add_device(options, arguments.device);
   add_json(options, arguments.json);
 }
@@ -268,6 +291,7 @@ ExitStatus run_features(const FeaturesArguments& arguments) {
     if (!arguments.axes.empty()) write_model(arguments.axes, axes);
     if (arguments.report.any()) drawn = draw(arguments, surface->mesh, figure_of(axes, implant), report);
   }
+  if (!arguments.certificate_file.empty()) write_certificate(arguments, surface, implant, report);
   fmt::print("{}", arguments.json ? json(report) : readable(report));
   if (!drawn) return ExitStatus::interrupted;
   return says_all(report) ? ExitStatus::verified : ExitStatus::unverified;

@@ -24,6 +24,7 @@ struct FeaturesArguments {
   std::string implant_neck;
   std::string written_landmarks;
   std::string axes;
+  std::string certificate_file;
   std::string device = "auto";
   ReportFiles report;
   bool json = false;

@@ -133,6 +133,12 @@ void Options::require_each(const std::string& names, std::vector<std::string>& v
   declare({names, value_name, explanation, true, true}, [&values](const std::string& text) { values.push_back(text); });
 }
 
+void Options::add_each(const std::string& names, std::vector<std::string>& values, const std::string& value_name,
+                       const std::string& explanation) {
+  declare({.names = names, .value_name = value_name, .explanation = explanation, .repeatable = true},
+          [&values](const std::string& text) { values.push_back(text); });
+}
+
 void Options::add_flag(const std::string& names, bool& given, const std::string& explanation) {
   app_->add_flag(names, given, explanation);
 }

@@ -67,7 +67,9 @@ class Options {
     };
     declare({.names = names, .value_name = value_name, .explanation = explanation, .repeatable = true}, append);
   }
-  /// As `add_each`, at least once.
+  void add_each(const std::string& names, std::vector<std::string>& values, const std::string& value_name,
+                const std::string& explanation);
+  /// The same, at least once.
   void require_each(const std::string& names, std::vector<std::string>& values, const std::string& value_name,
                     const std::string& explanation);
 

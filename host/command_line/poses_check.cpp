@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <vector>
+#include <verisq/pair_checker.hpp>
 
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/interruption.hpp"
@@ -51,10 +52,11 @@ PosesReport checked_poses(const Model& a, const Model& b, const PoseAnswers& ans
   PosesReport report{.arguments = arguments, .units = answers.units};
   std::vector<std::optional<Finding>> findings(answers.answers.size());
   const Stopwatch time;
+  const PairChecker check(a, b);
   in_parallel(findings.size(), [&](std::size_t i) {
     if (interrupted()) return;
     const PosedAnswer& answer = answers.answers[i];
-    findings[i] = check(a, b, answer.pose, answer.distance, answer.certificate);
+    findings[i] = check(answer.pose, answer.distance, answer.certificate);
   });
   report.seconds = time.seconds();
   report.interrupted = interrupted();

@@ -30,7 +30,7 @@ struct PosesReport {
   bool interrupted = false;
 };
 
-/// Precondition: the models are those of the answers, each is_union_of_convex.
+/// Precondition: the models are those of the answers.
 [[nodiscard]] PosesReport checked_poses(const Model& a, const Model& b, const PoseAnswers& answers,
                                         const CertificateCheckArguments& arguments);
 

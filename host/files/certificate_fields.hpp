@@ -7,6 +7,7 @@
 #include <string>
 
 #include "host/files/json_document.hpp"
+#include "verisq/certificate.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/model.hpp"
 
@@ -33,6 +34,9 @@ template <std::size_t N>
 
 /// {"translation", "quaternion"}, which is not zero.
 [[nodiscard]] Pose read_pose_object(const JsonValue& value);
+
+/// The keys "normals", "escape", "witness" and "cover" of an object, of which only the first must be there.
+[[nodiscard]] Certificate read_certificate(const JsonValue& object);
 
 /// Of the whole document; empty where it has none.
 [[nodiscard]] std::string units_of(const JsonValue& root);

@@ -11,9 +11,12 @@
 
 #include "host/files/certificate_fields.hpp"
 #include "host/files/certificate_size.hpp"
+#include "host/files/deviation_answer.hpp"
+#include "host/files/features_answer.hpp"
 #include "host/files/input_file.hpp"
 #include "host/files/insertion_answer.hpp"
 #include "host/files/json_document.hpp"
+#include "host/files/pair_proof.hpp"
 #include "host/files/sha256.hpp"
 #include "host/files/subject_file.hpp"
 
@@ -25,30 +28,6 @@ constexpr std::string_view certificate_format = "verisq-certificate/1";
 std::array<SubjectFile, 2> read_two_models(const JsonValue& value) {
   if (value.size() != 2) value.fail("must be an array of two models");
   return {read_subject_file(value.element(0)), read_subject_file(value.element(1))};
-}
-
-Separation read_separation(const JsonValue& value) {
-  value.check_keys({"primitive_a", "primitive_b", "vector", "on_a", "on_b"});
-  return {read_index(value.at("primitive_a")), read_index(value.at("primitive_b")),
-          finite_numbers<3>(value.at("vector")), finite_numbers<3>(value.at("on_a")),
-          finite_numbers<3>(value.at("on_b"))};
-}
-
-PairCertificate read_pair_proof(const JsonValue& value) {
-  value.check_keys({"separations", "common"});
-  PairCertificate result;
-  if (const auto common = value.find("common")) result.common = finite_numbers<3>(*common);
-  const JsonValue separations = value.at("separations");
-  std::set<std::pair<std::uint32_t, std::uint32_t>> seen;
-  for (std::size_t i = 0; i < separations.size(); ++i) {
-    const Separation separation = read_separation(separations.element(i));
-    // So that no more work can be asked for than there are pairs.
-    if (!seen.insert({separation.primitive_a, separation.primitive_b}).second) {
-      separations.element(i).fail("these two primitives have been separated before");
-    }
-    result.separations.push_back(separation);
-  }
-  return result;
 }
 
 /// Of the kind that it returns.
@@ -209,7 +188,9 @@ Answer parse_answer(std::string_view json, std::string_view name) {
   if (kind == "poses") return read_poses(root);
   if (kind == "fit") return read_fit(root);
   if (kind == "insertion") return read_insertion(root);
-  root.at("kind").fail("must be \"pair\", \"poses\", \"fit\" or \"insertion\"");
+  if (kind == "deviation") return read_deviation(root);
+  if (kind == "features") return read_features(root);
+  root.at("kind").fail("must be \"pair\", \"poses\", \"fit\", \"insertion\", \"deviation\" or \"features\"");
 }
 
 Answer read_answer(const std::filesystem::path& path) {

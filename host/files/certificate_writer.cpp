@@ -4,13 +4,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <verisq/certificate_file.hpp>
 
 #include "host/errors/refusal.hpp"
 #include "host/files/certificate_size.hpp"
 #include "host/files/cover_digits.hpp"
+#include "host/files/deviation_answer.hpp"
 #include "host/files/output_file.hpp"
+#include "host/files/pair_proof.hpp"
 
 namespace verisq {
 namespace {
@@ -34,7 +37,7 @@ OrderedJson json_of(const Pose& pose) {
   return {{"translation", pose.translation}, {"quaternion", pose.quaternion}};
 }
 
-/// What of it an insertion needs.
+/// Of a point, or of a triangle without weights.
 void add_certificate(OrderedJson& object, const Certificate& certificate) {
   object["normals"] = OrderedJson::array();
   for (const auto& [primitive, v] : certificate.normals)
@@ -67,9 +70,37 @@ OrderedJson json_of(const Separation& separation) {
           {"on_b", separation.on_b}};
 }
 
+OrderedJson json_of(const DividedSeparation& division) {
+  OrderedJson object{
+      {"primitive_a", division.primitive_a}, {"primitive_b", division.primitive_b}, {"cuts", text_of(division.cuts)}};
+  object["planes"] = OrderedJson::array();
+  for (const auto& [normal, slope_a, slope_b] : division.planes) {
+    object["planes"].push_back({normal[0], normal[1], normal[2], slope_a, slope_b});
+  }
+  return object;
+}
+
+OrderedJson json_of(const std::vector<EnclosingBall>& balls) {
+  OrderedJson array = OrderedJson::array();
+  for (const auto& [primitive, centre, multiplier, distance, proof] : balls) {
+    OrderedJson object{
+        {"primitive", primitive}, {"centre", centre}, {"multiplier", multiplier}, {"distance", distance}};
+    add_certificate(object, proof);
+    array.push_back(std::move(object));
+  }
+  return array;
+}
+
 OrderedJson json_of(const PairCertificate& certificate) {
   OrderedJson proof{{"separations", OrderedJson::array()}};
   for (const Separation& separation : certificate.separations) proof["separations"].push_back(json_of(separation));
+  if (!certificate.divisions.empty()) {
+    proof["divisions"] = OrderedJson::array();
+    for (const DividedSeparation& division : certificate.divisions) proof["divisions"].push_back(json_of(division));
+  }
+  if (!certificate.balls_a.empty()) proof["balls_a"] = json_of(certificate.balls_a);
+  if (!certificate.balls_b.empty()) proof["balls_b"] = json_of(certificate.balls_b);
+  if (const auto& near = certificate.near_points) proof["near_points"] = {{"on_a", (*near)[0]}, {"on_b", (*near)[1]}};
   if (certificate.common) proof["common"] = *certificate.common;
   return proof;
 }
@@ -100,23 +131,85 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   file.finish();
 }
 
-/// `head` with the `count` objects of `key` at its end, a line each, and none of them as a document in memory beside
-/// the text. Of `fewer` it asks where they are too many.
+/// A document that grows by one line after the other, none of them as a document in memory beside the text.
+class LinesText {
+ public:
+  LinesText(const std::filesystem::path& path, const OrderedJson& head) : path_(path), text_(text_of(head, -1)) {
+    text_.pop_back();  // the brace
+  }
+
+  /// `count` objects under `key`. Of `fewer` it asks where they are too many.
+  template <class Object>
+  void add(const char* key, std::size_t count, const char* fewer, const Object& object) {
+    text_ += fmt::format(",\n\"{}\": [", key);
+    for (std::size_t i = 0; i < count; ++i) {
+      text_ += (i == 0 ? "\n" : ",\n") + text_of(object(i), -1);
+      if (text_.size() + ending.size() <= largest_certificate) continue;
+      refuse(fmt::format("{}: the first {} of {} {} take more than the {} bytes of a certificate file: give fewer {}",
+                         path_.string(), i + 1, count, key, largest_certificate, fewer));
+    }
+    text_ += "\n]";
+  }
+
+  void write() const { write_text(path_, text_ + std::string(ending)); }
+
+ private:
+  static constexpr std::string_view ending = "}\n";
+
+  std::filesystem::path path_;
+  std::string text_;
+};
+
+/// With the `count` objects of `key` at its end.
 template <class Object>
 void write_lines(const std::filesystem::path& path, const OrderedJson& head, const char* key, std::size_t count,
                  const char* fewer, const Object& object) {
-  const std::string ending = "\n]}\n";
-  std::string text = text_of(head, -1);
-  text.back() = ',';  // instead of the brace
-  text += fmt::format("\n\"{}\": [", key);
-  for (std::size_t i = 0; i < count; ++i) {
-    text += (i == 0 ? "\n" : ",\n") + text_of(object(i), -1);
-    if (text.size() + ending.size() > largest_certificate) {
-      refuse(fmt::format("{}: the first {} of {} {} take more than the {} bytes of a certificate file: give fewer {}",
-                         path.string(), i + 1, count, key, largest_certificate, fewer));
-    }
+  LinesText lines(path, head);
+  lines.add(key, count, fewer, object);
+  lines.write();
+}
+
+OrderedJson json_of(const DistanceSummary& summary) {
+  OrderedJson object{{"largest", json_of(summary.largest)}, {"mean", json_of(summary.mean)}};
+  object["percentiles"] = OrderedJson::array();
+  for (const Enclosure& percentile : summary.percentiles) object["percentiles"].push_back(json_of(percentile));
+  return object;
+}
+
+OrderedJson json_of(const CertifiedEnclosure& sample) {
+  OrderedJson object = json_of(sample.distance);
+  add_certificate(object, sample.certificate);
+  return object;
+}
+
+OrderedJson json_of(const TriangleProof& proof) {
+  OrderedJson object{{"pieces", text_of(proof.pieces)}};
+  if (proof.samples.empty()) return object;
+  object["samples"] = OrderedJson::array();
+  for (const CertifiedEnclosure& sample : proof.samples) object["samples"].push_back(json_of(sample));
+  return object;
+}
+
+OrderedJson json_of(const FemurLandmarks& landmarks) {
+  OrderedJson object = OrderedJson::object();
+  for (const auto& [name, point] : named_landmarks) {
+    if (const std::optional<Point>& at = landmarks.*point) object[name] = *at;
   }
-  write_text(path, text + ending);
+  return object;
+}
+
+OrderedJson json_of(const std::vector<Feature>& features) {
+  OrderedJson array = OrderedJson::array();
+  for (const auto& [name, method, unit, value] : features) {
+    OrderedJson object{{"name", name}, {"method", method}, {"unit", unit == FeatureUnit::length ? "mm" : "degrees"}};
+    object.update(json_of(value));
+    array.push_back(std::move(object));
+  }
+  return array;
+}
+
+OrderedJson json_of(const FrameAxis& axis) {
+  return {{"direction", axis.direction}, {"tilt_degrees", axis.tilt_degrees}};
 }
 
 }  // namespace
@@ -170,6 +263,45 @@ void write_answer(const std::filesystem::path& path, const InsertionAnswer& answ
   for (const Pose& pose : answer.path) head["path"].push_back(json_of(pose));
   write_lines(path, head, "rows", answer.rows.size(), "vertices",
               [&](std::size_t i) { return json_of(answer.rows[i]); });
+}
+
+void write_answer(const std::filesystem::path& path, const DeviationAnswer& answer) {
+  OrderedJson head{{"format", "verisq-certificate/1"}, {"kind", "deviation"}};
+  head["models"] = OrderedJson::array({json_of(answer.model)});
+  head["mesh"] = json_of(answer.mesh);
+  if (!answer.units.empty()) head["units"] = answer.units;
+  if (answer.pose) head["pose"] = json_of(*answer.pose);
+  head["percentiles"] = answer.percentiles;
+  head["of_vertices"] = json_of(answer.of_vertices);
+  if (answer.from_mesh) head["from_mesh"] = json_of(*answer.from_mesh);
+  const auto& [vertices, triangles] = answer.certificate;
+  LinesText lines(path, head);
+  lines.add("vertices", vertices.size(), "of them", [&](std::size_t i) { return json_of(vertices[i]); });
+  lines.add("triangles", triangles.size(), "of them", [&](std::size_t n) { return json_of(triangles[n]); });
+  lines.write();
+}
+
+void write_answer(const std::filesystem::path& path, const FeaturesAnswer& answer) {
+  const FeatureClaims& claims = answer.claims;
+  OrderedJson document{{"format", "verisq-certificate/1"}, {"kind", "features"}};
+  document["models"] = OrderedJson::array();
+  if (answer.implant) document["models"].push_back(json_of(*answer.implant));
+  if (answer.mesh) document["mesh"] = json_of(*answer.mesh);
+  document["units"] = "mm";
+  if (claims.side) document["side"] = *claims.side == Side::left ? "left" : "right";
+  document["landmark_radius"] = claims.landmark_radius;
+  if (claims.landmarks.head_radius) document["head_radius"] = *claims.landmarks.head_radius;
+  document["landmarks"] = json_of(claims.landmarks);
+  document["features"] = json_of(claims.features);
+  if (claims.frame) {
+    const auto& [origin, x, y, z] = *claims.frame;
+    document["frame"] = {{"origin", origin}, {"x", json_of(x)}, {"y", json_of(y)}, {"z", json_of(z)}};
+  }
+  if (claims.implant) {
+    document["implant"] = json_of(*claims.implant);
+    document["changes"] = json_of(claims.changes);
+  }
+  write_text(path, text_of(document, 2) + "\n");
 }
 
 }  // namespace verisq

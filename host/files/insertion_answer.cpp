@@ -3,45 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <optional>
-#include <utility>
-
 #include "host/files/certificate_fields.hpp"
-#include "host/files/cover_digits.hpp"
 #include "host/files/subject_file.hpp"
 
 namespace verisq {
 namespace {
-
-/// [primitive, x, y, z]
-Normal read_normal(const JsonValue& value) {
-  if (value.size() != 4) value.fail("must be the index of a primitive and three numbers");
-  return {read_index(value.element(0)),
-          {value.element(1).number(), value.element(2).number(), value.element(3).number()}};
-}
-
-std::vector<Normal> read_normals(const JsonValue& value) {
-  std::vector<Normal> normals;
-  for (std::size_t i = 0; i < value.size(); ++i) normals.push_back(read_normal(value.element(i)));
-  return normals;
-}
-
-std::optional<Point> read_point(const JsonValue& object, std::string_view key) {
-  const auto point = object.find(key);
-  return point ? std::optional<Point>(finite_numbers<3>(*point)) : std::nullopt;
-}
-
-Certificate read_certificate(const JsonValue& object) {
-  Certificate certificate{read_normals(object.at("normals")), read_point(object, "escape")};
-  certificate.witness = read_point(object, "witness");
-  if (const auto text = object.find("cover")) {
-    auto cover = cover_from(text->text());
-    if (!cover) text->fail("must be the hexadecimal digits of a cover");
-    certificate.cover = *std::move(cover);
-  }
-  return certificate;
-}
 
 /// So that no more work can be asked for than a row is worth.
 constexpr std::size_t most_parts = 4096;

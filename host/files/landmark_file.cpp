@@ -13,12 +13,6 @@ namespace {
 
 constexpr std::string_view format_name = "verisq-landmarks/1";
 
-Side side_of(const JsonValue& value) {
-  const std::string text = value.text();
-  if (text != "left" && text != "right") value.fail("must be \"left\" or \"right\"");
-  return text == "left" ? Side::left : Side::right;
-}
-
 }  // namespace
 
 LandmarkFile parse_landmarks(std::string_view json, std::string_view name) {
@@ -29,8 +23,7 @@ LandmarkFile parse_landmarks(std::string_view json, std::string_view name) {
   if (const JsonValue format = root.at("format"); format.text() != format_name)
     format.fail(fmt::format("must be \"{}\"", format_name));
   if (const auto units = root.find("units"); units && units->text() != "mm") units->fail("must be \"mm\"");
-  LandmarkFile file{.landmarks = read_landmark_points(root.at("landmarks")), .side = {}};
-  if (const auto side = root.find("side")) file.side = side_of(*side);
+  LandmarkFile file{.landmarks = read_landmark_points(root.at("landmarks")), .side = read_side(root)};
   if (const auto radius = root.find("head_radius")) {
     file.landmarks.head_radius = radius->number();
     if (!(*file.landmarks.head_radius > 0.0)) radius->fail("must be positive");

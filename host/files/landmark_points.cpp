@@ -2,6 +2,7 @@
 #include "host/files/landmark_points.hpp"
 
 #include <algorithm>
+#include <string>
 
 namespace verisq {
 namespace {
@@ -25,6 +26,14 @@ FemurLandmarks read_landmark_points(const JsonValue& points) {
     landmarks.*(known->point) = coordinates(value);
   }
   return landmarks;
+}
+
+std::optional<Side> read_side(const JsonValue& object) {
+  const auto value = object.find("side");
+  if (!value) return std::nullopt;
+  const std::string text = value->text();
+  if (text != "left" && text != "right") value->fail("must be \"left\" or \"right\"");
+  return text == "left" ? Side::left : Side::right;
 }
 
 }  // namespace verisq

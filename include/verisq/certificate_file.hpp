@@ -12,7 +12,9 @@
 #include <vector>
 #include <verisq/clearance_claim.hpp>
 #include <verisq/clearance_report.hpp>
+#include <verisq/deviation_certificate.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/features_certificate.hpp>
 #include <verisq/fitness.hpp>
 #include <verisq/insertion_certificate.hpp>
 #include <verisq/model.hpp>
@@ -93,7 +95,26 @@ struct InsertionAnswer {
   std::vector<Row> rows;     ///< in the order of the vertices
 };
 
-using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, InsertionAnswer>;
+/// The kind `deviation`: how far a mesh, or the points of a cloud, lie from a model's surface.
+struct DeviationAnswer {
+  SubjectFile model;
+  SubjectFile mesh;                          ///< or points
+  std::string units;                         ///< free text; empty when not given
+  std::optional<Pose> pose;                  ///< moves the model first (verisq/posed_model.hpp)
+  std::vector<double> percentiles;           ///< each above 0, at most 100
+  DistanceSummary of_vertices;               ///< the claims; as many percentiles
+  std::optional<DistanceSummary> from_mesh;  ///< of all points of all triangles; nothing of a cloud
+  DeviationCertificate certificate;
+};
+
+/// The kind `features`: what a surgeon measures of a femur, by its landmarks, which are all the proof.
+struct FeaturesAnswer {
+  std::optional<SubjectFile> implant;  ///< a model, where it changes the bone
+  std::optional<SubjectFile> mesh;     ///< or model, in which landmarks were found; only for people
+  FeatureClaims claims;                ///< lengths in mm
+};
+
+using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, InsertionAnswer, DeviationAnswer, FeaturesAnswer>;
 
 /// Of any kind. Throws as `read_pair_answer`.
 [[nodiscard]] Answer read_answer(const std::filesystem::path& path);
@@ -114,5 +135,7 @@ void write_answer(const std::filesystem::path& path, const PairAnswer& answer);
 void write_answer(const std::filesystem::path& path, const PoseAnswers& answers);
 void write_answer(const std::filesystem::path& path, const FitAnswer& answer);
 void write_answer(const std::filesystem::path& path, const InsertionAnswer& answer);
+void write_answer(const std::filesystem::path& path, const DeviationAnswer& answer);
+void write_answer(const std::filesystem::path& path, const FeaturesAnswer& answer);
 
 }  // namespace verisq

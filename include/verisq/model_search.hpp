@@ -10,6 +10,7 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/model.hpp>
 #include <verisq/model_distance.hpp>
+#include <verisq/pair_certificate.hpp>
 
 namespace verisq {
 
@@ -43,6 +44,13 @@ class ModelSearch {
   /// tolerance wide, interrupted, or out of its budget of cubes and pairs: then it is valid, and wide. Throws
   /// Error(input) where a model is proven to have no point at all.
   [[nodiscard]] SearchedDistance operator()(const Pose& pose, const SearchOptions& options) const;
+
+  /// `found` with what proves it again (verisq/pair_checker.hpp): its points, planes between the primitives' sections,
+  /// and balls about primitives in hollows. Wider than `found` where these do not decide, as in hollows that are not
+  /// round, and where interrupted. Precondition: `found` at the same pose; one of the models is not is_union_of_convex,
+  /// for which PairDistance has certificates.
+  [[nodiscard]] CertifiedDistance certified(const Pose& pose, const SearchedDistance& found,
+                                            const SearchOptions& options) const;
 
  private:
   struct State;

@@ -6,6 +6,7 @@
 #include <verisq/cavity.hpp>
 #include <verisq/certificate.hpp>
 #include <verisq/certificate_file.hpp>
+#include <verisq/certified_deviation.hpp>
 #include <verisq/certified_insertion.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
@@ -17,10 +18,12 @@
 #include <verisq/contact_area.hpp>
 #include <verisq/containment.hpp>
 #include <verisq/deviation.hpp>
+#include <verisq/deviation_certificate.hpp>
 #include <verisq/device.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
 #include <verisq/features.hpp>
+#include <verisq/features_certificate.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/fit_bound.hpp>
 #include <verisq/fit_conditions.hpp>
@@ -52,6 +55,7 @@
 #include <verisq/octree_file.hpp>
 #include <verisq/octree_level.hpp>
 #include <verisq/pair_certificate.hpp>
+#include <verisq/pair_checker.hpp>
 #include <verisq/path_distance.hpp>
 #include <verisq/plane.hpp>
 #include <verisq/plane_cut.hpp>

@@ -3,12 +3,15 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+#include <verisq/certified_deviation.hpp>
 #include <verisq/deviation.hpp>
 
 #include "python/module/arrays.hpp"
@@ -25,6 +28,14 @@ template <>
 inline constexpr std::size_t member_count<DistanceStatistics> = 4;
 template <>
 inline constexpr std::size_t member_count<Deviation> = 12;
+template <>
+inline constexpr std::size_t member_count<DistanceSummary> = 3;
+template <>
+inline constexpr std::size_t member_count<TriangleProof> = 2;
+template <>
+inline constexpr std::size_t member_count<CertifiedEnclosure> = 2;
+template <>
+inline constexpr std::size_t member_count<DeviationCertificate> = 2;
 
 namespace {
 
@@ -57,6 +68,56 @@ Deviation deviation_of(const PythonModel& model, const py::handle& mesh, double 
   return without_lock(interruption, [&] { return deviation(exact, measured, options); });
 }
 
+/// How far a mesh lies from a model's surface, with what proves it again.
+struct PythonCertifiedDeviation {
+  std::vector<double> percents;
+  DistanceSummary of_vertices;
+  std::optional<DistanceSummary> from_mesh;
+  DeviationCertificate certificate;
+
+  static constexpr std::size_t members = 4;
+};
+
+PythonCertifiedDeviation certified(const PythonModel& model, const py::handle& mesh, double relative_tolerance,
+                                   const std::optional<double>& tolerance, const std::vector<double>& percentiles,
+                                   const std::string& device) {
+  const Model& exact = model.exact("certified_deviation");
+  const Mesh measured = mesh_or_cloud(mesh);
+  Interruption interruption;
+  const DeviationOptions options{.relative_tolerance = relative_tolerance,
+                                 .tolerance = tolerance,
+                                 .percentiles = percentiles,
+                                 .from_model = false,
+                                 .device = device,
+                                 .interrupted = interruption.poll()};
+  CertifiedDeviation found = without_lock(
+      interruption, [&] { return certified_deviation(exact, measured, deviation(exact, measured, options), options); });
+  return {percentiles, found.proven.of_vertices, found.proven.from_mesh, std::move(found.certificate)};
+}
+
+bool all_proved(const DistanceSummary& claimed, const DistanceSummary& proven) {
+  return std::ranges::all_of(check(claimed, proven),
+                             [](const Finding& finding) { return finding.verdict == Verdict::proved; });
+}
+
+bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, const py::handle& mesh) {
+  const Model& exact = model.exact("is_proved");
+  const Mesh measured = mesh_or_cloud(mesh);
+  const auto& [vertices, triangles] = self.certificate;
+  if (measured.vertices.size() != vertices.size() || measured.triangles.size() != triangles.size()) return false;
+  Interruption interruption;
+  const ProvenDeviation proven = without_lock(interruption, [&] {
+    const auto one_by_one = [](std::size_t count, const std::function<void(std::size_t)>& work) {
+      for (std::size_t i = 0; i < count; ++i) work(i);
+    };
+    return DeviationChecker(exact)(
+        measured, self.certificate,
+        {.percentiles = self.percents, .in_parallel = one_by_one, .interrupted = interruption.poll()});
+  });
+  return !proven.interrupted && all_proved(self.of_vertices, proven.of_vertices) &&
+         (!self.from_mesh || all_proved(*self.from_mesh, *proven.from_mesh));
+}
+
 }  // namespace
 
 void declare_deviations(py::module_& module) {
@@ -87,6 +148,30 @@ void declare_deviations(py::module_& module) {
              "ways: the two-sided Hausdorff distance, means and percentiles. Enclosures are at most that share of\n"
              "their upper end wide, or the tolerance, in model units. Raises Error for models with intervals, meshes\n"
              "without vertices, and options out of range.");
+  py::class_<DistanceSummary>(module, "DistanceSummary", "What is proven of the distances of a set of points.")
+      .def_readonly("largest", &DistanceSummary::largest, "Enclosure of the supremum.")
+      .def_readonly("mean", &DistanceSummary::mean, "Enclosure.")
+      .def_readonly("percentiles", &DistanceSummary::percentiles, "Enclosures, as asked for.")
+      .def(pickled<DistanceSummary>());
+  py::class_<PythonCertifiedDeviation>(module, "CertifiedDeviation", "What certified_deviation() proves.")
+      .def_readonly("of_vertices", &PythonCertifiedDeviation::of_vertices, "DistanceSummary of the vertices.")
+      .def_readonly("from_mesh", &PythonCertifiedDeviation::from_mesh, "... of all points of all triangles, or None.")
+      .def("is_proved", is_proved, py::arg("model"), py::arg("mesh"),
+           "is_proved(model, mesh) -> bool\n\n"
+           "Proves every number again, of this model and this mesh, by MPFR and the certificates alone.")
+      .def("__repr__",
+           [](const PythonCertifiedDeviation& self) {
+             const auto& [lo, hi] = (self.from_mesh ? *self.from_mesh : self.of_vertices).largest;
+             return fmt::format("<verisq.CertifiedDeviation: largest in [{}, {}]>", lo, hi);
+           })
+      .def(pickled<PythonCertifiedDeviation>());
+  module.def("certified_deviation", certified, py::arg("model"), py::arg("mesh"), py::kw_only(),
+             py::arg("relative_tolerance") = 0.05, py::arg("tolerance") = py::none(),
+             py::arg("percentiles") = std::vector<double>{50.0, 95.0}, py::arg("device") = "auto",
+             "certified_deviation(model, mesh, *, relative_tolerance=0.05, tolerance=None, percentiles=(50, 95),\n"
+             "    device=\"auto\") -> CertifiedDeviation\n\n"
+             "As deviation(), from the mesh, or points of shape (N, 3), to the model's surface alone, with what\n"
+             "proves it again. Means and percentiles may be wider.");
 }
 
 }  // namespace verisq::python

@@ -10,6 +10,7 @@
 #include <string>
 #include <verisq/model_distance.hpp>
 #include <verisq/model_search.hpp>
+#include <verisq/pair_checker.hpp>
 
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
@@ -19,6 +20,17 @@
 #include "python/module/result_members.hpp"
 
 namespace verisq::python {
+
+template <>
+inline constexpr std::size_t member_count<Separation> = 5;
+template <>
+inline constexpr std::size_t member_count<SectionPlane> = 3;
+template <>
+inline constexpr std::size_t member_count<DividedSeparation> = 4;
+template <>
+inline constexpr std::size_t member_count<EnclosingBall> = 5;
+template <>
+inline constexpr std::size_t member_count<PairCertificate> = 6;
 
 namespace {
 
@@ -76,6 +88,39 @@ PythonPair distance(const PythonModel& a, const PythonModel& b, const py::handle
                       [&] { return convex ? certified(a, b, moved, stop) : searched(a, b, moved, width, stop); });
 }
 
+/// A distance with what proves it again.
+struct CertifiedPair {
+  Enclosure distance;
+  PairCertificate certificate;
+
+  static constexpr std::size_t members = 2;
+};
+
+CertifiedPair certified_distance(const PythonModel& a, const PythonModel& b, const py::handle& pose_of_b,
+                                 const std::optional<double>& tolerance) {
+  check_units(a, b);
+  const Model& one = a.exact("certified_distance");
+  const Model& other = b.exact("certified_distance");
+  const Pose moved = pose(pose_of_b);
+  const double width = tolerance_or_default(tolerance, std::max(a.bounding_radius(), b.bounding_radius()));
+  Interruption interruption;
+  return without_lock(interruption, [&]() -> CertifiedPair {
+    if (is_union_of_convex(one) && is_union_of_convex(other)) {
+      const ModelDistance found = PairDistance(one, other)(moved, interruption.poll());
+      return {found.distance, found.certificate};
+    }
+    const ModelSearch search(one, other);
+    const SearchOptions options{.tolerance = width, .interrupted = interruption.poll()};
+    const auto [proven, certificate] = search.certified(moved, search(moved, options), options);
+    return {proven, certificate};
+  });
+}
+
+bool is_proved(const CertifiedPair& self, const PythonModel& a, const PythonModel& b, const py::handle& pose_of_b) {
+  const PairChecker checker(a.exact("is_proved"), b.exact("is_proved"));
+  return checker(pose(pose_of_b), self.distance, self.certificate).verdict == Verdict::proved;
+}
+
 std::string representation(const PythonPair& self) {
   return fmt::format("<verisq.Pair: {}, [{}, {}]>", word(self.proximity), self.distance.lo, self.distance.hi);
 }
@@ -108,6 +153,21 @@ void declare_pairs(py::module_& module) {
              "quaternion [w, x, y, z]. Models with bends or set operations are searched until the enclosure is at\n"
              "most the tolerance wide, by default 1e-6 of the larger bounding_radius; all others are as tight as the\n"
              "method gives. Raises Error for units that differ, and as `verisq distance` does.");
+  py::class_<CertifiedPair>(module, "CertifiedPair", "What certified_distance() proves.")
+      .def_readonly("distance", &CertifiedPair::distance, "Enclosure of the distance: what the certificate proves.")
+      .def("is_proved", is_proved, py::arg("a"), py::arg("b"), py::arg("pose") = py::none(),
+           "is_proved(a, b, pose=None) -> bool\n\n"
+           "Proves the enclosure again, of these models and this pose, by MPFR and the certificate alone.")
+      .def("__repr__",
+           [](const CertifiedPair& self) {
+             return fmt::format("<verisq.CertifiedPair: [{}, {}]>", self.distance.lo, self.distance.hi);
+           })
+      .def(pickled<CertifiedPair>());
+  module.def("certified_distance", certified_distance, py::arg("a"), py::arg("b"), py::arg("pose") = py::none(),
+             py::kw_only(), py::arg("tolerance") = py::none(),
+             "certified_distance(a, b, pose=None, *, tolerance=None) -> CertifiedPair\n\n"
+             "As distance(), of models without intervals, with what proves the enclosure again. Of models with bends\n"
+             "or set operations it may be wider than that of distance(), as in hollows that are not round.");
 }
 
 }  // namespace verisq::python

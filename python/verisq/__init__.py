@@ -17,9 +17,9 @@ Closest points, normals and gradients of many points; closest points of two mode
 One query, proven by the host
     SignedDistance, distance, Enclosure; distance_along, PathDistance for a model that moves
 What proves an answer again
-    Checker, Certificates, Findings, Verdict
+    Checker, Certificates, Findings, Verdict; certified_distance of two models
 Whole surfaces and solids
-    deviation, mesh_clearance, prove_containment, octree, recover
+    deviation, certified_deviation, mesh_clearance, prove_containment, octree, recover
 Implants
     fit; map_along, certified_map_along, straight_path, removed_volume for their way in
 Stance
@@ -41,6 +41,8 @@ from ._verisq import (
     AreaWithin,
     Bounce,
     Certificates,
+    CertifiedDeviation,
+    CertifiedPair,
     CertifiedWay,
     Checker,
     ClosestPairMap,
@@ -50,6 +52,7 @@ from ._verisq import (
     Deviation,
     Device,
     DistanceStatistics,
+    DistanceSummary,
     Enclosure,
     Equilibrium,
     Error,
@@ -81,6 +84,8 @@ from ._verisq import (
     StanceModel,
     TriangleMapper,
     __version__,
+    certified_deviation,
+    certified_distance,
     certified_map_along,
     closest_pairs,
     closest_points,
@@ -134,6 +139,8 @@ __all__ = [
     "AreaWithin",
     "Bounce",
     "Certificates",
+    "CertifiedDeviation",
+    "CertifiedPair",
     "CertifiedWay",
     "Checker",
     "ClosestPairMap",
@@ -144,6 +151,7 @@ __all__ = [
     "Deviation",
     "Device",
     "DistanceStatistics",
+    "DistanceSummary",
     "Enclosure",
     "Equilibrium",
     "Error",
@@ -177,6 +185,8 @@ __all__ = [
     "TriangleMapper",
     "Verdict",
     "__version__",
+    "certified_deviation",
+    "certified_distance",
     "certified_map_along",
     "closest_pairs",
     "closest_points",

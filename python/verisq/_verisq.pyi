@@ -277,6 +277,15 @@ def distance(
     time_limit: float | None = None,
 ) -> Pair: ...
 
+class CertifiedPair:
+    @property
+    def distance(self) -> Enclosure: ...
+    def is_proved(self, a: Model, b: Model, pose: ArrayLike | None = None) -> bool: ...
+
+def certified_distance(
+    a: Model, b: Model, pose: ArrayLike | None = None, *, tolerance: float | None = None
+) -> CertifiedPair: ...
+
 class PathDistance:
     @property
     def smallest(self) -> Enclosure: ...
@@ -332,6 +341,31 @@ def deviation(
     device: str = "auto",
     time_limit: float | None = None,
 ) -> Deviation: ...
+
+class DistanceSummary:
+    @property
+    def largest(self) -> Enclosure: ...
+    @property
+    def mean(self) -> Enclosure: ...
+    @property
+    def percentiles(self) -> list[Enclosure]: ...
+
+class CertifiedDeviation:
+    @property
+    def of_vertices(self) -> DistanceSummary: ...
+    @property
+    def from_mesh(self) -> DistanceSummary | None: ...
+    def is_proved(self, model: Model, mesh: Mesh | ArrayLike) -> bool: ...
+
+def certified_deviation(
+    model: Model,
+    mesh: Mesh | ArrayLike,
+    *,
+    relative_tolerance: float = 0.05,
+    tolerance: float | None = None,
+    percentiles: Sequence[float] = (50.0, 95.0),
+    device: str = "auto",
+) -> CertifiedDeviation: ...
 
 class EstimatedDeviation:
     @property

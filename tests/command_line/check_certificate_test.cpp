@@ -106,9 +106,39 @@ TEST_F(CheckCertificate, NamesOptionsThatDoNotFit) {
   expect_refused(run({"distance", a_, b_, "--poses", poses, "-o", "d.csv", "--certificate-file", poses}),
                  {"--certificate-file", "p.csv"});
   expect_refused(run({"distance", a_, b_, "--certificate-file", a_}), {"--certificate-file", "stem.json"});
+}
+
+/// Bends and a difference: planes between sections decide.
+TEST_F(CheckCertificate, ProvesDistancesOfBentModels) {
   const std::string bent = VERISQ_EXAMPLES "/bent_stem.json";
-  expect_refused(run({"distance", a_, bent, "--certificate-file", "c.json"}),
-                 {"--certificate-file: ", "bent_stem.json"});
+  const Outcome made = run(
+      {"distance", bent, bent, "--pose", "0.085,0.02,0,1,0.2,0.1,0.05", "--certificate", "--certificate-file", proof_});
+  EXPECT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("\ncertified          [0.0191257"));
+  EXPECT_THAT(made.out, HasSubstr("certificate        primitives 0 and 0: "));
+  const Outcome proved = run({"check", "--certificate", proof_, "--model", bent, "--model", bent});
+  EXPECT_EQ(proved.status, 0) << proved.err;
+  EXPECT_THAT(proved.out, StartsWith("verdict            proved\n"));
+  const Outcome nearer =
+      run({"check", "--certificate", forged("/distance/hi", 0.0191257), "--model", bent, "--model", bent});
+  EXPECT_EQ(nearer.status, 3);
+  EXPECT_THAT(nearer.out, StartsWith("verdict            refuted\n"));
+}
+
+/// A neck beside the rim of a bored ball: cubes decide, and what they find has no certificate.
+TEST_F(CheckCertificate, ClaimsNoMoreThanItProves) {
+  const std::string cup = write("cup.json", R"({"format": "verisq-model/1", "primitives": [
+    {"name": "ball", "superquadric": {"semi_axes": [28, 28, 28], "exponents": [1, 1]}},
+    {"name": "bore", "superquadric": {"semi_axes": [16, 16, 40], "exponents": [0.1, 1]}}],
+    "csg": {"difference": ["ball", "bore"]}})");
+  const std::string neck = write("neck.json", R"({"format": "verisq-model/1", "primitives": [
+    {"name": "neck", "superquadric": {"semi_axes": [6, 6, 40], "exponents": [0.3, 1]}}]})");
+  const Outcome made = run({"distance", cup, neck, "--tol", "0.1", "--certificate-file", proof_});
+  EXPECT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.err, HasSubstr("the certificate proves less than was found, [0, "));
+  const Outcome proved = run({"check", "--certificate", proof_, "--model", cup, "--model", neck});
+  EXPECT_EQ(proved.status, 0) << proved.err;
+  EXPECT_THAT(proved.out, HasSubstr("\n  claimed          [0, "));
 }
 
 /// Random poses, of which some let the models meet.

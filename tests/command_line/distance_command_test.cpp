@@ -251,7 +251,6 @@ TEST_F(DistanceCommand, WhatIsNotBoundedIsNull) {
 TEST_F(DistanceCommand, RefusesWhatSearchesLack) {
   const auto a = ball("a.json", "", 0.0);
   const auto b = write("b.json", bent_ball);
-  expect_refused(distance({a, b, "--certificate"}), "--certificate: " + b + ": not supported for bends");
   const auto poses = write("poses.csv", "0,0,0,1,0,0,0\n");
   expect_refused(distance({b, a, "--poses", poses, "-o", path("o.csv"), "--closest-points"}),
                  "--closest-points: " + b + ": not supported");

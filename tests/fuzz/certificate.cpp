@@ -27,6 +27,19 @@ void check_claim(const Posed& answer) {
   for (const Separation& separation : answer.certificate.separations) {
     check(finite(separation.vector) && finite(separation.on_a) && finite(separation.on_b), "separations are finite");
   }
+  for (const DividedSeparation& division : answer.certificate.divisions) {
+    const auto uncut = std::ranges::count(division.cuts, SectionCut::none);
+    check(division.planes.size() == static_cast<std::size_t>(uncut), "each pair of sections has a plane");
+    for (const auto& [normal, slope_a, slope_b] : division.planes)
+      check(finite({slope_a, slope_b, 0.0}) && finite(normal), "planes are finite");
+  }
+  for (const auto* const balls : {&answer.certificate.balls_a, &answer.certificate.balls_b}) {
+    for (const EnclosingBall& ball : *balls)
+      check(finite(ball.centre) && finite({ball.multiplier, ball.distance, 0.0}), "balls are finite");
+  }
+  if (const auto& near = answer.certificate.near_points) {
+    check(finite((*near)[0]) && finite((*near)[1]), "near points are finite");
+  }
 }
 
 void check_answer(const PairAnswer& answer) {
@@ -58,6 +71,42 @@ void check_answer(const InsertionAnswer& answer) {
     for (const WayPart& part : certificate.parts)
       check(part.until >= 0.0 && finite(part.segment[0]) && finite(part.segment[1]), "a part of a way is finite");
   }
+}
+
+void check_summary(const DistanceSummary& summary, std::size_t percentiles) {
+  check(summary.percentiles.size() == percentiles, "each percentile is claimed");
+  check(!std::isnan(summary.largest.lo) && !std::isnan(summary.mean.hi), "a claim has two ends");
+}
+
+void check_answer(const DeviationAnswer& answer) {
+  const auto& [vertices, triangles] = answer.certificate;
+  check(!vertices.empty(), "there are vertices");
+  check(answer.from_mesh.has_value() == !triangles.empty(), "triangles are claimed where there are some");
+  check_summary(answer.of_vertices, answer.percentiles.size());
+  if (answer.from_mesh) check_summary(*answer.from_mesh, answer.percentiles.size());
+  for (const auto& [pieces, samples] : triangles) {
+    const auto with = pieces.size() - static_cast<std::size_t>(std::ranges::count(pieces, PieceProof::corners));
+    check(samples.size() == with, "each piece that needs one has a sample");
+  }
+}
+
+void check_answer(const FeaturesAnswer& answer) {
+  const FeatureClaims& claims = answer.claims;
+  check(claims.landmark_radius >= 0.0, "a radius is not negative");
+  check(claims.implant.has_value() == answer.implant.has_value(), "an implant is a model with points");
+  const std::vector<Finding> findings = verisq::check(claims).all();
+  check(findings.size() == claims.features.size() + claims.changes.size() + (claims.frame ? 3 : 0), "all are judged");
+}
+
+std::vector<SubjectFile> subjects_of(const DeviationAnswer& answer) {
+  return {answer.model, answer.mesh};
+}
+
+std::vector<SubjectFile> subjects_of(const FeaturesAnswer& answer) {
+  std::vector<SubjectFile> subjects;
+  if (answer.implant) subjects.push_back(*answer.implant);
+  if (answer.mesh) subjects.push_back(*answer.mesh);
+  return subjects;
 }
 
 std::vector<SubjectFile> subjects_of(const FitAnswer& answer) {

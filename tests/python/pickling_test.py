@@ -67,10 +67,12 @@ def one_of_each():
     """Results by their classes' names."""
     points = np.random.default_rng(1).uniform(-9.0, 9.0, (40, 3))
     model = ball(4.0)
+    bent = verisq.Model.load(EXAMPLES / "bent_stem.json")
     mesh = verisq.mesh_of_model(model, 0.5)
     certified = verisq.map(model, points, device="host", certificates=True)
     cloud = verisq.mesh_of_model(ball(3.0), 0.2).vertices
     deviation = verisq.deviation(model, mesh, device="host", relative_tolerance=0.5)
+    proven = verisq.certified_deviation(model, mesh, device="host", relative_tolerance=0.5)
     stance = verisq.StanceModel.load(EXAMPLES / "standing.xml")
     features = verisq.femur_features({"head_centre": [0, 40, 40], "neck_centre": [0, 20, 20], "shaft_proximal": [0, 0, 0],
                                       "shaft_distal": [0, 0, -300]}, "left", landmark_radius=1.0)
@@ -80,7 +82,9 @@ def one_of_each():
     results = [
         certified, certified.certificates, verisq.Checker(model).points(points, *list(certified)[:2], certified.certificates),
         verisq.closest_points(model, points), verisq.closest_pairs(model, model, [[20, 0, 0, 1, 0, 0, 0]]), pair, pair.closest, pair.distance,
+        verisq.certified_distance(bent, bent, [0.2, 0.05, 0, 1, 0.2, 0.1, 0.05], tolerance=1e-3),
         verisq.distance_along(model, model, [[20, 0, 0, 1, 0, 0, 0], [0, 20, 0, 1, 0, 0, 0]]), deviation, deviation.of_vertices,
+        proven, proven.of_vertices,
         verisq.mesh_clearance(ball(6.0), mesh, device="host", penetration_limit=1.0, most_samples=500), model, mesh,
         verisq.prove_containment(ball(3.0), mesh, "within", device="host"), verisq.octree(model, depth=3, device="host"),
         verisq.certified_map_along(ball(2.0), points, verisq.straight_path([0, 0, -1], length=1), device="host"),

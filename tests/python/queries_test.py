@@ -107,6 +107,19 @@ class ClosestPoints(unittest.TestCase):
 
 
 class SingleQueries(unittest.TestCase):
+    def test_certified_distances(self):
+        stem, pose = model("bent_stem.json"), [0.2, 0.05, 0, 1, 0.2, 0.1, 0.05]
+        found = verisq.distance(stem, stem, pose).distance
+        proven = verisq.certified_distance(stem, stem, pose)
+        self.assertEqual(proven.distance, found)
+        self.assertTrue(proven.is_proved(stem, stem, pose))
+        self.assertFalse(proven.is_proved(stem, stem, [0.21, 0.05, 0, 1, 0.2, 0.1, 0.05]))
+        self.assertFalse(proven.is_proved(stem, model("stem.json"), pose))
+        soap, gem, apart = model("soap.json"), model("gem.json"), [12, 0, 0, 1, 0, 0, 0]
+        self.assertTrue(verisq.certified_distance(soap, gem, apart).is_proved(soap, gem, apart))
+        with self.assertRaisesRegex(verisq.Error, "certified_distance"):
+            verisq.certified_distance(model("uncertain_stem.json"), stem)
+
     def test_signed_distance(self):
         distance = verisq.SignedDistance(model("soap.json"))
         lo, hi = distance([10.0, 0.0, 0.0], tolerance=1e-12)  # the soap ends at x = 3.4
@@ -292,6 +305,11 @@ class Surfaces(unittest.TestCase):
         self.assertLess(deviation.from_mesh.largest.hi, 0.3)
         self.assertEqual(len(deviation.from_mesh.percentiles), 2)
         self.assertIsNone(deviation.hausdorff)
+        proven = verisq.certified_deviation(ball, mesh, relative_tolerance=0.3, device="host")
+        self.assertLess(proven.from_mesh.largest.hi, 0.4)
+        self.assertTrue(proven.is_proved(ball, mesh))
+        self.assertFalse(proven.is_proved(model("soap.json"), mesh))
+        self.assertFalse(proven.is_proved(ball, mesh.vertices))
         found = verisq.recover(mesh.vertices, units="mm")
         self.assertEqual(found.model.units, "mm")
         self.assertLess(abs(found.model.bounding_radius - ball.bounding_radius), 0.05)

@@ -11,12 +11,17 @@
 #include <vector>
 #include <verisq/enclosure.hpp>
 #include <verisq/model_distance.hpp>
+#include <verisq/pair_checker.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
 #include "verify/search/pair_memory.hpp"
 
 namespace verisq {
 namespace {
+
+Enclosure prove(const Model& a, const Model& b, const Pose& pose, const PairCertificate& certificate) {
+  return PairChecker(a, b).prove(pose, certificate);
+}
 
 Primitive primitive(const Superquadric& solid, const Pose& pose = {}) {
   return {"solid", solid, pose};
@@ -350,9 +355,9 @@ TEST(PairCertificateTest, EmptyOrBrokenOnesProveNothing) {
   const Enclosure nothing{0.0, infinity};
   EXPECT_EQ(prove(a, b, {}, {}), nothing);
   EXPECT_EQ(prove(a, b, {}, {{{7, 0, {1, 0, 0}, {1, 0, 0}, {-1, 0, 0}}}, {}}), nothing);
-  EXPECT_EQ(prove(a, b, {}, {{}, Point{1.5, 0, 0}}), nothing) << "in neither";
-  EXPECT_EQ(prove(a, b, {}, {{}, Point{1.0, 0, 0}}), nothing) << "in A alone";
-  EXPECT_EQ(prove(a, b, {}, {{}, Point{std::nan(""), 0, 0}}), nothing);
+  EXPECT_EQ(prove(a, b, {}, {.common = Point{1.5, 0, 0}}), nothing) << "in neither";
+  EXPECT_EQ(prove(a, b, {}, {.common = Point{1.0, 0, 0}}), nothing) << "in A alone";
+  EXPECT_EQ(prove(a, b, {}, {.common = Point{std::nan(""), 0, 0}}), nothing);
   const Enclosure without_direction = prove(a, b, {}, {{{0, 0, {0, 0, 0}, {1, 0, 0}, {-1, 0, 0}}}, {}});
   EXPECT_EQ(without_direction.lo, 0.0);
   EXPECT_TRUE(without_direction.hi >= 1.0 && without_direction.hi < 1.0 + 1e-14);

@@ -8,6 +8,7 @@
 #include <vector>
 #include <verisq/checker.hpp>
 #include <verisq/model_distance.hpp>
+#include <verisq/pair_checker.hpp>
 #include <verisq/signed_distance.hpp>
 #include <verisq/triangle_distance.hpp>
 
@@ -63,7 +64,8 @@ TEST(TaperedSolidTest, EndsAreAsFarApartAsTheirHeights) {
       const ModelDistance found = PairDistance(model(solid), model(other, at(0.0, 0.0, side * 3.0)))();
       expect_enclosed(found.distance, 0.75);
       EXPECT_EQ(found.proximity, Proximity::separated);
-      EXPECT_EQ(prove(model(solid), model(other, at(0.0, 0.0, side * 3.0)), {}, found.certificate), found.distance);
+      const PairChecker checker(model(solid), model(other, at(0.0, 0.0, side * 3.0)));
+      EXPECT_EQ(checker.prove({}, found.certificate), found.distance);
       const double z = side * 2.5;
       expect_enclosed(TriangleDistance(model(solid))({{{-9, -9, z}, {9, -9, z}, {0, 9, z}}}), 0.5);
       expect_enclosed(TriangleDistance(model(solid))({{{0, 0, z}, {9, -9, 2 * z}, {9, 9, 3 * z}}}), 0.5);

@@ -486,7 +486,6 @@ TEST(SolidPairDistanceTest, RefusesAModelWithoutAnyPoint) {
 TEST(SolidPairDistanceTest, TheConvexProofRefusesOtherModels) {
   EXPECT_THROW(PairDistance(bored_ball(), model(ball(1.0))), Error);
   EXPECT_THROW(PairDistance(model(ball(1.0)), model(gem, {}, Bend{0.1, 0.0})), Error);
-  EXPECT_THROW((void)prove(bored_ball(), model(ball(1.0)), {}, {}), Error);
 }
 
 // ---------------------------------------------------------------- polytopes

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 #include <verisq/model_distance.hpp>
+#include <verisq/pair_checker.hpp>
 #include <verisq/triangle_distance.hpp>
 
 #include "tests/fixtures/requested_count.hpp"
@@ -123,7 +124,7 @@ TEST(TaperedQueriesSoundnessTest, PairsContainTheKnownDistance) {
     const double magnitude = std::max({largest_axis(known.a), largest_axis(known.b), found.distance.hi});
     const std::string query = fmt::format("case {}: {}; {}", index, described(known.a), described(known.b));
     tally.add(found.distance, known.lower, known.upper, magnitude, query);
-    EXPECT_EQ(prove(a, b, {}, found.certificate), found.distance) << query;
+    EXPECT_EQ(PairChecker(a, b).prove({}, found.certificate), found.distance) << query;
     EXPECT_FALSE(known.upper == 0 && found.proximity == Proximity::separated) << query;
     EXPECT_FALSE(known.lower > 0 && found.proximity == Proximity::overlapping) << query;
   });

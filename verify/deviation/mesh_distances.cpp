@@ -9,7 +9,6 @@
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/deviation/weighted_cells.hpp"
 #include "verify/numbers/rounding.hpp"
-#include "verify/numbers/vector.hpp"
 #include "verify/proof/intersection.hpp"
 
 namespace verisq::verify {
@@ -21,15 +20,6 @@ constexpr std::size_t pieces_a_task = 1024;
 constexpr double smallest_in_displacements = 8.0;
 /// Convexity is asked about where the solid is nearer than so many radii of the piece: elsewhere distances alone do.
 constexpr double near_in_radii = 4.0;
-
-Enclosure area_of(const Triangle& triangle) {
-  const auto exact = [](const Point& p) { return Vector3<double>(p[0], p[1], p[2]); };
-  const Vector3<double> u = exact(triangle[1]) - exact(triangle[0]);
-  const Vector3<double> v = exact(triangle[2]) - exact(triangle[0]);
-  const Vector3<double> normal(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
-  const Interval area = length<double>(normal) / Interval(2);
-  return {std::max(0.0, area.lower()), area.upper()};
-}
 
 struct Leaf {
   TrianglePiece piece;

@@ -9,6 +9,7 @@
 #include "verify/analysis/largest_coordinate.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/numbers/vector.hpp"
 #include "verify/proof/intersection.hpp"
 
 namespace verisq::verify {
@@ -170,6 +171,15 @@ std::array<TrianglePiece, 2> halves(const TrianglePiece& piece, const LongestSid
   halves[1].at_corners[side.from] = at_middle;
   for (TrianglePiece& half : halves) ++half.halvings;
   return halves;
+}
+
+Enclosure area_of(const Triangle& triangle) {
+  const auto exact = [](const Point& p) { return Vector3<double>(p[0], p[1], p[2]); };
+  const Vector3<double> u = exact(triangle[1]) - exact(triangle[0]);
+  const Vector3<double> v = exact(triangle[2]) - exact(triangle[0]);
+  const Vector3<double> normal(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
+  const Interval area = length<double>(normal) / Interval(2);
+  return {std::max(0.0, area.lower()), area.upper()};
 }
 
 /// |corner - centroid|² = (2 b² + 2 c² - a²)/9 where a is the side against the corner.

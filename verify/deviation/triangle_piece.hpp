@@ -43,6 +43,9 @@ struct LongestSide {
 [[nodiscard]] std::array<TrianglePiece, 2> halves(const TrianglePiece& piece, const LongestSide& side,
                                                   const Enclosure& at_middle);
 
+/// Of exactly these corners.
+[[nodiscard]] Enclosure area_of(const Triangle& triangle);
+
 /// Sizes of an exact piece, from above.
 struct PieceShape {
   double longest;  ///< side

@@ -6,29 +6,45 @@
 
 namespace verisq::verify {
 
-LandmarkBall middle_of(const LandmarkBall& a, const LandmarkBall& b) {
-  const Interval half(0.5);
+template <class T>
+LandmarkBall<T> middle_of(const LandmarkBall<T>& a, const LandmarkBall<T>& b) {
+  const BasicInterval<T> half(T(0.5));
   return {(a.centre + b.centre) * half, (a.radius + b.radius) * half};
 }
 
-VectorBall difference(const LandmarkBall& to, const LandmarkBall& from) {
+template <class T>
+VectorBall<T> difference(const LandmarkBall<T>& to, const LandmarkBall<T>& from) {
   return {to.centre - from.centre, to.radius + from.radius};
 }
 
-Interval arcsine(const Interval& x) {
-  const Interval one(1.0);
-  if (x.upper() >= 1.0) return pi<double>() * Interval(0.5);
+template <class T>
+BasicInterval<T> arcsine(const BasicInterval<T>& x) {
+  const BasicInterval<T> one(1);
+  if (x.upper() >= T(1)) return pi<T>() / BasicInterval<T>(2);
   return atan(x / sqrt((one - x) * (one + x)));
 }
 
-Interval tilt(const VectorBall& v) {
-  const Interval size = length(v.centre);
-  if (v.reach.upper() >= size.lower()) return pi<double>();
+template <class T>
+BasicInterval<T> tilt(const VectorBall<T>& v) {
+  const BasicInterval<T> size = length(v.centre);
+  if (v.reach.upper() >= size.lower()) return pi<T>();
   return arcsine(v.reach / size);
 }
 
-Interval angle_between(const IntervalVector3& a, const IntervalVector3& b) {
+template <class T>
+BasicInterval<T> angle_between(const Vector3<T>& a, const Vector3<T>& b) {
   return polar_angle(a.dot(b), length(cross(a, b)));
 }
+
+template LandmarkBall<double> middle_of(const LandmarkBall<double>&, const LandmarkBall<double>&);
+template VectorBall<double> difference(const LandmarkBall<double>&, const LandmarkBall<double>&);
+template BasicInterval<double> arcsine(const BasicInterval<double>&);
+template BasicInterval<double> tilt(const VectorBall<double>&);
+template BasicInterval<double> angle_between(const Vector3<double>&, const Vector3<double>&);
+template LandmarkBall<Real> middle_of(const LandmarkBall<Real>&, const LandmarkBall<Real>&);
+template VectorBall<Real> difference(const LandmarkBall<Real>&, const LandmarkBall<Real>&);
+template BasicInterval<Real> arcsine(const BasicInterval<Real>&);
+template BasicInterval<Real> tilt(const VectorBall<Real>&);
+template BasicInterval<Real> angle_between(const Vector3<Real>&, const Vector3<Real>&);
 
 }  // namespace verisq::verify

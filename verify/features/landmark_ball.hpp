@@ -8,35 +8,45 @@
 
 namespace verisq::verify {
 
-using IntervalVector3 = Vector3<double>;
+// T is the type of the ends: double or Real.
+
+/// The exact point. Precondition: finite.
+template <class T>
+[[nodiscard]] Vector3<T> exact(const Point& x) {
+  return {T(x[0]), T(x[1]), T(x[2])};
+}
 
 /// All points within `radius` of a centre.
+template <class T>
 struct LandmarkBall {
-  IntervalVector3 centre;
-  Interval radius;
-
-  LandmarkBall(const Point& at, double known_to) : centre(at[0], at[1], at[2]), radius(known_to) {}
-  LandmarkBall(const IntervalVector3& at, const Interval& known_to) : centre(at), radius(known_to) {}
+  Vector3<T> centre;
+  BasicInterval<T> radius;
 };
 
 /// The middle of the segments between the points of two balls.
-[[nodiscard]] LandmarkBall middle_of(const LandmarkBall& a, const LandmarkBall& b);
+template <class T>
+[[nodiscard]] LandmarkBall<T> middle_of(const LandmarkBall<T>& a, const LandmarkBall<T>& b);
 
 /// All vectors within `reach` of a centre: the differences of the points of two balls.
+template <class T>
 struct VectorBall {
-  IntervalVector3 centre;
-  Interval reach;
+  Vector3<T> centre;
+  BasicInterval<T> reach;
 };
-[[nodiscard]] VectorBall difference(const LandmarkBall& to, const LandmarkBall& from);
+template <class T>
+[[nodiscard]] VectorBall<T> difference(const LandmarkBall<T>& to, const LandmarkBall<T>& from);
 
 /// In radians: no vector of the ball is more than this from its centre's direction, and some are; nothing below pi is
 /// proven where the ball holds 0.
-[[nodiscard]] Interval tilt(const VectorBall& v);
+template <class T>
+[[nodiscard]] BasicInterval<T> tilt(const VectorBall<T>& v);
 
 /// asin of what lies in [0, 1], pi / 2 beyond; the angle whose sine is at most x.
-[[nodiscard]] Interval arcsine(const Interval& x);
+template <class T>
+[[nodiscard]] BasicInterval<T> arcsine(const BasicInterval<T>& x);
 
 /// The angle between two vectors, in [0, pi].
-[[nodiscard]] Interval angle_between(const IntervalVector3& a, const IntervalVector3& b);
+template <class T>
+[[nodiscard]] BasicInterval<T> angle_between(const Vector3<T>& a, const Vector3<T>& b);
 
 }  // namespace verisq::verify

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "verify/proof/posed_superquadric.hpp"
+#include "verisq/enclosure.hpp"
 #include "verisq/pair_certificate.hpp"
 
 namespace verisq::verify {

@@ -1,11 +1,8 @@
-/// Minimum over all pairs of what spheres, vectors and points prove.
+/// What spheres and gauges prove of every two primitives.
 #include "verify/proof/posed_pairs.hpp"
 
 #include <algorithm>
 #include <cmath>
-
-#include "verify/proof/intersection.hpp"
-#include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
@@ -43,24 +40,6 @@ bool PosedPairs::share(const Point& x) const {
   bool in_b = false;
   for (std::size_t j = 0; j < size_b() && !in_b; ++j) in_b = is_in(b_->primitives[j], moved_[j].inverse(), point);
   return in_a && in_b;
-}
-
-Enclosure proven_distance(const PosedPairs& pairs, const PairCertificate& certificate) {
-  if (certificate.common && pairs.share(*certificate.common)) return {0.0, 0.0};
-  std::vector<double> lower;
-  for (std::size_t i = 0; i < pairs.size_a(); ++i) {
-    for (std::size_t j = 0; j < pairs.size_b(); ++j) lower.push_back(pairs.lower_by_spheres(i, j));
-  }
-  double upper = infinity;
-  for (const Separation& separation : certificate.separations) {
-    const auto [i, j] = std::pair<std::size_t, std::size_t>(separation.primitive_a, separation.primitive_b);
-    if (i >= pairs.size_a() || j >= pairs.size_b()) continue;
-    const Enclosure proven = pairs(i, j).distance(separation);
-    double& least = lower[i * pairs.size_b() + j];
-    least = std::max(least, proven.lo);
-    upper = std::min(upper, proven.hi);
-  }
-  return between(std::max(0.0, std::ranges::min(lower)), upper, [] { return "the distance of the models"; });
 }
 
 }  // namespace verisq::verify

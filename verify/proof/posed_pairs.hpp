@@ -52,7 +52,4 @@ class PosedPairs {
   std::vector<RigidMotion> moved_;  ///< from the frame of B's primitives to A's model frame
 };
 
-/// What the certificate proves, as `prove` of verisq/pair_certificate.hpp says.
-[[nodiscard]] Enclosure proven_distance(const PosedPairs& pairs, const PairCertificate& certificate);
-
 }  // namespace verisq::verify

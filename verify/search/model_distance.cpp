@@ -130,7 +130,7 @@ ModelDistance exact_distance(const PosedPairs& pairs, PairMemory& memory, const 
     if (found.common && pairs.share(*found.common)) {
       return {intersection({0.0, 0.0}, {bound, infinity}, [pair] { return name_of(pair); }),
               Proximity::overlapping,
-              {{}, found.common},
+              {.common = found.common},
               true};
     }
     distance.hi = std::min(distance.hi, found.distance.hi);

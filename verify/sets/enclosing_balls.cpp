@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/pairs/enclosing_radius.hpp"
 #include "verify/proof/rigid_motion.hpp"
 #include "verify/sets/set_tree.hpp"
 #include "verisq/enclosure.hpp"
@@ -19,34 +20,12 @@ constexpr std::size_t kMostPrimitives = 64;  // some searches each
 constexpr double kNearlyRound = 1.25;        // the largest distance from the centre, over the least
 constexpr Enclosure kNothingKnown{-infinity, infinity};
 
-bool is_ball(const Primitive& primitive) {
-  const auto& [axes, exponents, taper] = primitive.superquadric;
-  return axes[0] == axes[1] && axes[1] == axes[2] && exponents == std::array{1.0, 1.0} && taper == 1.0 &&
-         !is_bent(primitive);
-}
-
 void append_hollows(const SetNode& node, const Model& model, std::vector<Ball>& result) {
   if (node.kind == SetNode::Kind::leaf && node.side == Side::outside) {
     const Primitive& primitive = model.primitives[node.primitive];
     if (is_ball(primitive)) result.push_back({primitive.pose.translation, primitive.superquadric.semi_axes[0]});
   }
   for (const SetNode& operand : node.operands) append_hollows(operand, model, result);
-}
-
-/// 2^(1/2 - 1/p), at least 1, for p = 2/e.
-PreciseInterval excess_of_norm(double exponent) {
-  if (exponent >= 1.0) return 1;
-  const PreciseInterval half = PreciseInterval(1) / PreciseInterval(2);
-  return pow(PreciseInterval(2), half * (PreciseInterval(1) - PreciseInterval(Real(exponent))));
-}
-
-std::array<double, 3> semi_axes_of_ellipsoid(const Superquadric& solid) {
-  const PreciseInterval whole = excess_of_norm(solid.exponents[0]);
-  const PreciseInterval section = whole * excess_of_norm(solid.exponents[1]);
-  const auto up = [](const PreciseInterval& scale, double axis) {
-    return (scale * PreciseInterval(Real(axis))).upper().to_double(Direction::up);
-  };
-  return {up(section, solid.semi_axes[0]), up(section, solid.semi_axes[1]), up(whole, solid.semi_axes[2])};
 }
 
 /// About the μ with the least bound: convex in μ, searched for by the logarithm of what it exceeds the largest b² by.
@@ -76,23 +55,15 @@ std::vector<Ball> hollows(const Model& model) {
   return result;
 }
 
-double farthest_up(const Primitive& primitive, const Point& x) {
-  if (is_bent(primitive) || is_tapered(primitive.superquadric)) return infinity;
+double multiplier_about(const Primitive& primitive, const Point& x) {
   const PreciseVector centre = RigidMotion(primitive.pose).local_point(x);
-  const std::array<double, 3> b = semi_axes_of_ellipsoid(primitive.superquadric);
   std::array<double, 3> about{};
   for (std::size_t i = 0; i < 3; ++i) about[i] = centre[i].upper().to_double(Direction::up);
-  const double chosen = multiplier(b, about);
-  const auto finite = [](double number) { return std::isfinite(number); };
-  if (!finite(chosen) || !std::ranges::all_of(b, finite)) return infinity;
-  const PreciseInterval mu{Real(chosen)};
-  PreciseInterval squared = mu;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const PreciseInterval room = mu - square(PreciseInterval(Real(b[i])));
-    if (!(room.lower() > Real(0))) return infinity;
-    squared += square(centre[i]) * mu / room;
-  }
-  return sqrt(squared).upper().to_double(Direction::up);
+  return multiplier(semi_axes_of_ellipsoid(primitive.superquadric), about);
+}
+
+double farthest_up(const Primitive& primitive, const Point& x) {
+  return farthest_up(primitive, precise(x), multiplier_about(primitive, x));
 }
 
 std::optional<EnclosingBalls> EnclosingBalls::of(const Model& model) {
@@ -104,8 +75,7 @@ bool EnclosingBalls::all_are_balls() const {
   return std::ranges::all_of(primitives_, is_ball);
 }
 
-/// Hollows are in the frame of the primitive's model.
-std::vector<Ball> EnclosingBalls::enclosing(const Primitive& primitive, std::span<const Ball> hollows) {
+std::vector<Ball> enclosing_balls(const Primitive& primitive, std::span<const Ball> hollows) {
   const Point& own_centre = primitive.pose.translation;
   if (is_ball(primitive)) return {{own_centre, primitive.superquadric.semi_axes[0]}};
   if (hollows.empty()) return {};
@@ -131,7 +101,7 @@ double EnclosingBalls::lower_from(const SolidDistance& solid, std::span<const Ba
                                   const std::function<bool()>& interrupted) const {
   std::vector<std::vector<Ball>> balls;
   for (const Primitive& primitive : primitives_) {
-    balls.push_back(enclosing(primitive, hollows));
+    balls.push_back(enclosing_balls(primitive, hollows));
     if (balls.back().empty()) return -infinity;
   }
   double least = infinity;

@@ -23,14 +23,16 @@ struct Ball {
 /// Balls that the model's set operations take away, in its frame.
 [[nodiscard]] std::vector<Ball> hollows(const Model& model);
 
-/// At least the largest distance from x, of the model's frame, to a point of the primitive, which must have neither
-/// bend nor taper. It lies in the ellipsoid {Σ (xᵢ/bᵢ)² <= 1} with its semi-axes, times the most that the norm of
-/// exponent 2 exceeds those of the primitive by: 2^(1/2 - 1/p) for each p > 2. For μ > max bᵢ² and every x in the
-/// ellipsoid
-///     |x - c|² <= |x - c|² + μ (1 - Σ (xᵢ/bᵢ)²) <= μ + Σ cᵢ² μ / (μ - bᵢ²),
-/// coordinate by coordinate the largest value of a parabola. The least of that over μ is exact for the ellipsoid (the
-/// S-lemma).
+/// About the multiplier that bounds the distance of the primitive's points from x, of the model's frame, best
+/// (verify/pairs/enclosing_radius.hpp).
+[[nodiscard]] double multiplier_about(const Primitive& primitive, const Point& x);
+
+/// That bound.
 [[nodiscard]] double farthest_up(const Primitive& primitive, const Point& x);
+
+/// Balls that hold the primitive and may be far from the other model; `hollows` of that, and all else, in the frame of
+/// the primitive's own. None where it is not nearly round and lies in no hollow.
+[[nodiscard]] std::vector<Ball> enclosing_balls(const Primitive& primitive, std::span<const Ball> hollows);
 
 class EnclosingBalls {
  public:
@@ -59,7 +61,6 @@ class EnclosingBalls {
     double off;
   };
 
-  [[nodiscard]] static std::vector<Ball> enclosing(const Primitive& primitive, std::span<const Ball> hollows);
   [[nodiscard]] double lower_from(const SolidDistance& solid, std::span<const Ball> hollows,
                                   const std::function<Located(const Point&)>& locate, double tolerance,
                                   const std::function<bool()>& interrupted) const;

@@ -19,11 +19,17 @@ Vector3<double> exact(const Coordinates<double>& v) {
   return {Interval(v[0]), Interval(v[1]), Interval(v[2])};
 }
 
+/// About the centre, whatever taper and bend do: sections grow by less than 2, a focus lies within the solid.
+double reach_of(const Superquadric& solid) {
+  return 4.0 * (solid.semi_axes[0] + solid.semi_axes[1] + solid.semi_axes[2]);
+}
+
 }  // namespace
 
 SeparablePrimitive::SeparablePrimitive(const Primitive& primitive)
     : sections(primitive),
       centre(primitive.pose.translation),
+      reach(reach_of(primitive.superquadric)),
       bent(is_bent(primitive)),
       motion(primitive.pose),
       about(primitive.pose),
@@ -41,7 +47,8 @@ PrimitivePairDistance::PrimitivePairDistance(const SeparablePrimitive& a, const 
   };
   nodes_a_ = {root(a.sections)};
   nodes_b_ = {root(b.sections)};
-  queue_.push({0.0, nodes_a_[0].slack + nodes_b_[0].slack, 0, 0, {}, {}, {}});
+  divisions_ = {Division{0, 0}};
+  queue_.push({0.0, nodes_a_[0].slack + nodes_b_[0].slack, 0, 0, 0, {}, {}, {}});
 }
 
 double PrimitivePairDistance::lower() const {
@@ -83,9 +90,13 @@ bool PrimitivePairDistance::step(double enough) {
   if (!children) return false;
   queue_.pop();
   ++steps_;
+  divisions_[pair.division].cut = first ? SectionCut::a : SectionCut::b;
+  divisions_[pair.division].halves = static_cast<std::uint32_t>(divisions_.size());
   for (std::uint32_t i = *children; i < *children + 2; ++i) {
     SectionPair half = pair;
     (first ? half.a : half.b) = i;
+    half.division = static_cast<std::uint32_t>(divisions_.size());
+    divisions_.push_back({.a = half.a, .b = half.b, .normal = divisions_[pair.division].normal});
     half.slack = nodes_a_[half.a].slack + nodes_b_[half.b].slack;
     bound(half, enough);
   }
@@ -94,7 +105,7 @@ bool PrimitivePairDistance::step(double enough) {
 
 /// The plane that separated the whole pair often separates its parts.
 void PrimitivePairDistance::bound(SectionPair pair, double enough) {
-  pair.lower = std::max(pair.lower, lower_by(pair.separation, pair.a, pair.b));
+  separate(pair);
   if (pair.lower >= enough) {
     settled_ = std::min(settled_, pair.lower);
     return;
@@ -113,8 +124,38 @@ void PrimitivePairDistance::bound(SectionPair pair, double enough) {
   pair.separation = found.separation;
   pair.on_a = found.on_a;
   pair.on_b = found.on_b;
-  pair.lower = std::max(pair.lower, lower_by(pair.separation, pair.a, pair.b));
+  separate(pair);
   queue_.push(pair);
+}
+
+/// By the plane at hand, where that is no worse than what is known.
+void PrimitivePairDistance::separate(SectionPair& pair) {
+  const double proven = lower_by(pair.separation, pair.a, pair.b);
+  if (!(proven >= pair.lower)) return;
+  pair.lower = proven;
+  divisions_[pair.division].normal = pair.separation;
+}
+
+DividedSeparation PrimitivePairDistance::certificate(std::uint32_t primitive_a, std::uint32_t primitive_b) const {
+  DividedSeparation result{primitive_a, primitive_b, {}, {}};
+  add_planes(divisions_.front(), result);
+  return result;
+}
+
+/// No deeper than halvings of a section's heights in binary64, of both.
+void PrimitivePairDistance::add_planes(const Division& division, DividedSeparation& certificate) const {
+  const auto& [a, b, cut, halves, normal] = division;
+  certificate.cuts.push_back(cut);
+  if (cut != SectionCut::none) {
+    for (std::uint32_t half = halves; half < halves + 2; ++half) add_planes(divisions_[half], certificate);
+    return;
+  }
+  const Plain own_a = a_->about.inverse_direction(normal);
+  const Plain own_b = b_->about.inverse_direction(motion_.inverse_direction(normal));
+  const auto finite = [](double slope) { return std::isfinite(slope) ? slope : 0.0; };
+  const double slope_a = finite(a_->sections.slope(own_a, nodes_a_[a].section));
+  const double slope_b = finite(b_->sections.slope({-own_b[0], -own_b[1], -own_b[2]}, nodes_b_[b].section));
+  certificate.planes.push_back({{normal[0], normal[1], normal[2]}, slope_a, slope_b});
 }
 
 /// Minus infinity where it says nothing, as where numbers overflow and intervals have none.

@@ -10,6 +10,7 @@
 
 #include "verify/proof/rigid_motion.hpp"
 #include "verify/sets/sectioned_primitive.hpp"
+#include "verisq/pair_certificate.hpp"
 
 namespace verisq::verify {
 
@@ -19,6 +20,7 @@ struct SeparablePrimitive {
 
   SectionedPrimitive sections;
   Point centre;
+  double reach;  ///< more than any sphere's radius that a proof uses
   bool bent;
   RigidMotion motion;               ///< to its model's frame
   ApproximateMotion<double> about;  ///< the same, about
@@ -40,6 +42,9 @@ class PrimitivePairDistance {
   /// fairly fine ones still meet, `steps` are taken, or `interrupted`, polled between them, says so. Whether any step
   /// was taken.
   bool raise(double enough, std::uint64_t steps, const std::function<bool()>& interrupted);
+
+  /// What proves `lower` again, but for what rounding of the plain numbers in it costs. Precondition: a step was taken.
+  [[nodiscard]] DividedSeparation certificate(std::uint32_t primitive_a, std::uint32_t primitive_b) const;
 
   struct Points {
     Point on_a;  ///< in the frame of model A
@@ -63,8 +68,17 @@ class PrimitivePairDistance {
     double lower;
     double slack;  ///< of both sections
     std::uint32_t a, b;
-    Plain separation;  ///< from A to B; of any length
+    std::uint32_t division;  ///< index of its own
+    Plain separation;        ///< from A to B; of any length
     Plain on_a, on_b;
+  };
+
+  /// What became of a pair of sections.
+  struct Division {
+    std::uint32_t a, b;  ///< indices of the sections
+    SectionCut cut = SectionCut::none;
+    std::uint32_t halves = 0;  ///< the first of two, where it was cut
+    Plain normal{};            ///< of the plane with the best bound
   };
 
   /// The least bound first; where hulls meet, the larger sections.
@@ -76,6 +90,8 @@ class PrimitivePairDistance {
 
   bool step(double enough);
   void bound(SectionPair pair, double enough);
+  void separate(SectionPair& pair);
+  void add_planes(const Division& division, DividedSeparation& certificate) const;
   [[nodiscard]] double lower_by(const Plain& direction, std::uint32_t a, std::uint32_t b) const;
   [[nodiscard]] double proven_by(const Plain& direction, std::uint32_t a, std::uint32_t b) const;
   [[nodiscard]] std::optional<std::uint32_t> divided(const SectionedPrimitive& primitive, std::vector<Node>& nodes,
@@ -88,6 +104,7 @@ class PrimitivePairDistance {
   Vector3<double> between_;           ///< of the centres
   double tolerance_;
   std::vector<Node> nodes_a_, nodes_b_;
+  std::vector<Division> divisions_;
   std::priority_queue<SectionPair, std::vector<SectionPair>, Later> queue_;
   double settled_;  ///< the least bound of pairs that are in the queue no more
   std::uint64_t steps_ = 0;

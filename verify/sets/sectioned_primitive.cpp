@@ -127,9 +127,9 @@ double SectionedPrimitive::scale_slope_at(double height) const {
   return slope / superquadric_.semi_axes[2];
 }
 
-/// The v of `support_up` that gives about the least bound: the ends have the same value, unless the height where
-/// H - v z is attained would leave the section.
-double SectionedPrimitive::slope(const Plain& n, const Section& section) const {
+/// In the frame of the bend: the ends have the same value, unless the height where H - v z is attained would leave the
+/// section.
+double SectionedPrimitive::slope_towards(const Plain& n, const Section& section) const {
   const auto& [lower, upper] = section;
   const auto axis = [&](const End& end) { return n[0] * middle(end.along) + n[2] * middle(end.up); };
   const auto along = [&](const End& end) { return n[0] * middle(end.cosine) - n[2] * middle(end.sine); };
@@ -149,6 +149,10 @@ double SectionedPrimitive::slope(const Plain& n, const Section& section) const {
   const Plain x = turned(untapered_(turned_back({along(end), n[1], 0.0})));
   const double at_end = -scale_slope_at(end.height) * (along(end) * x[0] + n[1] * x[1]);
   return std::isfinite(at_end) ? at_end : v;  // at a pole, which no height is beyond
+}
+
+double SectionedPrimitive::slope(const Coordinates<double>& direction, const Section& section) const {
+  return map_ ? slope_towards(turned(direction), section) : 0.0;
 }
 
 Coordinates<double> SectionedPrimitive::support_point(const Coordinates<double>& direction,
@@ -190,7 +194,7 @@ Coordinates<double> SectionedPrimitive::support_point(const Coordinates<double>&
 double SectionedPrimitive::support_up(const Vector3<double>& direction, const Section& section) const {
   if (!map_) return (Interval(bounds_.support_up(direction)) + direction[2] * focus_).upper();
   const Vector3<double> n = map_->turned(direction);
-  const double chosen = slope({middle(n[0]), middle(n[1]), middle(n[2])}, section);
+  const double chosen = slope_towards({middle(n[0]), middle(n[1]), middle(n[2])}, section);
   if (!std::isfinite(chosen)) return infinity;
   const Interval v(chosen);
   const Vector3<double> r = map_->direction();

@@ -50,6 +50,9 @@ class SectionedPrimitive {
   /// that of c, and v z are linear: largest at an end.
   [[nodiscard]] double support_up(const Vector3<double>& direction, const Section& section) const;
 
+  /// The number v of `support_up` that gives about the least bound; it may overflow.
+  [[nodiscard]] double slope(const Coordinates<double>& direction, const Section& section) const;
+
   /// About a point of the section where direction·x is largest.
   [[nodiscard]] Coordinates<double> support_point(const Coordinates<double>& direction, const Section& section) const;
 
@@ -64,7 +67,7 @@ class SectionedPrimitive {
   [[nodiscard]] Plain farthest_at(double height, double c, double across) const;
   [[nodiscard]] double scale_at(double height) const;
   [[nodiscard]] double scale_slope_at(double height) const;
-  [[nodiscard]] double slope(const Plain& n, const Section& section) const;
+  [[nodiscard]] double slope_towards(const Plain& n, const Section& section) const;
 
   Superquadric superquadric_;
   double curvature_ = 0.0;

@@ -354,10 +354,10 @@ std::optional<PairSearch::Enclosed> PairSearch::enclosed(const Model& model, con
 }
 
 PairSearch::PairSearch(const Model& a, const Model& b)
-    : a_(a), b_(b), enclosed_a_(enclosed(a, b)), enclosed_b_(enclosed(b, a)) {}
+    : a_(a), b_(b), checker_(a, b), enclosed_a_(enclosed(a, b)), enclosed_b_(enclosed(b, a)) {}
 
 SearchedDistance PairSearch::operator()(const Pose& pose, const SearchOptions& options) const {
-  Search search(a_, b_, pose, options);
+  Search search(a_.solid, b_.solid, pose, options);
   const auto interrupted = [&] { return options.interrupted && options.interrupted(); };
   const BoundedMotion& motion = search.motion();
   const double share = search.tolerance() / 4;
@@ -370,6 +370,14 @@ SearchedDistance PairSearch::operator()(const Pose& pose, const SearchOptions& o
     search.know(balls.lower_from_a(distance, hollows, motion, share, interrupted));
   }
   return search.run();
+}
+
+CertifiedDistance PairSearch::certified(const Pose& pose, const SearchedDistance& found,
+                                        const SearchOptions& options) const {
+  CertifiedDistance result{found.distance, certificate_of(a_, b_, pose, found, options)};
+  const Enclosure proven = checker_.prove(pose, result.certificate);
+  result.distance = {std::min(found.distance.lo, proven.lo), std::max(found.distance.hi, proven.hi)};
+  return result;
 }
 
 }  // namespace verisq::verify
@@ -389,6 +397,11 @@ ModelSearch& ModelSearch::operator=(ModelSearch&&) noexcept = default;
 
 SearchedDistance ModelSearch::operator()(const Pose& pose, const SearchOptions& options) const {
   return state_->search(pose, options);
+}
+
+CertifiedDistance ModelSearch::certified(const Pose& pose, const SearchedDistance& found,
+                                         const SearchOptions& options) const {
+  return state_->search.certified(pose, found, options);
 }
 
 }  // namespace verisq

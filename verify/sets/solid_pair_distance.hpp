@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "verify/sets/enclosing_balls.hpp"
-#include "verify/sets/solid_pair_cells.hpp"
+#include "verify/sets/solid_pair_certificate.hpp"
 #include "verisq/model_search.hpp"
+#include "verisq/pair_checker.hpp"
 
 namespace verisq::verify {
 
@@ -16,6 +17,8 @@ class PairSearch {
   PairSearch(const Model& a, const Model& b);
 
   [[nodiscard]] SearchedDistance operator()(const Pose& pose, const SearchOptions& options) const;
+  [[nodiscard]] CertifiedDistance certified(const Pose& pose, const SearchedDistance& found,
+                                            const SearchOptions& options) const;
 
  private:
   /// Where balls enclose a model, the distances of their centres bound that of the models, however much of the other
@@ -28,8 +31,9 @@ class PairSearch {
 
   [[nodiscard]] static std::optional<Enclosed> enclosed(const Model& model, const Model& other);
 
-  SearchSolid a_;
-  SearchSolid b_;
+  SearchedModel a_;
+  SearchedModel b_;
+  PairChecker checker_;
   std::optional<Enclosed> enclosed_a_;
   std::optional<Enclosed> enclosed_b_;
 };

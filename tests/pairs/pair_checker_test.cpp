@@ -1,23 +1,25 @@
 /// Certificates of pairs prove what was found, and never what is false. VERISQ_FORGED_PAIRS says how many pairs are
 /// tried.
-#include "verisq/pair_certificate.hpp"
+#include "verisq/pair_checker.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <string>
 #include <vector>
 
+#include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_pairs.hpp"
 #include "verisq/model_distance.hpp"
 
 namespace verisq {
 namespace {
+
+using testing::moved;
+using testing::with_wrong_digit;
 
 struct Answer {
   Model a;
@@ -48,26 +50,7 @@ Answer random_answer(std::size_t k) {
 }
 
 Finding check(const Answer& answer, const Enclosure& claimed) {
-  return verisq::check(answer.a, answer.b, answer.pose, claimed, answer.found.certificate);
-}
-
-/// x moved by 1e-12 of its value, and at least to the next number.
-double moved(double x, double towards) {
-  const double away = towards > 0.0 ? x + 1e-12 * std::abs(x) : x - 1e-12 * std::abs(x);
-  return away == x ? std::nextafter(x, towards) : away;
-}
-
-/// One digit of the shortest text that gives back x is another one.
-double with_wrong_digit(double x, oracle::RandomCases& random) {
-  std::string text = fmt::format("{}", x);
-  std::vector<std::size_t> digits;
-  for (std::size_t i = 0; i < text.size() && text[i] != 'e'; ++i) {
-    if (std::isdigit(static_cast<unsigned char>(text[i])) != 0) digits.push_back(i);
-  }
-  char& digit = text[digits[random.choice(digits.size())]];
-  digit = static_cast<char>('0' + (digit - '0' + 1 + static_cast<int>(random.choice(9))) % 10);
-  std::from_chars(text.data(), text.data() + text.size(), x);
-  return x;
+  return PairChecker(answer.a, answer.b)(answer.pose, claimed, answer.found.certificate);
 }
 
 /// Another case: one number of the models or the pose is another one.
@@ -87,14 +70,14 @@ bool is_false(const Enclosure& claimed, const Answer& of) {
   return claimed.lo > truth.hi || claimed.hi < truth.lo;
 }
 
-TEST(PairCertificate, ProvesWhatWasFound) {
+TEST(PairCheckerTest, ProvesWhatWasFound) {
   for (std::size_t k = 0; k < 60; ++k) {
     const Answer answer = random_answer(k);
     EXPECT_EQ(check(answer, answer.found.distance).verdict, Verdict::proved) << k;
   }
 }
 
-TEST(PairCertificate, NeverProvesAForgery) {
+TEST(PairCheckerTest, NeverProvesAForgery) {
   std::size_t forgeries = 0;
   std::size_t refuted = 0;
   const auto try_out = [&](const Answer& answer, const Enclosure& claimed, const char* what) {
@@ -127,9 +110,10 @@ TEST(PairCertificate, NeverProvesAForgery) {
 }
 
 /// Whatever stands in a certificate, what is proved holds.
-TEST(PairCertificate, ProvesNothingFalseFromNonsense) {
+TEST(PairCheckerTest, ProvesNothingFalseFromNonsense) {
   const Answer answer = random_answer(0);
   const Enclosure& truth = answer.found.distance;
+  const PairChecker checker(answer.a, answer.b);
   oracle::RandomCases random(3);
   const std::array<double, 7> extremes{0.0, -0.0, 1e308, 5e-324, -1e-200, infinity, std::nan("")};
   const auto number = [&] { return random.choice(2) == 0 ? extremes[random.choice(7)] : random.uniform(-3.0, 3.0); };
@@ -140,7 +124,7 @@ TEST(PairCertificate, ProvesNothingFalseFromNonsense) {
       nonsense.separations.push_back({static_cast<std::uint32_t>(random.choice(2)), 0, vector(), vector(), vector()});
     }
     if (random.choice(4) == 0) nonsense.common = vector();
-    const Enclosure proven = prove(answer.a, answer.b, answer.pose, nonsense);
+    const Enclosure proven = checker.prove(answer.pose, nonsense);
     EXPECT_LE(proven.lo, truth.hi);
     EXPECT_GE(proven.hi, truth.lo);
   }

@@ -1,0 +1,254 @@
+/// Asks for certificates of the vertices, and of as many points of each triangle as its bounds need.
+#include "verisq/certified_deviation.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <numeric>
+#include <span>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "host/threads/parallel.hpp"
+#include "verify/deviation/proven_triangle.hpp"
+#include "verify/proof/convex_union.hpp"
+#include "verisq/signed_distance.hpp"
+
+namespace verisq {
+namespace {
+
+/// Of the width allowed: how wide samples may be.
+constexpr double share_of_samples = 0.05;
+constexpr std::size_t triangles_at_a_time = 1024;
+constexpr std::size_t probes = 500;  // triangles that tell how much all of them take
+constexpr int most_halvings_for_largest = 24;
+constexpr int most_halvings_for_mean = 4;
+
+// About how many bytes they take in a certificate file.
+constexpr std::size_t bytes_of_triangle = 30;  // without samples
+std::size_t size_of(const CertifiedEnclosure& sample) {
+  const auto& [normals, escape, weights, witness, cover] = sample.certificate;
+  return 80 + 75 * normals.size() + (escape ? 75 : 0) + (witness ? 75 : 0) + cover.size() / 4;
+}
+
+class DeviationProver {
+ public:
+  DeviationProver(const Model& model, const Deviation& found, const DeviationOptions& options)
+      : options_(options),
+        radius_(bounding_radius(model)),
+        model_(model),
+        is_union_(verify::is_union(model)),
+        convex_(model.primitives.size() == 1 && is_union_of_convex(model)) {
+    const DistanceStatistics& statistics = found.from_mesh ? *found.from_mesh : found.of_vertices;
+    tolerance_ = share_of_samples * allowed(statistics.largest.lo);
+    largest_ = std::max(statistics.largest.hi, statistics.largest.lo + 0.25 * allowed(statistics.largest.lo));
+    if (statistics.mean) mean_width_ = 0.5 * allowed(statistics.mean->lo);
+    if (!is_union_ || model.primitives.size() == 1) return;
+    for (const Primitive& primitive : model.primitives) {
+      each_.push_back({SignedDistance(Model{model.units, {primitive}, {}}), is_bent(primitive)});
+    }
+  }
+
+  [[nodiscard]] CertifiedEnclosure at(const Point& x) const {
+    return model_.certified(x, tolerance_, [this] { return ended_.load(); });
+  }
+
+  /// Leaves samples out that only mean and percentiles need, so that about so many bytes are enough: first halvings,
+  /// then centroids of triangles that hardly matter.
+  void plan(const Mesh& mesh, std::span<const CertifiedEnclosure> vertices, std::size_t bytes) {
+    const std::size_t count = mesh.triangles.size();
+    counts_for_mean_.assign(count, true);
+    if (count == 0) return;
+    std::size_t used = bytes_of_triangle * count;
+    for (const CertifiedEnclosure& vertex : vertices) used += size_of(vertex);
+    const double left = bytes > used ? static_cast<double>(bytes - used) : 0.0;
+    double wanted = size_of_samples(mesh, vertices);
+    while (wanted > left && halvings_for_mean_ > 0) {
+      --halvings_for_mean_;
+      wanted = size_of_samples(mesh, vertices);
+    }
+    if (wanted <= left) return;
+    std::vector<std::pair<double, std::size_t>> widths;
+    for (std::size_t n = 0; n < count; ++n) {
+      const verify::TrianglePiece piece = whole(mesh, vertices, n);
+      const verify::PieceShape shape = verify::shape_of(piece.corners, verify::displacement(piece.corners));
+      widths.emplace_back(distances_by_corners(piece, shape).mean.width() * verify::area_of(piece.corners).hi, n);
+    }
+    std::ranges::sort(widths);
+    const auto room = static_cast<std::size_t>(left / wanted * static_cast<double>(count));
+    for (std::size_t i = 0; i < count - room; ++i) counts_for_mean_[widths[i].second] = false;
+  }
+
+  [[nodiscard]] TriangleProof operator()(const Mesh& mesh, std::span<const CertifiedEnclosure> vertices,
+                                         std::size_t n) const {
+    TriangleProof proof;
+    const verify::TrianglePiece piece = whole(mesh, vertices, n);
+    prove(piece, verify::displacement(piece.corners), proof);
+    return proof;
+  }
+
+  void end() { ended_ = true; }
+
+ private:
+  struct OnePrimitive {
+    SignedDistance distance;
+    bool bent;
+  };
+
+  [[nodiscard]] double allowed(double size) const {
+    if (options_.tolerance) return *options_.tolerance;
+    constexpr double finest_share = 1e-6;
+    return std::max(options_.relative_tolerance * size, finest_share * radius_);
+  }
+
+  /// Of all triangles, about, by some of them.
+  [[nodiscard]] double size_of_samples(const Mesh& mesh, std::span<const CertifiedEnclosure> vertices) const {
+    const std::size_t count = mesh.triangles.size();
+    const std::size_t step = std::max<std::size_t>(1, count / probes);
+    std::vector<std::size_t> sizes((count + step - 1) / step);
+    in_parallel(sizes.size(), [&](std::size_t i) {
+      for (const CertifiedEnclosure& sample : (*this)(mesh, vertices, i * step).samples) sizes[i] += size_of(sample);
+    });
+    const auto sum = static_cast<double>(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}));
+    return sum / static_cast<double>(sizes.size()) * static_cast<double>(count);
+  }
+
+  [[nodiscard]] verify::TrianglePiece whole(const Mesh& mesh, std::span<const CertifiedEnclosure> vertices,
+                                            std::size_t n) const {
+    const auto& [a, b, c] = mesh.triangles[n];
+    return {.corners = {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]},
+            .triangle = static_cast<std::uint32_t>(n),
+            .convex = convex_,
+            .at_corners = {vertices[a].distance, vertices[b].distance, vertices[c].distance}};
+  }
+
+  [[nodiscard]] static verify::PieceDistances distances_by_corners(verify::TrianglePiece piece,
+                                                                   const verify::PieceShape& shape) {
+    piece.at_centre = at_centre_by_corners(piece, shape);
+    return distances_on(piece, shape);
+  }
+
+  [[nodiscard]] bool is_enough(const verify::TrianglePiece& piece, const verify::PieceDistances& distances) const {
+    return distances.range.hi <= largest_ &&
+           (!counts_for_mean_[piece.triangle] || distances.mean.width() <= mean_width_);
+  }
+
+  [[nodiscard]] bool is_divisible(const verify::TrianglePiece& piece, const verify::PieceDistances& distances) const {
+    return piece.halvings < (distances.range.hi > largest_ ? most_halvings_for_largest : halvings_for_mean_);
+  }
+
+  void prove(verify::TrianglePiece piece, double off, TriangleProof& proof) const {
+    const verify::PieceShape shape = verify::shape_of(piece.corners, off);
+    const Enclosure by_corners = at_centre_by_corners(piece, shape);
+    if (is_enough(piece, distances_by_corners(piece, shape)) || ended_) {
+      proof.pieces.push_back(PieceProof::corners);
+      return;
+    }
+    const Point centre = verify::centre(piece.corners);
+    CertifiedEnclosure sample = at(centre);
+    const Enclosure widened = verify::widened(sample.distance, off);
+    piece.at_centre = {std::max(widened.lo, by_corners.lo), std::min(widened.hi, by_corners.hi)};
+    verify::PieceDistances distances = distances_on(piece, shape);
+    if (!is_enough(piece, distances) && !piece.convex) {
+      piece.convex = is_one_convex(centre, reach_of(piece.at_centre, shape, off), sample.certificate);
+      if (piece.convex) distances = distances_on(piece, shape);
+    }
+    if (is_enough(piece, distances) || !is_divisible(piece, distances)) {
+      proof.pieces.push_back(PieceProof::centre);
+      proof.samples.push_back(std::move(sample));
+      return;
+    }
+    const verify::LongestSide side = verify::longest_side(piece.corners);
+    proof.pieces.push_back(PieceProof::halved);
+    proof.samples.push_back(at(side.middle));
+    piece.convex = convex_;
+    const auto parts = verify::halves(piece, side, verify::widened(proof.samples.back().distance, off));
+    for (const verify::TrianglePiece& part : parts) prove(part, off, proof);
+  }
+
+  /// Whether all of the model within reach is one convex primitive; adds the normals that say so.
+  [[nodiscard]] bool is_one_convex(const Point& x, double reach, Certificate& certificate) const {
+    std::vector<Normal> others;
+    bool one_near = false;
+    for (std::uint32_t i = 0; i < each_.size(); ++i) {
+      const CertifiedEnclosure one = each_[i].distance.certified(x, tolerance_);
+      if (!(one.distance.lo >= reach)) {
+        if (std::exchange(one_near, true) || each_[i].bent) return false;
+        continue;
+      }
+      for (const auto& [primitive, v] : one.certificate.normals) others.push_back({i, v});
+    }
+    certificate.normals.insert(certificate.normals.end(), others.begin(), others.end());
+    return one_near;
+  }
+
+  const DeviationOptions& options_;
+  double radius_;
+  SignedDistance model_;
+  std::vector<OnePrimitive> each_;  ///< of a union of several
+  bool is_union_;
+  bool convex_;
+  double tolerance_;
+  double largest_;  ///< what no piece need be proven to be farther than
+  int halvings_for_mean_ = most_halvings_for_mean;
+  std::vector<bool> counts_for_mean_;  ///< of each triangle
+  double mean_width_ = infinity;       ///< of pieces, as far as that is reached
+  std::atomic<bool> ended_{false};
+};
+
+/// Calls work(i) for all i by several threads, until the options say that it is interrupted.
+template <class Work>
+bool in_steps(std::size_t count, const DeviationOptions& options, DeviationProver& prover, double from, double to,
+              const Work& work) {
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<bool> interrupted{false};
+  for (std::size_t first = 0; first < count && !interrupted; first += triangles_at_a_time) {
+    const std::size_t now = std::min(triangles_at_a_time, count - first);
+    in_parallel(now, [&](std::size_t i) {
+      if (std::this_thread::get_id() == caller && options.interrupted()) {
+        interrupted = true;
+        prover.end();
+      }
+      if (!interrupted) work(first + i);
+    });
+    const double done = static_cast<double>(first + now) / static_cast<double>(count);
+    options.progress("certificates", from + (to - from) * done);
+  }
+  return !interrupted;
+}
+
+}  // namespace
+
+CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, const Deviation& found,
+                                       const DeviationOptions& options, std::size_t bytes) {
+  CertifiedDeviation result;
+  result.proven.interrupted = true;
+  DeviationProver prover(model, found, options);
+  result.certificate.vertices.resize(mesh.vertices.size());
+  result.certificate.triangles.resize(mesh.triangles.size());
+  auto& [vertices, triangles] = result.certificate;
+  const double share_of_vertices = mesh.triangles.empty() ? 0.5 : 0.25;
+  if (!in_steps(vertices.size(), options, prover, 0.0, share_of_vertices,
+                [&](std::size_t i) { vertices[i] = prover.at(mesh.vertices[i]); })) {
+    return result;
+  }
+  prover.plan(mesh, vertices, bytes);
+  const bool whole = in_steps(triangles.size(), options, prover, share_of_vertices, 0.6,
+                              [&](std::size_t n) { triangles[n] = prover(mesh, vertices, n); });
+  if (!whole) return result;
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<bool> interrupted{false};
+  result.proven = DeviationChecker(model)(
+      mesh, result.certificate,
+      {.percentiles = options.percentiles,
+       .in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
+       .interrupted =
+           [&] {
+             if (std::this_thread::get_id() == caller && options.interrupted()) interrupted = true;
+             return interrupted.load();
+           },
+       .progress = [&](double done) { options.progress("certificates", 0.6 + 0.4 * done); }});
+  return result;
+}
+
+}  // namespace verisq

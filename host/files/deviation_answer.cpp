@@ -1,0 +1,104 @@
+/// Vertices and triangles are read one by one; what proves them need not prove anything.
+#include "host/files/deviation_answer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "host/files/certificate_fields.hpp"
+#include "host/files/subject_file.hpp"
+
+namespace verisq {
+namespace {
+
+constexpr std::string_view letters = ".ch";  // of PieceProof
+
+CertifiedEnclosure read_sample(const JsonValue& value) {
+  value.check_keys({"lo", "hi", "normals", "escape", "witness", "cover"});
+  return {{value.at("lo").number_or_infinity(), value.at("hi").number_or_infinity()}, read_certificate(value)};
+}
+
+std::vector<CertifiedEnclosure> read_samples(const JsonValue& value) {
+  std::vector<CertifiedEnclosure> samples;
+  samples.reserve(value.size());
+  for (std::size_t i = 0; i < value.size(); ++i) samples.push_back(read_sample(value.element(i)));
+  return samples;
+}
+
+TriangleProof read_triangle(const JsonValue& value) {
+  value.check_keys({"pieces", "samples"});
+  TriangleProof proof;
+  const JsonValue pieces = value.at("pieces");
+  for (const char letter : pieces.text()) {
+    const std::size_t index = letters.find(letter);
+    if (index == std::string_view::npos) pieces.fail("must consist of the letters c, h and .");
+    proof.pieces.push_back(static_cast<PieceProof>(index));
+  }
+  const auto samples = value.find("samples");
+  if (samples) proof.samples = read_samples(*samples);
+  const auto expected = proof.pieces.size() - std::ranges::count(proof.pieces, PieceProof::corners);
+  if (proof.samples.size() != expected) {
+    samples.value_or(pieces).fail(fmt::format("must be of {} samples, one for each c and h", expected));
+  }
+  return proof;
+}
+
+std::vector<double> read_percentiles(const JsonValue& value) {
+  std::vector<double> percentiles;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    percentiles.push_back(value.element(i).number());
+    if (!(percentiles.back() > 0.0 && percentiles.back() <= 100.0)) {
+      value.element(i).fail("must be above 0, and at most 100");
+    }
+  }
+  return percentiles;
+}
+
+DistanceSummary read_summary(const JsonValue& value, std::size_t percentiles) {
+  value.check_keys({"largest", "mean", "percentiles"});
+  DistanceSummary summary{read_claim(value.at("largest")), read_claim(value.at("mean")), {}};
+  const JsonValue claims = value.at("percentiles");
+  if (claims.size() != percentiles) claims.fail(fmt::format("must be {} claims", percentiles));
+  for (std::size_t i = 0; i < percentiles; ++i) summary.percentiles.push_back(read_claim(claims.element(i)));
+  return summary;
+}
+
+}  // namespace
+
+DeviationAnswer read_deviation(const JsonValue& root) {
+  root.check_keys({"format", "kind", "models", "mesh", "units", "pose", "percentiles", "of_vertices", "from_mesh",
+                   "vertices", "triangles"});
+  const JsonValue models = root.at("models");
+  if (models.size() != 1) models.fail("must be an array of one model");
+  DeviationAnswer answer{.model = read_subject_file(models.element(0)),
+                         .mesh = read_subject_file(root.at("mesh")),
+                         .units = units_of(root),
+                         .pose = {},
+                         .percentiles = read_percentiles(root.at("percentiles")),
+                         .of_vertices = {},
+                         .from_mesh = {},
+                         .certificate = {read_samples(root.at("vertices")), {}}};
+  if (const auto pose = root.find("pose")) answer.pose = read_pose_object(*pose);
+  answer.of_vertices = read_summary(root.at("of_vertices"), answer.percentiles.size());
+  if (answer.certificate.vertices.empty()) root.at("vertices").fail("must not be empty");
+  const JsonValue triangles = root.at("triangles");
+  const auto from_mesh = root.find("from_mesh");
+  if (from_mesh.has_value() != (triangles.size() > 0)) {
+    triangles.fail("must not be empty where there is \"from_mesh\", and only there");
+  }
+  if (from_mesh) answer.from_mesh = read_summary(*from_mesh, answer.percentiles.size());
+  answer.certificate.triangles.reserve(triangles.size());
+  for (std::size_t n = 0; n < triangles.size(); ++n) {
+    answer.certificate.triangles.push_back(read_triangle(triangles.element(n)));
+  }
+  return answer;
+}
+
+std::string text_of(const std::vector<PieceProof>& pieces) {
+  std::string text;
+  for (const PieceProof piece : pieces) text += letters[static_cast<std::size_t>(piece)];
+  return text;
+}
+
+}  // namespace verisq

@@ -1,0 +1,86 @@
+/// What proves how far a mesh lies from a model's surface again, without device or search.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+#include <verisq/certificate.hpp>
+#include <verisq/checker.hpp>
+#include <verisq/enclosure.hpp>
+#include <verisq/mesh.hpp>
+#include <verisq/model.hpp>
+
+namespace verisq {
+
+/// What tells the distances on a triangle, or on a part of it.
+enum class PieceProof : std::uint8_t {
+  corners,  ///< those at its corners are enough
+  centre,   ///< those, and that at its centroid
+  halved,   ///< those of both halves: it is cut from the middle of its longest side to the corner across
+};
+
+/// Of a triangle with all of its parts in preorder.
+struct TriangleProof {
+  std::vector<PieceProof> pieces;
+  /// Signed distances, in the order of `pieces`: of `centre` at the piece's centroid, of `halved` at the middle of its
+  /// longest side, both to nearest (docs/mathematics.md §20).
+  std::vector<CertifiedEnclosure> samples;
+};
+
+/// Of a mesh, or of a cloud, which has no triangles.
+struct DeviationCertificate {
+  std::vector<CertifiedEnclosure> vertices;  ///< signed distances
+  std::vector<TriangleProof> triangles;
+};
+
+/// Enclosures of the largest distance to the model's surface, of the mean and of percentiles.
+struct DistanceSummary {
+  Enclosure largest{0.0, infinity};
+  Enclosure mean{0.0, infinity};
+  std::vector<Enclosure> percentiles = {};  ///< the least distances that so many percent do not exceed
+};
+
+/// What is proven of each number that is claimed: the largest, the mean, then the percentiles. Precondition: as many
+/// percentiles, of the same percents.
+[[nodiscard]] std::vector<Finding> check(const DistanceSummary& claimed, const DistanceSummary& proven);
+
+struct ProvenDeviation {
+  DistanceSummary of_vertices;               ///< each of the same weight
+  std::optional<DistanceSummary> from_mesh;  ///< of all points of all triangles, by area; nothing of a cloud
+  std::uint64_t samples = 0;                 ///< signed distances that were looked at
+  std::uint64_t unproved_samples = 0;        ///< of these: they say less than they claim
+  bool interrupted = false;                  ///< nothing is said then
+};
+
+/// Proves deviations by MPFR alone. Immutable after construction: safe to call from many threads.
+class DeviationChecker {
+ public:
+  explicit DeviationChecker(const Model& model);
+  ~DeviationChecker();
+  DeviationChecker(DeviationChecker&&) noexcept;
+  DeviationChecker& operator=(DeviationChecker&&) noexcept;
+
+  struct Options {
+    std::span<const double> percentiles = {};  ///< each above 0, at most 100
+    /// Calls work(i) once for each i below `count`, in any order, by several threads.
+    std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)> in_parallel;
+    std::function<bool()> interrupted = [] { return false; };  ///< polled by any thread; once true it stays so
+    std::function<void(double)> progress = [](double) {};      ///< how much is done, from 0 to 1
+  };
+
+  /// What the certificate proves of this mesh, whatever it holds: enclosures of the exact numbers, [0, infinity] where
+  /// it proves nothing. Precondition: finite coordinates, triangles of vertices that are there; as many certificates as
+  /// vertices and triangles; no claim holds a NaN; `in_parallel` is given.
+  [[nodiscard]] ProvenDeviation operator()(const Mesh& mesh, const DeviationCertificate& certificate,
+                                           const Options& options) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace verisq

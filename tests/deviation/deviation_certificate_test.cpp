@@ -1,0 +1,207 @@
+/// Certificates of deviations prove what was found, and never what is false. VERISQ_FORGED_DEVIATIONS says how many
+/// changes of each case are tried.
+#include "verisq/deviation_certificate.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "host/threads/parallel.hpp"
+#include "tests/fixtures/forged_numbers.hpp"
+#include "tests/fixtures/requested_count.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
+#include "tests/oracle/random_cases.hpp"
+#include "verisq/certified_deviation.hpp"
+
+namespace verisq::testing {
+namespace {
+
+using oracle::RandomCases;
+
+const std::vector<double> percentiles{50.0, 95.0};
+
+struct Answer {
+  Model model;
+  Mesh mesh;
+  Deviation found;
+  CertifiedDeviation certified;
+};
+
+ProvenDeviation proven_of(const Model& model, const Mesh& mesh, const DeviationCertificate& certificate) {
+  return DeviationChecker(model)(
+      mesh, certificate,
+      {.percentiles = percentiles, .in_parallel = [](auto count, auto work) { in_parallel(count, work); }});
+}
+
+Answer certified(const Model& model, const Mesh& mesh, double relative_tolerance = 0.05) {
+  DeviationOptions options;
+  options.device = "host";
+  options.from_model = false;
+  options.percentiles = percentiles;
+  options.relative_tolerance = relative_tolerance;
+  Deviation found = deviation(model, mesh, options);
+  CertifiedDeviation proof = certified_deviation(model, mesh, found, options);
+  return {model, mesh, std::move(found), std::move(proof)};
+}
+
+Primitive superquadric(const std::array<double, 3>& axes, const std::array<double, 2>& exponents, const Point& centre) {
+  return {"", {axes, exponents}, {centre, {0.9, 0.2, -0.3, 0.1}}, {}};
+}
+
+/// A ball, one convex solid, a union, a bent solid and a difference, each in a torus that lies about them.
+std::vector<Answer> answers() {
+  const Mesh torus = torus_mesh(3.0, 1.0, 12, 6);
+  const Primitive soap = superquadric({2.0, 1.6, 1.0}, {0.4, 0.7}, {0.1, 0.2, -0.1});
+  const Primitive side = superquadric({1.0, 1.0, 1.0}, {1.0, 1.0}, {2.5, 0.0, 0.2});
+  Primitive bent = superquadric({0.6, 0.5, 2.0}, {0.8, 0.9}, {0.3, 0.0, 0.0});
+  bent.bend = Bend{0.2, 30.0};
+  const SetExpression difference{{{.primitive = 0}, {.primitive = 1}}, SetOperation::subtract};
+  return {certified({"", {superquadric({2, 2, 2}, {1, 1}, {})}}, torus), certified({"", {soap}}, torus),
+          certified({"", {soap, side}}, torus), certified({"", {bent, side}}, torus),
+          certified({"", {soap, side}, difference}, torus_mesh(3.0, 1.0, 8, 4), 0.2)};
+}
+
+bool meet(const Enclosure& a, const Enclosure& b) {
+  return a.lo <= b.hi && b.lo <= a.hi;
+}
+
+void expect_true_of(const DistanceSummary& proven, const DistanceStatistics& found) {
+  EXPECT_TRUE(meet(proven.largest, found.largest));
+  EXPECT_TRUE(meet(proven.mean, *found.mean));
+  for (std::size_t i = 0; i < percentiles.size(); ++i) {
+    EXPECT_TRUE(meet(proven.percentiles[i], found.percentiles[i]));
+  }
+}
+
+void expect_true_of(const ProvenDeviation& proven, const Deviation& found) {
+  expect_true_of(proven.of_vertices, found.of_vertices);
+  if (proven.from_mesh) expect_true_of(*proven.from_mesh, *found.from_mesh);
+}
+
+TEST(DeviationCertificateTest, ProvesAboutWhatWasFound) {
+  for (const Answer& answer : answers()) {
+    const ProvenDeviation& proven = answer.certified.proven;
+    ASSERT_TRUE(proven.from_mesh.has_value());
+    EXPECT_EQ(proven.unproved_samples, 0U);
+    expect_true_of(proven, answer.found);
+    EXPECT_LE(proven.from_mesh->largest.width(), 2.0 * answer.found.from_mesh->largest.hi * 0.05);
+    EXPECT_LE(proven.from_mesh->mean.width(), 0.2 * answer.found.from_mesh->mean->hi);
+    const ProvenDeviation again = proven_of(answer.model, answer.mesh, answer.certified.certificate);
+    EXPECT_EQ(again.from_mesh->largest, proven.from_mesh->largest);
+    EXPECT_EQ(again.from_mesh->mean, proven.from_mesh->mean);
+    EXPECT_EQ(again.of_vertices.percentiles, proven.of_vertices.percentiles);
+  }
+}
+
+/// One triangle above a ball of radius 1: the farthest point is a corner, at √11 - 1.
+TEST(DeviationCertificateTest, OfATriangleAboveABall) {
+  const Model ball{"", {{"", {{1, 1, 1}, {1, 1}}, {}}}};
+  const Mesh triangle{.vertices = {{1, 1, 3}, {-1, 1, 3}, {0, -1, 3}}, .triangles = {{0, 1, 2}}};
+  const Answer answer = certified(ball, triangle);
+  const DistanceSummary& proven = *answer.certified.proven.from_mesh;
+  EXPECT_LE(proven.largest.lo, std::sqrt(11.0) - 1.0);
+  EXPECT_GE(proven.largest.hi, std::sqrt(11.0) - 1.0 - 1e-15);
+  EXPECT_LE(proven.largest.width(), 0.06 * proven.largest.hi);
+  EXPECT_GE(proven.mean.lo, 1.9);
+}
+
+TEST(DeviationCertificateTest, OfACloudItsPointsAreProven) {
+  const Model ball{"", {{"", {{1, 1, 1}, {1, 1}}, {}}}};
+  const Answer answer = certified(ball, {.vertices = {{2, 0, 0}, {0, 0.5, 0}, {0, 0, -4}}, .triangles = {}});
+  EXPECT_FALSE(answer.certified.proven.from_mesh.has_value());
+  EXPECT_NEAR(answer.certified.proven.of_vertices.largest.hi, 3.0, 1e-6);
+  EXPECT_NEAR(answer.certified.proven.of_vertices.mean.lo, 1.5, 1e-6);
+}
+
+/// Whatever is left out or changed, what is proven is true; the claims past the truth are never proved.
+TEST(DeviationCertificateTest, NeverProvesAForgery) {
+  std::size_t forgeries = 0;
+  std::size_t refuted = 0;
+  const auto try_out = [&](const Answer& answer, const ProvenDeviation& proven) {
+    expect_true_of(proven, answer.found);
+    const auto try_claim = [&](const Enclosure& claimed, const Enclosure& of) {
+      DistanceSummary claims{claimed, claimed, {}};
+      const DistanceSummary found{of, of, {}};
+      const Verdict verdict = check(claims, found)[0].verdict;
+      EXPECT_NE(verdict, Verdict::proved);
+      ++forgeries;
+      if (verdict == Verdict::refuted) ++refuted;
+    };
+    const auto try_all = [&](const DistanceSummary& summary, const DistanceStatistics& found) {
+      try_claim({moved(found.largest.hi, infinity), infinity}, summary.largest);
+      try_claim({0.0, moved(found.largest.lo, -infinity)}, summary.largest);
+      try_claim({moved(found.mean->hi, infinity), infinity}, summary.mean);
+      try_claim({0.0, moved(found.mean->lo, -infinity)}, summary.mean);
+      for (std::size_t i = 0; i < percentiles.size(); ++i) {
+        try_claim({moved(found.percentiles[i].hi, infinity), infinity}, summary.percentiles[i]);
+        if (found.percentiles[i].lo > 0.0)
+          try_claim({0.0, moved(found.percentiles[i].lo, -infinity)}, summary.percentiles[i]);
+      }
+    };
+    try_all(proven.of_vertices, answer.found.of_vertices);
+    try_all(*proven.from_mesh, *answer.found.from_mesh);
+  };
+  const std::size_t changes = oracle::requested_count("VERISQ_FORGED_DEVIATIONS", 20);
+  RandomCases random(5);
+  for (const Answer& answer : answers()) {
+    const auto change = [&](const auto& make) {
+      DeviationCertificate changed = answer.certified.certificate;
+      make(changed);
+      try_out(answer, proven_of(answer.model, answer.mesh, changed));
+    };
+    const auto forge = [&](CertifiedEnclosure& sample) {
+      const double by = random.log_uniform(1e-12, 1.0);
+      switch (random.choice(5)) {
+        case 0: sample.distance = {sample.distance.lo + by, sample.distance.hi + by}; break;
+        case 1: sample.distance = {sample.distance.lo - by, sample.distance.lo - 0.5 * by}; break;
+        case 2: sample.certificate.normals.clear(); break;
+        case 3: sample.distance = {-infinity, infinity}; break;
+        default:
+          for (Normal& normal : sample.certificate.normals) {
+            double& number = normal.vector[random.choice(3)];
+            number = with_wrong_digit(number, random);
+          }
+      }
+    };
+    change([](DeviationCertificate&) {});
+    for (std::size_t k = 0; k < changes; ++k) {
+      change([&](DeviationCertificate& of) { forge(of.vertices[random.choice(of.vertices.size())]); });
+      change([&](DeviationCertificate& of) {
+        TriangleProof& proof = of.triangles[random.choice(of.triangles.size())];
+        for (CertifiedEnclosure& sample : proof.samples) forge(sample);
+      });
+      change([&](DeviationCertificate& of) {  // samples of other places
+        std::swap(of.triangles[random.choice(of.triangles.size())], of.triangles[random.choice(of.triangles.size())]);
+      });
+      change([&](DeviationCertificate& of) {
+        TriangleProof& proof = of.triangles[random.choice(of.triangles.size())];
+        if (random.choice(2) == 0) proof.pieces.pop_back();
+        if (random.choice(2) == 0) proof.pieces.insert(proof.pieces.begin(), PieceProof(random.choice(3)));
+        if (random.choice(2) == 0 && !proof.samples.empty()) proof.samples.pop_back();
+      });
+    }
+  }
+  fmt::print("{} forgeries, none proved, {} refuted outright\n", forgeries, refuted);
+  EXPECT_GT(forgeries, 4000U);
+}
+
+/// All is told, or nothing: of the rest of the triangle nobody knows.
+TEST(DeviationCertificateTest, OfAProofThatIsCutShortNothingIsProvenFromAbove) {
+  const Model ball{"", {{"", {{1, 1, 1}, {1, 1}}, {}}}};
+  const Mesh triangle{.vertices = {{1, 1, 3}, {-1, 1, 3}, {0, -1, 3}}, .triangles = {{0, 1, 2}}};
+  const Answer answer = certified(ball, triangle);
+  DeviationCertificate cut = answer.certified.certificate;
+  cut.triangles[0].pieces.clear();
+  EXPECT_EQ(proven_of(ball, triangle, cut).from_mesh->largest.hi, infinity);
+  cut.triangles[0].pieces.assign(100, PieceProof::halved);
+  EXPECT_EQ(proven_of(ball, triangle, cut).from_mesh->largest.hi, infinity);
+  cut.triangles[0].pieces = {PieceProof::corners, PieceProof::corners};
+  EXPECT_EQ(proven_of(ball, triangle, cut).from_mesh->largest.hi, infinity);
+}
+
+}  // namespace
+}  // namespace verisq::testing
