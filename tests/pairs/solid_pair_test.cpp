@@ -142,7 +142,7 @@ TEST(SolidPairTest, NeverProvesAForgery) {
     try_out(changed, {moved(truth.hi, infinity), infinity}, what);
     if (truth.lo > 0.0) try_out(changed, {0.0, moved(truth.lo, -infinity)}, what);
   };
-  for (std::size_t k = 0; k < oracle::requested_count("VERISQ_FORGED_SOLID_PAIRS", 40); ++k) {
+  for (std::size_t k = 0; k < oracle::requested_count("VERISQ_FORGED_SOLID_PAIRS", 16); ++k) {
     const Answer answer = random_answer(k);
     const Enclosure& truth = answer.found;
     RandomCases random(k);
@@ -182,7 +182,7 @@ TEST(SolidPairTest, NeverProvesAForgery) {
     change(answer, "a common point made up", [&](PairCertificate& of) { of.common = (*of.near_points)[0]; });
   }
   fmt::print("{} forgeries, none proved, {} refuted outright\n", forgeries, refuted);
-  EXPECT_GT(forgeries, 2000U);
+  EXPECT_GT(forgeries, 900U);
 }
 
 /// Another case: the same certificate says nothing false of it.
@@ -204,7 +204,7 @@ TEST(SolidPairTest, ProvesNothingFalseFromNonsense) {
   const std::array<double, 7> extremes{0.0, -0.0, 1e308, 5e-324, -1e-200, infinity, std::nan("")};
   const auto number = [&] { return random.choice(2) == 0 ? extremes[random.choice(7)] : random.uniform(-0.5, 0.5); };
   const auto vector = [&] { return Point{number(), number(), number()}; };
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 800; ++i) {
     PairCertificate nonsense = answer.certificate;
     for (DividedSeparation& division : nonsense.divisions) {
       if (random.choice(3) == 0) division.primitive_a = static_cast<std::uint32_t>(random.choice(6));
