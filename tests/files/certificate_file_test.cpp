@@ -257,6 +257,69 @@ TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
   refused("/answers/1/pose/quaternion", {0, 0, 0, 0}, "answers[1].pose.quaternion = [0,0,0,0]: must not be zero");
 }
 
+TEST(CertificateFile, OfADeviationGivesTheSameBitsAgain) {
+  const TemporaryFolder folder;
+  const Certificate certificate{
+      {{1, {0.1, -0.0, 5e-324}}}, Point{1, 2, 3}, {}, Point{0.1, 0.2, 0.3}, {true, false, false}};
+  const DistanceSummary summary{{0.1, 1.0 / 3.0}, {0.0, infinity}, {{0.5, 0.7}}};
+  const DeviationAnswer written{
+      .model = {"m.json", sha256("m")},
+      .mesh = {"b.stl", sha256("b")},
+      .units = "mm",
+      .pose = Pose{{0.1, 0.2, 0.3}, {1.0, 0.5, 0.0, 0.0}},
+      .percentiles = {95.0},
+      .of_vertices = summary,
+      .from_mesh = summary,
+      .certificate = {.vertices = {{{-infinity, 0.1}, certificate}, {{0.2, 0.3}, {}}},
+                      .triangles = {{{PieceProof::halved, PieceProof::corners, PieceProof::centre},
+                                     {{{0.1, 0.2}, {}}, {{0.3, 0.4}, certificate}}},
+                                    {{PieceProof::corners}, {}}}}};
+  write_answer(folder / "proof.json", written);
+  const auto read = std::get<DeviationAnswer>(read_answer(folder / "proof.json"));
+  EXPECT_EQ(read.mesh.sha256, written.mesh.sha256);
+  EXPECT_EQ(read.pose->translation, written.pose->translation);
+  EXPECT_EQ(read.percentiles, written.percentiles);
+  EXPECT_EQ(read.of_vertices.largest, summary.largest);
+  EXPECT_EQ(read.from_mesh->mean, summary.mean);
+  EXPECT_EQ(read.from_mesh->percentiles, summary.percentiles);
+  const auto& [vertices, triangles] = read.certificate;
+  ASSERT_EQ(vertices.size(), 2U);
+  EXPECT_EQ(vertices[0].distance, (Enclosure{-infinity, 0.1}));
+  EXPECT_EQ(vertices[0].certificate, certificate);
+  ASSERT_EQ(triangles.size(), 2U);
+  EXPECT_EQ(triangles[0].pieces, written.certificate.triangles[0].pieces);
+  ASSERT_EQ(triangles[0].samples.size(), 2U);
+  EXPECT_EQ(triangles[0].samples[1].certificate, certificate);
+  EXPECT_TRUE(triangles[1].samples.empty());
+}
+
+TEST(CertificateFile, OfFeaturesGivesTheSameBitsAgain) {
+  const TemporaryFolder folder;
+  FeaturesAnswer written{
+      .implant = SubjectFile{"i.json", sha256("i")},
+      .mesh = SubjectFile{"b.stl", sha256("b")},
+      .claims = {.landmarks = {.head_centre = Point{0.1, 0.2, 0.3}, .head_radius = 24.1},
+                 .side = Side::right,
+                 .landmark_radius = 1.0 / 3.0,
+                 .features = {{"ccd", "in space", FeatureUnit::degrees, {0.1, infinity}}},
+                 .frame = FemurFrame{{0.1, 0.2, 0.3}, {{1, 0, 0}, 0.5}, {{0, 1, 0}, 0.25}, {{0, 0, 1}, 1.0 / 3.0}},
+                 .implant = FemurLandmarks{.neck_centre = Point{1, 2, 3}},
+                 .changes = {{"offset_change", "less", FeatureUnit::length, {-0.5, 0.5}}}}};
+  write_answer(folder / "proof.json", written);
+  const auto read = std::get<FeaturesAnswer>(read_answer(folder / "proof.json"));
+  EXPECT_EQ(read.implant->sha256, written.implant->sha256);
+  EXPECT_EQ(read.mesh->name, "b.stl");
+  EXPECT_EQ(read.claims.landmarks, written.claims.landmarks);
+  EXPECT_EQ(read.claims.side, Side::right);
+  EXPECT_EQ(read.claims.landmark_radius, written.claims.landmark_radius);
+  EXPECT_EQ(read.claims.features[0].name, "ccd");
+  EXPECT_EQ(read.claims.features[0].unit, FeatureUnit::degrees);
+  EXPECT_EQ(read.claims.features[0].value, written.claims.features[0].value);
+  EXPECT_EQ(read.claims.frame->z.tilt_degrees, written.claims.frame->z.tilt_degrees);
+  EXPECT_EQ(*read.claims.implant, *written.claims.implant);
+  EXPECT_EQ(read.claims.changes[0].value, written.claims.changes[0].value);
+}
+
 TEST(CertificateFile, IsRefusedWhereItWouldBeTooLarge) {
   const TemporaryFolder folder;
   const PairAnswer one = answer();

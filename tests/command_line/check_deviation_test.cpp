@@ -1,0 +1,129 @@
+/// How far a mesh lies from a model is proved from a file alone, and no forgery of it is.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <verisq/mesh_file.hpp>
+
+#include "tests/fixtures/proof_file_test.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
+
+namespace verisq::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+class CheckDeviation : public ProofFileTest {
+ protected:
+  void SetUp() override {
+    write_mesh(mesh_, sphere_mesh(1));
+    (void)write("ball.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+      {"name": "ball", "superquadric": {"semi_axes": [0.8, 0.9, 1], "exponents": [1, 1]}}]})");
+    const Outcome outcome = deviation({"--mesh", mesh_, "--certificate-file", proof_});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("certificate            " + proof_ + "\n  proves, largest"));
+  }
+
+  [[nodiscard]] Outcome deviation(Arguments arguments) const {
+    arguments.insert(arguments.begin(), {"deviation", "--model", model_, "--device", "host", "--no-progress"});
+    return run(arguments);
+  }
+
+  [[nodiscard]] Outcome check(const std::string& proof, const Arguments& more = {}) const {
+    Arguments arguments{VERISQ_CHECK_PROGRAM, "--model", model_, "--certificate", proof, "--no-progress"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Process(arguments, folder_.path()).wait();
+  }
+
+  void expect_not_proved(const std::string& pointer, const json& value) const {
+    const Outcome outcome = check(forged(pointer, value), {"--mesh", mesh_});
+    EXPECT_EQ(outcome.status, 3) << pointer << " " << value << outcome.out << outcome.err;
+  }
+
+  std::string model_ = path("ball.json");
+  std::string mesh_ = path("sphere.off");
+};
+
+TEST_F(CheckDeviation, ProvesEveryClaim) {
+  const Outcome outcome = check(proof_, {"--mesh", mesh_});
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("claims               8\n  proved             8\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("not claimed          how far the model's surface lies from the mesh\n"));
+  const json summary = json::parse(check(proof_, {"--mesh", mesh_, "--json"}).out);
+  EXPECT_EQ(summary["kind"], "deviation");
+  EXPECT_EQ(summary["claims"][0]["of"], "mesh");
+  EXPECT_EQ(summary["unproved_samples"], 0);
+}
+
+TEST_F(CheckDeviation, NeverProvesAForgery) {
+  const double largest = document()["from_mesh"]["largest"]["hi"];
+  expect_not_proved("/from_mesh/largest/hi", 0.9 * largest);
+  expect_not_proved("/from_mesh/mean/lo", largest);
+  expect_not_proved("/from_mesh/percentiles/1/hi", 0.0);
+  expect_not_proved("/of_vertices/largest/lo", 2.0 * largest);
+  expect_not_proved("/from_mesh/largest/hi", "inf");
+  expect_not_proved("/triangles/0", {{"pieces", ""}});
+  expect_not_proved("/vertices/0/normals", json::array());
+}
+
+TEST_F(CheckDeviation, IsOfNoOtherModelMeshOrForm) {
+  const auto check = [&](const std::string& proof, const Arguments& more = {}) {
+    Arguments arguments{"check", "--model", model_, "--certificate", proof};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  expect_refused(check(proof_), {"is of a deviation: give the --mesh"});
+  expect_refused(check(proof_, {"--points", mesh_}), {"is of a deviation: give the --mesh"});
+  expect_refused(check(proof_, {"--mesh", VERISQ_EXAMPLES "/cavity.off"}), {"is about another mesh"});
+  expect_refused(check(proof_, {"--mesh", mesh_, "--map", "m.csv"}), {"holds its distances itself"});
+  expect_refused(check(proof_, {"--mesh", mesh_, "--pose", "0,0,1,1,0,0,0"}), {"not with --pose"});
+  expect_refused(check(forged("/units", "cm"), {"--mesh", mesh_}), {"units = \"cm\""});
+  json fewer = document();
+  fewer["vertices"].erase(0);
+  expect_refused(check(write("fewer.json", fewer.dump()), {"--mesh", mesh_}), {"is of 17 vertices and 32 triangles"});
+  expect_refused(check(forged("/triangles/0/pieces", "x"), {"--mesh", mesh_}),
+                 {"triangles[0].pieces", "letters c, h and ."});
+  expect_refused(check(forged("/triangles/0/pieces", "hcc"), {"--mesh", mesh_}), {"triangles[0]", "samples"});
+  expect_refused(check(forged("/percentiles/0", 0), {"--mesh", mesh_}), {"percentiles[0] = 0: must be above 0"});
+}
+
+TEST_F(CheckDeviation, OfACloudAndAModelThatWasMoved) {
+  const std::string points = write("points.csv", "2,0,0\n0,3,0\n");
+  const Outcome made = deviation({"--points", points, "--pose", "0,0,1,1,0,0,0", "--certificate-file", proof_});
+  EXPECT_EQ(made.status, 0) << made.err;
+  const Outcome outcome = check(proof_, {"--points", points});
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("claims               4\n  proved             4\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("model moved by       0,0,1,1,0,0,0"));
+}
+
+TEST_F(CheckDeviation, NothingIsLostWhereAFileCannotBe) {
+  expect_refused(deviation({"--mesh", mesh_, "--certificate-file", "c.txt"}), {"is a .json"});
+  expect_refused(deviation({"--mesh", mesh_, "--certificate-file", model_}), {"--certificate-file", "ball.json"});
+  expect_refused(deviation({"--mesh", mesh_, "--certificate-file", "c.json", "--time-limit", "9"}), {"--time-limit"});
+}
+
+/// Landmarks are all that features need.
+TEST_F(CheckDeviation, FeaturesAreProvedByTheirLandmarks) {
+  const Outcome made = run({"features", "--landmarks", VERISQ_EXAMPLES "/femur_landmarks.json", "--landmark-radius",
+                            "1", "--certificate-file", proof_});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const auto checked = [&](const std::string& proof) { return run({"check", "--certificate", proof}); };
+  const Outcome outcome = checked(proof_);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("claims               12\n  proved             12\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("is not proved, but for you to see\n"));
+  EXPECT_EQ(checked(forged("/features/1/hi", 100.0)).status, 3);
+  EXPECT_EQ(checked(forged("/landmarks/head_centre/0", 1.0)).status, 3);
+  EXPECT_EQ(checked(forged("/frame/y/tilt_degrees", 0.0)).status, 3);
+  EXPECT_EQ(checked(forged("/features/0/lo", "-inf")).status, 3);
+  expect_refused(checked(forged("/units", "cm")), {"units = \"cm\": must be \"mm\""});
+  expect_refused(checked(forged("/side", "both")), {"side = \"both\""});
+  expect_refused(checked(forged("/implant", json::object())), {"models = []: must be one model"});
+  expect_refused(run({"check", "--certificate", proof_, "--model", model_}), {"is of no implant"});
+}
+
+}  // namespace
+}  // namespace verisq::testing
