@@ -90,7 +90,7 @@ void add_claims(const DeviationAnswer& answer, const char* of, const DistanceSum
   claims.push_back({of, "largest", claimed.largest, findings[0]});
   claims.push_back({of, "mean", claimed.mean, findings[1]});
   for (std::size_t i = 0; i < answer.percentiles.size(); ++i) {
-    const std::string what = fmt::format("{:g} %", answer.percentiles[i]);
+    const std::string what = fmt::format("{} %", answer.percentiles[i]);
     claims.push_back({of, what, claimed.percentiles[i], findings[2 + i]});
   }
 }

@@ -3,7 +3,7 @@
 
 #include <fmt/core.h>
 
-#include <filesystem>
+#include <optional>
 #include <utility>
 #include <verisq/certificate_file.hpp>
 #include <verisq/certified_deviation.hpp>
@@ -13,6 +13,7 @@
 #include <verisq/map_file.hpp>
 #include <verisq/mesh_file.hpp>
 
+#include "host/command_line/certificate_output.hpp"
 #include "host/command_line/cloud_input.hpp"
 #include "host/command_line/deviation_drawing.hpp"
 #include "host/command_line/deviation_summary.hpp"
@@ -28,7 +29,7 @@
 #include "host/command_line/whole_number.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/features/femur_regions.hpp"
-#include "host/files/output_file.hpp"
+#include "host/files/certificate_size.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -63,16 +64,6 @@ double parse_percentile(std::string_view option, const std::string& text) {
   return *percent;
 }
 
-void check_certificate_file(const DeviationArguments& arguments, const std::vector<std::string>& inputs) {
-  const std::string& file = arguments.certificate_file;
-  if (file.empty()) return;
-  if (std::filesystem::path(file).extension() != ".json")
-    refuse(fmt::format("--certificate-file {}: is a .json", file));
-  if (arguments.time_limit) refuse("--certificate-file: not with --time-limit");
-  refuse_to_overwrite("--certificate-file", file, inputs);
-  const OutputFile trial(file);  // known before all the work, not after it; leaves nothing behind
-}
-
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const DeviationArguments& arguments) {
   check_usage(arguments.inputs);
@@ -88,7 +79,8 @@ void check_usage(const DeviationArguments& arguments) {
   }
   const std::vector<std::string> inputs{arguments.inputs.model, arguments.inputs.mesh, arguments.inputs.points};
   if (!arguments.output.empty()) refuse_to_overwrite("-o", arguments.output, inputs);
-  check_certificate_file(arguments, inputs);
+  if (!arguments.certificate_file.empty() && arguments.time_limit) refuse("--certificate-file: not with --time-limit");
+  check_certificate_file(arguments.certificate_file, inputs);
   check_usage(arguments.report, inputs, {arguments.output, arguments.certificate_file});
   if (!arguments.report.any()) return;
   if (arguments.inputs.mesh.empty()) {
@@ -181,6 +173,14 @@ bool write_certificate(const Model& model, const Mesh& mesh, const DeviationArgu
   return true;
 }
 
+/// Whose certificates no file has room for, however short they are.
+void refuse_too_many_vertices(const Mesh& mesh, const DeviationArguments& arguments) {
+  constexpr std::size_t fewest_bytes = 128;  // of one: two ends and a vector
+  const std::size_t most = largest_certificate / fewest_bytes;
+  if (arguments.certificate_file.empty() || mesh.vertices.size() <= most) return;
+  refuse(fmt::format("--certificate-file: {} vertices: no more than {} have room in one", mesh.vertices.size(), most));
+}
+
 ExitStatus status_of(const Deviation& deviation) {
   if (deviation.interrupted) return ExitStatus::interrupted;
   return deviation.to_tolerance ? ExitStatus::verified : ExitStatus::unverified;
@@ -231,6 +231,7 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
   check_usage(arguments);
   const Model model = read_model_at(arguments.inputs.pose, arguments.inputs.model);
   const Mesh mesh = read_input(arguments.inputs);
+  refuse_too_many_vertices(mesh, arguments);
   features::Regions regions = regions_of(mesh, arguments);
   watch_for_interruption();
   std::optional<MapWriter> writer;
@@ -255,11 +256,18 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
   report.seconds = time.seconds();
   report.output = write_rows(mesh, report.deviation, writer, arguments.output);
   if (write_report(model, mesh, report, arguments)) report.files = arguments.report;
-  const bool certified = write_certificate(model, mesh, arguments, report);
+  bool certified = true;
+  std::optional<Error> unwritten;  // thrown when all else is told
+  try {
+    certified = write_certificate(model, mesh, arguments, report);
+  } catch (const Error& error) {
+    unwritten = error;
+  }
   if (!certified) tell(fmt::format("interrupted; {} is not written", arguments.certificate_file));
   tell_notice(report.deviation.map.notice);
   if (report.deviation.out_of_time) tell("the limit is reached; enclosures are valid, and some are wide");
   fmt::print("{}", arguments.json ? json(report) : readable(report));
+  if (unwritten) throw *unwritten;
   return certified ? status_of(report.deviation) : ExitStatus::interrupted;
 }
 

@@ -136,6 +136,10 @@ std::string readable(const DeviationReport& report) {
     text += fmt::format("{:<23}{}\n", "certificate", report.certificate);
     text += fmt::format("{:<23}{}\n", "  proves, largest", with_units(summary.largest, report));
     text += fmt::format("{:<23}{}\n", "  proves, mean", with_units(summary.mean, report));
+    for (std::size_t i = 0; i < summary.percentiles.size(); ++i) {
+      text += fmt::format("{:<23}{}\n", fmt::format("  proves, {:g} %", report.options.percentiles[i]),
+                          with_units(summary.percentiles[i], report));
+    }
   }
   if (!report.files.html.empty()) text += fmt::format("{:<23}{}\n", "report", report.files.html);
   if (!report.files.png.empty()) text += fmt::format("{:<23}{}\n", "picture", report.files.png);

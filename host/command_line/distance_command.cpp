@@ -18,6 +18,7 @@
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/command_line/certificate_output.hpp"
 #include "host/command_line/certified_poses.hpp"
 #include "host/command_line/common_units.hpp"
 #include "host/command_line/default_tolerance.hpp"
@@ -86,7 +87,7 @@ void check_usage(const DistanceArguments& arguments) {
   if (arguments.certificate_file) {
     std::vector<std::string> inputs{arguments.model_a, arguments.model_b};
     if (arguments.poses) inputs.push_back(*arguments.poses);
-    refuse_to_overwrite("--certificate-file", *arguments.certificate_file, inputs);
+    check_certificate_file(*arguments.certificate_file, inputs);
   }
   if (!arguments.poses) {
     if (arguments.output) refuse("-o: only for many poses: give their --poses");

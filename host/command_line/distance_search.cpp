@@ -35,10 +35,10 @@ class WidthFraction {
 void tell_what_is_not_certified(const DistanceReport& report) {
   const Enclosure& proven = *report.certified;
   if (verified(proven, report.tolerance) || proven.width() <= report.distance.width()) return;
-  tell(
-      fmt::format("the certificate proves less than was found, [{}, {}]: planes between sections of primitives, and "
-                  "points, do not decide here",
-                  proven.lo, proven.hi));
+  tell(fmt::format("the certificate proves less than was found, [{}, {}]: {}", proven.lo, proven.hi,
+                   interrupted()
+                       ? "interrupted"
+                       : "planes between sections of primitives, balls about these, and points do not decide"));
 }
 
 }  // namespace
@@ -70,6 +70,7 @@ DistanceReport searched_distance(const Model& a, const Model& b, const Pose& pos
   report.near_points = found.near_points;
   report.common = found.common;
   if (search.with_certificate) {
+    options.interrupted = [] { return interrupted(); };  // what was found in time deserves its certificate
     auto [proven, certificate] = models.certified(pose, found, options);
     report.certified = proven;
     report.certificate = std::move(certificate);

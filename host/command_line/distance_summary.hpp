@@ -25,8 +25,9 @@ struct DistanceReport {
   bool tightest = false;  ///< of a tolerance of 0: the enclosure is as tight as the method gives
 };
 
-/// Whether the user got what --tol asked for.
+/// Whether the user got what --tol asked for, of a certificate, too.
 [[nodiscard]] inline bool is_verified(const DistanceReport& report) {
+  if (report.certified && !verified(*report.certified, report.tolerance)) return false;
   return report.tightest || verified(report.distance, report.tolerance);
 }
 

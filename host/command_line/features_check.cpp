@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,10 +35,14 @@ void refuse_other_subjects(const FeaturesAnswer& answer, const CheckArguments& a
     refuse(
         fmt::format("{}: is of a femur's features: not with --map, --points, --pose or --point-radius", certificate));
   }
-  if (arguments.models.size() > (answer.implant ? 1U : 0U))
-    refuse(
-        fmt::format("{}: is of {}: give no other --model", certificate, answer.implant ? "one implant" : "no implant"));
-  if (!arguments.models.empty()) refuse_other_file(arguments.models.front(), "implant", *answer.implant, certificate);
+  if (arguments.models.size() == 1 && !answer.implant && answer.mesh) {
+    refuse_other_file(arguments.models.front(), "model", *answer.mesh, certificate);
+  } else if (arguments.models.size() > (answer.implant ? 1U : 0U)) {
+    refuse(fmt::format("{}: is of {}: give no other --model", certificate,
+                       answer.implant ? "one implant" : "no implant, and of no model"));
+  } else if (!arguments.models.empty()) {
+    refuse_other_file(arguments.models.front(), "implant", *answer.implant, certificate);
+  }
   if (arguments.inputs.mesh.empty()) return;
   if (!answer.mesh) refuse(fmt::format("{}: is of landmarks that were found in no mesh: no --mesh", certificate));
   refuse_other_file(arguments.inputs.mesh, "mesh", *answer.mesh, certificate);
@@ -74,9 +79,12 @@ std::ptrdiff_t count(const std::vector<Line>& lines, Verdict verdict) {
   return std::ranges::count_if(lines, [verdict](const Line& line) { return line.finding.verdict == verdict; });
 }
 
-/// That claim nothing on a side.
+/// That claim nothing on a side, or any angle.
 std::ptrdiff_t unbounded(const std::vector<Line>& lines) {
-  return std::ranges::count_if(lines, [](const Line& line) { return !std::isfinite(line.claimed.width()); });
+  return std::ranges::count_if(lines, [](const Line& line) {
+    const bool any_angle = line.unit == "degrees" && line.claimed.lo <= 0.0 && line.claimed.hi >= 180.0;
+    return any_angle || !std::isfinite(line.claimed.width());
+  });
 }
 
 std::string points_of(const FemurLandmarks& landmarks) {
@@ -105,10 +113,25 @@ std::string readable(const FeaturesAnswer& answer, const std::vector<Line>& line
                       !answer.claims.side                 ? "not said"
                       : *answer.claims.side == Side::left ? "left"
                                                           : "right");
+  if (answer.claims.landmarks.head_radius)
+    text += fmt::format("  {:<26} {:.17g}\n", "head_radius", *answer.claims.landmarks.head_radius);
   text += points_of(answer.claims.landmarks);
   if (answer.claims.implant) text += "implant              its points are exact\n" + points_of(*answer.claims.implant);
   text += "  are they those of the bone, and the implant's its own? That is not proved, but for you to see\n";
   return text + fmt::format("certificate          {}\n", arguments.certificate);
+}
+
+JsonValue json_of(const FemurLandmarks& landmarks) {
+  JsonObject object;
+  for (const auto& [name, point] : named_landmarks) {
+    if (const auto& at = landmarks.*point) object.set(name, *at);
+  }
+  return object;
+}
+
+JsonValue json_of(const std::optional<Side>& side) {
+  if (!side) return {};
+  return *side == Side::left ? "left" : "right";
 }
 
 std::string json(const FeaturesAnswer& answer, const std::vector<Line>& lines, const CheckArguments& arguments) {
@@ -125,6 +148,10 @@ std::string json(const FeaturesAnswer& answer, const std::vector<Line>& lines, c
                           {"claims", claims},
                           {"without_an_end", unbounded(lines)},
                           {"landmark_radius", answer.claims.landmark_radius},
+                          {"side", json_of(answer.claims.side)},
+                          {"head_radius", answer.claims.landmarks.head_radius},
+                          {"landmarks", json_of(answer.claims.landmarks)},
+                          {"implant", answer.claims.implant ? json_of(*answer.claims.implant) : JsonValue()},
                           {"certificate", arguments.certificate}};
   return object.text() + "\n";
 }

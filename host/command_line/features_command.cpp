@@ -13,6 +13,7 @@
 #include <verisq/model_file.hpp>
 #include <verisq/model_mesh.hpp>
 
+#include "host/command_line/certificate_output.hpp"
 #include "host/command_line/choice.hpp"
 #include "host/command_line/features_summary.hpp"
 #include "host/command_line/interruption.hpp"
@@ -63,8 +64,7 @@ void check_usage(const FeaturesArguments& arguments) {
   if (arguments.implant.empty() && !(arguments.implant_head.empty() && arguments.implant_neck.empty()))
     refuse("--head and --neck: want an --implant");
   check_usage(arguments.report, inputs, {arguments.written_landmarks, arguments.axes, arguments.certificate_file});
-  if (!arguments.certificate_file.empty())
-    refuse_to_overwrite("--certificate-file", arguments.certificate_file, inputs);
+  check_certificate_file(arguments.certificate_file, inputs);
   if (!arguments.written_landmarks.empty()) refuse_to_overwrite("-o", arguments.written_landmarks, inputs);
   if (!arguments.axes.empty()) refuse_to_overwrite("--axes", arguments.axes, inputs);
 }

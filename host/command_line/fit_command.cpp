@@ -17,6 +17,7 @@
 #include <verisq/posed_model.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/command_line/certificate_output.hpp"
 #include "host/command_line/choice.hpp"
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/fit_certificates.hpp"
@@ -98,7 +99,7 @@ void check_outputs(const FitArguments& arguments) {
   check_output("-o", arguments.output);
   if (!arguments.map.empty()) check_output("--map", arguments.map);
   if (!arguments.surface_map.empty()) check_output("--surface-map", arguments.surface_map);
-  if (!arguments.certificate_file.empty()) check_output("--certificate-file", arguments.certificate_file);
+  check_certificate_file(arguments.certificate_file, inputs);
   check_usage(arguments.report, inputs,
               {arguments.output, arguments.map, arguments.surface_map, arguments.certificate_file});
 }

@@ -18,6 +18,7 @@
 #include <verisq/pose_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/command_line/certificate_output.hpp"
 #include "host/command_line/choice.hpp"
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/directed_digits.hpp"
@@ -83,17 +84,6 @@ bool is_searched(const InsertArguments& arguments) {
   return arguments.search_cone || arguments.search_turn;
 }
 
-void check_certificate_file(const InsertArguments& arguments, const std::vector<std::string>& inputs) {
-  const std::string& file = arguments.certificate_file;
-  if (file.empty()) return;
-  if (std::filesystem::path(file).extension() != ".json")
-    refuse(fmt::format("--certificate-file {}: is a .json", file));
-  if (arguments.resection)
-    refuse("--certificate-file: not with --resection, which leaves a part of the mesh out: cut it first");
-  refuse_to_overwrite("--certificate-file", file, inputs);
-  const OutputFile trial(file);  // known before all the work, not after it; leaves nothing behind
-}
-
 /// Everything that the options alone tell, before any file is opened.
 void check_usage(const InsertArguments& arguments) {
   command_line::check_usage(arguments.inputs);
@@ -106,7 +96,9 @@ void check_usage(const InsertArguments& arguments) {
                                         arguments.inputs.poses.value_or(""), arguments.within.value_or("")};
   refuse_to_overwrite("-o", arguments.output, inputs);
   command_line::check_usage(arguments.report, inputs, {arguments.output, arguments.certificate_file});
-  check_certificate_file(arguments, inputs);
+  if (!arguments.certificate_file.empty() && arguments.resection)
+    refuse("--certificate-file: not with --resection, which leaves a part of the mesh out: cut it first");
+  check_certificate_file(arguments.certificate_file, inputs);
 }
 
 /// Throws Error(input) where the implant's rows have no certificates.

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 #include <verisq/pair_checker.hpp>
 
@@ -18,6 +19,7 @@ namespace verisq::command_line {
 namespace {
 
 void count(const Finding& finding, std::size_t index, const PosedAnswer& answer, PosesReport& report) {
+  report.unbounded += std::isfinite(answer.distance.hi) ? 0 : 1;
   switch (finding.verdict) {
     case Verdict::proved:
       ++report.proved;
@@ -71,6 +73,8 @@ std::string readable(const PosesReport& report) {
   text += fmt::format("  proved           {}\n", report.proved);
   text += fmt::format("  refuted          {}\n", report.refuted);
   text += fmt::format("  unproved         {}\n", report.unproved);
+  if (report.unbounded > 0)
+    text += fmt::format("  WITHOUT AN END   {}: of these nothing is claimed from above\n", report.unbounded);
   if (report.proved > 0)
     text += fmt::format("  largest width    {:.3g}{} of the proved ones\n", report.largest_width, units);
   text += fmt::format("of                 the distances of two models\n");
@@ -87,6 +91,7 @@ std::string json(const PosesReport& report) {
                           {"proved", report.proved},
                           {"refuted", report.refuted},
                           {"unproved", report.unproved},
+                          {"without_an_end", report.unbounded},
                           {"largest_width", report.largest_width},
                           {"first", object_of(report.first)},
                           {"units", report.units},

@@ -24,6 +24,7 @@ struct PosesReport {
   std::uint64_t proved = 0;
   std::uint64_t refuted = 0;
   std::uint64_t unproved = 0;
+  std::uint64_t unbounded = 0;  ///< that claim nothing from above
   double largest_width = 0.0;   ///< of the proved ones
   std::optional<Open> first{};  ///< refuted; without one, unproved
   double seconds = 0.0;

@@ -276,8 +276,8 @@ void write_answer(const std::filesystem::path& path, const DeviationAnswer& answ
   if (answer.from_mesh) head["from_mesh"] = json_of(*answer.from_mesh);
   const auto& [vertices, triangles] = answer.certificate;
   LinesText lines(path, head);
-  lines.add("vertices", vertices.size(), "of them", [&](std::size_t i) { return json_of(vertices[i]); });
-  lines.add("triangles", triangles.size(), "of them", [&](std::size_t n) { return json_of(triangles[n]); });
+  lines.add("vertices", vertices.size(), "vertices", [&](std::size_t i) { return json_of(vertices[i]); });
+  lines.add("triangles", triangles.size(), "triangles", [&](std::size_t n) { return json_of(triangles[n]); });
   lines.write();
 }
 

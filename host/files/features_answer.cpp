@@ -70,6 +70,9 @@ FeaturesAnswer read_features(const JsonValue& root) {
     claims.implant = read_landmark_points(*implant);
     claims.changes = read_claims(*changes);
   }
+  if (claims.features.empty() && claims.changes.empty() && !claims.frame) {
+    root.at("features").fail("must not be empty without a frame and changes");
+  }
   if (const auto mesh = root.find("mesh")) answer.mesh = read_subject_file(*mesh);
   return answer;
 }

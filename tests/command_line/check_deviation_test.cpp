@@ -122,7 +122,7 @@ TEST_F(CheckDeviation, FeaturesAreProvedByTheirLandmarks) {
   expect_refused(checked(forged("/units", "cm")), {"units = \"cm\": must be \"mm\""});
   expect_refused(checked(forged("/side", "both")), {"side = \"both\""});
   expect_refused(checked(forged("/implant", json::object())), {"models = []: must be one model"});
-  expect_refused(run({"check", "--certificate", proof_, "--model", model_}), {"is of no implant"});
+  expect_refused(run({"check", "--certificate", proof_, "--model", model_}), {"is of no implant, and of no model"});
 }
 
 }  // namespace

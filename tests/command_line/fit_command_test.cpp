@@ -272,9 +272,10 @@ TEST_F(FitCommand, TellsHowDeepAnInstrumentCuts) {
   EXPECT_GE(smallest.lo, -2.0);
   EXPECT_LE(smallest.hi, -0.2);
   EXPECT_EQ(summary["surface"]["proven_too_deep"], cavity_mesh().triangles.size());
-  EXPECT_THAT(with(rasp).out, HasSubstr("instrument           " + rasp + ", where the implant lies\n"));
 
-  const json blunt = json::parse(with(implant("blunt.json", "[2, 2, 2]"), {"--json"}).out)["instrument"];
+  const std::string small = implant("blunt.json", "[2, 2, 2]");
+  EXPECT_THAT(with(small).out, HasSubstr("instrument           " + small + ", where the implant lies\n"));
+  const json blunt = json::parse(with(small, {"--json"}).out)["instrument"];
   EXPECT_GT(blunt["surface"]["smallest_distance"]["lo"], 0.5);
   EXPECT_EQ(blunt["surface"]["proven_too_deep"], 0);
   EXPECT_TRUE(json::parse(fit_one().out)["instrument"].is_null());

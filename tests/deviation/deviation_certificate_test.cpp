@@ -62,8 +62,10 @@ const std::vector<Answer>& answers() {
   bent.bend = Bend{0.2, 30.0};
   const SetExpression difference{{{.primitive = 0}, {.primitive = 1}}, SetOperation::subtract};
   static const std::vector<Answer> all{certified({"", {superquadric({2, 2, 2}, {1, 1}, {})}}, torus),
-                                       certified({"", {soap}}, torus), certified({"", {soap, side}}, torus, 0.1),
+                                       certified({"", {soap}}, torus),
+                                       certified({"", {soap, side}}, torus, 0.1),
                                        certified({"", {bent, side}}, torus, 0.1),
+                                       certified({"", {bent}}, torus, 0.1),
                                        certified({"", {soap, side}, difference}, torus_mesh(3.0, 1.0, 4, 3), 0.3)};
   return all;
 }

@@ -185,6 +185,27 @@ TEST(SolidPairTest, NeverProvesAForgery) {
   EXPECT_GT(forgeries, 900U);
 }
 
+/// Of sections that have no plane nobody knows how far they are.
+TEST(SolidPairTest, TreesThatAreCutShortProveNothing) {
+  std::size_t cut_short = 0;
+  for (std::size_t k = 0; k < 12; ++k) {
+    const Answer answer = random_answer(k);
+    const PairChecker checker(answer.a, answer.b);
+    for (std::size_t i = 0; i < answer.certificate.divisions.size(); ++i) {
+      DividedSeparation whole = answer.certificate.divisions[i];
+      for (std::size_t length = 0; length < whole.cuts.size(); ++length, ++cut_short) {
+        PairCertificate changed = answer.certificate;
+        DividedSeparation& division = changed.divisions[i];
+        division.cuts.resize(length);
+        EXPECT_LE(checker.prove(answer.pose, changed).lo, answer.found.hi);
+        division.planes.resize(static_cast<std::size_t>(std::ranges::count(division.cuts, SectionCut::none)));
+        EXPECT_LE(checker.prove(answer.pose, changed).lo, answer.found.hi);
+      }
+    }
+  }
+  EXPECT_GT(cut_short, 100U);
+}
+
 /// Another case: the same certificate says nothing false of it.
 TEST(SolidPairTest, CertificatesOfOtherCasesProveNothingFalse) {
   for (std::size_t k = 0; k < 20; ++k) {

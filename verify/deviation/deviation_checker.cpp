@@ -7,6 +7,7 @@
 #include "verify/deviation/proven_triangle.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/proof/exact_checker.hpp"
+#include "verify/proof/intersection.hpp"
 #include "verify/proof/judgement.hpp"
 #include "verisq/deviation_certificate.hpp"
 
@@ -17,13 +18,13 @@ using verify::WeightedCell;
 
 namespace {
 
-constexpr std::size_t triangles_at_a_time = 4096;
+constexpr std::size_t triangles_at_a_time = 512;
 
 DistanceSummary summary_of(std::span<const WeightedCell> cells, double least, std::span<const double> percentiles) {
   DistanceSummary result;
   double greatest = 0.0;
   for (const WeightedCell& cell : cells) greatest = std::max(greatest, cell.range.hi);
-  result.largest = {std::min(least, greatest), greatest};
+  result.largest = verify::between(least, greatest, [] { return "the largest distance"; });
   result.mean = verify::mean_of(cells);
   const verify::Distribution distribution(cells);
   for (const double percent : percentiles) result.percentiles.push_back(distribution.percentile(percent));

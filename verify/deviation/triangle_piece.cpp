@@ -200,6 +200,7 @@ PieceShape shape_of(const Triangle& corners, double displacement) {
     squared[i] = upper * upper * (1.0 + relative) + underflow;
     squared_below[i] = lower * lower * (1.0 - relative);
   }
+  if (!(longest < largest_size)) return {infinity, infinity, infinity, infinity, infinity};
   double radius_squared = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     const double others = 2.0 * (squared[(i + 1) % 3] + squared[(i + 2) % 3]);

@@ -46,7 +46,7 @@ struct LongestSide {
 /// Of exactly these corners.
 [[nodiscard]] Enclosure area_of(const Triangle& triangle);
 
-/// Sizes of an exact piece, from above.
+/// Sizes of an exact piece, from above; all infinite where squares may overflow.
 struct PieceShape {
   double longest;  ///< side
   double radius;   ///< of a ball about the centroid that holds the piece

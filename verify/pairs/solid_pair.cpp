@@ -118,6 +118,7 @@ double SolidPair::lower_by(const DividedSeparation& separation) const {
     if (cut == SectionCut::none) {
       if (planes == separation.planes.size()) return -infinity;
       least = std::min(least, by_plane(separation.planes[planes++], of_a, of_b));
+      if (least == -infinity) return least;
       continue;
     }
     const auto parts = halves(cut == SectionCut::a ? of_a : of_b);
