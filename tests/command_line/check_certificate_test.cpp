@@ -98,7 +98,7 @@ TEST_F(CheckCertificate, NamesOptionsThatDoNotFit) {
   refused_of_many({"--device", "0"}, "the host's distances alone have certificates, not those of --device 0");
   refused_of_many({"--part", "1/2"}, "--certificate-file: not with --part");
   refused_of_many({"--rotation-error", "1"}, "--certificate-file: of exact places only");
-  expect_refused(run({"distance", a_, b_, "--poses", "p.csv", "-o", "d.csv", "--certificate-file", "d.csv"}),
+  expect_refused(run({"distance", a_, b_, "--poses", "p.csv", "-o", "d.json", "--certificate-file", "d.json"}),
                  {"is the name of two outputs"});
   expect_refused(run({"distance", a_, b_, "--poses", "/dev/null", "-o", "d.csv", "--certificate-file", "c.json"}),
                  {"--certificate-file: /dev/null: is read twice: give a regular file"});

@@ -20,7 +20,9 @@
 namespace verisq::testing {
 namespace {
 
+using oracle::moved;
 using oracle::RandomCases;
+using oracle::with_wrong_digit;
 
 const std::vector<double> percentiles{50.0, 95.0};
 

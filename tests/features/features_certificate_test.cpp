@@ -16,9 +16,9 @@
 namespace verisq {
 namespace {
 
+using oracle::moved;
 using oracle::RandomCases;
-using testing::moved;
-using testing::with_wrong_digit;
+using oracle::with_wrong_digit;
 
 Point near(RandomCases& random, const Point& x) {
   return {x[0] + random.uniform(-5.0, 5.0), x[1] + random.uniform(-5.0, 5.0), x[2] + random.uniform(-5.0, 5.0)};

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/map_in_memory.hpp"
 #include "verisq/checker.hpp"
 #include "verisq/enclosure.hpp"
@@ -18,6 +19,8 @@
 
 namespace verisq {
 namespace {
+
+using oracle::moved;
 
 constexpr std::size_t digits = 17;  // what a binary64 number needs at most
 
@@ -30,12 +33,6 @@ double with_wrong_digit(double x, std::size_t place) {
   double changed = 0.0;
   std::from_chars(text.data(), text.data() + text.size(), changed);
   return changed;
-}
-
-/// x moved by 1e-12 of its value, and at least to the next number.
-double moved(double x, double towards) {
-  const double away = x + std::copysign(1e-12 * std::abs(x), towards);
-  return away == x ? std::nextafter(x, towards) : away;
 }
 
 /// The numbers of a certificate, to be changed in place.

@@ -18,8 +18,8 @@
 namespace verisq {
 namespace {
 
-using testing::moved;
-using testing::with_wrong_digit;
+using oracle::moved;
+using oracle::with_wrong_digit;
 
 struct Answer {
   Model a;

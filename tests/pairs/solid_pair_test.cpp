@@ -19,9 +19,9 @@
 namespace verisq {
 namespace {
 
+using oracle::moved;
 using oracle::RandomCases;
-using testing::moved;
-using testing::with_wrong_digit;
+using oracle::with_wrong_digit;
 
 struct Answer {
   Model a;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/random_solids.hpp"
@@ -20,6 +21,8 @@
 
 namespace verisq {
 namespace {
+
+using oracle::moved;
 
 using oracle::Membership;
 
@@ -76,11 +79,6 @@ TEST(BentCertificate, ProvesWhatHolds) {
       }
     }
   }
-}
-
-double moved(double x, double towards) {
-  const double away = towards > 0.0 ? x + 1e-12 * std::abs(x) : x - 1e-12 * std::abs(x);
-  return away == x ? std::nextafter(x, towards) : away;
 }
 
 /// The certificate itself, that of another point, one with its vector turned and stretched, one without its escape.

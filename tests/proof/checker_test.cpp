@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/map_in_memory.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
@@ -22,6 +23,8 @@
 
 namespace verisq {
 namespace {
+
+using oracle::moved;
 
 /// Certified rows of one model at one tolerance.
 struct CertifiedMap {
@@ -138,12 +141,6 @@ TEST(CheckerTest, CertifiedHostEnclosuresAreAsTightAsTheOthers) {
     }
   }
   EXPECT_LT(worst, 1e-13);
-}
-
-/// x moved by 1e-12 of its value, and at least to the next number.
-double moved(double x, double towards) {
-  const double away = towards > 0.0 ? x + 1e-12 * std::abs(x) : x - 1e-12 * std::abs(x);
-  return away == x ? std::nextafter(x, towards) : away;
 }
 
 /// Ends past the truth, by 1e-12 of their value, are never proved. The truth lies in the enclosure of the host at

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/random_solids.hpp"
@@ -21,6 +22,8 @@
 
 namespace verisq {
 namespace {
+
+using oracle::moved;
 
 using oracle::Membership;
 
@@ -74,11 +77,6 @@ TEST(CoverCertificate, ProvesWhatHolds) {
   }
   fmt::print("{} of {} within the tolerance\n", narrow, all);
   EXPECT_GE(10 * narrow, 8 * all);
-}
-
-double moved(double x, double towards) {
-  const double away = towards > 0.0 ? x + 1e-12 * std::abs(x) : x - 1e-12 * std::abs(x);
-  return away == x ? std::nextafter(x, towards) : away;
 }
 
 /// The certificate itself, that of another point, leaves removed, halved and joined, points moved, normals turned.

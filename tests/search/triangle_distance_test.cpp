@@ -13,11 +13,14 @@
 #include <verisq/checker.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "tests/fixtures/forged_numbers.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq {
 namespace {
+
+using oracle::moved;
 
 using oracle::RandomCases;
 
@@ -403,12 +406,6 @@ Model hard_model(RandomCases& random, std::uint64_t k) {
   Model model = model_of({random.solid()});
   if (k % 2 == 1) model.primitives.push_back(random.solid());
   return model;
-}
-
-/// x moved by 1e-12 of its value, and at least to the next number.
-double moved(double x, double towards) {
-  const double away = x + std::copysign(1e-12 * std::abs(x), towards);
-  return away == x ? std::nextafter(x, towards) : away;
 }
 
 TEST(TriangleCertificateTest, ProvesWhatItComesWithAndNothingPastTheTruth) {
