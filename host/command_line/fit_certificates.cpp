@@ -69,9 +69,6 @@ void check_certificates(const FitArguments& arguments) {
     refuse("--certificate-file: give the --map that holds the certificates of its distances");
   if (arguments.certificates && arguments.map.empty() && arguments.report.html.empty())
     refuse("--certificates: give the --map or the --report that keeps them");
-  const std::filesystem::path file = arguments.certificate_file;
-  if (!file.empty() && file.extension() != ".json")
-    refuse(fmt::format("--certificate-file {}: is a .json", arguments.certificate_file));
   if (!certifies(arguments) && arguments.surface_map.empty()) return;
   if (arguments.resection)
     refuse("--certificates, --surface-map: not with --resection, which leaves a part of the mesh out: cut it first");

@@ -35,7 +35,6 @@
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/stopwatch.hpp"
 #include "host/errors/refusal.hpp"
-#include "host/files/output_file.hpp"
 #include "host/maps/summary_count.hpp"
 
 namespace verisq::command_line {

@@ -22,6 +22,7 @@ constexpr double share_of_samples = 0.05;
 constexpr std::size_t triangles_at_a_time = 1024;
 constexpr std::size_t probes = 500;  // triangles that tell how much all of them take
 constexpr int most_halvings_for_largest = 24;
+constexpr std::size_t most_samples_of_triangle = 4096;
 constexpr int most_halvings_for_mean = 4;
 
 // About how many bytes they take in a certificate file.
@@ -133,7 +134,11 @@ class DeviationProver {
            (!counts_for_mean_[piece.triangle] || distances.mean.width() <= mean_width_);
   }
 
-  [[nodiscard]] bool is_divisible(const verify::TrianglePiece& piece, const verify::PieceDistances& distances) const {
+  /// Where a sample has no tight certificate smaller pieces would not be told better.
+  [[nodiscard]] bool is_divisible(const verify::TrianglePiece& piece, const verify::PieceDistances& distances,
+                                  const TriangleProof& proof) const {
+    const bool is_tight = piece.at_centre.width() <= 4.0 * tolerance_;
+    if (!is_tight || proof.samples.size() >= most_samples_of_triangle) return false;
     return piece.halvings < (distances.range.hi > largest_ ? most_halvings_for_largest : halvings_for_mean_);
   }
 
@@ -153,7 +158,7 @@ class DeviationProver {
       piece.convex = is_one_convex(centre, reach_of(piece.at_centre, shape, off), sample.certificate);
       if (piece.convex) distances = distances_on(piece, shape);
     }
-    if (is_enough(piece, distances) || !is_divisible(piece, distances)) {
+    if (is_enough(piece, distances) || !is_divisible(piece, distances, proof)) {
       proof.pieces.push_back(PieceProof::centre);
       proof.samples.push_back(std::move(sample));
       return;
