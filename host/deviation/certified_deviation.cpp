@@ -231,7 +231,8 @@ CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, con
   DeviationProver prover(model, found, options);
   result.certificate.vertices.resize(mesh.vertices.size());
   result.certificate.triangles.resize(mesh.triangles.size());
-  auto& [vertices, triangles] = result.certificate;
+  std::vector<CertifiedEnclosure>& vertices = result.certificate.vertices;
+  std::vector<TriangleProof>& triangles = result.certificate.triangles;
   const double share_of_vertices = mesh.triangles.empty() ? 0.5 : 0.25;
   if (!in_steps(vertices.size(), options, prover, 0.0, share_of_vertices,
                 [&](std::size_t i) { vertices[i] = prover.at(mesh.vertices[i]); })) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 #include <verisq/certificate_file.hpp>
 
 #include "host/errors/refusal.hpp"
@@ -274,7 +275,8 @@ void write_answer(const std::filesystem::path& path, const DeviationAnswer& answ
   head["percentiles"] = answer.percentiles;
   head["of_vertices"] = json_of(answer.of_vertices);
   if (answer.from_mesh) head["from_mesh"] = json_of(*answer.from_mesh);
-  const auto& [vertices, triangles] = answer.certificate;
+  const std::vector<CertifiedEnclosure>& vertices = answer.certificate.vertices;
+  const std::vector<TriangleProof>& triangles = answer.certificate.triangles;
   LinesText lines(path, head);
   lines.add("vertices", vertices.size(), "vertices", [&](std::size_t i) { return json_of(vertices[i]); });
   lines.add("triangles", triangles.size(), "triangles", [&](std::size_t n) { return json_of(triangles[n]); });

@@ -12,11 +12,11 @@ struct CertifiedDeviation {
   DeviationCertificate certificate;
 };
 
-/// Of what `deviation` found with the same arguments, from the mesh to the model: vertices, and of a mesh with triangles
-/// all of their points. Largest distances are about as tight as those found; mean and percentiles as the samples leave
-/// them, of which those that nothing else needs are left out where the certificate would take more than about so many
-/// `bytes` as a file (verisq/certificate_file.hpp). Uses no device; `progress`, `interrupted` as there, no time limit.
-/// Precondition: `found` is not interrupted.
+/// Of what `deviation` found with the same arguments, from the mesh to the model: vertices, and of a mesh with
+/// triangles all of their points. Largest distances are about as tight as those found; mean and percentiles as the
+/// samples leave them, of which those that nothing else needs are left out where the certificate would take more than
+/// about so many `bytes` as a file (verisq/certificate_file.hpp). Uses no device; `progress`, `interrupted` as there,
+/// no time limit. Precondition: `found` is not interrupted.
 [[nodiscard]] CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, const Deviation& found,
                                                      const DeviationOptions& options, std::size_t bytes = 64'000'000);
 

@@ -44,9 +44,9 @@ struct PairChecker::State {
 
   State(const Model& a, const Model& b) {
     if (is_union_of_convex(a) && is_union_of_convex(b)) {
-      models.emplace<Two<verify::PosedPrimitives>>(verify::PosedPrimitives(a), verify::PosedPrimitives(b));
+      models = Two<verify::PosedPrimitives>{verify::PosedPrimitives(a), verify::PosedPrimitives(b)};
     } else {
-      models.emplace<Two<verify::SolidParts>>(verify::SolidParts(a), verify::SolidParts(b));
+      models = Two<verify::SolidParts>{verify::SolidParts(a), verify::SolidParts(b)};
     }
   }
 

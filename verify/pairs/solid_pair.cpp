@@ -91,14 +91,22 @@ double SolidPair::lower_by_spheres(std::size_t i, std::size_t j) const {
   return (length<Real>(between) - radii).lower().to_double(Direction::down);
 }
 
-/// With a plane's normal n, d >= (n·(c_B - c_A) - r_A(n) - r_B(-n)) / |n|, r how far the sections reach from the
-/// primitives' centres c. Minus infinity unless every pair of sections has a plane.
-double SolidPair::lower_by(const DividedSeparation& separation) const {
-  const PosedSections& one = a_->sections[separation.primitive_a];
-  const PosedSections& other = b_->sections[separation.primitive_b];
-  const RigidMotion moved = motion_.after(other.motion());
-  const PreciseVector between = moved.translation - one.motion().translation;
-  const auto by_plane = [&](const SectionPlane& plane, const Section& of_a, const Section& of_b) {
+namespace {
+
+/// Two primitives, one of which is moved, and where the other's centre lies from the one's.
+struct PosedSectionPair {
+  const PosedSections& one;
+  const PosedSections& other;
+  RigidMotion moved;  ///< from the other's own frame to that of model A
+  PreciseVector between;
+
+  PosedSectionPair(const PosedSections& a, const PosedSections& b, const RigidMotion& motion)
+      : one(a), other(b), moved(motion.after(b.motion())), between(moved.translation - a.motion().translation) {}
+
+  /// With the plane's normal n, d >= (n·(c_B - c_A) - r_A(n) - r_B(-n)) / |n|, r how far the sections reach from the
+  /// primitives' centres c.
+  [[nodiscard]] double lower_by(const SectionPlane& plane, const PosedSections::Section& of_a,
+                                const PosedSections::Section& of_b) const {
     const auto& [normal, slope_a, slope_b] = plane;
     if (!usable({normal[0], normal[1], normal[2]}) || !std::isfinite(slope_a) || !std::isfinite(slope_b)) {
       return -infinity;
@@ -107,8 +115,15 @@ double SolidPair::lower_by(const DividedSeparation& separation) const {
     const PreciseInterval reach_a(one.reach(one.motion().rotation.transpose() * n, of_a, slope_a));
     const PreciseInterval reach_b(other.reach(-(moved.rotation.transpose() * n), of_b, slope_b));
     return ((n.dot(between) - reach_a - reach_b) / length<Real>(n)).lower().to_double(Direction::down);
-  };
-  std::vector<std::pair<Section, Section>> open{{one.whole(), other.whole()}};
+  }
+};
+
+}  // namespace
+
+/// Minus infinity unless every pair of sections has a plane.
+double SolidPair::lower_by(const DividedSeparation& separation) const {
+  const PosedSectionPair pair(a_->sections[separation.primitive_a], b_->sections[separation.primitive_b], motion_);
+  std::vector<std::pair<Section, Section>> open{{pair.one.whole(), pair.other.whole()}};
   double least = infinity;
   std::size_t planes = 0;
   for (const SectionCut cut : separation.cuts) {
@@ -117,7 +132,7 @@ double SolidPair::lower_by(const DividedSeparation& separation) const {
     open.pop_back();
     if (cut == SectionCut::none) {
       if (planes == separation.planes.size()) return -infinity;
-      least = std::min(least, by_plane(separation.planes[planes++], of_a, of_b));
+      least = std::min(least, pair.lower_by(separation.planes[planes++], of_a, of_b));
       if (least == -infinity) return least;
       continue;
     }
