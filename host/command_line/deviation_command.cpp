@@ -267,7 +267,7 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
   tell_notice(report.deviation.map.notice);
   if (report.deviation.out_of_time) tell("the limit is reached; enclosures are valid, and some are wide");
   fmt::print("{}", arguments.json ? json(report) : readable(report));
-  if (unwritten) throw *unwritten;
+  if (unwritten) throw Error(unwritten->kind(), unwritten->what());
   return certified ? status_of(report.deviation) : ExitStatus::interrupted;
 }
 
