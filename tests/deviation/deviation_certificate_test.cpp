@@ -15,7 +15,9 @@
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "verify/deviation/triangle_piece.hpp"
 #include "verisq/certified_deviation.hpp"
+#include "verisq/signed_distance.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -114,6 +116,22 @@ TEST(DeviationCertificateTest, OfATriangleAboveABall) {
   EXPECT_GE(proven.largest.hi, std::sqrt(11.0) - 1.0 - 1e-15);
   EXPECT_LE(proven.largest.width(), 0.06 * proven.largest.hi);
   EXPECT_GE(proven.mean.lo, 1.9);
+}
+
+/// Across the hollow side of a bend, where the signed distance is not convex: the middle is five times as far away as
+/// the corners.
+TEST(DeviationCertificateTest, OfATriangleAcrossTheHollowOfABend) {
+  Primitive banana{"", {{0.3, 0.3, 2.0}, {1.0, 1.0}}, {}};
+  banana.bend = Bend{0.6, 0.0};
+  const Mesh across{.vertices = {{0.784, 0.0, 0.909}, {0.784, 0.0, -0.909}, {0.784, 0.02, 0.9}},
+                    .triangles = {{0, 1, 2}}};
+  const Answer answer = certified({"", {banana}}, across);
+  EXPECT_GT(answer.found.from_mesh->largest.lo, 0.45);
+  expect_true_of(answer.certified.proven, answer.found);
+  DeviationCertificate by_centre = answer.certified.certificate;
+  const Point centre = verify::centre({across.vertices[0], across.vertices[1], across.vertices[2]});
+  by_centre.triangles[0] = {{PieceProof::centre}, {SignedDistance(answer.model).certified(centre, 1e-6)}};
+  expect_true_of(proven_of(answer.model, across, by_centre), answer.found);
 }
 
 TEST(DeviationCertificateTest, OfACloudItsPointsAreProven) {
