@@ -2,9 +2,7 @@
 #include "verisq/certified_insertion.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <thread>
 #include <utility>
 #include <verisq/signed_distance.hpp>
 #include <verisq/triangle_distance.hpp>
@@ -12,7 +10,7 @@
 #include "host/batches/rotation.hpp"
 #include "host/clearance/middle_of_way.hpp"
 #include "host/maps/summary_count.hpp"
-#include "host/threads/parallel.hpp"
+#include "host/threads/parallel_steps.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/way_part.hpp"
 #include "verisq/enclosure.hpp"
@@ -195,19 +193,8 @@ CertifiedInsertion certified_insertion(std::span<const Pose> path, const Model& 
     result.rows[n] = {distance, verified(distance, options.tolerance) ? Status::host_verified : Status::wide};
     result.certificates[n] = std::move(certificate);
   };
-  std::size_t done = 0;
-  std::atomic<bool> interrupted{false};
-  const std::thread::id caller = std::this_thread::get_id();
-  while (done < result.rows.size() && !interrupted) {
-    const std::size_t count = std::min(points_at_a_time, result.rows.size() - done);
-    in_parallel(count, [&](std::size_t i) {
-      if (std::this_thread::get_id() == caller && options.interrupted()) interrupted = true;
-      if (!interrupted) prove(done + i);
-    });
-    if (interrupted) break;
-    done += count;
-    options.progress(static_cast<double>(done) / static_cast<double>(result.rows.size()));
-  }
+  const std::size_t done = in_parallel_steps(result.rows.size(), points_at_a_time,
+                                             SeenInterruption(options.interrupted), options.progress, prove);
   result.rows.resize(done);
   result.certificates.resize(done);
   result.summary = recounted(found.summary, result.rows);

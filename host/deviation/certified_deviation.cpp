@@ -2,14 +2,14 @@
 #include "verisq/certified_deviation.hpp"
 
 #include <algorithm>
-#include <atomic>
+#include <functional>
 #include <numeric>
 #include <span>
-#include <thread>
 #include <utility>
 #include <vector>
 
-#include "host/threads/parallel.hpp"
+#include "host/deviation/allowed_width.hpp"
+#include "host/threads/parallel_steps.hpp"
 #include "verify/deviation/proven_triangle.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verisq/signed_distance.hpp"
@@ -17,9 +17,7 @@
 namespace verisq {
 namespace {
 
-/// Of the width allowed: how wide samples may be.
-constexpr double share_of_samples = 0.05;
-constexpr std::size_t triangles_at_a_time = 1024;
+constexpr std::size_t elements_at_a_time = 1024;
 constexpr std::size_t probes = 500;  // triangles that tell how much all of them take
 constexpr int most_halvings_for_largest = 24;
 constexpr std::size_t most_samples_of_triangle = 4096;
@@ -34,28 +32,29 @@ std::size_t size_of(const CertifiedEnclosure& sample) {
 
 class DeviationProver {
  public:
-  DeviationProver(const Model& model, const Deviation& found, const DeviationOptions& options)
-      : options_(options),
-        radius_(bounding_radius(model)),
-        model_(model),
-        is_union_(verify::is_union(model)),
-        convex_(model.primitives.size() == 1 && is_union_of_convex(model)) {
+  /// `interrupted` must outlive this.
+  DeviationProver(const Model& model, const Deviation& found, const DeviationOptions& options,
+                  const SeenInterruption& interrupted)
+      : model_(model), convex_(verify::is_one_convex_primitive(model)), interrupted_(interrupted) {
+    const auto allowed = [&, radius = bounding_radius(model)](double size) {
+      return allowed_width(size, options, radius);
+    };
     const DistanceStatistics& statistics = found.from_mesh ? *found.from_mesh : found.of_vertices;
     tolerance_ = share_of_samples * allowed(statistics.largest.lo);
     largest_ = std::max(statistics.largest.hi, statistics.largest.lo + 0.25 * allowed(statistics.largest.lo));
     if (statistics.mean) mean_width_ = 0.5 * allowed(statistics.mean->lo);
-    if (!is_union_ || model.primitives.size() == 1) return;
+    if (!verify::is_union(model) || model.primitives.size() == 1) return;
     for (const Primitive& primitive : model.primitives) {
       each_.push_back({SignedDistance(Model{model.units, {primitive}, {}}), is_bent(primitive)});
     }
   }
 
   [[nodiscard]] CertifiedEnclosure at(const Point& x) const {
-    return model_.certified(x, tolerance_, [this] { return ended_.load(); });
+    return model_.certified(x, tolerance_, [this] { return interrupted_(); });
   }
 
-  /// Leaves samples out that only mean and percentiles need, so that about so many bytes are enough: first halvings,
-  /// then centroids of triangles that hardly matter.
+  /// Leaves samples out that only mean and percentiles need, so that about so many bytes are enough: halvings, and if
+  /// there is no room for all centroids those of triangles that hardly matter.
   void plan(const Mesh& mesh, std::span<const CertifiedEnclosure> vertices, std::size_t bytes) {
     const std::size_t count = mesh.triangles.size();
     counts_for_mean_.assign(count, true);
@@ -63,12 +62,11 @@ class DeviationProver {
     std::size_t used = bytes_of_triangle * count;
     for (const CertifiedEnclosure& vertex : vertices) used += size_of(vertex);
     const double left = bytes > used ? static_cast<double>(bytes - used) : 0.0;
-    double wanted = size_of_samples(mesh, vertices);
-    while (wanted > left && halvings_for_mean_ > 0) {
-      --halvings_for_mean_;
-      wanted = size_of_samples(mesh, vertices);
+    const double wanted = size_of_samples(mesh, vertices);
+    if (wanted <= left) {
+      halve_for_mean(mesh, vertices, left);
+      return;
     }
-    if (wanted <= left) return;
     std::vector<std::pair<double, std::size_t>> widths;
     for (std::size_t n = 0; n < count; ++n) {
       const verify::TrianglePiece piece = whole(mesh, vertices, n);
@@ -88,18 +86,20 @@ class DeviationProver {
     return proof;
   }
 
-  void end() { ended_ = true; }
-
  private:
   struct OnePrimitive {
     SignedDistance distance;
     bool bent;
   };
 
-  [[nodiscard]] double allowed(double size) const {
-    if (options_.tolerance) return *options_.tolerance;
-    constexpr double finest_share = 1e-6;
-    return std::max(options_.relative_tolerance * size, finest_share * radius_);
+  /// As often as so many bytes allow.
+  void halve_for_mean(const Mesh& mesh, std::span<const CertifiedEnclosure> vertices, double bytes) {
+    while (halvings_for_mean_ < most_halvings_for_mean) {
+      ++halvings_for_mean_;
+      if (size_of_samples(mesh, vertices) <= bytes) continue;
+      --halvings_for_mean_;
+      return;
+    }
   }
 
   /// Of all triangles, about, by some of them.
@@ -145,7 +145,7 @@ class DeviationProver {
   void prove(verify::TrianglePiece piece, double off, TriangleProof& proof) const {
     const verify::PieceShape shape = verify::shape_of(piece.corners, off);
     const Enclosure by_corners = at_centre_by_corners(piece, shape);
-    if (is_enough(piece, distances_by_corners(piece, shape)) || ended_) {
+    if (is_enough(piece, distances_by_corners(piece, shape)) || interrupted_()) {
       proof.pieces.push_back(PieceProof::corners);
       return;
     }
@@ -187,40 +187,16 @@ class DeviationProver {
     return one_near;
   }
 
-  const DeviationOptions& options_;
-  double radius_;
   SignedDistance model_;
   std::vector<OnePrimitive> each_;  ///< of a union of several
-  bool is_union_;
   bool convex_;
   double tolerance_;
   double largest_;  ///< what no piece need be proven to be farther than
-  int halvings_for_mean_ = most_halvings_for_mean;
+  int halvings_for_mean_ = 0;
   std::vector<bool> counts_for_mean_;  ///< of each triangle
   double mean_width_ = infinity;       ///< of pieces, as far as that is reached
-  std::atomic<bool> ended_{false};
+  const SeenInterruption& interrupted_;
 };
-
-/// Calls work(i) for all i by several threads, until the options say that it is interrupted.
-template <class Work>
-bool in_steps(std::size_t count, const DeviationOptions& options, DeviationProver& prover, double from, double to,
-              const Work& work) {
-  const std::thread::id caller = std::this_thread::get_id();
-  std::atomic<bool> interrupted{false};
-  for (std::size_t first = 0; first < count && !interrupted; first += triangles_at_a_time) {
-    const std::size_t now = std::min(triangles_at_a_time, count - first);
-    in_parallel(now, [&](std::size_t i) {
-      if (std::this_thread::get_id() == caller && options.interrupted()) {
-        interrupted = true;
-        prover.end();
-      }
-      if (!interrupted) work(first + i);
-    });
-    const double done = static_cast<double>(first + now) / static_cast<double>(count);
-    options.progress("certificates", from + (to - from) * done);
-  }
-  return !interrupted;
-}
 
 }  // namespace
 
@@ -228,32 +204,29 @@ CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, con
                                        const DeviationOptions& options, std::size_t bytes) {
   CertifiedDeviation result;
   result.proven.interrupted = true;
-  DeviationProver prover(model, found, options);
-  result.certificate.vertices.resize(mesh.vertices.size());
-  result.certificate.triangles.resize(mesh.triangles.size());
+  const SeenInterruption interrupted(options.interrupted);
+  DeviationProver prover(model, found, options, interrupted);
   std::vector<CertifiedEnclosure>& vertices = result.certificate.vertices;
   std::vector<TriangleProof>& triangles = result.certificate.triangles;
+  vertices.resize(mesh.vertices.size());
+  triangles.resize(mesh.triangles.size());
   const double share_of_vertices = mesh.triangles.empty() ? 0.5 : 0.25;
-  if (!in_steps(vertices.size(), options, prover, 0.0, share_of_vertices,
-                [&](std::size_t i) { vertices[i] = prover.at(mesh.vertices[i]); })) {
-    return result;
-  }
+  const auto progress = [&options](double from, double to) {
+    return [&options, from, to](double done) { options.progress("certificates", from + (to - from) * done); };
+  };
+  in_parallel_steps(vertices.size(), elements_at_a_time, interrupted, progress(0.0, share_of_vertices),
+                    [&](std::size_t i) { vertices[i] = prover.at(mesh.vertices[i]); });
+  if (interrupted()) return result;
   prover.plan(mesh, vertices, bytes);
-  const bool whole = in_steps(triangles.size(), options, prover, share_of_vertices, 0.6,
-                              [&](std::size_t n) { triangles[n] = prover(mesh, vertices, n); });
-  if (!whole) return result;
-  const std::thread::id caller = std::this_thread::get_id();
-  std::atomic<bool> interrupted{false};
+  in_parallel_steps(triangles.size(), elements_at_a_time, interrupted, progress(share_of_vertices, 0.6),
+                    [&](std::size_t n) { triangles[n] = prover(mesh, vertices, n); });
+  if (interrupted()) return result;
   result.proven = DeviationChecker(model)(
       mesh, result.certificate,
       {.percentiles = options.percentiles,
        .in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
-       .interrupted =
-           [&] {
-             if (std::this_thread::get_id() == caller && options.interrupted()) interrupted = true;
-             return interrupted.load();
-           },
-       .progress = [&](double done) { options.progress("certificates", 0.6 + 0.4 * done); }});
+       .interrupted = [&interrupted] { return interrupted(); },
+       .progress = progress(0.6, 1.0)});
   return result;
 }
 

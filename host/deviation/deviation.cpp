@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "host/deviation/allowed_width.hpp"
 #include "host/deviation/deviation_check.hpp"
 #include "host/deviation/mapped_distances.hpp"
 #include "host/errors/refusal.hpp"
@@ -17,6 +18,7 @@
 #include "verify/deviation/farthest_patch.hpp"
 #include "verify/deviation/mesh_distances.hpp"
 #include "verify/deviation/model_distances.hpp"
+#include "verify/deviation/proven_triangle.hpp"
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/deviation/triangle_tree.hpp"
 #include "verify/deviation/weighted_cells.hpp"
@@ -26,11 +28,7 @@
 namespace verisq {
 namespace {
 
-/// Of the bounding radius: distances are asked for to this, and no narrower enclosure is ever asked of a result.
-constexpr double finest_share = 1e-6;
-constexpr double coarse_share = 1e-2;
-/// Of the width allowed: how wide samples between the vertices may be where tight ones are searched for.
-constexpr double share_of_samples = 0.05;
+constexpr double coarse_share = 1e-2;  // of the bounding radius
 
 void check_options(const DeviationOptions& options) {
   const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
@@ -43,11 +41,6 @@ void check_options(const DeviationOptions& options) {
   for (const double percent : options.percentiles) {
     if (!(percent > 0.0 && percent <= 100.0)) refuse(fmt::format("there is no percentile {}", percent));
   }
-}
-
-double allowed_width(double size, const DeviationOptions& options, double bounding_radius) {
-  if (options.tolerance) return *options.tolerance;
-  return std::max(options.relative_tolerance * size, finest_share * bounding_radius);
 }
 
 Enclosure larger(const Enclosure& a, const Enclosure& b) {
@@ -125,7 +118,7 @@ class DeviationRun {
   [[nodiscard]] verify::DeviationSearch search_by(const MappedDistances& to_model) const {
     verify::DeviationSearch search{
         .to_model = to_model,
-        .convex = model_.primitives.size() == 1 && is_union_of_convex(model_),
+        .convex = verify::is_one_convex_primitive(model_),
         .allowed = [this](double size) { return allowed_width(size, options_, radius_); },
         .in_parallel = [](std::size_t count,
                           const std::function<void(std::size_t)>& work) { in_parallel(count, work); },

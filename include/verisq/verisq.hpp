@@ -7,6 +7,7 @@
 #include <verisq/certificate.hpp>
 #include <verisq/certificate_file.hpp>
 #include <verisq/certified_deviation.hpp>
+#include <verisq/certified_distance.hpp>
 #include <verisq/certified_insertion.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>

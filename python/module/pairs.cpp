@@ -8,6 +8,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
+#include <verisq/certified_distance.hpp>
 #include <verisq/model_distance.hpp>
 #include <verisq/model_search.hpp>
 #include <verisq/pair_checker.hpp>
@@ -104,16 +106,9 @@ CertifiedPair certified_distance(const PythonModel& a, const PythonModel& b, con
   const Pose moved = pose(pose_of_b);
   const double width = tolerance_or_default(tolerance, std::max(a.bounding_radius(), b.bounding_radius()));
   Interruption interruption;
-  return without_lock(interruption, [&]() -> CertifiedPair {
-    if (is_union_of_convex(one) && is_union_of_convex(other)) {
-      const ModelDistance found = PairDistance(one, other)(moved, interruption.poll());
-      return {found.distance, found.certificate};
-    }
-    const ModelSearch search(one, other);
-    const SearchOptions options{.tolerance = width, .interrupted = interruption.poll()};
-    const auto [proven, certificate] = search.certified(moved, search(moved, options), options);
-    return {proven, certificate};
-  });
+  auto [distance, certificate] =
+      without_lock(interruption, [&] { return CertifiedDistances(one, other, width)(moved, interruption.poll()); });
+  return {distance, std::move(certificate)};
 }
 
 bool is_proved(const CertifiedPair& self, const PythonModel& a, const PythonModel& b, const py::handle& pose_of_b) {

@@ -49,7 +49,7 @@ struct DeviationChecker::State {
       : checker(model),
         primitives(model),
         is_union(verify::is_union(model)),
-        convex(model.primitives.size() == 1 && is_union_of_convex(model)) {}
+        convex(verify::is_one_convex_primitive(model)) {}
 
   /// What is proved of a claim, or what is proven instead of it.
   [[nodiscard]] Enclosure distance(const Point& x, const CertifiedEnclosure& claimed, bool& proved) const {

@@ -80,6 +80,10 @@ class Walk {
 
 }  // namespace
 
+bool is_one_convex_primitive(const Model& model) {
+  return model.primitives.size() == 1 && is_union_of_convex(model);
+}
+
 Enclosure at_centre_by_corners(const TrianglePiece& piece, const PieceShape& shape) {
   Enclosure result = anything;
   for (const Enclosure& at_corner : piece.at_corners) {

@@ -21,6 +21,8 @@ struct SampleProofs {
   bool convex;  ///< the model is one convex primitive
 };
 
+[[nodiscard]] bool is_one_convex_primitive(const Model& model);
+
 struct TriangleDistances {
   double largest = 0.0;             ///< no less than this, at a sample
   std::vector<WeightedCell> cells;  ///< distances to the surface, on all of its parts, by area

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/analysis/cross_product.hpp"
 #include "verify/analysis/largest_coordinate.hpp"
 #include "verify/numbers/interval.hpp"
 #include "verify/numbers/rounding.hpp"
@@ -177,8 +178,7 @@ Enclosure area_of(const Triangle& triangle) {
   const auto exact = [](const Point& p) { return Vector3<double>(p[0], p[1], p[2]); };
   const Vector3<double> u = exact(triangle[1]) - exact(triangle[0]);
   const Vector3<double> v = exact(triangle[2]) - exact(triangle[0]);
-  const Vector3<double> normal(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
-  const Interval area = length<double>(normal) / Interval(2);
+  const Interval area = length(cross(u, v)) / Interval(2);
   return {std::max(0.0, area.lower()), area.upper()};
 }
 

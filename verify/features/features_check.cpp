@@ -1,8 +1,9 @@
 /// Encloses the features once more, and compares.
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 #include "verify/features/precise_features.hpp"
+#include "verify/proof/certificate.hpp"
 #include "verify/proof/judgement.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/features_certificate.hpp"
@@ -24,15 +25,14 @@ std::vector<Finding> judged(const std::vector<Feature>& claims, const FemurFeatu
   return findings;
 }
 
-bool is_direction(const Point& v) {
-  return v != Point{} && std::ranges::all_of(v, [](double c) { return std::isfinite(c); });
-}
-
 /// Whose origin is the head's centre itself.
 std::array<Finding, 3> judged(const FemurFrame& claim, const FeatureClaims& claims) {
   std::array<Finding, 3> findings{nothing_known, nothing_known, nothing_known};
   const std::array axes{&claim.x, &claim.y, &claim.z};
-  const auto has_direction = [](const FrameAxis* axis) { return is_direction(axis->direction); };
+  const auto has_direction = [](const FrameAxis* axis) {
+    const auto& [x, y, z] = axis->direction;
+    return verify::usable({x, y, z});
+  };
   if (claims.landmarks.head_centre != claim.origin || !std::ranges::all_of(axes, has_direction)) return findings;
   const auto tilts = verify::precise_tilts(claims.landmarks, claims.side, claims.landmark_radius,
                                            {claim.x.direction, claim.y.direction, claim.z.direction});

@@ -18,12 +18,20 @@ bool is_finite(const Point& x) {
   return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
 }
 
+bool is_inside(const SolidParts& solid, const PreciseVector& x) {
+  return place_of(x, solid.places.set(), solid.places.primitives()) == Place::inside;
+}
+
 /// Lower bounds of the distances of primitives i of A and j of B.
 class PairBoundsOfPrimitives {
  public:
-  PairBoundsOfPrimitives(std::size_t count_a, std::size_t count_b) : columns_(count_b), bounds_(count_a * count_b) {}
+  PairBoundsOfPrimitives(std::size_t count_a, std::size_t count_b)
+      : columns_(count_b), bounds_(count_a * count_b, -infinity) {}
 
-  [[nodiscard]] double& operator()(std::size_t i, std::size_t j) { return bounds_[i * columns_ + j]; }
+  void raise(std::size_t i, std::size_t j, double bound) {
+    double& known = bounds_[i * columns_ + j];
+    known = std::max(known, bound);
+  }
   [[nodiscard]] double operator()(std::size_t i, std::size_t j) const { return bounds_[i * columns_ + j]; }
 
  private:
@@ -65,19 +73,13 @@ double lower_by_ball(const EnclosingBall& ball, const SolidParts& one, const Sol
 }  // namespace
 
 bool SolidPair::share(const Point& x) const {
-  if (!is_finite(x)) return false;
-  const PreciseVector of_b = motion_.inverse()(precise(x));
-  return place_of(precise(x), a_->places.set(), a_->places.primitives()) == Place::inside &&
-         place_of(of_b, b_->places.set(), b_->places.primitives()) == Place::inside;
+  return is_finite(x) && is_inside(*a_, precise(x)) && is_inside(*b_, motion_.inverse()(precise(x)));
 }
 
 double SolidPair::upper(const std::array<Point, 2>& near_points) const {
   const auto& [on_a, on_b] = near_points;
   if (!is_finite(on_a) || !is_finite(on_b)) return infinity;
-  const auto is_in = [](const SolidParts& solid, const Point& x) {
-    return place_of(precise(x), solid.places.set(), solid.places.primitives()) == Place::inside;
-  };
-  if (!is_in(*a_, on_a) || !is_in(*b_, on_b)) return infinity;
+  if (!is_inside(*a_, precise(on_a)) || !is_inside(*b_, precise(on_b))) return infinity;
   return length<Real>(PreciseVector(motion_(precise(on_b)) - precise(on_a))).upper().to_double(Direction::up);
 }
 
@@ -151,22 +153,21 @@ Enclosure SolidPair::proven_distance(const PairCertificate& certificate) const {
   const std::size_t count_b = b_->sections.size();
   PairBoundsOfPrimitives bounds(count_a, count_b);
   for (std::size_t i = 0; i < count_a; ++i) {
-    for (std::size_t j = 0; j < count_b; ++j) bounds(i, j) = lower_by_spheres(i, j);
+    for (std::size_t j = 0; j < count_b; ++j) bounds.raise(i, j, lower_by_spheres(i, j));
   }
   for (const DividedSeparation& separation : certificate.divisions) {
     if (separation.primitive_a >= count_a || separation.primitive_b >= count_b) continue;
-    double& bound = bounds(separation.primitive_a, separation.primitive_b);
-    bound = std::max(bound, lower_by(separation));
+    bounds.raise(separation.primitive_a, separation.primitive_b, lower_by(separation));
   }
   for (const EnclosingBall& ball : certificate.balls_a) {
     if (ball.primitive >= count_a) continue;
     const double bound = lower_by_ball(ball, *a_, *b_, motion_);
-    for (std::size_t j = 0; j < count_b; ++j) bounds(ball.primitive, j) = std::max(bounds(ball.primitive, j), bound);
+    for (std::size_t j = 0; j < count_b; ++j) bounds.raise(ball.primitive, j, bound);
   }
   for (const EnclosingBall& ball : certificate.balls_b) {
     if (ball.primitive >= count_b) continue;
     const double bound = lower_by_ball(ball, *b_, *a_, motion_.inverse());
-    for (std::size_t i = 0; i < count_a; ++i) bounds(i, ball.primitive) = std::max(bounds(i, ball.primitive), bound);
+    for (std::size_t i = 0; i < count_a; ++i) bounds.raise(i, ball.primitive, bound);
   }
   const double from_below = lower(a_->places.set(), b_->places.set(), bounds);
   return between(std::max(0.0, from_below), certificate.near_points ? upper(*certificate.near_points) : infinity,

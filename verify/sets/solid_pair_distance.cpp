@@ -11,6 +11,7 @@
 #include <vector>
 #include <verisq/enclosure.hpp>
 #include <verisq/error.hpp>
+#include <verisq/pair_checker.hpp>
 
 #include "verify/sets/solid_pair_bound.hpp"
 #include "verify/sets/solid_pair_points.hpp"
@@ -354,7 +355,7 @@ std::optional<PairSearch::Enclosed> PairSearch::enclosed(const Model& model, con
 }
 
 PairSearch::PairSearch(const Model& a, const Model& b)
-    : a_(a), b_(b), checker_(a, b), enclosed_a_(enclosed(a, b)), enclosed_b_(enclosed(b, a)) {}
+    : a_(a), b_(b), enclosed_a_(enclosed(a, b)), enclosed_b_(enclosed(b, a)) {}
 
 SearchedDistance PairSearch::operator()(const Pose& pose, const SearchOptions& options) const {
   Search search(a_.solid, b_.solid, pose, options);
@@ -375,7 +376,7 @@ SearchedDistance PairSearch::operator()(const Pose& pose, const SearchOptions& o
 CertifiedDistance PairSearch::certified(const Pose& pose, const SearchedDistance& found,
                                         const SearchOptions& options) const {
   CertifiedDistance result{found.distance, certificate_of(a_, b_, pose, found, options)};
-  const Enclosure proven = checker_.prove(pose, result.certificate);
+  const Enclosure proven = PairChecker(a_.model, b_.model).prove(pose, result.certificate);
   result.distance = {std::min(found.distance.lo, proven.lo), std::max(found.distance.hi, proven.hi)};
   return result;
 }

@@ -7,7 +7,6 @@
 #include "verify/sets/enclosing_balls.hpp"
 #include "verify/sets/solid_pair_certificate.hpp"
 #include "verisq/model_search.hpp"
-#include "verisq/pair_checker.hpp"
 
 namespace verisq::verify {
 
@@ -33,7 +32,6 @@ class PairSearch {
 
   SearchedModel a_;
   SearchedModel b_;
-  PairChecker checker_;
   std::optional<Enclosed> enclosed_a_;
   std::optional<Enclosed> enclosed_b_;
 };
