@@ -43,10 +43,7 @@ TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::strin
   refuse_other_models(subjects, arguments);
   TwoModels models{read_model(arguments.models[0]), read_model(arguments.models[1])};
   const std::string units = common_units(models[0], models[1], arguments.models[0], arguments.models[1]);
-  if (stated_units != units) {
-    refuse(fmt::format("{}: units = \"{}\": are not those of the models, \"{}\"", arguments.certificate, stated_units,
-                       units));
-  }
+  refuse_other_units(units, "models", stated_units, arguments.certificate);
   return models;
 }
 
@@ -122,6 +119,12 @@ void refuse_other_file(const std::string& file, const char* what, const SubjectF
   if (given.sha256 == expected.sha256) return;
   refuse(fmt::format("{}: {} is about another {}: its SHA-256 is {}, not {}", file, certificate, what, expected.sha256,
                      given.sha256));
+}
+
+void refuse_other_units(const std::string& units, const char* what, const std::string& stated,
+                        const std::string& certificate) {
+  if (units == stated) return;
+  refuse(fmt::format("{}: units = \"{}\": are not those of the {}, \"{}\"", certificate, stated, what, units));
 }
 
 ExitStatus run_certificate_check(const Answer& answer, const CertificateCheckArguments& arguments) {

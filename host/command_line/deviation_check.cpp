@@ -168,10 +168,7 @@ std::string json(const DeviationAnswer& answer, const DeviationCheckReport& repo
 ExitStatus run_deviation_check(const DeviationAnswer& answer, const CheckArguments& arguments) {
   refuse_other_subjects(answer, arguments);
   const Model model = read_model_at(answer.pose, arguments.models.front());
-  if (model.units != answer.units) {
-    refuse(fmt::format("{}: units = \"{}\": are not those of the model, \"{}\"", arguments.certificate, answer.units,
-                       model.units));
-  }
+  refuse_other_units(model.units, "model", answer.units, arguments.certificate);
   const Mesh mesh = is_cloud(answer) ? read_cloud(arguments.inputs.points) : read_mesh(arguments.inputs.mesh);
   refuse_other_sizes(answer, mesh, arguments);
   watch_for_interruption();

@@ -58,8 +58,7 @@ void refuse_other_subjects(const FitAnswer& answer, const CheckArguments& argume
     refuse(fmt::format("{}: is of a fit: not with --points, --pose or --point-radius", certificate));
   refuse_other_file(arguments.models.front(), "model", answer.model, certificate);
   refuse_other_file(arguments.inputs.mesh, "mesh", answer.mesh, certificate);
-  if (const std::string units = read_uncertain_model(arguments.models.front()).units; units != answer.units)
-    refuse(fmt::format("{}: units = \"{}\": are not those of the model, \"{}\"", certificate, answer.units, units));
+  refuse_other_units(read_uncertain_model(arguments.models.front()).units, "model", answer.units, certificate);
 }
 
 void refuse_other_elements(const MapReader& map, MapElements expected, const std::string& file) {

@@ -181,10 +181,7 @@ std::string json(const InsertionAnswer& answer, const InsertionCheckReport& repo
 ExitStatus run_insertion_check(const InsertionAnswer& answer, const CheckArguments& arguments) {
   refuse_other_subjects(answer, arguments);
   const Model implant = read_model_at(answer.pose, arguments.models.front());
-  if (implant.units != answer.units) {
-    refuse(fmt::format("{}: units = \"{}\": are not those of the model, \"{}\"", arguments.certificate, answer.units,
-                       implant.units));
-  }
+  refuse_other_units(implant.units, "model", answer.units, arguments.certificate);
   const Mesh bone = read_mesh(arguments.inputs.mesh);
   if (bone.vertices.size() != answer.rows.size()) {
     refuse(fmt::format("{}: {} rows for the {} vertices of {}", arguments.certificate, answer.rows.size(),

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include "tests/oracle/random_cases.hpp"
 
@@ -53,6 +55,19 @@ inline BentSurfacePoint bent_surface_point(const Superquadric& solid, const Bend
 inline BentSurfacePoint random_surface_point(RandomCases& cases, const Superquadric& solid, const Bend& bend) {
   const double polar = cases.uniform(-1.0, 1.0) * std::numbers::pi / 2;
   return bent_surface_point(solid, bend, polar, cases.uniform(-1.0, 1.0) * std::numbers::pi);
+}
+
+inline std::vector<BentSurfacePoint> random_surface_points(RandomCases& cases, const Superquadric& solid,
+                                                           const Bend& bend, std::size_t count) {
+  std::vector<BentSurfacePoint> points;
+  points.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) points.push_back(random_surface_point(cases, solid, bend));
+  return points;
+}
+
+/// How far a point lies along n, but for rounding.
+inline double dot_of(const Point& n, const Point& point) {
+  return n[0] * point[0] + n[1] * point[1] + n[2] * point[2];
 }
 
 }  // namespace verisq::oracle

@@ -12,17 +12,14 @@ namespace verisq::verify {
 namespace {
 
 using oracle::BentSurfacePoint;
+using oracle::dot_of;
 using oracle::random_bend;
 using oracle::random_long_solid;
-using oracle::random_surface_point;
+using oracle::random_surface_points;
 using oracle::RandomCases;
 
 double reach(const PosedSections& primitive, const Point& n, const PosedSections::Section& section, double slope) {
   return primitive.reach(precise(n), section, slope).to_double(Direction::up);
-}
-
-double dot_of(const Point& a, const Point& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 TEST(PosedSectionsTest, NoPointOfASectionReachesFartherWhateverTheSlope) {
@@ -37,8 +34,7 @@ TEST(PosedSectionsTest, NoPointOfASectionReachesFartherWhateverTheSlope) {
       ASSERT_TRUE(parts);
       sections.insert(sections.end(), parts->begin(), parts->end());
     }
-    std::vector<BentSurfacePoint> samples;
-    for (int i = 0; i < 1000; ++i) samples.push_back(random_surface_point(cases, solid, bend));
+    const std::vector<BentSurfacePoint> samples = random_surface_points(cases, solid, bend, 1000);
     for (const PosedSections::Section& section : sections) {
       const Point n = cases.direction();
       const double bound = reach(primitive, n, section, cases.uniform(-2.0, 2.0));

@@ -11,14 +11,11 @@ namespace verisq::verify {
 namespace {
 
 using oracle::BentSurfacePoint;
+using oracle::dot_of;
 using oracle::random_bend;
 using oracle::random_long_solid;
-using oracle::random_surface_point;
+using oracle::random_surface_points;
 using oracle::RandomCases;
-
-double dot_of(const Point& a, const Point& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 double reach(const SectionedPrimitive& primitive, const Point& n, const SectionedPrimitive::Section& section) {
   return primitive.support_up({Interval(n[0]), Interval(n[1]), Interval(n[2])}, section);
@@ -36,11 +33,7 @@ TEST(SectionedPrimitiveTest, NoPointOfASectionReachesFarther) {
       ASSERT_TRUE(halves);
       sections.insert(sections.end(), halves->begin(), halves->end());
     }
-    std::vector<BentSurfacePoint> samples;
-    samples.reserve(2000);
-    for (int i = 0; i < 2000; ++i) {
-      samples.push_back(random_surface_point(cases, solid, bend));
-    }
+    const std::vector<BentSurfacePoint> samples = random_surface_points(cases, solid, bend, 2000);
     for (int directions = 0; directions < 10; ++directions) {
       const Point n = cases.direction();
       for (const SectionedPrimitive::Section& section : sections) {

@@ -14,6 +14,7 @@
 #include <verisq/model_search.hpp>
 
 #include "tests/fixtures/bitten_ball.hpp"
+#include "tests/oracle/bent_surface.hpp"
 #include "verify/sets/solid_pair_bound.hpp"
 #include "verify/sets/solid_pair_cells.hpp"
 #include "verify/sets/solid_pair_polytope.hpp"
@@ -217,21 +218,7 @@ TEST(SolidPairDistanceTest, ThePoseMovesTheSecondModel) {
 
 /// A point of the boundary of a bent, posed primitive (paper Eqs. (1), (2)), but for rounding.
 Point boundary_point(const Superquadric& solid, const Bend& bend, const Pose& pose, double polar, double azimuth) {
-  const auto power = [](double x, double e) { return std::copysign(std::pow(std::fabs(x), e), x); };
-  const auto [e1, e2] = solid.exponents;
-  const double ring = power(std::cos(polar), e1);
-  const double x = solid.semi_axes[0] * ring * power(std::cos(azimuth), e2);
-  const double y = solid.semi_axes[1] * ring * power(std::sin(azimuth), e2);
-  const double z = solid.semi_axes[2] * power(std::sin(polar), e1);
-  const double angle = bend.angle_degrees * std::numbers::pi / 180.0;
-  const double r = x * std::cos(angle) + y * std::sin(angle);
-  const double s = y * std::cos(angle) - x * std::sin(angle);
-  const double k = bend.curvature;
-  const double bent_r = 1.0 / k - (1.0 / k - r) * std::cos(k * z);
-  const double bent_z = (1.0 / k - r) * std::sin(k * z);
-  const Point own{bent_r * std::cos(angle) - s * std::sin(angle), bent_r * std::sin(angle) + s * std::cos(angle),
-                  bent_z};
-  return verify::BoundedMotion(pose).to_a(own);
+  return verify::BoundedMotion(pose).to_a(oracle::bent_surface_point(solid, bend, polar, azimuth).bent);
 }
 
 /// Over a grid of both surfaces, and finer ones about the best pair: at least the distance, but for rounding.
