@@ -10,6 +10,7 @@
 #include "host/command_line/certificate_check.hpp"
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/deviation_check.hpp"
+#include "host/command_line/equilibrium_check.hpp"
 #include "host/command_line/features_check.hpp"
 #include "host/command_line/fit_check.hpp"
 #include "host/command_line/insertion_check.hpp"
@@ -45,7 +46,8 @@ constexpr const char* closing_words =
     "every vertex along the whole way is proved. Of a `verisq deviation --certificate-file` give --model and --mesh, "
     "or\n"
     "--points: how far these lie from the model's surface is proved, at most, in the mean, and percentiles.\n"
-    "Of a `verisq features --certificate-file` what its landmarks say is enclosed once more, at 127 bits.\n"
+    "Of a `verisq features --certificate-file` what its landmarks say is enclosed once more, at 127 bits; of a\n"
+    "`verisq stance --certificate-file` give its --model (.xml): where the body stands still is proved.\n"
     "\n"
     "--octree: a file of `verisq octree`, with or without white cubes. Its black cubes are proved to lie inside, and\n"
     "what black and gray ones leave out outside; all together they prove the volume.\n"
@@ -94,9 +96,10 @@ ExitStatus check_map_file(const CheckArguments& arguments) {
 
 void declare_check(Options& options, CheckArguments& arguments) {
   options.explain(fmt::format("{}  {} {}", closing_words, options.full_name(), example));
-  options.add_each("--model", arguments.models, "FILE",
-                   "Model of posed superquadrics (verisq-model/1, JSON); of a --certificate each that it is about,\n"
-                   "in its order; that of features needs none");
+  options.add_each(
+      "--model", arguments.models, "FILE",
+      "Model of posed superquadrics (verisq-model/1, JSON), or of stance (XML); of a --certificate each that it\n"
+      "is about, in its order; that of features needs none");
   declare_points(options, arguments.inputs);
   options.add("--map", arguments.map, "FILE", "The map, written with --certificates: .csv .vtp .csv.partial");
   options.add("--certificate", arguments.certificate, "FILE",
@@ -131,6 +134,8 @@ ExitStatus run_check(const CheckArguments& given) {
       return run_deviation_check(*deviation, arguments);
     if (const auto* const features = std::get_if<FeaturesAnswer>(&answer))
       return run_features_check(*features, arguments);
+    if (const auto* const standing = std::get_if<EquilibriumAnswer>(&answer))
+      return run_equilibrium_check(*standing, arguments);
     if (given.models.empty()) refuse("--model is required");
     refuse_what_certificates_lack(given);
     return run_certificate_check(answer, {given.certificate, given.models, given.json});

@@ -13,6 +13,8 @@
 #include <verisq/stance_choice.hpp>
 #include <verisq/stance_file.hpp>
 
+#include "host/command_line/certificate_output.hpp"
+#include "host/command_line/certified_stance.hpp"
 #include "host/command_line/choice.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/length_option.hpp"
@@ -102,6 +104,8 @@ void check_usage(const StanceArguments& arguments) {
   check_motion_usage(arguments);
   if (!arguments.parameter_map.empty() && arguments.equilibrium.has_value() == arguments.stability.has_value())
     refuse("--parameter-map: give either --equilibrium or --stability, too");
+  if (!arguments.certificate_file.empty() && !arguments.equilibrium)
+    refuse("--certificate-file: is of the equilibrium: give --equilibrium, too");
   check_report_usage(arguments);
 }
 
@@ -121,6 +125,8 @@ void check_outputs(const StanceArguments& arguments) {
   check("--csv", arguments.csv);
   check("--plot", arguments.plot);
   check("--report", arguments.report.text);
+  check("--certificate-file", arguments.certificate_file);
+  check_certificate_file(arguments.certificate_file, {arguments.model});
 }
 
 /// The words between commas.
@@ -190,6 +196,7 @@ class Analysis {
       summary_.model = narrowed_within(std::move(summary_.model), summary_.uncertain, *arguments.within);
     for (const NamedNumber& joint : arguments.joints)
       summary_.elsewhere.push_back(joint_position(summary_.model, joint.name, joint.number));
+    if (!arguments.certificate_file.empty()) refuse_moved_numbers(arguments.ranges);
     if (!arguments.parameter_map.empty() && summary_.uncertain.size() != 2) {
       refuse(fmt::format("--parameter-map: is of two uncertain parameters, not of {}: name them by --uncertain",
                          summary_.uncertain.size()));
@@ -211,6 +218,8 @@ class Analysis {
       if (arguments_.sensitivities) enclose_sensitivities();
       if (arguments_.accelerations.given) enclose_accelerations();
       if (arguments_.equilibrium) enclose_equilibrium();
+      if (!arguments_.certificate_file.empty())
+        certify_equilibrium(arguments_.certificate_file, summary_, arguments_.no_progress);
       if (arguments_.stability) decide_stability();
       if (!arguments_.parameter_map.empty()) draw_parameter_map();
       if (arguments_.simulate) enclose_motion();
@@ -223,6 +232,15 @@ class Analysis {
   }
 
  private:
+  /// A certificate is of the file's model, which says what is nominal.
+  void refuse_moved_numbers(const std::vector<NamedRange>& ranges) const {
+    for (const NamedRange& range : ranges) {
+      const auto is_named = [&](std::uint32_t k) { return summary_.model.parameters[k].name == range.name; };
+      if (std::ranges::none_of(summary_.uncertain, is_named))
+        refuse(fmt::format("--certificate-file: {} has a --range, but is not --uncertain", range.name));
+    }
+  }
+
   void compare() {
     try {
       summary_.paper = compare_with_paper(summary_.model);
@@ -352,6 +370,7 @@ bool all_proven(const StanceSummary& summary) {
   return (!summary.paper || summary.paper->all_explained()) && (!summary.wrench || finite(*summary.wrench)) &&
          std::ranges::all_of(summary.sensitivities, finite) && finite(summary.accelerations) &&
          (!summary.equilibrium || summary.equilibrium->stands == 1.0) &&
+         (!summary.certified || summary.certified->stands == 1.0) &&
          (!summary.stability || summary.stability->stable == 1.0) && (!summary.motion || summary.motion->proven) &&
          (!summary.bounce || is_proven(*summary.bounce));
 }
@@ -386,6 +405,8 @@ void declare_stance(Options& options, StanceArguments& arguments) {
               "or without their integral parts (proportional)");
   options.add("--parameter-map", arguments.parameter_map, "FILE",
               "With --equilibrium or --stability and two uncertain parameters: their cells as a picture (SVG)");
+  options.add("--certificate-file", arguments.certificate_file, "FILE",
+              "With --equilibrium: its cells and what proves them again, for `verisq check --certificate`: .json");
   options.add("--simulate", arguments.simulate, parse_positive_length, "SECONDS",
               "Also how the body moves in its sagittal plane, from its nominal equilibrium on, for so long");
   options.add(

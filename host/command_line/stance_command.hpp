@@ -27,7 +27,8 @@ struct StanceArguments {
   std::vector<NamedNumber> joints;  ///< other positions than the file's
   std::optional<stance::JointControl> equilibrium;
   std::optional<stance::JointControl> stability;
-  std::string parameter_map;  ///< file; or empty
+  std::string parameter_map;     ///< file; or empty
+  std::string certificate_file;  ///< likewise
   std::optional<std::uint32_t> cells;
   std::optional<double> simulate;  ///< in s
   std::optional<double> lift;      ///< in m

@@ -177,6 +177,12 @@ std::string standing_text(const StanceSummary& summary, const Standing& standing
   return text;
 }
 
+std::string certificate_text(const StanceSummary& summary) {
+  if (!summary.certified) return {};
+  return fmt::format("  certificate: {}, proves {}; its own ranges are in it, and in JSON\n", summary.certificate,
+                     share_text(summary.certified->stands));
+}
+
 std::string equilibrium_text(const StanceSummary& summary) {
   const Equilibrium& found = *summary.equilibrium;
   std::string text = fmt::format("\nequilibrium on the ground, joints {}\n", word(summary.control));
@@ -185,7 +191,7 @@ std::string equilibrium_text(const StanceSummary& summary) {
                       equilibrium_reach_of_tilt, equilibrium_reach_of_height, share_text(found.not_on_all));
   text += fmt::format("  open: {}\n", share_text(found.open));
   if (found.standing) text += standing_text(summary, *found.standing);
-  return text + scope_text(summary.equilibrium_scope);
+  return text + certificate_text(summary) + scope_text(summary.equilibrium_scope);
 }
 
 std::string eigenvalues_text(const std::vector<EigenvalueEnclosure>& eigenvalues) {
@@ -416,6 +422,11 @@ JsonObject json_of_equilibrium(const StanceSummary& summary) {
       {"cells", json_of_cells(found.cells, summary)},
       {"scope", json_of(summary.equilibrium_scope)}};
   if (found.standing) object.set("standing", json_of(*found.standing, summary.model));
+  if (!summary.certified) return object;
+  object.set("certificate", summary.certificate);
+  JsonObject certified{{"stands", summary.certified->stands}};
+  if (const auto& standing = summary.certified->standing) certified.set("standing", json_of(*standing, summary.model));
+  object.set("certified", certified);
   return object;
 }
 

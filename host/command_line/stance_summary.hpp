@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+#include <verisq/equilibrium_claims.hpp>
 #include <verisq/stance_bounce.hpp>
 #include <verisq/stance_choice.hpp>
 #include <verisq/stance_equilibrium.hpp>
@@ -37,6 +38,8 @@ struct StanceSummary {
   stance::JointControl control = stance::JointControl::held;
   std::optional<stance::Equilibrium> equilibrium;
   stance::Scope equilibrium_scope;
+  std::string certificate;                             ///< its file
+  std::optional<stance::EquilibriumClaims> certified;  ///< what that proves
   stance::JointControl stability_control = stance::JointControl::held;
   std::optional<stance::Stability> stability;
   stance::Scope stability_scope;

@@ -12,6 +12,7 @@
 #include "host/files/certificate_fields.hpp"
 #include "host/files/certificate_size.hpp"
 #include "host/files/deviation_answer.hpp"
+#include "host/files/equilibrium_answer.hpp"
 #include "host/files/features_answer.hpp"
 #include "host/files/input_file.hpp"
 #include "host/files/insertion_answer.hpp"
@@ -190,7 +191,9 @@ Answer parse_answer(std::string_view json, std::string_view name) {
   if (kind == "insertion") return read_insertion(root);
   if (kind == "deviation") return read_deviation(root);
   if (kind == "features") return read_features(root);
-  root.at("kind").fail("must be \"pair\", \"poses\", \"fit\", \"insertion\", \"deviation\" or \"features\"");
+  if (kind == "equilibrium") return read_equilibrium(root);
+  root.at("kind").fail(
+      "must be \"pair\", \"poses\", \"fit\", \"insertion\", \"deviation\", \"features\" or \"equilibrium\"");
 }
 
 Answer read_answer(const std::filesystem::path& path) {

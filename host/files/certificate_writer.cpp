@@ -213,6 +213,33 @@ OrderedJson json_of(const FrameAxis& axis) {
   return {{"direction", axis.direction}, {"tilt_degrees", axis.tilt_degrees}};
 }
 
+OrderedJson json_of(const EquilibriumAnswer& answer, const stance::Standing& standing) {
+  OrderedJson object{{"joints", OrderedJson::array()}, {"cylinders", OrderedJson::array()}};
+  for (std::size_t i = 0; i < answer.joints.size(); ++i) {
+    object["joints"].push_back({{"joint", answer.joints[i]},
+                                {"position", json_of(standing.positions[i])},
+                                {"torque", json_of(standing.torques[i])}});
+  }
+  for (std::size_t i = 0; i < answer.cylinders.size(); ++i) {
+    object["cylinders"].push_back({{"cylinder", answer.cylinders[i]},
+                                   {"force", json_of(standing.loads[i].force)},
+                                   {"penetration", json_of(standing.loads[i].penetration)}});
+  }
+  object["centre_of_pressure"] = {{"x", json_of(standing.centre_of_pressure_x)},
+                                  {"z", json_of(standing.centre_of_pressure_z)}};
+  object["least_penetration"] = json_of(standing.least_penetration);
+  return object;
+}
+
+OrderedJson json_of(const stance::EquilibriumPart& part) {
+  OrderedJson object = OrderedJson::object();
+  if (part.halved) object["halved"] = *part.halved;
+  if (part.postures.empty()) return object;
+  object["postures"] = OrderedJson::array();
+  for (const auto& [lo, hi] : part.postures) object["postures"].push_back({lo, hi});
+  return object;
+}
+
 }  // namespace
 
 void write_answer(const std::filesystem::path& path, const PairAnswer& answer) {
@@ -304,6 +331,21 @@ void write_answer(const std::filesystem::path& path, const FeaturesAnswer& answe
     document["changes"] = json_of(claims.changes);
   }
   write_text(path, text_of(document, 2) + "\n");
+}
+
+void write_answer(const std::filesystem::path& path, const EquilibriumAnswer& answer) {
+  const auto& [control, uncertain, ranges, stands, standing] = answer.claims;
+  OrderedJson head{{"format", "verisq-certificate/1"}, {"kind", "equilibrium"}};
+  head["models"] = OrderedJson::array({json_of(answer.model)});
+  head["joints"] = control == stance::JointControl::held ? "held" : "proportional";
+  head["uncertain"] = OrderedJson::array();
+  for (std::size_t i = 0; i < ranges.size(); ++i)
+    head["uncertain"].push_back({{"parameter", answer.parameters[i]}, {"lo", ranges[i].lo}, {"hi", ranges[i].hi}});
+  head["stands"] = stands;
+  if (standing) head["standing"] = json_of(answer, *standing);
+  head["reference"] = answer.certificate.reference;
+  const std::vector<stance::EquilibriumPart>& parts = answer.certificate.parts;
+  write_lines(path, head, "parts", parts.size(), "cells", [&](std::size_t i) { return json_of(parts[i]); });
 }
 
 }  // namespace verisq

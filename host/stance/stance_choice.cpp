@@ -81,12 +81,4 @@ JointPosition joint_position(const Model& model, const std::string& name, double
   return {static_cast<std::size_t>(found - names.begin()), position};
 }
 
-std::vector<std::string> joint_names(const Model& model) {
-  std::vector<std::string> names;
-  for (const Body& body : model.bodies) {
-    for (const Joint& joint : body.joints) names.push_back(body.name + " " + joint.name);
-  }
-  return names;
-}
-
 }  // namespace verisq::stance

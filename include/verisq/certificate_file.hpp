@@ -14,6 +14,7 @@
 #include <verisq/clearance_report.hpp>
 #include <verisq/deviation_certificate.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/equilibrium_certificate.hpp>
 #include <verisq/features_certificate.hpp>
 #include <verisq/fitness.hpp>
 #include <verisq/insertion_certificate.hpp>
@@ -114,7 +115,18 @@ struct FeaturesAnswer {
   FeatureClaims claims;                ///< lengths in mm
 };
 
-using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, InsertionAnswer, DeviationAnswer, FeaturesAnswer>;
+/// The kind `equilibrium`: where a model of stance stands still on the ground.
+struct EquilibriumAnswer {
+  SubjectFile model;                    ///< of stance
+  std::vector<std::string> parameters;  ///< names of the uncertain ones
+  std::vector<std::string> joints;      ///< names of all, as `stance::joint_names`; none without `standing`
+  std::vector<std::string> cylinders;   ///< likewise
+  stance::EquilibriumClaims claims;     ///< `uncertain` are indices of `parameters`
+  stance::EquilibriumCertificate certificate;
+};
+
+using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, InsertionAnswer, DeviationAnswer, FeaturesAnswer,
+                            EquilibriumAnswer>;
 
 /// Of any kind. Throws as `read_pair_answer`.
 [[nodiscard]] Answer read_answer(const std::filesystem::path& path);
@@ -137,5 +149,6 @@ void write_answer(const std::filesystem::path& path, const FitAnswer& answer);
 void write_answer(const std::filesystem::path& path, const InsertionAnswer& answer);
 void write_answer(const std::filesystem::path& path, const DeviationAnswer& answer);
 void write_answer(const std::filesystem::path& path, const FeaturesAnswer& answer);
+void write_answer(const std::filesystem::path& path, const EquilibriumAnswer& answer);
 
 }  // namespace verisq

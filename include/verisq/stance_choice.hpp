@@ -42,7 +42,4 @@ namespace verisq::stance {
 /// has.
 [[nodiscard]] JointPosition joint_position(const Model& model, const std::string& name, double position);
 
-/// "pelvis ty": all joints, bodies in order, as `accelerations` returns them.
-[[nodiscard]] std::vector<std::string> joint_names(const Model& model);
-
 }  // namespace verisq::stance

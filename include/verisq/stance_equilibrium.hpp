@@ -1,6 +1,7 @@
 /// Where a model of stance stands still on the ground, proven (docs/stance.md §7).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -51,6 +52,9 @@ enum class StandingVerdict : std::uint8_t {
 struct EquilibriumCell {
   std::vector<Enclosure> ranges;  ///< of the uncertain set, in its order
   StandingVerdict verdict;
+  /// Where it stands: of the height of Equilibrium's reference point above the ground, m, then of the joints whose
+  /// positions are sought, the root's two and, with proportional control, all others.
+  std::vector<Enclosure> postures = {};
 };
 
 struct Equilibrium {
@@ -60,7 +64,8 @@ struct Equilibrium {
   double open = 0.0;
   std::optional<Standing> standing;  ///< the hull of all cells that are proven to stand; none: there is no such cell
   std::vector<EquilibriumCell> cells;
-  bool interrupted = false;  ///< what was not looked at is open
+  std::array<double, 3> reference{};  ///< a point of the root next to the ground, in its frame
+  bool interrupted = false;           ///< what was not looked at is open
 };
 
 /// How far from the file's posture, in rad about each horizontal axis and in m of height, it is proven that there is no

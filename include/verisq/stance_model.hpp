@@ -108,4 +108,13 @@ struct Model {
   }
 };
 
+/// "pelvis ty": all joints, bodies in order, as results have them.
+[[nodiscard]] inline std::vector<std::string> joint_names(const Model& model) {
+  std::vector<std::string> names;
+  for (const Body& body : model.bodies) {
+    for (const Joint& joint : body.joints) names.push_back(body.name + " " + joint.name);
+  }
+  return names;
+}
+
 }  // namespace verisq::stance

@@ -8,6 +8,7 @@
 #include <verisq/certificate_file.hpp>
 #include <verisq/certified_deviation.hpp>
 #include <verisq/certified_distance.hpp>
+#include <verisq/certified_equilibrium.hpp>
 #include <verisq/certified_insertion.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
@@ -22,6 +23,8 @@
 #include <verisq/deviation_certificate.hpp>
 #include <verisq/device.hpp>
 #include <verisq/enclosure.hpp>
+#include <verisq/equilibrium_certificate.hpp>
+#include <verisq/equilibrium_claims.hpp>
 #include <verisq/error.hpp>
 #include <verisq/features.hpp>
 #include <verisq/features_certificate.hpp>

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <verisq/certified_equilibrium.hpp>
 #include <verisq/stance_analysis.hpp>
 #include <verisq/stance_bounce.hpp>
 #include <verisq/stance_choice.hpp>
@@ -53,9 +54,15 @@ inline constexpr std::size_t member_count<stance::CylinderLoad> = 2;
 template <>
 inline constexpr std::size_t member_count<stance::Standing> = 6;
 template <>
-inline constexpr std::size_t member_count<stance::EquilibriumCell> = 2;
+inline constexpr std::size_t member_count<stance::EquilibriumCell> = 3;
 template <>
-inline constexpr std::size_t member_count<stance::Equilibrium> = 6;
+inline constexpr std::size_t member_count<stance::Equilibrium> = 7;
+template <>
+inline constexpr std::size_t member_count<stance::EquilibriumClaims> = 5;
+template <>
+inline constexpr std::size_t member_count<stance::EquilibriumPart> = 2;
+template <>
+inline constexpr std::size_t member_count<stance::EquilibriumCertificate> = 2;
 template <>
 inline constexpr std::size_t member_count<stance::EigenvalueEnclosure> = 3;
 template <>
@@ -180,6 +187,15 @@ struct PythonEquilibrium {
   static constexpr std::size_t members = 3;
 };
 
+/// What its certificate proves, and what its numbers are of.
+struct PythonCertifiedEquilibrium {
+  stance::EquilibriumClaims claims;
+  stance::EquilibriumCertificate certificate;
+  std::vector<std::string> cylinders;
+
+  static constexpr std::size_t members = 3;
+};
+
 stance::JointControl control_of(const std::string& word) {
   if (word == "held") return stance::JointControl::held;
   if (word == "proportional") return stance::JointControl::proportional;
@@ -206,12 +222,57 @@ PythonEquilibrium equilibrium(const PythonStance& self, const std::string& joint
   return result;
 }
 
+stance::EquilibriumCheckOptions check_options(Interruption& interruption) {
+  stance::EquilibriumCheckOptions options;
+  options.in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) {
+    for (std::size_t i = 0; i < count; ++i) work(i);
+  };
+  options.interrupted = interruption.poll();
+  return options;
+}
+
+PythonCertifiedEquilibrium certified_equilibrium(const PythonStance& self, const std::string& joints,
+                                                 const Names& uncertain, std::uint32_t cells) {
+  const PythonEquilibrium found = equilibrium(self, joints, uncertain, cells);
+  Interruption interruption;
+  stance::CertifiedEquilibrium certified = without_lock(interruption, [&] {
+    return stance::certified_equilibrium(self.model, chosen(self, uncertain), control_of(joints), found.found,
+                                         check_options(interruption));
+  });
+  return {std::move(certified.claims), std::move(certified.certificate), found.cylinders};
+}
+
+/// A certificate names parameters and joints by their places.
+bool is_of(const stance::EquilibriumClaims& claims, const stance::Model& model) {
+  const bool fits = std::ranges::all_of(claims.uncertain, [&](auto k) { return k < model.parameters.size(); });
+  return fits && (!claims.standing || (claims.standing->positions.size() == model.degrees_of_freedom() &&
+                                       claims.standing->loads.size() == model.cylinders.size()));
+}
+
+bool is_proved(const PythonCertifiedEquilibrium& self, const PythonStance& model) {
+  if (!is_of(self.claims, model.model)) return false;
+  Interruption interruption;
+  const stance::ProvenEquilibrium proven = without_lock(interruption, [&] {
+    return stance::prove(model.model, self.claims, self.certificate, check_options(interruption));
+  });
+  return !proven.interrupted && std::ranges::all_of(stance::check(self.claims, proven), [](const Finding& finding) {
+    return finding.verdict == Verdict::proved;
+  });
+}
+
+const std::optional<stance::Standing>& standing_of(const PythonEquilibrium& self) {
+  return self.found.standing;
+}
+const std::optional<stance::Standing>& standing_of(const PythonCertifiedEquilibrium& self) {
+  return self.claims.standing;
+}
+
 /// Of a member of Standing where something stands, else None.
-template <class Member>
+template <class Self, class Member>
 auto of_standing(const Member& member) {
-  return [member](const PythonEquilibrium& self) -> py::object {
-    if (!self.found.standing) return py::none();
-    return member(self, *self.found.standing);
+  return [member](const Self& self) -> py::object {
+    if (!standing_of(self)) return py::none();
+    return member(self, *standing_of(self));
   };
 }
 
@@ -230,30 +291,41 @@ py::list cells_of(const Found& self) {
   return result;
 }
 
-void declare_equilibria(py::module_& module) {
+template <class Self>
+void declare_standing(py::class_<Self>& type) {
   using stance::Standing;
   const auto rows = [](std::vector<Enclosure> Standing::*member) {
-    return of_standing([member](const PythonEquilibrium&, const Standing& standing) -> py::object {
-      return rows_of(standing.*member);
-    });
+    return of_standing<Self>(
+        [member](const Self&, const Standing& standing) -> py::object { return rows_of(standing.*member); });
   };
   const auto one = [](Enclosure Standing::*member) {
-    return of_standing([member](const PythonEquilibrium&, const Standing& standing) -> py::object {
-      return py::cast(standing.*member);
-    });
+    return of_standing<Self>(
+        [member](const Self&, const Standing& standing) -> py::object { return py::cast(standing.*member); });
   };
   const auto loads = [](Enclosure stance::CylinderLoad::*member) {
-    return of_standing([member](const PythonEquilibrium& self, const Standing& standing) -> py::object {
+    return of_standing<Self>([member](const Self& self, const Standing& standing) -> py::object {
       py::dict result;
       for (std::size_t c = 0; c < self.cylinders.size(); ++c)
         result[py::str(self.cylinders[c])] = standing.loads[c].*member;
       return result;
     });
   };
-  py::class_<PythonEquilibrium>(
+  type.def_property_readonly("positions", rows(&Standing::positions), "float64 (J, 2): of all joints, m or rad.")
+      .def_property_readonly("torques", rows(&Standing::torques), "float64 (J, 2): what holds the joints, N m or N.")
+      .def_property_readonly("forces", loads(&stance::CylinderLoad::force), "By cylinder: N, upward.")
+      .def_property_readonly("penetrations", loads(&stance::CylinderLoad::penetration), "By cylinder: m.")
+      .def_property_readonly("least_penetration", one(&Standing::least_penetration), "m, of all points of contact.")
+      .def_property_readonly("centre_of_pressure_x", one(&Standing::centre_of_pressure_x), "m")
+      .def_property_readonly("centre_of_pressure_z", one(&Standing::centre_of_pressure_z), "m")
+      .def(pickled<Self>());
+}
+
+void declare_equilibria(py::module_& module) {
+  py::class_<PythonEquilibrium> found(
       module, "Equilibrium",
       "What StanceModel.equilibrium() proves, over the box of the uncertain parameters. Ends "
-      "are those of all parts\nof the box that are proven to stand; None where there are none.")
+      "are those of all parts\nof the box that are proven to stand; None where there are none.");
+  found
       .def_property_readonly(
           "stands", [](const PythonEquilibrium& self) { return self.found.stands; },
           "Share of the box: an equilibrium on all cylinders is proven, stable or not. 1 only for all of it.")
@@ -262,22 +334,28 @@ void declare_equilibria(py::module_& module) {
           "Share of the box: proven that none near the file's posture is on all cylinders.")
       .def_property_readonly(
           "open", [](const PythonEquilibrium& self) { return self.found.open; }, "Share of the box: neither is proven.")
-      .def_property_readonly("positions", rows(&Standing::positions), "float64 (J, 2): of all joints, m or rad.")
-      .def_property_readonly("torques", rows(&Standing::torques), "float64 (J, 2): what holds the joints, N m or N.")
-      .def_property_readonly("forces", loads(&stance::CylinderLoad::force), "By cylinder: N, upward.")
-      .def_property_readonly("penetrations", loads(&stance::CylinderLoad::penetration), "By cylinder: m.")
-      .def_property_readonly("least_penetration", one(&Standing::least_penetration), "m, of all points of contact.")
-      .def_property_readonly("centre_of_pressure_x", one(&Standing::centre_of_pressure_x), "m")
-      .def_property_readonly("centre_of_pressure_z", one(&Standing::centre_of_pressure_z), "m")
       .def_property_readonly(
           "cells", cells_of<PythonEquilibrium>,
           "A list of dictionaries: verdict; parameters, the range of each uncertain one by its name.")
-      .def("__repr__",
-           [](const PythonEquilibrium& self) {
-             return fmt::format("<verisq.Equilibrium: {:.4g} % stands, {:.4g} % open>", 100.0 * self.found.stands,
-                                100.0 * self.found.open);
-           })
-      .def(pickled<PythonEquilibrium>());
+      .def("__repr__", [](const PythonEquilibrium& self) {
+        return fmt::format("<verisq.Equilibrium: {:.4g} % stands, {:.4g} % open>", 100.0 * self.found.stands,
+                           100.0 * self.found.open);
+      });
+  declare_standing(found);
+  py::class_<PythonCertifiedEquilibrium> certified(
+      module, "CertifiedEquilibrium",
+      "What the certificate of StanceModel.certified_equilibrium() proves: ends as of an Equilibrium.");
+  certified
+      .def_property_readonly(
+          "stands", [](const PythonCertifiedEquilibrium& self) { return self.claims.stands; },
+          "At least this share of the box has an equilibrium on all cylinders. 1 only for all of it.")
+      .def("is_proved", is_proved, py::arg("model"),
+           "is_proved(model) -> bool\n\n"
+           "Proves every number again, of this StanceModel, by other formulas, in 127 bits.")
+      .def("__repr__", [](const PythonCertifiedEquilibrium& self) {
+        return fmt::format("<verisq.CertifiedEquilibrium: {:.4g} % stands>", 100.0 * self.claims.stands);
+      });
+  declare_standing(certified);
 }
 
 /// What is found, and what its numbers are of.
@@ -520,6 +598,10 @@ void declare_stances(py::module_& module) {
           "by name (m or rad) other than the file's; in contact their controllers' proportional parts act. cells:\n"
           "finest divisions of each uncertain range, 1 to 4096; a range is divided only where an acceleration may be\n"
           "largest or smallest. Raises Error for a joint that there is none of, and where the body does not stand.")
+      .def("certified_equilibrium", certified_equilibrium, py::arg("joints") = "held", py::kw_only(),
+           py::arg("uncertain") = py::none(), py::arg("cells") = 16,
+           "certified_equilibrium(joints=\"held\", *, uncertain=None, cells=16) -> CertifiedEquilibrium\n\n"
+           "As equilibrium(), with what proves it again by other formulas, in 127 bits. Ends may be a little wider.")
       .def("equilibrium", equilibrium, py::arg("joints") = "held", py::kw_only(), py::arg("uncertain") = py::none(),
            py::arg("cells") = 16,
            "equilibrium(joints=\"held\", *, uncertain=None, cells=16) -> Equilibrium\n\n"

@@ -23,7 +23,7 @@ Whole surfaces and solids
 Implants
     fit; map_along, certified_map_along, straight_path, removed_volume for their way in
 Stance
-    StanceModel, Equilibrium, Stability, Motion, Bounce
+    StanceModel, Equilibrium, CertifiedEquilibrium, Stability, Motion, Bounce
 Femurs
     detect_femur, femur_features
 Devices and errors
@@ -42,6 +42,7 @@ from ._verisq import (
     Bounce,
     Certificates,
     CertifiedDeviation,
+    CertifiedEquilibrium,
     CertifiedPair,
     CertifiedWay,
     Checker,
@@ -140,6 +141,7 @@ __all__ = [
     "Bounce",
     "Certificates",
     "CertifiedDeviation",
+    "CertifiedEquilibrium",
     "CertifiedPair",
     "CertifiedWay",
     "Checker",

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -40,8 +41,8 @@ class CheckCertificate : public ProgramTest {
     return write("forged.json", document.dump());
   }
 
-  std::string a_ = VERISQ_EXAMPLES "/stem.json";
-  std::string b_ = VERISQ_EXAMPLES "/gem.json";
+  std::string a_ = places::example("stem.json");
+  std::string b_ = places::example("gem.json");
   std::string proof_ = path("proof.json");
 };
 
@@ -50,7 +51,8 @@ TEST_F(CheckCertificate, ProvesTheAnswer) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, StartsWith("verdict            proved\n"));
   const Outcome alone =
-      Process({VERISQ_CHECK_PROGRAM, "--certificate", proof_, "--model", a_, "--model", b_, "--json"}, folder_.path())
+      Process({places::check_program(), "--certificate", proof_, "--model", a_, "--model", b_, "--json"},
+              folder_.path())
           .wait();
   EXPECT_EQ(alone.status, 0) << alone.err;
   const auto object = nlohmann::json::parse(alone.out);
@@ -110,7 +112,7 @@ TEST_F(CheckCertificate, NamesOptionsThatDoNotFit) {
 
 /// Bends and a difference: planes between sections decide.
 TEST_F(CheckCertificate, ProvesDistancesOfBentModels) {
-  const std::string bent = VERISQ_EXAMPLES "/bent_stem.json";
+  const std::string bent = places::example("bent_stem.json");
   const Outcome made = run(
       {"distance", bent, bent, "--pose", "0.085,0.02,0,1,0.2,0.1,0.05", "--certificate", "--certificate-file", proof_});
   EXPECT_EQ(made.status, 0) << made.err;
@@ -184,7 +186,7 @@ TEST_F(CheckManyPoses, ProvesTheRowsOfTheMap) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, StartsWith(fmt::format("poses              {}\n  proved           {}\n", poses, poses)));
   const Outcome alone =
-      Process({VERISQ_CHECK_PROGRAM, "--certificate", many_, "--model", a_, "--model", b_, "--json"}, folder_.path())
+      Process({places::check_program(), "--certificate", many_, "--model", a_, "--model", b_, "--json"}, folder_.path())
           .wait();
   EXPECT_EQ(alone.status, 0) << alone.err;
   EXPECT_EQ(nlohmann::json::parse(alone.out)["proved"], poses);

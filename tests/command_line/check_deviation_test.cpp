@@ -6,6 +6,7 @@
 #include <string>
 #include <verisq/mesh_file.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/proof_file_test.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 
@@ -32,7 +33,7 @@ class CheckDeviation : public ProofFileTest {
   }
 
   [[nodiscard]] Outcome check(const std::string& proof, const Arguments& more = {}) const {
-    Arguments arguments{VERISQ_CHECK_PROGRAM, "--model", model_, "--certificate", proof, "--no-progress"};
+    Arguments arguments{places::check_program(), "--model", model_, "--certificate", proof, "--no-progress"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Process(arguments, folder_.path()).wait();
   }
@@ -76,7 +77,7 @@ TEST_F(CheckDeviation, IsOfNoOtherModelMeshOrForm) {
   };
   expect_refused(check(proof_), {"is of a deviation: give the --mesh"});
   expect_refused(check(proof_, {"--points", mesh_}), {"is of a deviation: give the --mesh"});
-  expect_refused(check(proof_, {"--mesh", VERISQ_EXAMPLES "/cavity.off"}), {"is about another mesh"});
+  expect_refused(check(proof_, {"--mesh", places::example("cavity.off")}), {"is about another mesh"});
   expect_refused(check(proof_, {"--mesh", mesh_, "--map", "m.csv"}), {"holds its distances itself"});
   expect_refused(check(proof_, {"--mesh", mesh_, "--pose", "0,0,1,1,0,0,0"}), {"not with --pose"});
   expect_refused(check(forged("/units", "cm"), {"--mesh", mesh_}), {"units = \"cm\""});
@@ -107,7 +108,7 @@ TEST_F(CheckDeviation, NothingIsLostWhereAFileCannotBe) {
 
 /// Landmarks are all that features need.
 TEST_F(CheckDeviation, FeaturesAreProvedByTheirLandmarks) {
-  const Outcome made = run({"features", "--landmarks", VERISQ_EXAMPLES "/femur_landmarks.json", "--landmark-radius",
+  const Outcome made = run({"features", "--landmarks", places::example("femur_landmarks.json"), "--landmark-radius",
                             "1", "--certificate-file", proof_});
   ASSERT_EQ(made.status, 0) << made.err;
   const auto checked = [&](const std::string& proof) { return run({"check", "--certificate", proof}); };

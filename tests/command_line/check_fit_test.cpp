@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/proof_file_test.hpp"
 
 namespace verisq::testing {
@@ -20,7 +21,7 @@ using ::testing::Not;
 class CheckFit : public ProofFileTest {
  protected:
   void SetUp() override {
-    std::ifstream in(VERISQ_EXAMPLES "/stem_mm.json");
+    std::ifstream in(places::example("stem_mm.json"));
     json stem = json::parse(in);
     stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
     stem["areas"] = {{{"name", "upper"}, {"weight", 3}, {"box", {{-999, -999, -150}, {999, 999, 999}}}}};
@@ -56,8 +57,8 @@ class CheckFit : public ProofFileTest {
 
   [[nodiscard]] Outcome check_with(const std::string& map, const std::string& surface, const std::string& proof,
                                    const Arguments& more = {}) const {
-    Arguments arguments{VERISQ_CHECK_PROGRAM, "--model", fitted_,         "--mesh", mesh_,          "--map", map,
-                        "--surface-map",      surface,   "--certificate", proof,    "--no-progress"};
+    Arguments arguments{places::check_program(), "--model", fitted_,         "--mesh", mesh_,          "--map", map,
+                        "--surface-map",         surface,   "--certificate", proof,    "--no-progress"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Process(arguments, folder_.path()).wait();
   }
@@ -67,7 +68,7 @@ class CheckFit : public ProofFileTest {
     EXPECT_EQ(outcome.status, 3) << pointer << " " << value << outcome.out << outcome.err;
   }
 
-  std::string mesh_ = VERISQ_EXAMPLES "/cavity.off";
+  std::string mesh_ = places::example("cavity.off");
   std::string fitted_ = path("fitted.json");
   std::string map_ = path("map.csv");
   std::string surface_ = path("surface.vtp");

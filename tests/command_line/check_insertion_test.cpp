@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/proof_file_test.hpp"
 
 namespace verisq::testing {
@@ -19,7 +20,7 @@ using ::testing::Not;
 class CheckInsertion : public ProofFileTest {
  protected:
   void SetUp() override {
-    std::ifstream in(VERISQ_EXAMPLES "/stem_mm.json");
+    std::ifstream in(places::example("stem_mm.json"));
     json stem = json::parse(in);
     stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
     (void)write("stem.json", stem.dump());
@@ -36,8 +37,8 @@ class CheckInsertion : public ProofFileTest {
   }
 
   [[nodiscard]] Outcome check(const std::string& proof, const Arguments& more = {}) const {
-    Arguments arguments{VERISQ_CHECK_PROGRAM, "--model", implant_,       "--mesh", mesh_,
-                        "--certificate",      proof,     "--no-progress"};
+    Arguments arguments{places::check_program(), "--model", implant_,       "--mesh", mesh_,
+                        "--certificate",         proof,     "--no-progress"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Process(arguments, folder_.path()).wait();
   }
@@ -48,7 +49,7 @@ class CheckInsertion : public ProofFileTest {
   }
 
   std::string implant_ = path("stem.json");
-  std::string mesh_ = VERISQ_EXAMPLES "/cavity.off";
+  std::string mesh_ = places::example("cavity.off");
   std::string map_ = path("map.csv");
 };
 
@@ -166,7 +167,7 @@ TEST_F(CheckInsertion, NeedsWhatHasCertificates) {
   refused(run({"insert", "--implant", implant_, "--mesh", mesh_, "--along", "0,0,-1", "--length", "60", "-o",
                path("c.json"), "--certificate-file", path("d.json")}),
           "two outputs");
-  const std::string bent = VERISQ_EXAMPLES "/bent_stem.json";
+  const std::string bent = places::example("bent_stem.json");
   refused(run({"insert", "--implant", bent, "--mesh", mesh_, "--along", "0,0,-1", "--length", "60", "-o", map_,
                "--certificate-file", path("c.json")}),
           "ways in of bent models");

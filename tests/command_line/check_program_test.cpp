@@ -7,6 +7,7 @@
 #include <regex>
 #include <string>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -20,7 +21,7 @@ using ::testing::StartsWith;
 class CheckProgram : public ProgramTest {
  protected:
   [[nodiscard]] Outcome check_alone(Arguments arguments) const {
-    arguments.insert(arguments.begin(), VERISQ_CHECK_PROGRAM);
+    arguments.insert(arguments.begin(), places::check_program());
     return Process(arguments, folder_.path()).wait();
   }
 
@@ -43,7 +44,7 @@ class CheckProgram : public ProgramTest {
     EXPECT_EQ(std::regex_replace(alone.err, std::regex("verisq-check"), "verisq"), of_verisq.err);
   }
 
-  std::string model_ = VERISQ_EXAMPLES "/uncertain_stem.json";
+  std::string model_ = places::example("uncertain_stem.json");
   std::string points_ = write("points.csv", "0.3,0,0.1\n-0.0765,0.0407,-0.1455\n0.5,0.5,0.5\n");
   std::string mesh_ =
       write("mesh.off", "OFF\n4 4 0\n0.3 0 0\n0.4 0 0\n0.3 0.1 0\n0.3 0 0.1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n");
@@ -77,7 +78,7 @@ TEST_F(CheckProgram, AnswersAsTheCommandDoes) {
 TEST_F(CheckProgram, ProvesMapsOfMovedModels) {
   const std::string pose = "0.1,-0.2,0.3,1,2,3,4";
   expect_the_same({"--model", model_, "--pose", pose, "--points", points_, "--map", path("map.csv")}, 2);  // bounds
-  model_ = VERISQ_EXAMPLES "/stem.json";
+  model_ = places::example("stem.json");
   const std::string of_points = map("points_map.csv", {"--points", points_, "--pose", pose});
   expect_the_same({"--model", model_, "--pose", pose, "--points", points_, "--map", of_points}, 0);
   expect_the_same({"--model", model_, "--points", points_, "--map", of_points}, 3);
@@ -90,7 +91,7 @@ TEST_F(CheckProgram, RefusesAsTheCommandDoes) {
   expect_the_same({"--model", model_, "--map", of_points}, 2);
   expect_the_same({"--model", model_, "--points", write("two.csv", "0.3,0,0.1\n0.5,0.5,0.5\n"), "--map", of_points}, 2);
   // Of another model: nothing is proved.
-  expect_the_same({"--model", (VERISQ_EXAMPLES "/bent_stem.json"), "--points", points_, "--map", of_points}, 3);
+  expect_the_same({"--model", (places::example("bent_stem.json")), "--points", points_, "--map", of_points}, 3);
 }
 
 TEST_F(CheckProgram, ExplainsItself) {

@@ -20,6 +20,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -30,10 +31,10 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-const std::string ball = VERISQ_EXAMPLES "/capsule.json";  // semi-axis 1 along z
+const std::string ball = places::example("capsule.json");  // semi-axis 1 along z
 const std::string tetrahedron = "OFF\n4 4 0\n0 0 3\n1 0 4\n0 1 4\n-1 -1 4\n3 0 1 2\n3 0 2 3\n3 0 3 1\n3 1 3 2\n";
 
-const std::string bent_stem = VERISQ_EXAMPLES "/bent_stem.json";
+const std::string bent_stem = places::example("bent_stem.json");
 
 /// A grid that the model's searches take milliseconds a point for, as `x,y,z` lines.
 std::string points_about_the_bent_stem(int count) {
@@ -84,8 +85,8 @@ TEST_F(CommandLine, RefusesTwoCommandsAtOnce) {
 
 TEST_F(CommandLine, RefusesOutputsThatAreOneFileByLinks) {
   std::filesystem::create_symlink(path("map.csv"), path("page.html"));
-  const Outcome outcome = run({"map", "--model", VERISQ_EXAMPLES "/stem_mm.json", "--mesh",
-                               VERISQ_EXAMPLES "/cavity.off", "-o", path("map.csv"), "--report", path("page.html")});
+  const Outcome outcome = run({"map", "--model", places::example("stem_mm.json"), "--mesh",
+                               places::example("cavity.off"), "-o", path("map.csv"), "--report", path("page.html")});
   EXPECT_EQ(outcome.status, 2) << outcome.out;
   EXPECT_THAT(outcome.err, HasSubstr("is the name of two outputs"));
   EXPECT_FALSE(std::filesystem::exists(path("map.csv")));
@@ -485,7 +486,7 @@ TEST_F(CommandLine, NohupStaysInForce) {
   // As under `nohup`: a child inherits what is ignored.
   const auto before = std::signal(SIGHUP, SIG_IGN);
   const Process process(
-      {VERISQ_PROGRAM, "map", "--device", "host", "--model", bent_stem, "--points", points, "-o", path("map.csv")},
+      {places::program(), "map", "--device", "host", "--model", bent_stem, "--points", points, "-o", path("map.csv")},
       folder_.path(), SIGHUP);
   std::signal(SIGHUP, before);
   process.wait_until_interruptible();
@@ -504,7 +505,7 @@ std::filesystem::path partial_file_in(const std::filesystem::path& folder) {
 }
 
 TEST_F(CommandLine, KilledRunsLeaveTheirFinishedRows) {
-  const std::string stem = VERISQ_EXAMPLES "/stem.json";
+  const std::string stem = places::example("stem.json");
   std::string text;  // outside and inside; those inside take a while
   for (int k = 0; k < 100'000; ++k) text += k % 2 == 0 ? "90,0,0.5\n" : "0.5,1,-40\n";
   const auto points = write("points.csv", text);
@@ -566,7 +567,7 @@ TEST_F(CommandLine, AtTheTimeLimitAllRowsAreValid) {
 
 TEST_F(CommandLine, AtTheTimeLimitTrianglesAndUncertainModelsAreValid) {
   const auto mesh = write("mesh.off", tetrahedron);
-  const std::string uncertain = VERISQ_EXAMPLES "/uncertain_stem.json";
+  const std::string uncertain = places::example("uncertain_stem.json");
   for (const Arguments& what : {Arguments{"--model", ball, "--mesh", mesh, "--on", "triangles"},
                                 {"--model", uncertain, "--mesh", mesh, "--point-radius", "0.01", "--tol", "0.1"},
                                 {"--model", uncertain, "--mesh", mesh, "--on", "triangles", "--tol", "0.1"}}) {
@@ -583,7 +584,7 @@ TEST_F(CommandLine, AtTheTimeLimitTrianglesAndUncertainModelsAreValid) {
 
 TEST_F(CommandLine, AtTheTimeLimitCertificatesProveTheRows) {
   const auto mesh = write("mesh.off", "OFF\n5 2 0\n0 0 3\n1 0 4\n0 0.125 0.25\n9 0 0\n-9 1 0\n3 0 1 2\n3 0 3 4\n");
-  const std::string stem = VERISQ_EXAMPLES "/stem.json";
+  const std::string stem = places::example("stem.json");
   for (const std::string on : {"vertices", "triangles"}) {
     for (const std::string& model : {ball, stem}) {
       EXPECT_EQ(map({"--model", model, "--mesh", mesh, "--on", on, "--certificates", "--time-limit", "1e-9", "-o",
@@ -793,7 +794,7 @@ TEST_F(Check, ProvesAFinishedMap) {
 
 TEST_F(Check, ProvesAMapOfTheDefaultDevice) {
   const auto mesh = write("mesh.off", tetrahedron);
-  const std::string model = VERISQ_EXAMPLES "/stem.json";  // a union
+  const std::string model = places::example("stem.json");  // a union
   for (const std::string name : {"map.csv", "map.vtp"}) {
     EXPECT_EQ(run({"map", "--model", model, "--mesh", mesh, "--certificates", "-o", path(name)}).status, 0);
     const auto outcome = run({"check", "--model", model, "--mesh", mesh, "--map", path(name)});
@@ -882,7 +883,7 @@ TEST_F(Check, DoesNotProveWithoutThePrimitiveOfTheCertificate) {
 
 TEST_F(Check, DoesNotProveTheMapOfAnotherModel) {
   const auto map = certified_map("map.csv");
-  const auto outcome = run({"check", "--model", (VERISQ_EXAMPLES "/gem.json"), "--points", points_, "--map", map});
+  const auto outcome = run({"check", "--model", (places::example("gem.json")), "--points", points_, "--map", map});
   EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -19,7 +20,7 @@ class FeaturesCommand : public ProgramTest {
     arguments.insert(arguments.begin(), "features");
     return run(arguments);
   }
-  const std::string landmarks_ = VERISQ_EXAMPLES "/femur_landmarks.json";
+  const std::string landmarks_ = places::example("femur_landmarks.json");
 };
 
 const nlohmann::json& feature(const nlohmann::json& summary, const std::string& name) {
@@ -56,7 +57,7 @@ TEST_F(FeaturesCommand, WritesLandmarksThatItReadsAgain) {
   EXPECT_EQ(features({"--landmarks", landmarks_, "-o", path("again.json"), "--axes", path("axes.json")}).status, 0);
   EXPECT_EQ(features({"--landmarks", path("again.json"), "--json"}).out,
             features({"--landmarks", landmarks_, "--json"}).out);
-  EXPECT_EQ(run({"distance", path("axes.json"), VERISQ_EXAMPLES "/soap.json", "--json"}).status, 0);
+  EXPECT_EQ(run({"distance", path("axes.json"), places::example("soap.json"), "--json"}).status, 0);
 }
 
 TEST_F(FeaturesCommand, SaysWhatAnImplantChanges) {
@@ -112,7 +113,7 @@ TEST_F(FeaturesCommand, MeshesAModel) {
 TEST_F(FeaturesCommand, RefusesWhatIsNoFemur) {
   const std::string three = write("three.off", "OFF\n3 1 0\n0 0 0\n100 0 0\n0 100 0\n3 0 1 2\n");
   expect_refused(features({"--mesh", three}), {"three.off", "too few"});
-  expect_refused(features({"--model", VERISQ_EXAMPLES "/stem_mm.json", "--deviation", "1"}),
+  expect_refused(features({"--model", places::example("stem_mm.json"), "--deviation", "1"}),
                  {"stem_mm.json: mesh: its shaft is", "no femur"});
   expect_refused(features({}), {"--mesh", "--landmarks"});
   expect_refused(features({"--landmarks", landmarks_, "--side", "left"}), {"--side"});

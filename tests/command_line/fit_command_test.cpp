@@ -13,6 +13,7 @@
 #include <verisq/mesh.hpp>
 #include <verisq/model_file.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 
@@ -510,7 +511,7 @@ TEST_F(FitCommand, RefusesImplantsThatDoNotServe) {
       {"name": "body", "superquadric": {"semi_axes": [3, 4, [7, 8]], "exponents": [1, 1]},
        "bend": {"curvature": 0.02, "angle_deg": 0}}]})");
   refused({bent_sizes}, bent_sizes + ": sizes to choose from are for unions of primitives without bends");
-  const std::string bent = VERISQ_EXAMPLES "/bent_stem.json";
+  const std::string bent = places::example("bent_stem.json");
   expect_refused(
       run({"fit", "--any-side", "--mesh", mesh, "--gap", "2", "-o", fitted(), "--implant", bent, "--bound", "10"}),
       {"--bound: " + bent + ": is known of unions of primitives without bends alone"});

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -15,13 +16,13 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const std::string stem = VERISQ_EXAMPLES "/stem.json";
+const std::string stem = places::example("stem.json");
 
 class MapStreams : public ProgramTest {
  protected:
   /// As a shell runs it; in `command`, `map` is the program's, with the model, on the host.
   [[nodiscard]] Outcome shell(const std::string& command) const {
-    const std::string program = VERISQ_PROGRAM;
+    const std::string program = places::program();
     const std::string definition = "map() { '" + program + "' map --device host --model '" + stem + "' \"$@\"; }\n";
     return Process({"/bin/sh", "-c", "cd '" + folder_.path().string() + "'\n" + definition + command}, folder_.path())
         .wait();
@@ -96,8 +97,8 @@ TEST_F(MapStreams, ArraysAreAsGoodAsText) {
 TEST_F(MapStreams, AnArrayOnAStreamNeedsTheNumberOfItsRows) {
   expect_refused(shell("cat points.csv | map --points - -o - --format npy"),
                  {"-: a .npy begins with the number of its rows, which is not known of such an input"});
-  EXPECT_EQ(map({"--mesh", VERISQ_EXAMPLES "/cavity.off", "-o", path("map.npy"), "--tol", "1"}).status, 0);
-  const auto outcome = map({"--mesh", VERISQ_EXAMPLES "/cavity.off", "-o", "-", "--format", "npy", "--tol", "1"});
+  EXPECT_EQ(map({"--mesh", places::example("cavity.off"), "-o", path("map.npy"), "--tol", "1"}).status, 0);
+  const auto outcome = map({"--mesh", places::example("cavity.off"), "-o", "-", "--format", "npy", "--tol", "1"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, contents(path("map.npy")));
 }
@@ -138,7 +139,7 @@ TEST_F(MapStreams, RefusesClosestPointsOfWhatHasNone) {
   refused({"-o", path("map.csv"), "--certificates"}, {"--closest-points: not with --certificates"});
   refused({"-o", path("map.csv"), "--point-radius", "1"}, {"--closest-points: of exact points only"});
   refused({}, {"give at least one of --output"});
-  expect_refused(run({"map", "--model", VERISQ_EXAMPLES "/uncertain_stem.json", "--points", points_, "--closest-points",
+  expect_refused(run({"map", "--model", places::example("uncertain_stem.json"), "--points", points_, "--closest-points",
                       "-o", path("map.csv")}),
                  {"--closest-points: ", "uncertain_stem.json: not supported for intervals"});
 }
@@ -161,7 +162,7 @@ TEST_F(MapStreams, RefusesColumnsAndFormatsThatThereAreNot) {
 }
 
 TEST_F(MapStreams, RefusesColumnsAndFormatsOfNoOutput) {
-  const std::string mesh = VERISQ_EXAMPLES "/cavity.off";
+  const std::string mesh = places::example("cavity.off");
   for (const std::string option : {"--format", "--columns"}) {
     expect_refused(map({"--mesh", mesh, "--png", path("p.png"), option, option == "--format" ? "csv" : "lo"}),
                    {option + ": give the --output"});

@@ -13,6 +13,7 @@
 #include <vector>
 #include <verisq/map_part.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -20,7 +21,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string examples = VERISQ_EXAMPLES;
+const std::string examples = places::example("");
 const std::string stem = examples + "/stem_mm.json";
 
 /// Whole blocks, the beginnings of which have points within overlaps of the stem's primitives, and a part of one.
@@ -266,7 +267,7 @@ TEST_F(MergeCommand, GnuParallelRunsTheExample) {
   if (!std::filesystem::exists("/usr/bin/parallel")) GTEST_SKIP() << "no GNU parallel";
   (void)points();
   ASSERT_EQ(map("whole.npy").status, 0);
-  const Outcome outcome = Process({"/usr/bin/env", std::string("VERISQ=") + VERISQ_PROGRAM,
+  const Outcome outcome = Process({"/usr/bin/env", std::string("VERISQ=") + places::program(),
                                    examples + "/cluster/map_in_parallel", stem, path("points.csv"), path("all"), "3"},
                                   folder_.path())
                               .wait();

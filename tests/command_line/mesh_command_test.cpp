@@ -9,6 +9,7 @@
 #include <verisq/mesh_file.hpp>
 #include <verisq/mesh_topology.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -76,7 +77,7 @@ TEST_F(MeshCommand, SaysWhatIsNotProven) {
 
 TEST_F(MeshCommand, WritesNothingWhenInterrupted) {
   const Outcome outcome = run_interrupted(
-      {"mesh", "--model", VERISQ_EXAMPLES "/stem_mm.json", "--deviation", "0.001", "-o", path("a.stl")});
+      {"mesh", "--model", places::example("stem_mm.json"), "--deviation", "0.001", "-o", path("a.stl")});
   EXPECT_EQ(outcome.status, 130);
   EXPECT_EQ(outcome.err, "verisq: interrupted; " + path("a.stl") + " is not written\n");
   EXPECT_EQ(outcome.out, "");

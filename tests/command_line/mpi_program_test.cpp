@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -17,12 +18,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string model = VERISQ_EXAMPLES "/stem_mm.json";
+const std::string model = places::example("stem_mm.json");
 
 class MpiProgram : public ProgramTest {
  protected:
   void SetUp() override {
-    if (std::string(VERISQ_MPI_PROGRAM).empty()) GTEST_SKIP() << "built without MPI";
+    if (places::mpi_program().empty()) GTEST_SKIP() << "built without MPI";
     if (!std::filesystem::exists("/usr/bin/mpirun")) GTEST_SKIP() << "no mpirun";
     std::mt19937_64 generator(5);
     std::uniform_real_distribution<double> coordinate(-250.0, 250.0);
@@ -41,7 +42,7 @@ class MpiProgram : public ProgramTest {
 
   [[nodiscard]] Process ranks_of(int ranks, const Arguments& words) const {
     Arguments arguments{"/usr/bin/mpirun",     "--allow-run-as-root", "--oversubscribe", "-n",
-                        std::to_string(ranks), VERISQ_MPI_PROGRAM};
+                        std::to_string(ranks), places::mpi_program()};
     arguments.insert(arguments.end(), words.begin(), words.end());
     return {arguments, folder_.path()};
   }
@@ -91,7 +92,7 @@ TEST_F(MpiProgram, WritesTheBytesOfOneProcessOnAnyNumberOfRanks) {
 }
 
 TEST_F(MpiProgram, MapsTrianglesAndUncertainPlaces) {
-  const std::string mesh = VERISQ_EXAMPLES "/cavity.off";
+  const std::string mesh = places::example("cavity.off");
   const Arguments triangles{"--mesh", mesh, "--on", "triangles", "--tol", "1"};
   const Arguments places{"--mesh", mesh, "--translation-error", "0.5", "--rotation-error", "0.5", "--tol", "9"};
   for (const Arguments& subject : {triangles, places}) {
@@ -175,8 +176,8 @@ std::string answers_in(const std::string& json) {
 }
 
 TEST_F(MpiProgram, SharesTheCasesOfACohort) {
-  const std::string cavity = VERISQ_EXAMPLES "/cavity.off";
-  const std::string capsule = VERISQ_EXAMPLES "/capsule.json";
+  const std::string cavity = places::example("cavity.off");
+  const std::string capsule = places::example("capsule.json");
   std::string manifest = "case,command,model,implant,mesh,a,b,tol,device,any-side,on,gap,samples,primitives,output\n";
   const std::string near = ",map," + model + ",," + cavity + ",,,1e-3,host,,,,,,\n";
   manifest += "near" + near + "nearer" + near;

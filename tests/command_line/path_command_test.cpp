@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -57,7 +58,7 @@ TEST_F(PathCommand, IsNotFreeWhereTheClearanceIsNotKept) {
 }
 
 TEST_F(PathCommand, FollowsBendsAndSetOperations) {
-  const std::string stem = VERISQ_EXAMPLES "/bent_stem.json";
+  const std::string stem = places::example("bent_stem.json");
   const std::string ball = moving_ball("ball.json", 0.1, "bone lengths");
   const std::string past = folder_.file("past.csv", "-0.5,0.3,-0.1,1,0,0,0\n0.5,0.3,-0.1,1,0,0,0\n").string();
   const Outcome free = run({"path", stem, ball, "--poses", past, "--clearance", "0.05"});

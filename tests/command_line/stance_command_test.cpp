@@ -23,6 +23,7 @@
 #include "host/stance/stance_report.hpp"
 #include "host/stance/stance_samples.hpp"
 #include "host/stance/stance_scope.hpp"
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/process.hpp"
 #include "tests/fixtures/stance_example.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
@@ -38,7 +39,7 @@ using Json = nlohmann::json;
 class StanceCommand : public ::testing::Test {
  protected:
   [[nodiscard]] Process start(Arguments arguments) const {
-    arguments.insert(arguments.begin(), {VERISQ_PROGRAM, "stance"});
+    arguments.insert(arguments.begin(), {places::program(), "stance"});
     return {arguments, folder_.path()};
   }
   [[nodiscard]] Outcome stance(Arguments arguments) const { return start(std::move(arguments)).wait(); }
@@ -65,8 +66,8 @@ class StanceCommand : public ::testing::Test {
     }
     return folder_.file("changed.xml", xml).string();
   }
-  [[nodiscard]] static std::string example() { return VERISQ_EXAMPLES "/stance.xml"; }
-  [[nodiscard]] static std::string standing() { return VERISQ_EXAMPLES "/standing.xml"; }
+  [[nodiscard]] static std::string example() { return places::example("stance.xml"); }
+  [[nodiscard]] static std::string standing() { return places::example("standing.xml"); }
   void expect_refused(const Arguments& arguments, const std::string& message) const {
     const Outcome outcome = stance(arguments);
     EXPECT_EQ(outcome.status, 2);
@@ -164,7 +165,7 @@ std::vector<std::string> words(const Json& list) {
 }
 
 TEST_F(StanceCommand, EnclosesAccelerationsOnTheGround) {
-  const std::string standing = VERISQ_EXAMPLES "/standing.xml";
+  const std::string standing = places::example("standing.xml");
   const auto json_at = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments{standing, "--json", "--uncertain", "mp,k", "--monte-carlo", "500"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -436,6 +437,58 @@ TEST_F(StanceCommand, TellsWhetherTheBodyStaysThere) {
   EXPECT_LT(json["growth"]["hi"], 0.0);
   EXPECT_EQ(json["eigenvalues"].size(), 72U);
   EXPECT_EQ(json["cells"][0]["verdict"], "stable");
+}
+
+TEST_F(StanceCommand, WhatStandsCanBeProvedAgain) {
+  const std::string proof = (folder_ / "proof.json").string();
+  const Outcome made = stance(
+      {standing(), "--uncertain", "mp,px", "--within", "1", "--equilibrium", "held", "--certificate-file", proof});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("  certificate: " + proof + ", proves 100 % of the box; "));
+  const auto check = [&](const std::string& certificate, const Arguments& more = {}) {
+    Arguments arguments{places::check_program(), "--certificate", certificate, "--no-progress"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Process(arguments, folder_.path()).wait();
+  };
+  const Outcome proved = check(proof, {"--model", standing()});
+  EXPECT_EQ(proved.status, 0) << proved.err;
+  EXPECT_THAT(proved.out, StartsWith("claims               64\n  proved             64\n  refuted            0\n"));
+  EXPECT_THAT(proved.out, HasSubstr("whether the body stays there or topples"));
+  EXPECT_THAT(proved.out, HasSubstr("of                   all values of these parameters, together\n"));
+  const Json json = Json::parse(check(proof, {"--model", standing(), "--json"}).out);
+  EXPECT_EQ(json["joints"], "held");
+  EXPECT_EQ(json["uncertain"].size(), 2U);
+  EXPECT_EQ(json["unproved_cells"], 0);
+  EXPECT_EQ(json["claims"][0]["proven"]["lo"], 1.0);
+
+  std::ostringstream text;
+  text << std::ifstream(proof).rdbuf();
+  const Json honest = Json::parse(text.str());
+  const auto status_with = [&](const std::string& pointer, const Json& value) {
+    Json forged = honest;
+    forged[Json::json_pointer(pointer)] = value;
+    return check(folder_.file("forged.json", forged.dump()).string(), {"--model", standing()}).status;
+  };
+  EXPECT_EQ(status_with("/standing/least_penetration/lo", 0.002), 3);
+  EXPECT_EQ(status_with("/uncertain/0/hi", 60.0), 3);
+  EXPECT_EQ(status_with("/uncertain/0/hi", 70.0), 2);  // beyond the model's range
+  EXPECT_EQ(status_with("/parts", Json::array({Json::object()})), 3);
+  EXPECT_EQ(status_with("/joints", "proportional"), 3);
+  EXPECT_EQ(status_with("/uncertain/0/parameter", "mass"), 2);
+  EXPECT_EQ(status_with("/standing/cylinders/0/cylinder", "hand"), 2);
+  EXPECT_THAT(check(proof, {"--model", example()}).err, HasSubstr("is about another model"));
+  EXPECT_THAT(check(proof).err, HasSubstr("give that --model (.xml), and no other"));
+}
+
+TEST_F(StanceCommand, CertificatesAreOfEquilibriaAlone) {
+  const std::string model = standing();
+  expect_refused({model, "--certificate-file", "p.json"},
+                 "--certificate-file: is of the equilibrium: give --equilibrium, too");
+  expect_refused({model, "--equilibrium", "held", "--certificate-file", "p.xml"},
+                 "--certificate-file p.xml: is a .json");
+  expect_refused(
+      {model, "--uncertain", "none", "--range", "mp=60,65", "--equilibrium", "held", "--certificate-file", "p.json"},
+      "--certificate-file: mp has a --range, but is not --uncertain");
 }
 
 // Feet too soft: it would topple from its equilibrium.

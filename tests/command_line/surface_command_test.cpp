@@ -11,6 +11,7 @@
 #include <verisq/mesh_file.hpp>
 #include <verisq/mesh_topology.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "tests/fixtures/volume_files.hpp"
@@ -60,7 +61,7 @@ Mesh open_sphere() {
 
 /// The path of another program of the same build.
 std::string program_beside(const std::string& name) {
-  return (std::filesystem::path(VERISQ_PROGRAM).parent_path() / name).string();
+  return (std::filesystem::path(places::program()).parent_path() / name).string();
 }
 
 constexpr double ball_volume = 4.0 / 3.0 * std::numbers::pi;
@@ -272,7 +273,7 @@ TEST_F(SurfaceCommand, IsAProgramOfItsOwn) {
   EXPECT_EQ(outcome.err, "verisq-surface: --output is required (see verisq-surface --help)\n");
   const std::string of_cgal = "N4CGAL";  // a name in its namespace, as compilers write it
   EXPECT_NE(contents(program_beside("verisq-surface")).find(of_cgal), std::string::npos);
-  EXPECT_EQ(contents(VERISQ_PROGRAM).find(of_cgal), std::string::npos);
+  EXPECT_EQ(contents(places::program()).find(of_cgal), std::string::npos);
 }
 
 TEST_F(SurfaceCommand, HandsEverythingOn) {
@@ -286,7 +287,7 @@ TEST_F(SurfaceCommand, HandsEverythingOn) {
 #else
 
 TEST_F(SurfaceCommand, SaysThatItIsNotInThisBuild) {
-  const std::string missing = not_there(std::filesystem::path(VERISQ_PROGRAM).parent_path());
+  const std::string missing = not_there(std::filesystem::path(places::program()).parent_path());
   expect_refusal({}, missing);
   expect_refusal({"--help"}, missing);
   expect_refusal({"--points", cloud(), "-o", path("out.ply"), "--json"}, missing);
@@ -297,7 +298,7 @@ TEST_F(SurfaceCommand, SaysThatItIsNotInThisBuild) {
 
 TEST_F(SurfaceCommand, SaysThatItsProgramIsMissing) {
   const std::string alone = path("verisq");
-  std::filesystem::copy_file(VERISQ_PROGRAM, alone);
+  std::filesystem::copy_file(places::program(), alone);
   for (const char* const argument : {"--help", "--json"}) {
     const Outcome outcome = Process({alone, "surface", argument}, folder_.path()).wait();
     EXPECT_EQ(outcome.status, 2);

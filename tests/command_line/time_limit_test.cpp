@@ -13,6 +13,7 @@
 
 #include "host/maps/chunk_pace.hpp"
 #include "tests/fixtures/map_in_memory.hpp"
+#include "tests/fixtures/places.hpp"
 #include "verify/sets/coarse_distance.hpp"
 
 namespace verisq {
@@ -111,7 +112,7 @@ TEST(CoarseProofTest, OfTrianglesIsWhatTheCertificateProves) {
 }
 
 TEST(SignedDistanceTest, AnInterruptedSearchIsValidAndWide) {
-  const Model model = read_model(VERISQ_EXAMPLES "/bent_stem.json");
+  const Model model = read_model(places::example("bent_stem.json"));
   const SignedDistance search(model);
   for (const Point& x : random_points(40, 0.3, {0, 0, -0.2})) {
     const Enclosure tight = search(x, 1e-8);
@@ -130,7 +131,7 @@ MapOptions limited(const std::string& device, double tolerance, std::atomic<int>
 }
 
 TEST(TimeLimitTest, EveryRowIsDeliveredInOrder) {
-  const Model model = read_model(VERISQ_EXAMPLES "/bent_stem.json");
+  const Model model = read_model(places::example("bent_stem.json"));
   const std::vector<Point> points = random_points(700, 0.35, {0, 0, -0.2});
   constexpr double tolerance = 1e-6;
   const FinishedMap all = map_in_memory(model, points, {.tolerance = tolerance, .device = "host"});
@@ -164,7 +165,7 @@ TEST(TimeLimitTest, EveryRowIsDeliveredInOrder) {
 }
 
 TEST(TimeLimitTest, WithCertificatesEveryRowIsProven) {
-  const Model model = read_model(VERISQ_EXAMPLES "/stem.json");
+  const Model model = read_model(places::example("stem.json"));
   const Checker checker(model);
   const std::vector<Point> points = random_points(200, 0.3, {0, 0, -0.2});
   for (const std::string device : {"host", "auto"}) {

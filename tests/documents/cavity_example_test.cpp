@@ -11,6 +11,7 @@
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -19,8 +20,8 @@ namespace {
 constexpr double gap = 2.0;         // mm
 constexpr double rounding = 1e-11;  // mm: how far the generator may miss the gap
 
-const std::string implant = VERISQ_EXAMPLES "/stem_mm.json";
-const std::string cavity = VERISQ_EXAMPLES "/cavity.off";
+const std::string implant = places::example("stem_mm.json");
+const std::string cavity = places::example("cavity.off");
 
 class CavityExample : public ProgramTest {
  protected:
@@ -55,7 +56,7 @@ TEST_F(CavityExample, BoundsOneSolidWithoutHoles) {
 }
 
 TEST_F(CavityExample, IsWhatItsGeneratorMakes) {
-  const Outcome outcome = Process({VERISQ_CAVITY_GENERATOR, implant, "2", path("again.off")}, folder_.path()).wait();
+  const Outcome outcome = Process({places::cavity_generator(), implant, "2", path("again.off")}, folder_.path()).wait();
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Mesh shipped = read_mesh(cavity);
   const Mesh again = read_mesh(path("again.off"));

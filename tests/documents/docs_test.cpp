@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/documents/include_graph.hpp"
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/process.hpp"
 
 namespace verisq::testing {
@@ -19,7 +20,7 @@ namespace {
 
 using std::filesystem::path;
 
-const path root = VERISQ_SOURCE;
+const path root = places::source();
 
 /// Of the working tree without what is built or fetched, relative to the root.
 std::vector<path> files() {

@@ -16,6 +16,7 @@
 #include <verisq/model_file.hpp>
 
 #include "tests/documents/fenced_blocks.hpp"
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 
 namespace verisq::testing {
@@ -23,7 +24,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::filesystem::path root = VERISQ_SOURCE;
+const std::filesystem::path root = places::source();
 
 std::string readme() {
   return contents(root / "README.md");
@@ -68,9 +69,9 @@ class Readme : public ProgramTest {
   void SetUp() override {
     const std::filesystem::path folder = folder_.path();
     std::filesystem::create_directories(folder / "build" / "demo");
-    std::filesystem::create_directory_symlink(std::filesystem::path(VERISQ_PROGRAM).parent_path(),
+    std::filesystem::create_directory_symlink(std::filesystem::path(places::program()).parent_path(),
                                               folder / "build" / "release");
-    std::filesystem::create_directory_symlink(VERISQ_EXAMPLES, folder / "examples");
+    std::filesystem::create_directory_symlink(places::source() + "/examples", folder / "examples");
   }
 
   /// Without the network a cavity around the same implant stands in for the femur.
@@ -82,8 +83,8 @@ class Readme : public ProgramTest {
       std::filesystem::copy_file(fetched, bone);
       return;
     }
-    const std::string stem = VERISQ_EXAMPLES "/stem.json";
-    ASSERT_EQ(Process({VERISQ_CAVITY_GENERATOR, stem, "0.05", bone.string()}, folder_.path()).wait().status, 0);
+    const std::string stem = places::example("stem.json");
+    ASSERT_EQ(Process({places::cavity_generator(), stem, "0.05", bone.string()}, folder_.path()).wait().status, 0);
   }
 
   [[nodiscard]] Outcome as_printed(const std::string& command) const {

@@ -14,11 +14,12 @@
 #include <vector>
 
 #include "tests/documents/include_graph.hpp"
+#include "tests/fixtures/places.hpp"
 
 namespace verisq {
 namespace {
 
-const std::filesystem::path root = VERISQ_SOURCE;
+const std::filesystem::path root = places::source();
 
 /// A reader's one sitting.
 constexpr std::size_t most_trusted_lines = 4000;

@@ -11,6 +11,7 @@
 #include <verisq/model_file.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
 namespace verisq {
@@ -64,7 +65,7 @@ TEST(Areas, AreReadFromFiles) {
   const TemporaryFolder folder;
   const auto file = folder.file("m.json", model_with(one("proximal", "3", unit_box)));
   EXPECT_EQ(read_areas(file).size(), 1U);
-  EXPECT_TRUE(read_areas(VERISQ_EXAMPLES "/stem.json").empty());
+  EXPECT_TRUE(read_areas(places::example("stem.json")).empty());
   expect_input_error([&] { (void)read_areas(folder / "none.json"); }, folder / "none.json", ": no such file");
 }
 

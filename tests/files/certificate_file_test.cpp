@@ -250,7 +250,8 @@ TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
     expect_input_error([&] { (void)parse_answer(other.dump(), "proof.json"); }, "proof.json", ": " + message);
   };
   refused("/kind", "path",
-          "kind = \"path\": must be \"pair\", \"poses\", \"fit\", \"insertion\", \"deviation\" or \"features\"");
+          "kind = \"path\": must be \"pair\", \"poses\", \"fit\", \"insertion\", \"deviation\", \"features\" or "
+          "\"equilibrium\"");
   refused("/kind", "pair", "answers = [...]: unknown key");
   refused("/answers", nlohmann::json::array(), "answers = []: must not be empty");
   refused("/answers/1/extra", 1, "answers[1].extra = 1: unknown key");
@@ -318,6 +319,73 @@ TEST(CertificateFile, OfFeaturesGivesTheSameBitsAgain) {
   EXPECT_EQ(read.claims.frame->z.tilt_degrees, written.claims.frame->z.tilt_degrees);
   EXPECT_EQ(*read.claims.implant, *written.claims.implant);
   EXPECT_EQ(read.claims.changes[0].value, written.claims.changes[0].value);
+}
+
+EquilibriumAnswer equilibrium_answer() {
+  return {.model = {"s.xml", sha256("s")},
+          .parameters = {"mp", "px"},
+          .joints = {"pelvis ty", "pelvis rz"},
+          .cylinders = {"left", "right"},
+          .claims = {.control = stance::JointControl::proportional,
+                     .uncertain = {0, 1},
+                     .ranges = {{49.5, 50.5}, {1.0 / 3.0, 0.5}},
+                     .stands = 0.75,
+                     .standing = stance::Standing{.positions = {{0.1, 0.2}, {-1.0 / 3.0, infinity}},
+                                                  .torques = {{0.0, 0.0}, {-0.1, 0.7}},
+                                                  .loads = {{{1.0, 2.0}, {0.1, 0.3}}, {{3.0, 4.0}, {0.2, 0.4}}},
+                                                  .centre_of_pressure_x = {-0.01, 0.01},
+                                                  .centre_of_pressure_z = {-infinity, 0.3},
+                                                  .least_penetration = {0.1, 0.3}}},
+          .certificate = {.reference = {0.1, -1.0, 1.0 / 7.0},
+                          .parts = {{1, {}}, {{}, {{0.1, 0.3}, {-1.0 / 3.0, 0.7}}}, {}}}};
+}
+
+TEST(CertificateFile, OfAnEquilibriumGivesTheSameBitsAgain) {
+  const TemporaryFolder folder;
+  const EquilibriumAnswer written = equilibrium_answer();
+  write_answer(folder / "proof.json", written);
+  const auto read = std::get<EquilibriumAnswer>(read_answer(folder / "proof.json"));
+  EXPECT_EQ(read.model.sha256, written.model.sha256);
+  EXPECT_EQ(read.parameters, written.parameters);
+  EXPECT_EQ(read.joints, written.joints);
+  EXPECT_EQ(read.cylinders, written.cylinders);
+  EXPECT_EQ(read.claims.control, written.claims.control);
+  EXPECT_EQ(read.claims.uncertain, written.claims.uncertain);
+  EXPECT_EQ(read.claims.ranges, written.claims.ranges);
+  EXPECT_EQ(read.claims.stands, written.claims.stands);
+  EXPECT_EQ(numbers_of(read.claims.standing.value()), numbers_of(written.claims.standing.value()));
+  EXPECT_EQ(read.certificate.reference, written.certificate.reference);
+  ASSERT_EQ(read.certificate.parts.size(), 3U);
+  EXPECT_EQ(read.certificate.parts[0].halved, 1U);
+  EXPECT_EQ(read.certificate.parts[1].postures, written.certificate.parts[1].postures);
+  EXPECT_TRUE(read.certificate.parts[2].postures.empty());
+}
+
+TEST(CertificateFile, OfAnEquilibriumIsRefusedWhereItIsNone) {
+  const TemporaryFolder folder;
+  write_answer(folder / "proof.json", equilibrium_answer());
+  std::ifstream in(folder / "proof.json");
+  const nlohmann::json document = nlohmann::json::parse(in);
+  const auto refused = [&](const std::string& pointer, const nlohmann::json& value, const std::string& message) {
+    nlohmann::json other = document;
+    other[nlohmann::json::json_pointer(pointer)] = value;
+    expect_input_error([&] { (void)parse_answer(other.dump(), "proof.json"); }, "proof.json", ": " + message);
+  };
+  refused("/joints", "free", "joints = \"free\": must be \"held\" or \"proportional\"");
+  refused("/uncertain/1/parameter", "mp", "uncertain[1].parameter = \"mp\": is named before");
+  refused("/uncertain/0/hi", 49.0, "uncertain[0].hi = 49.0: must not be below the lower end");
+  refused("/uncertain/0/hi", "inf", "uncertain[0].hi = \"inf\": must be a number");
+  refused("/stands", 1.5, "stands = 1.5: must be at most 1");
+  refused("/standing/joints/1/joint", "pelvis ty", "standing.joints[1].joint = \"pelvis ty\": is named before");
+  refused("/standing/least_penetration", 0.1, "standing.least_penetration = 0.1: must be an object");
+  refused("/reference", {0, 1}, "reference = [0,1]: must be an array of 3 numbers");
+  refused("/parts/0/halved", 2, "parts[0].halved = 2: must be the index of an uncertain parameter");
+  refused("/parts/0/postures", nlohmann::json::array({{0, 1}}),
+          "parts[0].postures = [...]: must not be of a part that is halved");
+  refused("/parts/1/postures/0", {1, 0}, "parts[1].postures[0][1] = 0: must not be below the lower end");
+  refused("/parts/1/postures", nlohmann::json::array(), "parts[1].postures = []: must not be empty");
+  refused("/parts/3", nlohmann::json::object(), "parts[3] = {}: is beyond the last part of the box");
+  refused("/parts", {{{"halved", 0}}}, "parts = [...]: must have two parts for each that is halved");
 }
 
 TEST(CertificateFile, IsRefusedWhereItWouldBeTooLarge) {

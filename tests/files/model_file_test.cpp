@@ -13,6 +13,7 @@
 #include <verisq/model_file.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
 namespace verisq {
@@ -125,19 +126,19 @@ TEST(ModelFile, AcceptsEveryBendThatLeavesTheSolidWhole) {
 }
 
 TEST(ModelFile, ReadsTheBentStem) {
-  const Model model = read_model(VERISQ_EXAMPLES "/bent_stem.json");
+  const Model model = read_model(places::example("bent_stem.json"));
   EXPECT_TRUE(model.primitives[0].bend);
   EXPECT_FALSE(is_union_of_convex(model));
 }
 
 TEST(ModelFile, ReadsTheTaperedStems) {
-  const Model straight = read_model(VERISQ_EXAMPLES "/tapered_stem.json");
+  const Model straight = read_model(places::example("tapered_stem.json"));
   EXPECT_TRUE(is_union_of_convex(straight));
   const Superquadric& neck = straight.primitives[2].superquadric;
   EXPECT_NEAR(2.0 * neck.semi_axes[0] * 2.0 / (1.0 + neck.taper), 14.0, 0.01);
   EXPECT_NEAR(2.0 * neck.semi_axes[0] * 2.0 * neck.taper / (1.0 + neck.taper), 12.0, 0.01);
 
-  const Model bent = read_model(VERISQ_EXAMPLES "/bent_tapered_stem.json");
+  const Model bent = read_model(places::example("bent_tapered_stem.json"));
   EXPECT_FALSE(is_union_of_convex(bent));
   ASSERT_EQ(bent.primitives.size(), straight.primitives.size());
   for (std::size_t k = 0; k < bent.primitives.size(); ++k) {
@@ -417,8 +418,8 @@ TEST(UncertainModelFile, ReadsIntervalsAndNumbers) {
 }
 
 TEST(UncertainModelFile, ReadsExactModels) {
-  EXPECT_TRUE(is_exact(read_uncertain_model(VERISQ_EXAMPLES "/stem.json")));
-  EXPECT_FALSE(is_exact(read_uncertain_model(VERISQ_EXAMPLES "/uncertain_stem.json")));
+  EXPECT_TRUE(is_exact(read_uncertain_model(places::example("stem.json"))));
+  EXPECT_FALSE(is_exact(read_uncertain_model(places::example("uncertain_stem.json"))));
 }
 
 TEST(UncertainModelFile, KeepsBendsAndSetOperationsOfExactModels) {

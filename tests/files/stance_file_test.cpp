@@ -8,6 +8,7 @@
 #include <verisq/stance_file.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/stance_example.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
@@ -132,7 +133,7 @@ void expect_equal(const ContactCylinder& a, const Model& model_a, const ContactC
 }
 
 TEST(StanceFile, TheExampleIsTheModelOfThePaper) {
-  const Model read = read_model(VERISQ_EXAMPLES "/stance.xml");
+  const Model read = read_model(places::example("stance.xml"));
   const Model built = nine_segments();
   EXPECT_EQ(read.gravity, built.gravity);
   EXPECT_EQ(read.degrees_of_freedom(), 26U);
@@ -156,7 +157,7 @@ TEST(StanceFile, TheExampleIsTheModelOfThePaper) {
 }
 
 TEST(StanceFile, TheExampleHasTheParametersOfTableOne) {
-  const Model read = read_model(VERISQ_EXAMPLES "/stance.xml");
+  const Model read = read_model(places::example("stance.xml"));
   const Model built = nine_segments();
   ASSERT_EQ(read.parameters.size(), built.parameters.size());
   for (const Parameter& expected : built.parameters) {

@@ -18,6 +18,7 @@
 #include "host/fit/pose_objective.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "verify/sets/bounding_box.hpp"
@@ -61,12 +62,12 @@ Vector3d centre(const Model& implant) {
 
 /// Five primitives, no symmetry.
 Model stem() {
-  return read_model(std::string(VERISQ_EXAMPLES) + "/stem_mm.json");
+  return read_model(places::example("stem_mm.json"));
 }
 
 /// Shaft, body and neck tapered.
 Model tapered_stem() {
-  return read_model(std::string(VERISQ_EXAMPLES) + "/tapered_stem.json");
+  return read_model(places::example("tapered_stem.json"));
 }
 
 /// Two primitives across each other, of three different semi-axes: quick to fit.

@@ -98,6 +98,33 @@ void check_answer(const FeaturesAnswer& answer) {
   check(findings.size() == claims.features.size() + claims.changes.size() + (claims.frame ? 3 : 0), "all are judged");
 }
 
+void check_answer(const EquilibriumAnswer& answer) {
+  const auto is_range = [](const Enclosure& range) { return std::isfinite(range.width()) && range.lo <= range.hi; };
+  check(answer.parameters.size() == answer.claims.ranges.size(), "each range has a parameter");
+  check(std::ranges::all_of(answer.claims.ranges, is_range), "a box is finite");
+  check(answer.claims.stands >= 0.0 && answer.claims.stands <= 1.0, "a share is one");
+  check(finite(answer.certificate.reference), "a reference point is finite");
+  if (const auto& standing = answer.claims.standing) {
+    check(standing->positions.size() == answer.joints.size() && standing->torques.size() == answer.joints.size() &&
+              standing->loads.size() == answer.cylinders.size(),
+          "each claim has a name");
+    const auto has_ends = [](const Enclosure& claim) { return !std::isnan(claim.lo) && !std::isnan(claim.hi); };
+    check(std::ranges::all_of(stance::numbers_of(*standing), has_ends), "a claim has two ends");
+  }
+  std::size_t expected = 1;
+  for (const auto& [halved, postures] : answer.certificate.parts) {
+    check(expected > 0 && (!halved || *halved < answer.parameters.size()), "parts are a tree of the box");
+    check(std::ranges::all_of(postures, is_range) && (!halved || postures.empty()), "postures are of undivided parts");
+    expected += halved ? 1U : 0U;
+    expected -= halved ? 0U : 1U;
+  }
+  check(expected == 0, "the tree is whole");
+}
+
+std::vector<SubjectFile> subjects_of(const EquilibriumAnswer& answer) {
+  return {answer.model};
+}
+
 std::vector<SubjectFile> subjects_of(const DeviationAnswer& answer) {
   return {answer.model, answer.mesh};
 }

@@ -18,6 +18,7 @@
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/uncertain_scenes.hpp"
 #include "tests/maps/summary_of_rows.hpp"
@@ -205,7 +206,7 @@ TEST_P(PoseMapTest, HugeAndTinyTranslations) {
           {"needleSoap", needle, one(2)},
           {"large", scaled(row, 1e6), scaled(one(1), 1e6)},
           {"small", scaled(one(0), 1e-6), scaled(row, 1e-6)},
-          {"stemCapsule", read_model(VERISQ_EXAMPLES "/stem.json"), scaled(one(0), 0.05)}};
+          {"stemCapsule", read_model(places::example("stem.json")), scaled(one(0), 0.05)}};
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, PoseMapTest,

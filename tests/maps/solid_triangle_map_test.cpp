@@ -16,6 +16,7 @@
 #include <verisq/signed_distance.hpp>
 #include <verisq/triangle_search.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/random.hpp"
 
 namespace verisq {
@@ -24,7 +25,7 @@ namespace {
 using ::testing::HasSubstr;
 
 const Model& bent_stem() {
-  static const Model model = read_model(VERISQ_EXAMPLES "/bent_stem.json");
+  static const Model model = read_model(places::example("bent_stem.json"));
   return model;
 }
 

@@ -14,6 +14,7 @@
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/uncertain_scenes.hpp"
 #include "tests/maps/summary_of_rows.hpp"
 #include "tests/oracle/in_parallel.hpp"
@@ -166,9 +167,9 @@ TEST(UncertainMapTest, OfNoPointsIsEmpty) {
 }
 
 TEST(UncertainMapTest, ExampleOfAStemWithTolerances) {
-  const UncertainModel model = read_uncertain_model(VERISQ_EXAMPLES "/uncertain_stem.json");
+  const UncertainModel model = read_uncertain_model(places::example("uncertain_stem.json"));
   EXPECT_FALSE(is_exact(model));
-  const Model nominal = read_model(VERISQ_EXAMPLES "/stem.json");
+  const Model nominal = read_model(places::example("stem.json"));
   const std::vector<Point> points = points_about(nominal.primitives, 5);
   const FinishedMap outer = map_in_memory(model, points, {.tolerance = 1e-6, .point_radius = 0.0005});
   const FinishedMap inner = map_in_memory(nominal, points, {.tolerance = 1e-6});

@@ -14,6 +14,7 @@
 #include <verisq/octree_checker.hpp>
 #include <verisq/octree_file.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 #include "tests/oracle/random_cases.hpp"
@@ -53,7 +54,7 @@ void expect_upper_end(const OctreeChecker& checker, const OctreeSummary& summary
 
 TEST(OctreeChecker, ProvesOctreesOfExamples) {
   for (const char* name : {"stem.json", "bent_stem.json", "gem.json"}) {
-    const Model model = read_model(std::string(VERISQ_EXAMPLES "/") + name);
+    const Model model = read_model(std::string(places::example("")) + name);
     const auto [summary, cubes] = grow(model, 5);
     const OctreeChecker checker(model, summary.root, cubes);
     EXPECT_EQ(checker.volume().lo, summary.volume.lo) << name;

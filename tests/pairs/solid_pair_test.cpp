@@ -11,6 +11,7 @@
 
 #include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/forgeries.hpp"
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_solids.hpp"
 #include "verisq/model_file.hpp"
@@ -49,7 +50,7 @@ Pose at(double x, double y, double z, const std::array<double, 4>& quaternion = 
 }
 
 Model example(std::string_view name) {
-  return read_model(fmt::format("{}/{}", VERISQ_EXAMPLES, name));
+  return read_model(places::example(name));
 }
 
 /// Two bent solids of several primitives, side by side or nearly meeting.

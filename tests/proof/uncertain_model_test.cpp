@@ -16,6 +16,7 @@
 #include <verisq/model_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/uncertain_scenes.hpp"
 #include "tests/oracle/covered_ball.hpp"
 #include "tests/oracle/in_parallel.hpp"
@@ -25,7 +26,7 @@ namespace verisq::oracle {
 namespace {
 
 TEST(BracketTest, OfAnExactModelIsTheModel) {
-  const Model model = read_model(VERISQ_EXAMPLES "/stem.json");
+  const Model model = read_model(places::example("stem.json"));
   const UncertainModel same = model;
   EXPECT_TRUE(is_exact(same));
   const Bracket models = bracket(same);

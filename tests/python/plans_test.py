@@ -260,6 +260,16 @@ class Standing(unittest.TestCase):
         self.assertGreater(found.least_penetration.lo, 0.0)
         self.assertEqual(found.cells[0]["verdict"], "stands")
 
+    def test_what_is_found_can_be_proved_again(self):
+        model = verisq.StanceModel.load(EXAMPLES / "standing.xml").within(1.0, ["mp", "px"])
+        proven = model.certified_equilibrium(uncertain=["mp", "px"])
+        self.assertEqual(proven.stands, 1.0)
+        self.assertTrue(proven.is_proved(model))
+        self.assertFalse(proven.is_proved(model.narrowed("py", 0.49, 0.5)))
+        found = model.equilibrium(uncertain=["mp", "px"])
+        self.assertAlmostEqual(proven.forces["left forefoot"].lo, found.forces["left forefoot"].lo, places=2)
+        self.assertEqual(len(proven.torques), len(model.joints))
+
     def test_small_disturbances_die_out(self):
         model = verisq.StanceModel.load(EXAMPLES / "standing.xml")
         found = model.stability(uncertain=[])

@@ -32,6 +32,7 @@
 #include "host/report/colour_scale.hpp"
 #include "host/report/model_surface.hpp"
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/program_test.hpp"
 #include "tests/fixtures/temporary_folder.hpp"
 
@@ -743,7 +744,7 @@ TEST_F(PictureOfABox, FailsWhereItCannotBeWritten) {
 class MapReportTest : public ProgramTest {
  protected:
   [[nodiscard]] Outcome map(Arguments arguments) const {
-    arguments.insert(arguments.begin(), {"map", "--device", "host", "--model", (VERISQ_EXAMPLES "/capsule.json")});
+    arguments.insert(arguments.begin(), {"map", "--device", "host", "--model", (places::example("capsule.json"))});
     return run(arguments);
   }
 
@@ -793,7 +794,7 @@ TEST_F(MapReportTest, RefusesWhatCannotBeShown) {
   expect_refused(map({"--mesh", mesh_, "--png", png_, "--certificates"}), {"--certificates", "--output"});
   const auto cloud = write("cloud.off", "OFF\n1 0 0\n0 0 3\n");
   expect_refused(map({"--mesh", cloud, "--report", html_}), {"--report", "cloud.off", "triangles"});
-  const auto model = write("model.html", contents(VERISQ_EXAMPLES "/capsule.json"));
+  const auto model = write("model.html", contents(places::example("capsule.json")));
   expect_refused(run({"map", "--model", model, "--mesh", mesh_, "--report", model}), {"model.html", "overwrite"});
 }
 

@@ -10,6 +10,7 @@
 #include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/places.hpp"
 
 namespace verisq {
 namespace {
@@ -235,7 +236,7 @@ struct Scene {
 };
 
 Scene tapered_stem() {
-  Scene scene{read_model(VERISQ_EXAMPLES "/tapered_stem.json"), {}};
+  Scene scene{read_model(places::example("tapered_stem.json")), {}};
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> coordinate(-40.0, 40.0);
   for (int i = 0; i < 60; ++i) scene.points.push_back({coordinate(random), coordinate(random), coordinate(random)});

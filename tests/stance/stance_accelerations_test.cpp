@@ -17,6 +17,7 @@
 #include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_file.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/stance_example.hpp"
 
 namespace verisq::stance {
@@ -183,7 +184,7 @@ std::vector<double> accelerations(const Model& model, const std::vector<double>&
 }  // namespace free_bodies
 
 Model standing_model() {
-  return read_model(VERISQ_EXAMPLES "/standing.xml");
+  return read_model(places::example("standing.xml"));
 }
 
 std::size_t joint_named(const Model& model, const std::string& name) {

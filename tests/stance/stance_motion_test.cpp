@@ -16,6 +16,7 @@
 #include <verisq/stance_equilibrium.hpp>
 #include <verisq/stance_file.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "verify/stance/taylor_model.hpp"
 
@@ -26,7 +27,7 @@ using Plane = Eigen::Vector2d;
 using verify::Interval;
 
 Model standing_model() {
-  return read_model(VERISQ_EXAMPLES "/standing.xml");
+  return read_model(places::example("standing.xml"));
 }
 
 std::vector<std::uint32_t> four_of(const Model& model) {

@@ -11,6 +11,7 @@
 #include <verisq/stance_choice.hpp>
 #include <verisq/stance_file.hpp>
 
+#include "tests/fixtures/places.hpp"
 #include "verify/stance/contact_damping.hpp"
 #include "verify/stance/crba.hpp"
 #include "verify/stance/kinematics.hpp"
@@ -21,7 +22,7 @@ namespace verisq::stance {
 namespace {
 
 Model standing() {
-  return read_model(VERISQ_EXAMPLES "/standing.xml");
+  return read_model(places::example("standing.xml"));
 }
 
 void set_gains(Model& model, double proportional, double integral, double derivative) {

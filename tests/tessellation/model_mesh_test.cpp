@@ -15,6 +15,7 @@
 #include <verisq/signed_distance.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/places.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -34,7 +35,7 @@ Model combined(const Model& a, const Model& b, SetOperation operation) {
 }
 
 Model example(const char* name) {
-  return read_model(std::string(VERISQ_EXAMPLES "/") + name);
+  return read_model(std::string(places::example("")) + name);
 }
 
 Mesh mesh_of(const Model& model, double deviation) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "verify/equilibrium/standing_model.hpp"
 #include "verify/stance/box_division.hpp"
 #include "verify/stance/equilibrium_cell.hpp"
 #include "verify/stance/parameters.hpp"
@@ -56,6 +57,7 @@ class Subdivision {
         options_(options),
         problem_(standing_problem(model, options.control, uncertain)),
         division_(problem_.parameters, std::max(options.cells, 1U)) {
+    result_.reference = problem_.reference;
     const Box whole = parameter_box(model, uncertain);
     open_.push_back({BoxPart::whole(whole, uncertain.size())});
     for (const std::vector<double>& corner : corners_of(whole, problem_.parameters))
@@ -113,21 +115,18 @@ class Subdivision {
   void take(const Cell& cell) {
     EquilibriumCell taken{{}, cell.found.verdict};
     for (const std::uint32_t k : problem_.parameters) taken.ranges.push_back(enclosure(cell.box[k]));
-    result_.cells.push_back(std::move(taken));
     switch (cell.found.verdict) {
-      case StandingVerdict::stands:
+      case StandingVerdict::stands: {
+        const StandingRanges ranges = named(problem_, cell.found.components);
+        for (const Interval& unknown : ranges.unknowns) taken.postures.push_back(enclosure(unknown));
         result_.stands += cell.share();
-        extend_standing(named(problem_, cell.found.components));
+        extend_standing(ranges);
         break;
+      }
       case StandingVerdict::not_on_all: result_.not_on_all += cell.share(); break;
       case StandingVerdict::open: result_.open += cell.share(); break;
     }
-  }
-
-  [[nodiscard]] std::size_t height_of_root() const {
-    const auto up = [](const Joint& joint) { return joint.kind == JointKind::translation && joint.axis == 1; };
-    const std::vector<Joint>& joints = model_.bodies.front().joints;
-    return static_cast<std::size_t>(std::ranges::find_if(joints, up) - joints.begin());
+    result_.cells.push_back(std::move(taken));
   }
 
   [[nodiscard]] Standing empty() const {
@@ -136,7 +135,7 @@ class Subdivision {
       for (const Joint& joint : body.joints) positions.push_back({joint.position, joint.position});
     }
     for (const std::size_t joint : problem_.joints) positions[joint] = nothing_yet;
-    positions[height_of_root()] = nothing_yet;
+    positions[height_of_root(model_)] = nothing_yet;
     return {std::move(positions),
             std::vector<Enclosure>(model_.degrees_of_freedom(), nothing_yet),
             std::vector<CylinderLoad>(model_.cylinders.size(), {nothing_yet, nothing_yet}),
@@ -150,7 +149,7 @@ class Subdivision {
     Standing& sum = *result_.standing;
     for (std::size_t i = 0; i < problem_.joints.size(); ++i)
       extend(sum.positions[problem_.joints[i]], ranges.unknowns[i + 1]);
-    extend(sum.positions[height_of_root()], ranges.root_translation);
+    extend(sum.positions[height_of_root(model_)], ranges.root_translation);
     for (std::size_t i = 0; i < ranges.torques.size(); ++i) extend(sum.torques[i], ranges.torques[i]);
     const std::size_t points = ranges.penetrations.size() / ranges.forces.size();
     Interval least = ranges.penetrations.front();

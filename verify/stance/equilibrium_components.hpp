@@ -77,11 +77,11 @@ template <class T>
   const StandingPosture<T> posture = posture_of(problem, unknowns);
   const bool with_torques = extent == Extent::all || problem.control == JointControl::proportional;
   const StandingTerms<T> terms = standing_terms<T>(model, parameters, posture, problem.reference, with_torques);
-  Balance<T> ground;
-  for (const PressedPoint<T>& point : terms.points) ground.add(point.force);
-  Balance<T> all = ground;
-  for (const VerticalForce<T>& weight : terms.weights) all.add(weight);
-  all.add(terms.applied);
+  Balance<T> carried;
+  for (const VerticalForce<T>& weight : terms.weights) carried.add(weight);
+  carried.add(terms.applied);
+  Balance<T> all = carried;
+  for (const PressedPoint<T>& point : terms.points) all.add(point.force);
   std::vector<T> list{all.force, all.moment_z, all.moment_x};
   for (std::size_t i = turns_of_root; i < problem.joints.size(); ++i) {
     const std::size_t joint = problem.joints[i];
@@ -96,9 +96,10 @@ template <class T>
         force += terms.points[points_of_cylinder * c + i].force.upward;
       list.push_back(force);
     }
+    // In equilibrium the ground's forces and moments are those that it carries, which stiffness has no part in.
     const Vector3<T> origin = origin_of_root(problem, parameters);
-    list.push_back(origin[0] + terms.reference[0] + ground.moment_z / ground.force);
-    list.push_back(origin[2] + terms.reference[2] + ground.moment_x / ground.force);
+    list.push_back(origin[0] + terms.reference[0] + carried.moment_z / carried.force);
+    list.push_back(origin[2] + terms.reference[2] + carried.moment_x / carried.force);
     list.push_back(terms.root_translation);
     list.insert(list.end(), terms.torques.begin(), terms.torques.end());
   }

@@ -12,6 +12,7 @@
 #include <verisq/stance_analysis.hpp>
 #include <verisq/stance_equilibrium.hpp>
 
+#include "verify/equilibrium/standing_model.hpp"
 #include "verify/stance/kinematics.hpp"
 #include "verify/stance/standing_equations.hpp"
 #include "verify/stance/standing_problem.hpp"

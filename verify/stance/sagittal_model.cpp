@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <verisq/error.hpp>
 
+#include "verify/equilibrium/standing_model.hpp"
 #include "verify/stance/standing_problem.hpp"
 
 namespace verisq::stance {

@@ -12,6 +12,7 @@
 #include <verisq/error.hpp>
 #include <verisq/stance_stability.hpp>
 
+#include "verify/equilibrium/standing_model.hpp"
 #include "verify/stance/box_division.hpp"
 #include "verify/stance/parameters.hpp"
 #include "verify/stance/stability_cell.hpp"

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "verify/equilibrium/standing_model.hpp"
 #include "verify/stance/equilibrium_location.hpp"
 #include "verify/stance/midpoint_radius.hpp"
 #include "verify/stance/modal_basis.hpp"

@@ -23,7 +23,4 @@ struct StandingProblem {
 /// Throws Error(input) as `equilibrium`.
 [[nodiscard]] StandingProblem standing_problem(const Model& model, JointControl control, UncertainSet uncertain);
 
-/// Of a body's joint among all.
-[[nodiscard]] std::size_t joint_index(const Model& model, std::size_t body, std::size_t joint);
-
 }  // namespace verisq::stance
