@@ -92,6 +92,21 @@ ExitStatus check_map_file(const CheckArguments& arguments) {
   return print(checked_map(arguments, map, [](std::uint64_t, const Enclosure&) {}), arguments);
 }
 
+ExitStatus check_certificate(const CheckArguments& arguments) {
+  const Answer answer = read_answer(arguments.certificate);
+  if (const auto* const fit = std::get_if<FitAnswer>(&answer)) return run_fit_check(*fit, arguments);
+  if (const auto* const way = std::get_if<InsertionAnswer>(&answer)) return run_insertion_check(*way, arguments);
+  if (const auto* const deviation = std::get_if<DeviationAnswer>(&answer))
+    return run_deviation_check(*deviation, arguments);
+  if (const auto* const features = std::get_if<FeaturesAnswer>(&answer))
+    return run_features_check(*features, arguments);
+  if (const auto* const standing = std::get_if<EquilibriumAnswer>(&answer))
+    return run_equilibrium_check(*standing, arguments);
+  if (arguments.models.empty()) refuse("--model is required");
+  refuse_what_certificates_lack(arguments);
+  return run_certificate_check(answer, {arguments.certificate, arguments.models, arguments.json});
+}
+
 }  // namespace
 
 void declare_check(Options& options, CheckArguments& arguments) {
@@ -126,20 +141,7 @@ ExitStatus run_check(const CheckArguments& given) {
   if (given.sample && given.octree.empty()) refuse("--sample: only with --octree");
   CheckArguments arguments = given;
   if (!given.models.empty()) arguments.inputs.model = given.models.front();
-  if (!given.certificate.empty()) {
-    const Answer answer = read_answer(given.certificate);
-    if (const auto* const fit = std::get_if<FitAnswer>(&answer)) return run_fit_check(*fit, arguments);
-    if (const auto* const way = std::get_if<InsertionAnswer>(&answer)) return run_insertion_check(*way, arguments);
-    if (const auto* const deviation = std::get_if<DeviationAnswer>(&answer))
-      return run_deviation_check(*deviation, arguments);
-    if (const auto* const features = std::get_if<FeaturesAnswer>(&answer))
-      return run_features_check(*features, arguments);
-    if (const auto* const standing = std::get_if<EquilibriumAnswer>(&answer))
-      return run_equilibrium_check(*standing, arguments);
-    if (given.models.empty()) refuse("--model is required");
-    refuse_what_certificates_lack(given);
-    return run_certificate_check(answer, {given.certificate, given.models, given.json});
-  }
+  if (!given.certificate.empty()) return check_certificate(arguments);
   if (given.models.empty()) refuse("--model is required");
   if (given.models.size() != 1) refuse("--model: give one, that of the --map or --octree");
   if (!given.octree.empty()) {

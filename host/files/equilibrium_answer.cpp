@@ -13,7 +13,6 @@
 namespace verisq {
 namespace {
 
-using stance::CylinderLoad;
 using stance::EquilibriumPart;
 using stance::JointControl;
 using stance::Standing;

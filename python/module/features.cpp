@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 #include <verisq/features.hpp>
+#include <verisq/features_certificate.hpp>
 
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
@@ -41,6 +43,13 @@ FemurFeatures features(const py::dict& landmarks, const std::optional<std::strin
   return femur_features(landmarks_of(landmarks), side_of(side), landmark_radius);
 }
 
+bool is_proved(const FemurFeatures& self, const py::dict& landmarks, const std::optional<std::string>& side,
+               double landmark_radius) {
+  const std::vector<Finding> findings =
+      check({landmarks_of(landmarks), side_of(side), landmark_radius, self.features, self.frame}).all();
+  return std::ranges::all_of(findings, [](const Finding& finding) { return finding.verdict == Verdict::proved; });
+}
+
 std::string representation(const Feature& self) {
   return fmt::format("<verisq.Feature: {} in [{}, {}]{}>", self.name, self.value.lo, self.value.hi,
                      self.unit == FeatureUnit::degrees ? " degrees" : "");
@@ -66,6 +75,10 @@ void declare_features(py::module_& module) {
   py::class_<FemurFeatures>(module, "FemurFeatures", "What femur_features() encloses.")
       .def_readonly("features", &FemurFeatures::features, "A list of Feature.")
       .def_readonly("missing", &FemurFeatures::missing, "What could not be said, and why, a sentence each.")
+      .def("is_proved", is_proved, py::arg("landmarks"), py::arg("side") = py::none(), py::kw_only(),
+           py::arg("landmark_radius"),
+           "is_proved(landmarks, side=None, *, landmark_radius) -> bool\n\n"
+           "Encloses every feature again, in 127 bits, and compares: of these landmarks.")
       .def(pickled<FemurFeatures>());
   module.def("detect_femur", detect, py::arg("mesh"), py::arg("side") = py::none(),
              "detect_femur(mesh, side=None) -> Femur\n\nFinds the landmarks of a whole or proximal femur, in\n"

@@ -323,6 +323,8 @@ class Surfaces(unittest.TestCase):
                                  "--json").stdout)
         points = {**landmarks["landmarks"], "head_radius": landmarks["head_radius"]}
         found = verisq.femur_features(points, landmarks["side"], landmark_radius=1.0)
+        self.assertTrue(found.is_proved(points, landmarks["side"], landmark_radius=1.0))
+        self.assertFalse(found.is_proved(points, landmarks["side"], landmark_radius=1.5))
         expected = [(each["name"], each["value"]["lo"], each["value"]["hi"]) for each in printed["features"]]
         self.assertEqual([(each.name, *each.value) for each in found.features], expected)
         self.assertEqual(found.features[1].unit, "degrees")

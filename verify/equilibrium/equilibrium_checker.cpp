@@ -74,7 +74,7 @@ class Leaves {
     Ranges upper = *box;
     upper[k].lo = middle;
     (*box)[k].hi = middle;
-    open.push_back(std::move(upper));
+    open.emplace_back(std::move(upper));
     open.push_back(std::move(box));
   }
 

@@ -181,13 +181,13 @@ class Tree {
         return is_lower(cell) != lies_within((*cell->ranges)[k], upper);
       };
       if (!std::ranges::all_of(cells, is_one_of_both)) continue;
-      const auto rest = std::ranges::partition(cells, is_lower);
+      const auto rest = std::partition(cells.begin(), cells.end(), is_lower);
       parts.push_back({static_cast<std::uint32_t>(k), {}});
       Ranges half = box;
       half[k] = lower;
-      grow(half, {cells.begin(), rest.begin()});
+      grow(half, {cells.begin(), rest});
       half[k] = upper;
-      grow(half, {rest.begin(), rest.end()});
+      grow(half, {rest, cells.end()});
       return;
     }
     parts.emplace_back();
@@ -207,6 +207,7 @@ CertifiedEquilibrium certified_equilibrium(const Model& model, UncertainSet unce
   const StandingProblem problem = standing_problem(model, control, uncertain);
   const StandingBody body = verify::standing_body(model, control, uncertain, found.reference);
   std::vector<CertifiedCell> cells;
+  cells.reserve(found.cells.size());
   for (const EquilibriumCell& cell : found.cells) cells.push_back({&cell.ranges});
   std::atomic<std::uint64_t> left_out{0};
   options.in_parallel(cells.size(), [&](std::size_t i) {
@@ -221,6 +222,7 @@ CertifiedEquilibrium certified_equilibrium(const Model& model, UncertainSet unce
   claims = {control, {uncertain.begin(), uncertain.end()}, {}, 0.0, {}};
   for (const std::uint32_t k : uncertain) claims.ranges.push_back(model.parameters[k].range);
   std::vector<const CertifiedCell*> all;
+  all.reserve(cells.size());
   for (const CertifiedCell& cell : cells) all.push_back(&cell);
   Tree tree;
   tree.grow(claims.ranges, std::move(all));
