@@ -22,11 +22,10 @@ using stance::CertifiedEquilibrium;
 
 CertifiedEquilibrium certified(const StanceSummary& summary, bool no_progress) {
   ProgressBar bar(!no_progress, "%");
-  return stance::certified_equilibrium(
-      summary.model, summary.uncertain, summary.control, *summary.equilibrium,
-      {.in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
-       .interrupted = interrupted,
-       .progress = [&bar](double done) { bar.update_state("certificates", done); }});
+  return stance::certified_equilibrium(summary.model, summary.uncertain, summary.control, *summary.equilibrium,
+                                       {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                        .interrupted = interrupted,
+                                        .progress = [&bar](double done) { bar.update_state("certificates", done); }});
 }
 
 }  // namespace

@@ -74,6 +74,13 @@ const char* name_of(Verdict verdict) {
   return "unproved";
 }
 
+std::string verdicts_in_words(std::string_view claims, const VerdictCounts& counts) {
+  std::string text = fmt::format("{:<21}{}\n", claims, counts.all());
+  text += fmt::format("  {:<19}{}\n", name_of(Verdict::proved), counts.proved);
+  text += fmt::format("  {:<19}{}\n", name_of(Verdict::refuted), counts.refuted);
+  return text + fmt::format("  {:<19}{}\n", name_of(Verdict::unproved), counts.unproved);
+}
+
 std::string reason(const Enclosure& claimed, const Finding& finding) {
   const Enclosure& proven = finding.proven;
   if (finding.verdict == Verdict::refuted) {

@@ -1,9 +1,12 @@
 /// The summary of a checked map on the standard output: for people, or as one JSON object.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <verisq/checker.hpp>
 #include <verisq/enclosure.hpp>
@@ -45,6 +48,33 @@ void count(const CheckedRow& row, CheckReport& report);
 
 /// "proved", "refuted", "unproved".
 [[nodiscard]] const char* name_of(Verdict verdict);
+
+/// How many claims became what.
+struct VerdictCounts {
+  std::size_t proved = 0;
+  std::size_t refuted = 0;
+  std::size_t unproved = 0;
+
+  [[nodiscard]] std::size_t all() const { return proved + refuted + unproved; }
+  [[nodiscard]] bool are_all_proved() const { return refuted + unproved == 0; }
+};
+
+/// Of anything with findings.
+template <class Claims, class FindingOf>
+[[nodiscard]] VerdictCounts counted(const Claims& claims, const FindingOf& finding_of) {
+  VerdictCounts counts;
+  for (const auto& claim : claims) {
+    switch (std::invoke(finding_of, claim).verdict) {
+      case Verdict::proved: ++counts.proved; break;
+      case Verdict::refuted: ++counts.refuted; break;
+      case Verdict::unproved: ++counts.unproved; break;
+    }
+  }
+  return counts;
+}
+
+/// A line each, under a line of all `claims`.
+[[nodiscard]] std::string verdicts_in_words(std::string_view claims, const VerdictCounts& counts);
 
 /// Which end is wrong or open, and why. Precondition: not proved.
 [[nodiscard]] std::string reason(const Enclosure& claimed, const Finding& finding);

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -43,17 +44,12 @@ struct DeviationCheckReport {
   std::string units;
   double seconds;
 
-  [[nodiscard]] std::ptrdiff_t count(Verdict verdict) const {
-    return std::ranges::count_if(claims, [verdict](const Claim& claim) { return claim.finding.verdict == verdict; });
-  }
+  [[nodiscard]] VerdictCounts counts() const { return counted(claims, &Claim::finding); }
   /// That claim nothing from above.
   [[nodiscard]] std::ptrdiff_t unbounded() const {
     return std::ranges::count_if(claims, [](const Claim& claim) { return !std::isfinite(claim.value.hi); });
   }
-  [[nodiscard]] bool all_proved() const {
-    return !proven.interrupted && unbounded() == 0 &&
-           count(Verdict::proved) == static_cast<std::ptrdiff_t>(claims.size());
-  }
+  [[nodiscard]] bool all_proved() const { return !proven.interrupted && unbounded() == 0 && counts().are_all_proved(); }
 };
 
 bool is_cloud(const DeviationAnswer& answer) {
@@ -100,13 +96,11 @@ DeviationCheckReport checked(const DeviationAnswer& answer, const Model& model, 
   ProgressBar bar(!arguments.no_progress, "points");
   const Stopwatch time;
   DeviationCheckReport report{
-      .proven = DeviationChecker(model)(
-          mesh, answer.certificate,
-          {.percentiles = answer.percentiles,
-           .in_parallel = [](std::size_t count,
-                             const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
-           .interrupted = interrupted,
-           .progress = [&bar](double done) { bar.update_state("samples", done); }}),
+      .proven = DeviationChecker(model)(mesh, answer.certificate,
+                                        {.percentiles = answer.percentiles,
+                                         .in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                         .interrupted = interrupted,
+                                         .progress = [&bar](double done) { bar.update_state("samples", done); }}),
       .claims = {},
       .units = model.units,
       .seconds = time.seconds()};
@@ -120,9 +114,7 @@ DeviationCheckReport checked(const DeviationAnswer& answer, const Model& model, 
 std::string readable(const DeviationAnswer& answer, const DeviationCheckReport& report,
                      const CheckArguments& arguments) {
   const std::string units = report.units.empty() ? std::string() : " " + report.units;
-  std::string text = fmt::format("claims               {}\n", report.claims.size());
-  for (const Verdict verdict : {Verdict::proved, Verdict::refuted, Verdict::unproved})
-    text += fmt::format("  {:<19}{}\n", name_of(verdict), report.count(verdict));
+  std::string text = verdicts_in_words("claims", report.counts());
   if (report.unbounded() > 0)
     text += fmt::format("  WITHOUT AN END     {}: of these nothing is claimed from above\n", report.unbounded());
   for (const auto& [of, what, value, finding] : report.claims) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,17 +42,12 @@ struct EquilibriumReport {
   std::vector<Claim> claims;  ///< none of an interrupted check
   double seconds;
 
-  [[nodiscard]] std::ptrdiff_t count(Verdict verdict) const {
-    return std::ranges::count_if(claims, [verdict](const Claim& claim) { return claim.finding.verdict == verdict; });
-  }
+  [[nodiscard]] VerdictCounts counts() const { return counted(claims, &Claim::finding); }
   /// That claim nothing on a side.
   [[nodiscard]] std::ptrdiff_t unbounded() const {
     return std::ranges::count_if(claims, [](const Claim& claim) { return !std::isfinite(claim.value.width()); });
   }
-  [[nodiscard]] bool all_proved() const {
-    return !proven.interrupted && unbounded() == 0 &&
-           count(Verdict::proved) == static_cast<std::ptrdiff_t>(claims.size());
-  }
+  [[nodiscard]] bool all_proved() const { return !proven.interrupted && unbounded() == 0 && counts().are_all_proved(); }
 };
 
 void refuse_other_subjects(const EquilibriumAnswer& answer, const CheckArguments& arguments) {
@@ -126,11 +122,10 @@ EquilibriumReport checked(const EquilibriumAnswer& answer, const stance::Model& 
   EquilibriumReport report{claims_of(answer, model, arguments.certificate), {}, {}, 0.0};
   ProgressBar bar(!arguments.no_progress, "%");
   const Stopwatch time;
-  report.proven = stance::prove(
-      model, report.claimed, answer.certificate,
-      {.in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
-       .interrupted = interrupted,
-       .progress = [&bar](double done) { bar.update_state("cells", done); }});
+  report.proven = stance::prove(model, report.claimed, answer.certificate,
+                                {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                 .interrupted = interrupted,
+                                 .progress = [&bar](double done) { bar.update_state("cells", done); }});
   report.seconds = time.seconds();
   if (!report.proven.interrupted)
     report.claims = claims_with(report.claimed, model, stance::check(report.claimed, report.proven));
@@ -157,9 +152,7 @@ std::string box_of(const EquilibriumAnswer& answer) {
 
 std::string readable(const EquilibriumAnswer& answer, const EquilibriumReport& report,
                      const CheckArguments& arguments) {
-  std::string text = fmt::format("claims               {}\n", report.claims.size());
-  for (const Verdict verdict : {Verdict::proved, Verdict::refuted, Verdict::unproved})
-    text += fmt::format("  {:<19}{}\n", name_of(verdict), report.count(verdict));
+  std::string text = verdicts_in_words("claims", report.counts());
   if (report.unbounded() > 0)
     text +=
         fmt::format("  WITHOUT AN END     {}: of these nothing is claimed on one side at least\n", report.unbounded());

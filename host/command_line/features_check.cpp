@@ -75,10 +75,6 @@ std::vector<Line> lines_of(const FeatureClaims& claims, const FeatureFindings& f
   return lines;
 }
 
-std::ptrdiff_t count(const std::vector<Line>& lines, Verdict verdict) {
-  return std::ranges::count_if(lines, [verdict](const Line& line) { return line.finding.verdict == verdict; });
-}
-
 /// That claim nothing on a side, or any angle.
 std::ptrdiff_t unbounded(const std::vector<Line>& lines) {
   return std::ranges::count_if(lines, [](const Line& line) {
@@ -97,9 +93,7 @@ std::string points_of(const FemurLandmarks& landmarks) {
 }
 
 std::string readable(const FeaturesAnswer& answer, const std::vector<Line>& lines, const CheckArguments& arguments) {
-  std::string text = fmt::format("claims               {}\n", lines.size());
-  for (const Verdict verdict : {Verdict::proved, Verdict::refuted, Verdict::unproved})
-    text += fmt::format("  {:<19}{}\n", name_of(verdict), count(lines, verdict));
+  std::string text = verdicts_in_words("claims", counted(lines, &Line::finding));
   if (unbounded(lines) > 0)
     text +=
         fmt::format("  WITHOUT AN END     {}: of these nothing is claimed on one side at least\n", unbounded(lines));
@@ -162,7 +156,7 @@ ExitStatus run_features_check(const FeaturesAnswer& answer, const CheckArguments
   refuse_other_subjects(answer, arguments);
   const std::vector<Line> lines = lines_of(answer.claims, check(answer.claims));
   fmt::print("{}", arguments.json ? json(answer, lines, arguments) : readable(answer, lines, arguments));
-  const bool all = count(lines, Verdict::proved) == static_cast<std::ptrdiff_t>(lines.size()) && unbounded(lines) == 0;
+  const bool all = counted(lines, &Line::finding).are_all_proved() && unbounded(lines) == 0;
   return all ? ExitStatus::verified : ExitStatus::unverified;
 }
 

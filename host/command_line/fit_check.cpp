@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,12 +31,9 @@ struct FitCheckReport {
   std::vector<Finding> findings = {};       ///< one a claim; none of an interrupted check
 
   [[nodiscard]] bool interrupted() const { return vertices.interrupted || (surface && surface->interrupted); }
-  [[nodiscard]] std::ptrdiff_t count(Verdict verdict) const {
-    return std::ranges::count(findings, verdict, &Finding::verdict);
-  }
+  [[nodiscard]] VerdictCounts counts() const { return counted(findings, std::identity()); }
   [[nodiscard]] bool all_proved() const {
-    return vertices.all_proved() && (!surface || surface->all_proved()) && count(Verdict::refuted) == 0 &&
-           count(Verdict::unproved) == 0;
+    return vertices.all_proved() && (!surface || surface->all_proved()) && counts().are_all_proved();
   }
 };
 
@@ -166,9 +164,7 @@ std::string criterion_in_words(const FitAnswer& answer) {
 
 std::string claims_in_words(const FitAnswer& answer, const FitCheckReport& report) {
   if (report.interrupted()) return fmt::format("claims of the fit    {}, not judged\n", answer.claims.size());
-  std::string text = fmt::format("claims of the fit    {}\n", report.findings.size());
-  for (const Verdict verdict : {Verdict::proved, Verdict::refuted, Verdict::unproved})
-    text += fmt::format("  {:<19}{}\n", name_of(verdict), report.count(verdict));
+  std::string text = verdicts_in_words("claims of the fit", report.counts());
   for (std::size_t i = 0; i < report.findings.size(); ++i) {
     const Finding& finding = report.findings[i];
     text += fmt::format("  {:<8} {}\n", name_of(finding.verdict), in_words(answer, answer.claims[i]));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -81,12 +82,11 @@ bool bounds_for_containment(const MeshTopology& topology) {
 ContainmentProof prove_containment(const Model& model, const Mesh& mesh, Containment containment,
                                    const ContainmentOptions& options) {
   check(model, mesh);
-  verify::SideSearch search{
-      .to_solids = {},
-      .convex = {},
-      .in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
-      .ended = options.interrupted,
-      .most_samples = options.most_samples};
+  verify::SideSearch search{.to_solids = {},
+                            .convex = {},
+                            .in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                            .ended = options.interrupted,
+                            .most_samples = options.most_samples};
   for (const Primitive& primitive : model.primitives) {
     search.to_solids.push_back(distances_to(primitive, options));
     search.convex.push_back(!is_bent(primitive));

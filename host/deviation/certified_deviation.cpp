@@ -221,12 +221,11 @@ CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, con
   in_parallel_steps(triangles.size(), elements_at_a_time, interrupted, progress(share_of_vertices, 0.6),
                     [&](std::size_t n) { triangles[n] = prover(mesh, vertices, n); });
   if (interrupted()) return result;
-  result.proven = DeviationChecker(model)(
-      mesh, result.certificate,
-      {.percentiles = options.percentiles,
-       .in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
-       .interrupted = [&interrupted] { return interrupted(); },
-       .progress = progress(0.6, 1.0)});
+  result.proven = DeviationChecker(model)(mesh, result.certificate,
+                                          {.percentiles = options.percentiles,
+                                           .in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                           .interrupted = [&interrupted] { return interrupted(); },
+                                           .progress = progress(0.6, 1.0)});
   return result;
 }
 

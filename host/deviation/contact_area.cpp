@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "host/deviation/deviation_check.hpp"
@@ -38,14 +39,13 @@ double tolerance_of(const Model& model) {
 
 verify::DeviationSearch search_of(const Model& model, const MappedDistances& to_model,
                                   const ContactAreaOptions& options) {
-  verify::DeviationSearch search{
-      .to_model = to_model,
-      .convex = model.primitives.size() == 1 && is_union_of_convex(model),
-      .allowed = [](double) { return 0.0; },  // shares have a width of their own
-      .in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
-      .ended = options.interrupted,
-      .progress = [](double) {},
-      .most_samples = options.most_samples};
+  verify::DeviationSearch search{.to_model = to_model,
+                                 .convex = model.primitives.size() == 1 && is_union_of_convex(model),
+                                 .allowed = [](double) { return 0.0; },  // shares have a width of their own
+                                 .in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                 .ended = options.interrupted,
+                                 .progress = [](double) {},
+                                 .most_samples = options.most_samples};
   if (model.primitives.size() == 1 && !model.csg) return search;
   const MapOptions of_primitives{
       .tolerance = tolerance_of(model), .device = options.device, .interrupted = options.interrupted};

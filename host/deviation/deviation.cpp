@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
 #include <utility>
@@ -116,15 +117,13 @@ class DeviationRun {
 
   /// Convex solids are told tightly at once; others are searched, and no closer than what is asked for needs.
   [[nodiscard]] verify::DeviationSearch search_by(const MappedDistances& to_model) const {
-    verify::DeviationSearch search{
-        .to_model = to_model,
-        .convex = verify::is_one_convex_primitive(model_),
-        .allowed = [this](double size) { return allowed_width(size, options_, radius_); },
-        .in_parallel = [](std::size_t count,
-                          const std::function<void(std::size_t)>& work) { in_parallel(count, work); },
-        .ended = [this] { return ended(); },
-        .progress = {},
-        .most_samples = options_.most_samples};
+    verify::DeviationSearch search{.to_model = to_model,
+                                   .convex = verify::is_one_convex_primitive(model_),
+                                   .allowed = [this](double size) { return allowed_width(size, options_, radius_); },
+                                   .in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                   .ended = [this] { return ended(); },
+                                   .progress = {},
+                                   .most_samples = options_.most_samples};
     const double tolerance =
         std::max(finest(), share_of_samples * allowed_width(found_.of_vertices.largest.lo, options_, radius_));
     if (!search.convex && tolerance > finest()) search.to_model = MappedDistances(model_, map_options(tolerance));

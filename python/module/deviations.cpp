@@ -17,6 +17,7 @@
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/one_by_one.hpp"
 #include "python/module/pickling.hpp"
 #include "python/module/python_mesh.hpp"
 #include "python/module/python_model.hpp"
@@ -107,9 +108,6 @@ bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, c
   if (measured.vertices.size() != vertices.size() || measured.triangles.size() != triangles.size()) return false;
   Interruption interruption;
   const ProvenDeviation proven = without_lock(interruption, [&] {
-    const auto one_by_one = [](std::size_t count, const std::function<void(std::size_t)>& work) {
-      for (std::size_t i = 0; i < count; ++i) work(i);
-    };
     return DeviationChecker(exact)(
         measured, self.certificate,
         {.percentiles = self.percents, .in_parallel = one_by_one, .interrupted = interruption.poll()});

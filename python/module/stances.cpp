@@ -25,6 +25,7 @@
 
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/one_by_one.hpp"
 #include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
 #include "python/module/result_members.hpp"
@@ -224,9 +225,7 @@ PythonEquilibrium equilibrium(const PythonStance& self, const std::string& joint
 
 stance::EquilibriumCheckOptions check_options(Interruption& interruption) {
   stance::EquilibriumCheckOptions options;
-  options.in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) {
-    for (std::size_t i = 0; i < count; ++i) work(i);
-  };
+  options.in_parallel = one_by_one;
   options.interrupted = interruption.poll();
   return options;
 }
@@ -244,9 +243,14 @@ PythonCertifiedEquilibrium certified_equilibrium(const PythonStance& self, const
 
 /// A certificate names parameters and joints by their places.
 bool is_of(const stance::EquilibriumClaims& claims, const stance::Model& model) {
-  const bool fits = std::ranges::all_of(claims.uncertain, [&](auto k) { return k < model.parameters.size(); });
-  return fits && (!claims.standing || (claims.standing->positions.size() == model.degrees_of_freedom() &&
-                                       claims.standing->loads.size() == model.cylinders.size()));
+  for (std::size_t i = 0; i < claims.uncertain.size(); ++i) {
+    const std::uint32_t k = claims.uncertain[i];
+    if (k >= model.parameters.size()) return false;
+    const auto& [lo, hi] = model.parameters[k].range;
+    if (claims.ranges[i].lo < lo || claims.ranges[i].hi > hi) return false;
+  }
+  return !claims.standing || (claims.standing->positions.size() == model.degrees_of_freedom() &&
+                              claims.standing->loads.size() == model.cylinders.size());
 }
 
 bool is_proved(const PythonCertifiedEquilibrium& self, const PythonStance& model) {

@@ -266,6 +266,7 @@ class Standing(unittest.TestCase):
         self.assertEqual(proven.stands, 1.0)
         self.assertTrue(proven.is_proved(model))
         self.assertFalse(proven.is_proved(model.narrowed("py", 0.49, 0.5)))
+        self.assertFalse(proven.is_proved(model.narrowed("mp", 49.9, 50.1)))  # not within this model's range
         found = model.equilibrium(uncertain=["mp", "px"])
         self.assertAlmostEqual(proven.forces["left forefoot"].lo, found.forces["left forefoot"].lo, places=2)
         self.assertEqual(len(proven.torques), len(model.joints))

@@ -16,9 +16,6 @@ namespace verisq::verify {
 // T is PreciseInterval or Differentiated. Axes are the world's, y upward; places are seen from the reference point, a
 // point of the root next to the ground: levers and heights then change by no more than what turns about the feet.
 
-/// One of the two points of Gauss's rule at which a cylinder presses, each with half of its stiffness.
-constexpr std::size_t points_of_a_cylinder = 2;
-
 template <class T>
 struct Posture {
   T height;               ///< of the reference point above the ground, m

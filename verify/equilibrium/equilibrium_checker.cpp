@@ -5,7 +5,6 @@
 #include <span>
 #include <utility>
 
-#include "verify/equilibrium/body_at_rest.hpp"
 #include "verify/equilibrium/equilibrium_on_box.hpp"
 #include "verify/equilibrium/standing_model.hpp"
 #include "verify/proof/judgement.hpp"
@@ -14,7 +13,7 @@
 namespace verisq::stance {
 
 using verify::Direction;
-using verify::EquilibriumRanges;
+using verify::nothing_known;
 using verify::PreciseInterval;
 using verify::ProvenBox;
 using verify::Real;
@@ -23,12 +22,6 @@ using verify::StandingBody;
 namespace {
 
 constexpr std::size_t parts_at_a_time = 64;
-constexpr Enclosure nothing_yet{infinity, -infinity};
-constexpr Enclosure nothing_known{-infinity, infinity};
-
-Enclosure outward(const PreciseInterval& a) {
-  return {a.lower().to_double(Direction::down), a.upper().to_double(Direction::up)};
-}
 
 using Ranges = std::vector<Enclosure>;
 
@@ -95,49 +88,9 @@ PreciseInterval share_of(const Ranges& part, const Ranges& whole) {
   return share;
 }
 
-/// With `of_sought` for what an equilibrium leaves open: all other joints are where the file has them.
-Standing uniform(const StandingBody& body, const Enclosure& of_sought) {
-  std::vector<Enclosure> positions;
-  for (const Body& part : body.model.bodies) {
-    for (const Joint& joint : part.joints) positions.push_back({joint.position, joint.position});
-  }
-  for (const std::size_t joint : body.joints) positions[joint] = of_sought;
-  positions[height_of_root(body.model)] = of_sought;
-  return {std::move(positions),
-          std::vector<Enclosure>(body.model.degrees_of_freedom(), of_sought),
-          std::vector<CylinderLoad>(body.model.cylinders.size(), {of_sought, of_sought}),
-          of_sought,
-          of_sought,
-          of_sought};
-}
-
-/// The ranges of all parts together.
-Enclosure hull(const Enclosure& a, const Enclosure& b) {
-  return {std::min(a.lo, b.lo), std::max(a.hi, b.hi)};
-}
-
 /// Of numbers that lie in `a` and in `b`, one each: the least is no more than `hi`, the greatest no less than `lo`.
 Enclosure reached(const Enclosure& a, const Enclosure& b) {
   return {std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
-}
-
-/// Joins what is found of one part to what is known of others.
-template <class Join>
-void add(Standing& sum, const StandingBody& body, const EquilibriumRanges& ranges, const Join& join) {
-  const auto to = [&](Enclosure& number, const PreciseInterval& range) { number = join(number, outward(range)); };
-  for (std::size_t i = 0; i < body.joints.size(); ++i) to(sum.positions[body.joints[i]], ranges.unknowns[i + 1]);
-  to(sum.positions[height_of_root(body.model)], ranges.height_of_root);
-  for (std::size_t i = 0; i < ranges.torques.size(); ++i) to(sum.torques[i], ranges.torques[i]);
-  PreciseInterval least = ranges.penetrations.front();
-  for (std::size_t i = 0; i < ranges.penetrations.size(); ++i) {
-    const PreciseInterval& penetration = ranges.penetrations[i];
-    to(sum.loads[i / verify::points_of_a_cylinder].penetration, penetration);
-    least = {std::min(least.lower(), penetration.lower()), std::min(least.upper(), penetration.upper())};
-  }
-  for (std::size_t c = 0; c < ranges.forces.size(); ++c) to(sum.loads[c].force, ranges.forces[c]);
-  to(sum.least_penetration, least);
-  to(sum.centre_of_pressure_x, ranges.pressure_x);
-  to(sum.centre_of_pressure_z, ranges.pressure_z);
 }
 
 }  // namespace
@@ -170,14 +123,14 @@ ProvenEquilibrium prove(const Model& model, const EquilibriumClaims& claims, con
       continue;
     }
     share += share_of(all[i].ranges, claims.ranges);
-    if (!result.standing) result.standing = uniform(body, nothing_yet);
-    if (!result.of_some) result.of_some = uniform(body, nothing_known);
-    add(*result.standing, body, proven[i]->ranges, hull);
-    add(*result.of_some, body, proven[i]->some, reached);
+    if (!result.standing) result.standing = verify::uniform(model, body.joints, verify::nothing_yet);
+    if (!result.of_some) result.of_some = verify::uniform(model, body.joints, nothing_known);
+    verify::add(*result.standing, model, body.joints, proven[i]->ranges, verify::hull);
+    verify::add(*result.of_some, model, body.joints, proven[i]->some, reached);
   }
   const bool all_stands = leaves.are_whole() && result.unproved_parts == 0;
   result.stands = all_stands ? 1.0 : std::min(share.lower().to_double(Direction::down), std::nextafter(1.0, 0.0));
-  if (result.unproved_parts > 0) result.standing = uniform(body, nothing_known);
+  if (result.unproved_parts > 0) result.standing = verify::uniform(model, body.joints, nothing_known);
   return result;
 }
 

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "verify/equilibrium/body_at_rest.hpp"
 #include "verify/equilibrium/located_equilibria.hpp"
 #include "verify/equilibrium/standing_model.hpp"
 
@@ -88,22 +87,8 @@ class RangesOfBox {
   std::map<Ends, PreciseBox> known_;
 };
 
-EquilibriumRanges named(const StandingBody& body, const PreciseBox& list) {
-  std::size_t next = 0;
-  const auto take = [&](std::size_t count) {
-    const auto first = list.begin() + static_cast<std::ptrdiff_t>(next);
-    next += count;
-    return PreciseBox(first, first + static_cast<std::ptrdiff_t>(count));
-  };
-  EquilibriumRanges result;
-  result.unknowns = take(body.unknowns());
-  result.penetrations = take(points_of_a_cylinder * body.model.cylinders.size());
-  result.forces = take(body.model.cylinders.size());
-  result.pressure_x = list[next++];
-  result.pressure_z = list[next++];
-  result.height_of_root = list[next++];
-  result.torques = take(body.model.degrees_of_freedom());
-  return result;
+EquilibriumRanges<PreciseInterval> named(const StandingBody& body, const PreciseBox& list) {
+  return named<PreciseInterval>(list, body.unknowns(), body.model);
 }
 
 /// Where one equilibrium for each parameter is known, the derivatives next to it are enough.
@@ -122,7 +107,7 @@ std::optional<ProvenBox> proven_on(const StandingBody& body, const PreciseBox& b
   auto found = LocatedEquilibria::in(body, box, postures);
   if (!found) return std::nullopt;
   const LocatedEquilibria located = narrowed(body, box, postures, *std::move(found));
-  const EquilibriumRanges ranges = named(body, RangesOfBox(body, box, postures, located)());
+  const EquilibriumRanges<PreciseInterval> ranges = named(body, RangesOfBox(body, box, postures, located)());
   const auto presses = [](const PreciseInterval& penetration) { return penetration.lower() > Real(0); };
   if (!std::ranges::all_of(ranges.penetrations, presses)) return std::nullopt;
   PreciseBox middle;

@@ -5,25 +5,15 @@
 #include <optional>
 #include <span>
 
-#include "verify/equilibrium/precise_box.hpp"
+#include "verify/equilibrium/equilibrium_ranges.hpp"
 #include "verify/equilibrium/standing_body.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
 
-/// Ranges over all parameters of a box.
-struct EquilibriumRanges {
-  PreciseBox unknowns;
-  PreciseBox penetrations;  ///< of all points, two a cylinder
-  PreciseBox forces;        ///< of all cylinders
-  PreciseInterval pressure_x, pressure_z;
-  PreciseInterval height_of_root;
-  PreciseBox torques;  ///< of all joints
-};
-
 struct ProvenBox {
-  EquilibriumRanges ranges;  ///< over the box
-  EquilibriumRanges some;    ///< of one parameter of it, its middle
+  EquilibriumRanges<PreciseInterval> ranges;  ///< over the box
+  EquilibriumRanges<PreciseInterval> some;    ///< of one parameter of it, its middle
 };
 
 /// Where it is proven that for all uncertain parameters in these ranges, all others being nominal, exactly one posture

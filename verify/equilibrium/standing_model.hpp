@@ -7,6 +7,9 @@
 
 namespace verisq::stance {
 
+/// Of Gauss's rule on a cylinder's axis, which presses with half of its stiffness at each.
+constexpr std::size_t points_of_cylinder = 2;
+
 /// Throws Error(input): without cylinders, without a root that first is translated and then turned about x and z, with
 /// a horizontal applied force, with a controller of the root.
 void require_standing_model(const Model& model);

@@ -10,7 +10,6 @@
 #include <optional>
 #include <utility>
 
-#include "verify/equilibrium/body_at_rest.hpp"
 #include "verify/equilibrium/equilibrium_on_box.hpp"
 #include "verify/stance/equilibrium_cell.hpp"
 #include "verify/stance/parameters.hpp"
@@ -20,7 +19,6 @@ namespace verisq::stance {
 namespace {
 
 using Ranges = std::vector<Enclosure>;
-using verify::EquilibriumRanges;
 using verify::PreciseInterval;
 using verify::StandingBody;
 
@@ -51,8 +49,7 @@ struct Comparison {
 
   void add(const PreciseInterval& proven, const Enclosure& found) {
     widest = std::fmax(widest, found.width());
-    numbers.push_back(
-        {{proven.lower().to_double(verify::Direction::down), proven.upper().to_double(verify::Direction::up)}, found});
+    numbers.emplace_back(verify::outward(proven), found);
   }
 
   /// Whether the proof is much wider.
@@ -67,7 +64,8 @@ struct Comparison {
   }
 };
 
-bool sticks_out(const EquilibriumRanges& ranges, const StandingBody& body, const Standing& found) {
+bool sticks_out(const verify::EquilibriumRanges<PreciseInterval>& ranges, const StandingBody& body,
+                const Standing& found) {
   Comparison angles;
   Comparison torques;
   Comparison forces;
@@ -78,7 +76,7 @@ bool sticks_out(const EquilibriumRanges& ranges, const StandingBody& body, const
   for (std::size_t i = 0; i < ranges.torques.size(); ++i) torques.add(ranges.torques[i], found.torques[i]);
   for (std::size_t c = 0; c < ranges.forces.size(); ++c) forces.add(ranges.forces[c], found.loads[c].force);
   for (std::size_t i = 0; i < ranges.penetrations.size(); ++i)
-    penetrations.add(ranges.penetrations[i], found.loads[i / verify::points_of_a_cylinder].penetration);
+    penetrations.add(ranges.penetrations[i], found.loads[i / points_of_cylinder].penetration);
   pressure.add(ranges.pressure_x, found.centre_of_pressure_x);
   pressure.add(ranges.pressure_z, found.centre_of_pressure_z);
   const std::array all{&angles, &torques, &forces, &penetrations, &pressure};
@@ -150,7 +148,7 @@ class ProvenCell {
     Ranges postures;
     if (verdict.verdict != StandingVerdict::stands) return postures;
     for (const verify::Interval& side : named(problem_, verdict.components).unknowns)
-      postures.push_back({side.lower(), side.upper()});
+      postures.push_back(verify::outward(side));
     return postures;
   }
 

@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "verify/equilibrium/standing_model.hpp"
 #include "verify/stance/box_division.hpp"
 #include "verify/stance/equilibrium_cell.hpp"
 #include "verify/stance/parameters.hpp"
@@ -21,16 +20,6 @@ using verify::Interval;
 struct Cell : BoxPart {
   CellVerdict found = {};
 };
-
-Enclosure enclosure(const Interval& a) {
-  return {a.lower(), a.upper()};
-}
-
-void extend(Enclosure& sum, const Interval& part) {
-  sum = {std::fmin(sum.lo, part.lower()), std::fmax(sum.hi, part.upper())};
-}
-
-constexpr Enclosure nothing_yet{infinity, -infinity};
 
 /// The component that sticks out of the samples most, if one does by more than is worth a bisection. What no parameter
 /// moves, by symmetry say, is no reason for one.
@@ -114,56 +103,20 @@ class Subdivision {
 
   void take(const Cell& cell) {
     EquilibriumCell taken{{}, cell.found.verdict};
-    for (const std::uint32_t k : problem_.parameters) taken.ranges.push_back(enclosure(cell.box[k]));
+    for (const std::uint32_t k : problem_.parameters) taken.ranges.push_back(verify::outward(cell.box[k]));
     switch (cell.found.verdict) {
       case StandingVerdict::stands: {
-        const StandingRanges ranges = named(problem_, cell.found.components);
-        for (const Interval& unknown : ranges.unknowns) taken.postures.push_back(enclosure(unknown));
+        const verify::EquilibriumRanges<Interval> ranges = named(problem_, cell.found.components);
+        for (const Interval& unknown : ranges.unknowns) taken.postures.push_back(verify::outward(unknown));
         result_.stands += cell.share();
-        extend_standing(ranges);
+        if (!result_.standing) result_.standing = verify::uniform(model_, problem_.joints, verify::nothing_yet);
+        verify::add(*result_.standing, model_, problem_.joints, ranges, verify::hull);
         break;
       }
       case StandingVerdict::not_on_all: result_.not_on_all += cell.share(); break;
       case StandingVerdict::open: result_.open += cell.share(); break;
     }
     result_.cells.push_back(std::move(taken));
-  }
-
-  [[nodiscard]] Standing empty() const {
-    std::vector<Enclosure> positions;
-    for (const Body& body : model_.bodies) {
-      for (const Joint& joint : body.joints) positions.push_back({joint.position, joint.position});
-    }
-    for (const std::size_t joint : problem_.joints) positions[joint] = nothing_yet;
-    positions[height_of_root(model_)] = nothing_yet;
-    return {std::move(positions),
-            std::vector<Enclosure>(model_.degrees_of_freedom(), nothing_yet),
-            std::vector<CylinderLoad>(model_.cylinders.size(), {nothing_yet, nothing_yet}),
-            nothing_yet,
-            nothing_yet,
-            nothing_yet};
-  }
-
-  void extend_standing(const StandingRanges& ranges) {
-    if (!result_.standing) result_.standing = empty();
-    Standing& sum = *result_.standing;
-    for (std::size_t i = 0; i < problem_.joints.size(); ++i)
-      extend(sum.positions[problem_.joints[i]], ranges.unknowns[i + 1]);
-    extend(sum.positions[height_of_root(model_)], ranges.root_translation);
-    for (std::size_t i = 0; i < ranges.torques.size(); ++i) extend(sum.torques[i], ranges.torques[i]);
-    const std::size_t points = ranges.penetrations.size() / ranges.forces.size();
-    Interval least = ranges.penetrations.front();
-    for (std::size_t c = 0; c < sum.loads.size(); ++c) {
-      extend(sum.loads[c].force, ranges.forces[c]);
-      for (std::size_t i = 0; i < points; ++i) {
-        const Interval& penetration = ranges.penetrations[points * c + i];
-        extend(sum.loads[c].penetration, penetration);
-        least = Interval(std::fmin(least.lower(), penetration.lower()), std::fmin(least.upper(), penetration.upper()));
-      }
-    }
-    extend(sum.least_penetration, least);
-    extend(sum.centre_of_pressure_x, ranges.pressure_x);
-    extend(sum.centre_of_pressure_z, ranges.pressure_z);
   }
 
   const Model& model_;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -166,7 +167,8 @@ class OtherEquilibria {
   /// Nothing where no posture of the part is such an equilibrium, else a part of it that holds all that are.
   [[nodiscard]] std::optional<std::vector<Interval>> pruned(const std::vector<Interval>& part) const {
     const auto size = static_cast<Eigen::Index>(part.size());
-    const StandingRanges ranges = named(problem_, components<Interval>(problem_, box_, part, Extent::all));
+    const verify::EquilibriumRanges<Interval> ranges =
+        named(problem_, components<Interval>(problem_, box_, part, Extent::all));
     for (const Interval& penetration : ranges.penetrations) {
       if (penetration.upper() < 0.0) return std::nullopt;
     }
@@ -212,20 +214,9 @@ CellVerdict verdict_of(const StandingProblem& problem, const Box& box) {
 
 }  // namespace
 
-StandingRanges named(const StandingProblem& problem, const IntervalVector& components) {
-  StandingRanges result;
-  Eigen::Index next = 0;
-  const auto take = [&](std::vector<Interval>& part, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) part.push_back(components[next++]);
-  };
-  take(result.unknowns, problem.start.size());
-  take(result.penetrations, points_of_cylinder * problem.model.cylinders.size());
-  take(result.forces, problem.model.cylinders.size());
-  result.pressure_x = components[next++];
-  result.pressure_z = components[next++];
-  result.root_translation = components[next++];
-  take(result.torques, problem.model.degrees_of_freedom());
-  return result;
+verify::EquilibriumRanges<Interval> named(const StandingProblem& problem, const IntervalVector& components) {
+  const std::span list(components.data(), static_cast<std::size_t>(components.size()));
+  return verify::named<Interval>(list, problem.start.size(), problem.model);
 }
 
 std::optional<Eigen::VectorXd> sampled_equilibrium(const StandingProblem& problem,

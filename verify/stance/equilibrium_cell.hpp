@@ -6,22 +6,16 @@
 #include <vector>
 #include <verisq/stance_equilibrium.hpp>
 
+#include "verify/equilibrium/equilibrium_ranges.hpp"
 #include "verify/stance/contraction.hpp"
 #include "verify/stance/mean_value_range.hpp"
 #include "verify/stance/standing_problem.hpp"
 
 namespace verisq::stance {
 
-/// What an equilibrium consists of, over a box of parameters: a part of its components, by name.
-struct StandingRanges {
-  std::vector<verify::Interval> unknowns;      ///< as StandingProblem::start
-  std::vector<verify::Interval> penetrations;  ///< of all points
-  std::vector<verify::Interval> forces;        ///< of all cylinders
-  verify::Interval pressure_x, pressure_z;     ///< the centre of pressure
-  verify::Interval root_translation;           ///< along y
-  std::vector<verify::Interval> torques;       ///< of all joints, 0 of the root's
-};
-[[nodiscard]] StandingRanges named(const StandingProblem& problem, const IntervalVector& components);
+/// A part of an equilibrium's components, by name.
+[[nodiscard]] verify::EquilibriumRanges<verify::Interval> named(const StandingProblem& problem,
+                                                                const IntervalVector& components);
 
 struct CellVerdict {
   StandingVerdict verdict = StandingVerdict::open;

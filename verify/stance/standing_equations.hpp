@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "verify/equilibrium/standing_model.hpp"
 #include "verify/stance/kinematics.hpp"
 
 namespace verisq::stance {
@@ -24,9 +25,6 @@ struct PressedPoint {
   T penetration;           ///< m
   VerticalForce<T> force;  ///< above the ground downward, as if the cylinder stuck to it
 };
-
-/// Of Gauss's rule on a cylinder's axis, which takes half of the stiffness at each.
-constexpr std::size_t points_of_cylinder = 2;
 
 /// A posture by what is next to the ground. The root's joints turn the body about the reference point, which lies
 /// `reference` from the root's origin in its own frame: levers and heights then change by no more than what turns about
