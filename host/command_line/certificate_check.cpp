@@ -12,6 +12,7 @@
 #include <verisq/certificate_file.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/pair_checker.hpp>
+#include <verisq/pose_file.hpp>
 
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/common_units.hpp"
@@ -32,19 +33,6 @@ void refuse_other_models(std::span<const SubjectFile> expected, const Certificat
   }
   for (std::size_t i = 0; i < expected.size(); ++i)
     refuse_other_file(arguments.models[i], "model", expected[i], arguments.certificate);
-}
-
-/// A and B.
-using TwoModels = std::array<Model, 2>;
-
-/// Those that are given, where they are the ones that the answer is about.
-TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::string& stated_units,
-                    const CertificateCheckArguments& arguments) {
-  refuse_other_models(subjects, arguments);
-  TwoModels models{read_model(arguments.models[0]), read_model(arguments.models[1])};
-  const std::string units = common_units(models[0], models[1], arguments.models[0], arguments.models[1]);
-  refuse_other_units(units, "models", stated_units, arguments.certificate);
-  return models;
 }
 
 struct CertificateReport {
@@ -92,6 +80,7 @@ std::string json(const CertificateReport& report) {
 
 ExitStatus check_pair(const PairAnswer& answer, const CertificateCheckArguments& arguments) {
   const auto [a, b] = models_of(answer.models, answer.units, arguments);
+  refuse_other_poses(arguments.poses, std::span(&answer.pose, 1), arguments.certificate);
   const Stopwatch time;
   const Finding finding = PairChecker(a, b)(answer.pose, answer.distance, answer.certificate);
   const CertificateReport report{arguments.certificate, arguments.models, answer.units,  answer.pose,
@@ -103,6 +92,9 @@ ExitStatus check_pair(const PairAnswer& answer, const CertificateCheckArguments&
 
 ExitStatus check_poses(const PoseAnswers& answers, const CertificateCheckArguments& arguments) {
   const auto [a, b] = models_of(answers.models, answers.units, arguments);
+  std::vector<Pose> poses;
+  for (const PosedAnswer& answer : answers.answers) poses.push_back(answer.pose);
+  refuse_other_poses(arguments.poses, poses, arguments.certificate);
   watch_for_interruption();
   const PosesReport report = checked_poses(a, b, answers, arguments);
   fmt::print("{}", arguments.json ? json(report) : readable(report));
@@ -112,6 +104,32 @@ ExitStatus check_poses(const PoseAnswers& answers, const CertificateCheckArgumen
 }
 
 }  // namespace
+
+TwoModels models_of(const std::array<SubjectFile, 2>& subjects, const std::string& stated_units,
+                    const CertificateCheckArguments& arguments) {
+  refuse_other_models(subjects, arguments);
+  TwoModels models{read_model(arguments.models[0]), read_model(arguments.models[1])};
+  const std::string units = common_units(models[0], models[1], arguments.models[0], arguments.models[1]);
+  refuse_other_units(units, "models", stated_units, arguments.certificate);
+  return models;
+}
+
+void refuse_other_poses(const std::string& file, std::span<const Pose> poses, const std::string& certificate) {
+  if (file.empty()) return;
+  const std::vector<Pose> given = read_poses(file);
+  if (given.size() != poses.size())
+    refuse(fmt::format("{}: {} is of {} poses, not of {}", file, certificate, poses.size(), given.size()));
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    if (given[k].translation == poses[k].translation && given[k].quaternion == poses[k].quaternion) continue;
+    refuse(fmt::format("{}: {} is of other poses: pose {} is {}, not {}", file, certificate, k, option_text(poses[k]),
+                       option_text(given[k])));
+  }
+}
+
+std::string meant_in_words(const std::string& file, std::string_view way) {
+  if (!file.empty()) return fmt::format("  is that of         {}, pose by pose\n", file);
+  return fmt::format("  is it the {} that was meant? That is not proved, but for you to see, or by --poses\n", way);
+}
 
 void refuse_other_file(const std::string& file, const char* what, const SubjectFile& expected,
                        const std::string& certificate) {

@@ -18,6 +18,7 @@
 #include "host/command_line/length_option.hpp"
 #include "host/command_line/map_check.hpp"
 #include "host/command_line/octree_check.hpp"
+#include "host/command_line/path_check.hpp"
 #include "host/command_line/shared_options.hpp"
 #include "host/command_line/whole_number.hpp"
 #include "host/errors/refusal.hpp"
@@ -36,9 +37,10 @@ constexpr const char* closing_words =
     "and host verified a row is not checked). \"Missing\": an interrupted or killed run left a part of a .csv, as\n"
     "OUT.partial or OUT.*.partial; a last row that is not whole does not count.\n"
     "\n"
-    "--certificate: a file that `verisq distance --certificate-file` wrote; give the --model of A, then that of B. "
-    "They\n"
-    "must be, byte for byte, the files that the answer is about. Of a `verisq fit --certificate-file` give the fitted\n"
+    "--certificate: a file that `verisq distance --certificate-file` or `verisq path --certificate-file` wrote; give\n"
+    "the --model of A, then that of B. They\n"
+    "must be, byte for byte, the files that the answer is about. Of a path the smallest distance of all its times is\n"
+    "proved, or when the models first meet. Of a `verisq fit --certificate-file` give the fitted\n"
     "--model, the --mesh, the --map and, where there was one, the --surface-map: every distance is proved, and then "
     "what they say together, F, the smallest\n"
     "distance, the deepest penetration, how many vertices keep the limit, the numbers of every area. Of a\n"
@@ -92,8 +94,15 @@ ExitStatus check_map_file(const CheckArguments& arguments) {
   return print(checked_map(arguments, map, [](std::uint64_t, const Enclosure&) {}), arguments);
 }
 
+bool has_poses(const Answer& answer) {
+  return std::holds_alternative<PairAnswer>(answer) || std::holds_alternative<PoseAnswers>(answer) ||
+         std::holds_alternative<InsertionAnswer>(answer) || std::holds_alternative<PathAnswer>(answer);
+}
+
 ExitStatus check_certificate(const CheckArguments& arguments) {
   const Answer answer = read_answer(arguments.certificate);
+  if (!arguments.poses.empty() && !has_poses(answer))
+    refuse(fmt::format("--poses: {} is neither of a path, nor of a way in, nor of poses", arguments.certificate));
   if (const auto* const fit = std::get_if<FitAnswer>(&answer)) return run_fit_check(*fit, arguments);
   if (const auto* const way = std::get_if<InsertionAnswer>(&answer)) return run_insertion_check(*way, arguments);
   if (const auto* const deviation = std::get_if<DeviationAnswer>(&answer))
@@ -104,7 +113,8 @@ ExitStatus check_certificate(const CheckArguments& arguments) {
     return run_equilibrium_check(*standing, arguments);
   if (arguments.models.empty()) refuse("--model is required");
   refuse_what_certificates_lack(arguments);
-  return run_certificate_check(answer, {arguments.certificate, arguments.models, arguments.json});
+  if (const auto* const path = std::get_if<PathAnswer>(&answer)) return run_path_check(*path, arguments);
+  return run_certificate_check(answer, {arguments.certificate, arguments.models, arguments.poses, arguments.json});
 }
 
 }  // namespace
@@ -119,6 +129,9 @@ void declare_check(Options& options, CheckArguments& arguments) {
   options.add("--map", arguments.map, "FILE", "The map, written with --certificates: .csv .vtp .csv.partial");
   options.add("--certificate", arguments.certificate, "FILE",
               "Instead of a map, or of a fit with it: a certificate file, .json");
+  options.add(
+      "--poses", arguments.poses, "FILE",
+      "Of a --certificate of a path, a way in, or poses: refuses it unless it is of the poses of this file, .csv");
   options.add("--surface-map", arguments.surface_map, "FILE",
               "Of the --certificate of a fit that had one: the map of whole triangles");
   options.add("--octree", arguments.octree, "FILE",
@@ -138,6 +151,7 @@ ExitStatus run_check(const CheckArguments& given) {
     refuse("give one of --map, --certificate and --octree");
   }
   if (!given.surface_map.empty() && given.certificate.empty()) refuse("--surface-map: only with --certificate");
+  if (!given.poses.empty() && given.certificate.empty()) refuse("--poses: only with --certificate");
   if (given.sample && given.octree.empty()) refuse("--sample: only with --octree");
   CheckArguments arguments = given;
   if (!given.models.empty()) arguments.inputs.model = given.models.front();

@@ -21,6 +21,7 @@ struct CheckArguments {
   std::string map;
   std::string certificate;
   std::string octree;
+  std::string poses;                    ///< that a certificate is to be of; empty: any
   std::string surface_map;              ///< of the fit, of whole triangles
   std::optional<std::uint64_t> sample;  ///< of the octree, how many cubes; nothing: all
   double point_radius = 0.0;

@@ -95,15 +95,15 @@ DeviationCheckReport checked(const DeviationAnswer& answer, const Model& model, 
                              const CheckArguments& arguments) {
   ProgressBar bar(!arguments.no_progress, "points");
   const Stopwatch time;
-  DeviationCheckReport report{
-      .proven = DeviationChecker(model)(mesh, answer.certificate,
-                                        {.percentiles = answer.percentiles,
-                                         .in_parallel = in_parallel<std::function<void(std::size_t)>>,
-                                         .interrupted = interrupted,
-                                         .progress = [&bar](double done) { bar.update_state("samples", done); }}),
-      .claims = {},
-      .units = model.units,
-      .seconds = time.seconds()};
+  DeviationCheckReport report{.proven = DeviationChecker(model)(
+                                  mesh, answer.certificate,
+                                  {.percentiles = answer.percentiles,
+                                   .check = {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                             .interrupted = interrupted,
+                                             .progress = [&bar](double done) { bar.update_state("samples", done); }}}),
+                              .claims = {},
+                              .units = model.units,
+                              .seconds = time.seconds()};
   if (report.proven.interrupted) return report;
   if (answer.from_mesh) add_claims(answer, "mesh", *answer.from_mesh, *report.proven.from_mesh, report.claims);
   add_claims(answer, is_cloud(answer) ? "points" : "vertices", answer.of_vertices, report.proven.of_vertices,

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +17,7 @@
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/json_value.hpp"
+#include "host/command_line/path_extent.hpp"
 #include "host/command_line/pose_option.hpp"
 #include "host/command_line/posed_input.hpp"
 #include "host/command_line/progress_bar.hpp"
@@ -57,6 +57,7 @@ void refuse_other_subjects(const InsertionAnswer& answer, const CheckArguments& 
     refuse(fmt::format("{}: is of a way in, and says itself how the model was moved: not with --pose", certificate));
   refuse_other_file(arguments.models.front(), "model", answer.model, certificate);
   refuse_other_file(arguments.inputs.mesh, "mesh", answer.mesh, certificate);
+  refuse_other_poses(arguments.poses, answer.path, certificate);
 }
 
 void count(const CheckedRow& row, InsertionCheckReport& report) {
@@ -91,31 +92,6 @@ InsertionCheckReport checked(const InsertionAnswer& answer, const Model& implant
   return report;
 }
 
-/// Of the implant's origin, about: for people.
-double length_of(std::span<const Pose> path) {
-  double length = 0.0;
-  for (std::size_t k = 1; k < path.size(); ++k) {
-    const Point& from = path[k - 1].translation;
-    const Point& to = path[k].translation;
-    length += std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
-  }
-  return length;
-}
-
-/// Of all its turns, about: for people.
-double degrees_of(std::span<const Pose> path) {
-  double degrees = 0.0;
-  for (std::size_t k = 1; k < path.size(); ++k) {
-    const auto& p = path[k - 1].quaternion;
-    const auto& q = path[k].quaternion;
-    const double product = std::abs(p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]);
-    const double lengths = std::hypot(std::hypot(p[0], p[1]), std::hypot(p[2], p[3])) *
-                           std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
-    degrees += 2.0 * std::acos(std::clamp(product / lengths, 0.0, 1.0)) * 180.0 / std::numbers::pi;
-  }
-  return degrees;
-}
-
 std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& report,
                      const CheckArguments& arguments) {
   const CheckReport& rows = report.rows;
@@ -135,12 +111,8 @@ std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& 
     text += fmt::format("  undecided          {}\n", report.undecided());
   }
   if (answer.pose) text += fmt::format("model moved by       {}: translation, quaternion\n", option_text(*answer.pose));
-  text += fmt::format("the way begins at    {}: translation, quaternion\n", option_text(answer.path.front()));
-  text += fmt::format("  and ends at        {}\n", option_text(answer.path.back()));
-  text += fmt::format("  poses              {}, and all between them\n", answer.path.size());
-  text += fmt::format("  length             {:.4g}{}, of the implant's origin\n", length_of(answer.path), units);
-  text += fmt::format("  turning            {:.4g} degrees in all\n", degrees_of(answer.path));
-  text += "  is it the way that was meant? That is not proved, but for you to see\n";
+  text += path_in_words(answer.path, "way", "the implant's", units);
+  text += meant_in_words(arguments.poses, "way");
   text += "not claimed          what lies between the vertices, how much bone is removed\n";
   text += fmt::format("time                 {:.3g} s\n", rows.seconds);
   text += fmt::format("certificate          {}{}\n", arguments.certificate, rows.interrupted ? " (interrupted)" : "");

@@ -4,12 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
+#include <utility>
 #include <vector>
+#include <verisq/certificate_file.hpp>
+#include <verisq/certified_path.hpp>
 #include <verisq/model_file.hpp>
 #include <verisq/path_distance.hpp>
 #include <verisq/pose_file.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "host/command_line/certificate_output.hpp"
 #include "host/command_line/common_units.hpp"
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/interruption.hpp"
@@ -34,7 +39,38 @@ constexpr const char* closing_words =
     "\n"
     "Examples:\n"
     "  verisq path cup.json stem.json --poses reduction.csv\n"
-    "  verisq path table.json gripper.json --poses trajectory.csv --clearance 2 --json";
+    "  verisq path table.json gripper.json --poses trajectory.csv --clearance 2 --json\n"
+    "  verisq path table.json gripper.json --poses trajectory.csv --certificate-file free.json";
+
+struct Travellers {
+  const Model& a;
+  const Model& b;
+  std::span<const Pose> path;
+};
+
+/// Of what was found; once interrupted it says so instead, and writes none.
+void certify(const Travellers& of, PathDistanceOptions options, const PathArguments& arguments, PathReport& report) {
+  const std::string& file = arguments.certificate_file;
+  CertifiedPath certified = [&] {
+    ProgressBar bar(!arguments.no_progress, "parts");
+    options.progress = [&](const Enclosure& smallest, std::uint64_t parts) {
+      bar.update_state(fmt::format("certificate: {} parts, smallest distance at least {:.4g}", parts, smallest.lo),
+                       0.0);
+    };
+    return certified_path(of.path, of.a, of.b, report.found, options);
+  }();
+  if (certified.interrupted || report.found.interrupted) {
+    report.found.interrupted = true;
+    return tell(fmt::format("interrupted; {} is not written", file));
+  }
+  write_answer(file, {.models = {subject_file(arguments.model_a), subject_file(arguments.model_b)},
+                      .units = report.units,
+                      .path = {of.path.begin(), of.path.end()},
+                      .claims = certified.claims,
+                      .certificate = std::move(certified.certificate)});
+  report.certificate = file;
+  report.certified = certified.claims;
+}
 
 }  // namespace
 
@@ -51,11 +87,14 @@ void declare_path(Options& options, PathArguments& arguments) {
                           tolerance_of_distances.text, tolerance_of_searched_paths.text));
   options.add("--time-tol", arguments.time_tolerance, parse_positive_length, "T",
               "Largest width of the first contact's time (default: 1e-6 of the time between two poses)");
+  options.add("--certificate-file", arguments.certificate_file, "FILE",
+              "Write the answer with what proves it again, for `verisq check --certificate`: .json");
   options.add_flag("--json", arguments.json, "Print one JSON object");
   add_no_progress(options, arguments.no_progress);
 }
 
 ExitStatus run_path(const PathArguments& arguments) {
+  check_certificate_file(arguments.certificate_file, {arguments.model_a, arguments.model_b, arguments.poses});
   const Model a = read_model(arguments.model_a);
   const Model b = read_model(arguments.model_b);
   const std::string units = common_units(a, b, arguments.model_a, arguments.model_b);
@@ -77,6 +116,7 @@ ExitStatus run_path(const PathArguments& arguments) {
     };
     report.found = distance_along(path, a, b, options);
   }
+  if (!arguments.certificate_file.empty()) certify({a, b, path}, options, arguments, report);
   if (!report.found.reached && !report.found.interrupted)
     tell("rounding errors, or models that touch, end the search here; what is printed is valid, and wide");
   fmt::print("{}", arguments.json ? json(report) : readable(report));

@@ -16,6 +16,7 @@ struct PathArguments {
   std::optional<double> tolerance;
   std::optional<double> time_tolerance;
   std::optional<double> clearance;
+  std::string certificate_file;
   bool json = false;
   bool no_progress = false;
 };

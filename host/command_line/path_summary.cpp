@@ -38,6 +38,8 @@ std::string_view verdict_on_clearance(const PathReport& report) {
 }  // namespace
 
 bool is_free(const PathReport& report) {
+  if (report.certified && !(report.certified->smallest.lo > 0.0 && report.certified->smallest.lo >= report.clearance))
+    return false;
   return report.found.proximity == PathProximity::apart && report.found.smallest.lo >= report.clearance;
 }
 
@@ -58,11 +60,19 @@ std::string readable(const PathReport& report) {
   if (report.clearance > 0.0)
     text += fmt::format("clearance          {:.17g}{}: {}\n", report.clearance, units, verdict_on_clearance(report));
   text += fmt::format("the way            {}\n", is_free(report) ? "proven free" : "NOT proven free");
+  if (report.certified) {
+    text += fmt::format("certificate        {}: [{:.17g}, {:.17g}]{} of all times\n", report.certificate,
+                        report.certified->smallest.lo, report.certified->smallest.hi, units);
+    if (const auto& contact = report.certified->first_contact)
+      text += fmt::format("  first contact    in [{:.17g}, {:.17g}]\n", contact->lo, contact->hi);
+  }
   return text;
 }
 
 std::string json(const PathReport& report) {
   const PathDistance& found = report.found;
+  const std::optional<PathClaims>& certified = report.certified;
+  const std::optional<Enclosure> contact = certified ? certified->first_contact : std::nullopt;
   return JsonObject{{"lo", found.smallest.lo},
                     {"hi", found.smallest.hi},
                     {"smallest_at", found.smallest_at},
@@ -76,7 +86,10 @@ std::string json(const PathReport& report) {
                     {"poses", report.poses},
                     {"moments", found.moments},
                     {"units", report.units},
-                    {"tolerance", report.tolerance}}
+                    {"tolerance", report.tolerance},
+                    {"certified", certified ? JsonValue(certified->smallest) : JsonValue()},
+                    {"certified_contact", contact ? JsonValue(*contact) : JsonValue()},
+                    {"certificate", certified ? JsonValue(report.certificate) : JsonValue()}}
              .indented_text() +
          "\n";
 }

@@ -223,9 +223,9 @@ CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, con
   if (interrupted()) return result;
   result.proven = DeviationChecker(model)(mesh, result.certificate,
                                           {.percentiles = options.percentiles,
-                                           .in_parallel = in_parallel<std::function<void(std::size_t)>>,
-                                           .interrupted = [&interrupted] { return interrupted(); },
-                                           .progress = progress(0.6, 1.0)});
+                                           .check = {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                                     .interrupted = [&interrupted] { return interrupted(); },
+                                                     .progress = progress(0.6, 1.0)}});
   return result;
 }
 

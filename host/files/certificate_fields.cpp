@@ -69,6 +69,13 @@ Pose read_pose_object(const JsonValue& value) {
   return pose;
 }
 
+std::vector<Pose> read_path(const JsonValue& value) {
+  if (value.size() == 0) value.fail("must not be empty");
+  std::vector<Pose> path;
+  for (std::size_t k = 0; k < value.size(); ++k) path.push_back(read_pose_object(value.element(k)));
+  return path;
+}
+
 std::string units_of(const JsonValue& root) {
   const auto units = root.find("units");
   return units ? units->line() : std::string();

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "host/files/json_document.hpp"
 #include "verisq/certificate.hpp"
@@ -34,6 +35,9 @@ template <std::size_t N>
 
 /// {"translation", "quaternion"}, which is not zero.
 [[nodiscard]] Pose read_pose_object(const JsonValue& value);
+
+/// An array of those that is not empty.
+[[nodiscard]] std::vector<Pose> read_path(const JsonValue& value);
 
 /// The keys "normals", "escape", "witness" and "cover" of an object, of which only the first must be there.
 [[nodiscard]] Certificate read_certificate(const JsonValue& object);

@@ -18,6 +18,7 @@
 #include "host/files/insertion_answer.hpp"
 #include "host/files/json_document.hpp"
 #include "host/files/pair_proof.hpp"
+#include "host/files/path_answer.hpp"
 #include "host/files/sha256.hpp"
 #include "host/files/subject_file.hpp"
 
@@ -25,11 +26,6 @@ namespace verisq {
 namespace {
 
 constexpr std::string_view certificate_format = "verisq-certificate/1";
-
-std::array<SubjectFile, 2> read_two_models(const JsonValue& value) {
-  if (value.size() != 2) value.fail("must be an array of two models");
-  return {read_subject_file(value.element(0)), read_subject_file(value.element(1))};
-}
 
 /// Of the kind that it returns.
 std::string checked_kind(const JsonValue& root) {
@@ -192,8 +188,9 @@ Answer parse_answer(std::string_view json, std::string_view name) {
   if (kind == "deviation") return read_deviation(root);
   if (kind == "features") return read_features(root);
   if (kind == "equilibrium") return read_equilibrium(root);
+  if (kind == "path") return read_path_answer(root);
   root.at("kind").fail(
-      "must be \"pair\", \"poses\", \"fit\", \"insertion\", \"deviation\", \"features\" or \"equilibrium\"");
+      "must be \"pair\", \"poses\", \"path\", \"fit\", \"insertion\", \"deviation\", \"features\" or \"equilibrium\"");
 }
 
 Answer read_answer(const std::filesystem::path& path) {

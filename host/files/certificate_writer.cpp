@@ -38,6 +38,12 @@ OrderedJson json_of(const Pose& pose) {
   return {{"translation", pose.translation}, {"quaternion", pose.quaternion}};
 }
 
+OrderedJson json_of(const std::vector<Pose>& path) {
+  OrderedJson array = OrderedJson::array();
+  for (const Pose& pose : path) array.push_back(json_of(pose));
+  return array;
+}
+
 /// Of a point, or of a triangle without weights.
 void add_certificate(OrderedJson& object, const Certificate& certificate) {
   object["normals"] = OrderedJson::array();
@@ -287,10 +293,21 @@ void write_answer(const std::filesystem::path& path, const InsertionAnswer& answ
   head["mesh"] = json_of(answer.mesh);
   if (!answer.units.empty()) head["units"] = answer.units;
   if (answer.pose) head["pose"] = json_of(*answer.pose);
-  head["path"] = OrderedJson::array();
-  for (const Pose& pose : answer.path) head["path"].push_back(json_of(pose));
+  head["path"] = json_of(answer.path);
   write_lines(path, head, "rows", answer.rows.size(), "vertices",
               [&](std::size_t i) { return json_of(answer.rows[i]); });
+}
+
+void write_answer(const std::filesystem::path& path, const PathAnswer& answer) {
+  const auto& [nearest, at_nearest, parts] = answer.certificate;
+  OrderedJson head = head_of(answer, "path");
+  head["path"] = json_of(answer.path);
+  head["smallest"] = json_of(answer.claims.smallest);
+  if (answer.claims.first_contact) head["first_contact"] = json_of(*answer.claims.first_contact);
+  head["nearest"] = {{"time", nearest}, {"proof", json_of(at_nearest)}};
+  write_lines(path, head, "parts", parts.size(), "poses", [&parts = parts](std::size_t i) {
+    return OrderedJson{{"until", parts[i].until}, {"proof", json_of(parts[i].certificate)}};
+  });
 }
 
 void write_answer(const std::filesystem::path& path, const DeviationAnswer& answer) {

@@ -33,13 +33,6 @@ InsertionAnswer::Row read_row(const JsonValue& value) {
   return row;
 }
 
-std::vector<Pose> read_path(const JsonValue& value) {
-  if (value.size() == 0) value.fail("must not be empty");
-  std::vector<Pose> path;
-  for (std::size_t k = 0; k < value.size(); ++k) path.push_back(read_pose_object(value.element(k)));
-  return path;
-}
-
 }  // namespace
 
 InsertionAnswer read_insertion(const JsonValue& root) {

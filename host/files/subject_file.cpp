@@ -15,4 +15,9 @@ SubjectFile read_subject_file(const JsonValue& value) {
   return file;
 }
 
+std::array<SubjectFile, 2> read_two_models(const JsonValue& value) {
+  if (value.size() != 2) value.fail("must be an array of two models");
+  return {read_subject_file(value.element(0)), read_subject_file(value.element(1))};
+}
+
 }  // namespace verisq

@@ -20,6 +20,7 @@
 #include <verisq/insertion_certificate.hpp>
 #include <verisq/model.hpp>
 #include <verisq/pair_certificate.hpp>
+#include <verisq/path_certificate.hpp>
 
 namespace verisq {
 
@@ -125,8 +126,17 @@ struct EquilibriumAnswer {
   stance::EquilibriumCertificate certificate;
 };
 
+/// The kind `path`: the smallest distance of model A and of model B, which moves, and when they first meet.
+struct PathAnswer {
+  std::array<SubjectFile, 2> models;  ///< A, B
+  std::string units;                  ///< free text; empty when not given
+  std::vector<Pose> path;             ///< of model B, at least one
+  PathClaims claims;
+  PathCertificate certificate;
+};
+
 using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, InsertionAnswer, DeviationAnswer, FeaturesAnswer,
-                            EquilibriumAnswer>;
+                            EquilibriumAnswer, PathAnswer>;
 
 /// Of any kind. Throws as `read_pair_answer`.
 [[nodiscard]] Answer read_answer(const std::filesystem::path& path);
@@ -150,5 +160,6 @@ void write_answer(const std::filesystem::path& path, const InsertionAnswer& answ
 void write_answer(const std::filesystem::path& path, const DeviationAnswer& answer);
 void write_answer(const std::filesystem::path& path, const FeaturesAnswer& answer);
 void write_answer(const std::filesystem::path& path, const EquilibriumAnswer& answer);
+void write_answer(const std::filesystem::path& path, const PathAnswer& answer);
 
 }  // namespace verisq

@@ -16,6 +16,6 @@ struct CertifiedEquilibrium {
 /// Of what was found of this model, with the same control. Throws Error(input) as `equilibrium`.
 [[nodiscard]] CertifiedEquilibrium certified_equilibrium(const Model& model, UncertainSet uncertain,
                                                          JointControl control, const Equilibrium& found,
-                                                         const EquilibriumCheckOptions& options);
+                                                         const CheckOptions& options);
 
 }  // namespace verisq::stance

@@ -1,14 +1,13 @@
 /// What proves how far a mesh lies from a model's surface again, without device or search.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 #include <verisq/certificate.hpp>
+#include <verisq/check_options.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/mesh.hpp>
@@ -66,15 +65,12 @@ class DeviationChecker {
 
   struct Options {
     std::span<const double> percentiles = {};  ///< each above 0, at most 100
-    /// Calls work(i) once for each i below `count`, in any order, by several threads.
-    std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)> in_parallel;
-    std::function<bool()> interrupted = [] { return false; };  ///< polled by any thread; once true it stays so
-    std::function<void(double)> progress = [](double) {};      ///< how much is done, from 0 to 1
+    CheckOptions check;
   };
 
   /// What the certificate proves of this mesh, whatever it holds: enclosures of the exact numbers, [0, infinity] where
   /// it proves nothing. Precondition: finite coordinates, triangles of vertices that are there; as many certificates as
-  /// vertices and triangles; no claim holds a NaN; `in_parallel` is given.
+  /// vertices and triangles; no claim holds a NaN; `check.in_parallel` is given.
   [[nodiscard]] ProvenDeviation operator()(const Mesh& mesh, const DeviationCertificate& certificate,
                                            const Options& options) const;
 

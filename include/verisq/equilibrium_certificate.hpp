@@ -3,9 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
+#include <verisq/check_options.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/equilibrium_claims.hpp>
@@ -45,19 +45,11 @@ struct ProvenEquilibrium {
   bool interrupted = false;          ///< nothing is said then
 };
 
-struct EquilibriumCheckOptions {
-  /// Calls work(i) once for each i below `count`, in any order, by several threads.
-  std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)> in_parallel;
-  std::function<bool()> interrupted = [] { return false; };  ///< polled by any thread; once true it stays so
-  std::function<void(double)> progress = [](double) {};      ///< how much is done, from 0 to 1
-};
-
 /// What the certificate proves, whatever it holds, by MPFR alone and by other formulas than `equilibrium`. Throws
 /// Error(input) as that. Preconditions: parameters of the model, each once, with finite ranges; a finite reference
 /// point; no posture holds a NaN; `in_parallel` is given.
 [[nodiscard]] ProvenEquilibrium prove(const Model& model, const EquilibriumClaims& claims,
-                                      const EquilibriumCertificate& certificate,
-                                      const EquilibriumCheckOptions& options);
+                                      const EquilibriumCertificate& certificate, const CheckOptions& options);
 
 /// Of each claim: that so much of the box stands, then of `numbers_of` what is claimed to stand. Precondition: as many
 /// numbers as `proven` has, no NaN.

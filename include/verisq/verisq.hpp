@@ -10,6 +10,8 @@
 #include <verisq/certified_distance.hpp>
 #include <verisq/certified_equilibrium.hpp>
 #include <verisq/certified_insertion.hpp>
+#include <verisq/certified_path.hpp>
+#include <verisq/check_options.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
 #include <verisq/clearance_claim.hpp>
@@ -60,6 +62,7 @@
 #include <verisq/octree_level.hpp>
 #include <verisq/pair_certificate.hpp>
 #include <verisq/pair_checker.hpp>
+#include <verisq/path_certificate.hpp>
 #include <verisq/path_distance.hpp>
 #include <verisq/plane.hpp>
 #include <verisq/plane_cut.hpp>

@@ -110,7 +110,7 @@ bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, c
   const ProvenDeviation proven = without_lock(interruption, [&] {
     return DeviationChecker(exact)(
         measured, self.certificate,
-        {.percentiles = self.percents, .in_parallel = one_by_one, .interrupted = interruption.poll()});
+        {.percentiles = self.percents, .check = {.in_parallel = one_by_one, .interrupted = interruption.poll()}});
   });
   return !proven.interrupted && all_proved(self.of_vertices, proven.of_vertices) &&
          (!self.from_mesh || all_proved(*self.from_mesh, *proven.from_mesh));

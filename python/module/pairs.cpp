@@ -23,17 +23,6 @@
 
 namespace verisq::python {
 
-template <>
-inline constexpr std::size_t member_count<Separation> = 5;
-template <>
-inline constexpr std::size_t member_count<SectionPlane> = 3;
-template <>
-inline constexpr std::size_t member_count<DividedSeparation> = 4;
-template <>
-inline constexpr std::size_t member_count<EnclosingBall> = 5;
-template <>
-inline constexpr std::size_t member_count<PairCertificate> = 6;
-
 namespace {
 
 namespace py = pybind11;

@@ -1,16 +1,20 @@
-/// verisq.distance_along: the smallest distance of two models while one moves, and when they first meet.
+/// verisq.distance_along and certified_distance_along: the smallest distance of two models while one moves, and when
+/// they first meet.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
+#include <verisq/certified_path.hpp>
 #include <verisq/path_distance.hpp>
 
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
+#include "python/module/one_by_one.hpp"
 #include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
 #include "python/module/result_members.hpp"
@@ -19,6 +23,12 @@ namespace verisq::python {
 
 template <>
 inline constexpr std::size_t member_count<PathDistance> = 8;
+template <>
+inline constexpr std::size_t member_count<PathClaims> = 2;
+template <>
+inline constexpr std::size_t member_count<PathPart> = 2;
+template <>
+inline constexpr std::size_t member_count<PathCertificate> = 3;
 
 namespace {
 
@@ -33,21 +43,62 @@ std::string word(PathProximity proximity) {
   return "undecided";
 }
 
-PathDistance along(const PythonModel& a, const PythonModel& b, const py::handle& path,
-                   const std::optional<double>& tolerance, double time_tolerance) {
+/// What both functions take; the models must outlive it.
+struct Travel {
+  const Model& resting;
+  const Model& moving;
+  std::vector<Pose> path;
+  PathDistanceOptions options;
+};
+
+Travel travel(const char* function, const PythonModel& a, const PythonModel& b, const py::handle& path,
+              const std::optional<double>& tolerance, double time_tolerance) {
   check_units(a, b);
-  const Model& resting = a.exact("distance_along");
-  const Model& moving = b.exact("distance_along");
-  const std::vector<Pose> way = poses(path, "path");
+  const Model& resting = a.exact(function);
+  const Model& moving = b.exact(function);
   // With bends or set operations it takes more moments, so less is asked for.
   constexpr double usually_coarser = 100.0;
   const bool convex = is_union_of_convex(resting) && is_union_of_convex(moving);
   const double radius = std::max(a.bounding_radius(), b.bounding_radius());
   const double width = tolerance_or_default(tolerance, convex ? radius : usually_coarser * radius);
+  return {resting, moving, poses(path, "path"), {.tolerance = width, .time_tolerance = time_tolerance}};
+}
+
+PathDistance along(const PythonModel& a, const PythonModel& b, const py::handle& path,
+                   const std::optional<double>& tolerance, double time_tolerance) {
+  Travel of = travel("distance_along", a, b, path, tolerance, time_tolerance);
   Interruption interruption;
-  const PathDistanceOptions options{
-      .tolerance = width, .time_tolerance = time_tolerance, .interrupted = interruption.poll()};
-  return without_lock(interruption, [&] { return distance_along(way, resting, moving, options); });
+  of.options.interrupted = interruption.poll();
+  return without_lock(interruption, [&] { return distance_along(of.path, of.resting, of.moving, of.options); });
+}
+
+struct PythonCertifiedPath {
+  PathClaims claims;
+  PathCertificate certificate;
+
+  static constexpr std::size_t members = 2;
+};
+
+PythonCertifiedPath certified_along(const PythonModel& a, const PythonModel& b, const py::handle& path,
+                                    const std::optional<double>& tolerance, double time_tolerance) {
+  Travel of = travel("certified_distance_along", a, b, path, tolerance, time_tolerance);
+  Interruption interruption;
+  of.options.interrupted = interruption.poll();
+  CertifiedPath certified = without_lock(interruption, [&] {
+    const PathDistance found = distance_along(of.path, of.resting, of.moving, of.options);
+    return certified_path(of.path, of.resting, of.moving, found, of.options);
+  });
+  return {certified.claims, std::move(certified.certificate)};
+}
+
+bool is_proved(const PythonCertifiedPath& self, const PythonModel& a, const PythonModel& b, const py::handle& path) {
+  const PathChecker checker(a.exact("is_proved"), b.exact("is_proved"), poses(path, "path"));
+  Interruption interruption;
+  const PathClaims proven = without_lock(interruption, [&] {
+    return checker.prove(self.certificate, {.in_parallel = one_by_one, .interrupted = interruption.poll()});
+  });
+  const auto [smallest, first_contact] = check(self.claims, proven);
+  return smallest.verdict == Verdict::proved && (!first_contact || first_contact->verdict == Verdict::proved);
 }
 
 std::string representation(const PathDistance& self) {
@@ -71,6 +122,28 @@ void declare_paths(py::module_& module) {
       .def_readonly("moments", &PathDistance::moments, "At how many times distances were enclosed.")
       .def("__repr__", representation)
       .def(pickled<PathDistance>());
+  py::class_<PythonCertifiedPath>(module, "CertifiedPath", "What certified_distance_along() proves.")
+      .def_property_readonly(
+          "smallest", [](const PythonCertifiedPath& self) { return self.claims.smallest; },
+          "Enclosure of the smallest distance of all times: what the certificate proves.")
+      .def_property_readonly(
+          "first_contact", [](const PythonCertifiedPath& self) { return self.claims.first_contact; },
+          "Enclosure of the first time at which the models have a common point, its hi infinite where none is proven;\n"
+          "None where they are proven to be apart at all times.")
+      .def("is_proved", is_proved, py::arg("a"), py::arg("b"), py::arg("path"),
+           "is_proved(a, b, path) -> bool\n\n"
+           "Proves both again, of these models and this path, by MPFR and the certificate alone.")
+      .def("__repr__",
+           [](const PythonCertifiedPath& self) {
+             return fmt::format("<verisq.CertifiedPath: [{}, {}]>", self.claims.smallest.lo, self.claims.smallest.hi);
+           })
+      .def(pickled<PythonCertifiedPath>());
+  module.def(
+      "certified_distance_along", certified_along, py::arg("a"), py::arg("b"), py::arg("path"), py::kw_only(),
+      py::arg("tolerance") = py::none(), py::arg("time_tolerance") = 1e-6,
+      "certified_distance_along(a, b, path, *, tolerance=None, time_tolerance=1e-6) -> CertifiedPath\n\n"
+      "As distance_along(), with what proves the answer again. Of models with bends or set operations it may be\n"
+      "wider than that.");
   module.def("distance_along", along, py::arg("a"), py::arg("b"), py::arg("path"), py::kw_only(),
              py::arg("tolerance") = py::none(), py::arg("time_tolerance") = 1e-6,
              "distance_along(a, b, path, *, tolerance=None, time_tolerance=1e-6) -> PathDistance\n\n"

@@ -12,6 +12,7 @@
 #include <verisq/mesh_clearance.hpp>
 #include <verisq/model.hpp>
 #include <verisq/model_distance.hpp>
+#include <verisq/pair_certificate.hpp>
 
 #include "python/module/pickling.hpp"
 
@@ -55,6 +56,19 @@ template <>
 inline constexpr std::size_t member_count<PointOnTriangle> = 2;
 template <>
 inline constexpr std::size_t member_count<MeshClearance> = 7;
+
+// Certificates of two models
+
+template <>
+inline constexpr std::size_t member_count<Separation> = 5;
+template <>
+inline constexpr std::size_t member_count<SectionPlane> = 3;
+template <>
+inline constexpr std::size_t member_count<DividedSeparation> = 4;
+template <>
+inline constexpr std::size_t member_count<EnclosingBall> = 5;
+template <>
+inline constexpr std::size_t member_count<PairCertificate> = 6;
 
 // Features of femurs
 

@@ -223,8 +223,8 @@ PythonEquilibrium equilibrium(const PythonStance& self, const std::string& joint
   return result;
 }
 
-stance::EquilibriumCheckOptions check_options(Interruption& interruption) {
-  stance::EquilibriumCheckOptions options;
+CheckOptions check_options(Interruption& interruption) {
+  CheckOptions options;
   options.in_parallel = one_by_one;
   options.interrupted = interruption.poll();
   return options;

@@ -17,7 +17,8 @@ Closest points, normals and gradients of many points; closest points of two mode
 One query, proven by the host
     SignedDistance, distance, Enclosure; distance_along, PathDistance for a model that moves
 What proves an answer again
-    Checker, Certificates, Findings, Verdict; certified_distance of two models
+    Checker, Certificates, Findings, Verdict; certified_distance of two models, certified_distance_along
+    a path
 Whole surfaces and solids
     deviation, certified_deviation, mesh_clearance, prove_containment, octree, recover
 Implants
@@ -44,6 +45,7 @@ from ._verisq import (
     CertifiedDeviation,
     CertifiedEquilibrium,
     CertifiedPair,
+    CertifiedPath,
     CertifiedWay,
     Checker,
     ClosestPairMap,
@@ -87,6 +89,7 @@ from ._verisq import (
     __version__,
     certified_deviation,
     certified_distance,
+    certified_distance_along,
     certified_map_along,
     closest_pairs,
     closest_points,
@@ -143,6 +146,7 @@ __all__ = [
     "CertifiedDeviation",
     "CertifiedEquilibrium",
     "CertifiedPair",
+    "CertifiedPath",
     "CertifiedWay",
     "Checker",
     "ClosestPairMap",
@@ -189,6 +193,7 @@ __all__ = [
     "__version__",
     "certified_deviation",
     "certified_distance",
+    "certified_distance_along",
     "certified_map_along",
     "closest_pairs",
     "closest_points",

@@ -39,7 +39,7 @@ struct Answer {
 ProvenDeviation proven_of(const Model& model, const Mesh& mesh, const DeviationCertificate& certificate) {
   return DeviationChecker(model)(
       mesh, certificate,
-      {.percentiles = percentiles, .in_parallel = [](auto count, auto work) { in_parallel(count, work); }});
+      {.percentiles = percentiles, .check = {.in_parallel = [](auto count, auto work) { in_parallel(count, work); }}});
 }
 
 Answer certified(const Model& model, const Mesh& mesh, double relative_tolerance = 0.05) {

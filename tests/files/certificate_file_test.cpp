@@ -249,9 +249,9 @@ TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
     other[nlohmann::json::json_pointer(pointer)] = value;
     expect_input_error([&] { (void)parse_answer(other.dump(), "proof.json"); }, "proof.json", ": " + message);
   };
-  refused("/kind", "path",
-          "kind = \"path\": must be \"pair\", \"poses\", \"fit\", \"insertion\", \"deviation\", \"features\" or "
-          "\"equilibrium\"");
+  refused("/kind", "recovery",
+          "kind = \"recovery\": must be \"pair\", \"poses\", \"path\", \"fit\", \"insertion\", \"deviation\", "
+          "\"features\" or \"equilibrium\"");
   refused("/kind", "pair", "answers = [...]: unknown key");
   refused("/answers", nlohmann::json::array(), "answers = []: must not be empty");
   refused("/answers/1/extra", 1, "answers[1].extra = 1: unknown key");
@@ -396,6 +396,30 @@ TEST(CertificateFile, IsRefusedWhereItWouldBeTooLarge) {
   EXPECT_THAT([&] { write_answer(folder / "proof.json", many); },
               ThrowsMessage<Error>(HasSubstr("67108864 bytes of a certificate file: give fewer poses")));
   EXPECT_FALSE(std::filesystem::exists(folder / "proof.json"));
+}
+
+TEST(CertificateFile, OfAPathGivesTheSameBitsAgain) {
+  const TemporaryFolder folder;
+  const PairAnswer pair = answer();
+  const PathAnswer written{.models = pair.models,
+                           .units = "mm",
+                           .path = {{{0.1, -0.0, 5e-324}, {1.0, 2.0, 3.0, 4.0}}, {}},
+                           .claims = {{1.0 / 3.0, 0.4}, Enclosure{1e-300, infinity}},
+                           .certificate = {0.625, pair.certificate, {{0.5, {}}, {2.0 / 3.0, pair.certificate}}}};
+  write_answer(folder / "proof.json", written);
+  const auto read = std::get<PathAnswer>(read_answer(folder / "proof.json"));
+  EXPECT_EQ(read.models[1].sha256, written.models[1].sha256);
+  EXPECT_EQ(read.units, "mm");
+  ASSERT_EQ(read.path.size(), 2U);
+  EXPECT_EQ(read.path[0].translation, written.path[0].translation);
+  EXPECT_EQ(read.path[0].quaternion, written.path[0].quaternion);
+  EXPECT_EQ(read.claims, written.claims);
+  EXPECT_EQ(read.certificate.nearest, 0.625);
+  expect_same_rest(read.certificate.at_nearest, written.certificate.at_nearest);
+  ASSERT_EQ(read.certificate.parts.size(), 2U);
+  EXPECT_EQ(read.certificate.parts[1].until, 2.0 / 3.0);
+  EXPECT_EQ(read.certificate.parts[1].certificate.separations.size(), 2U);
+  expect_same_rest(read.certificate.parts[1].certificate, written.certificate.parts[1].certificate);
 }
 
 TEST(CertificateFile, OfAWayInGivesTheSameBitsAgain) {

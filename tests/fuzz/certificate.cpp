@@ -17,28 +17,50 @@ bool finite(const Point& x) {
   return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
 }
 
-/// Of a pair, or of one of many poses.
-template <class Posed>
-void check_claim(const Posed& answer) {
-  check(!std::isnan(answer.distance.lo) && !std::isnan(answer.distance.hi), "a claim has two ends");
-  check(finite(answer.pose.translation), "a pose is finite");
-  check(std::ranges::any_of(answer.pose.quaternion, [](double c) { return c != 0.0; }), "a quaternion is not zero");
-  check(!answer.certificate.common || finite(*answer.certificate.common), "a common point is finite");
-  for (const Separation& separation : answer.certificate.separations) {
+void check_certificate(const PairCertificate& certificate) {
+  check(!certificate.common || finite(*certificate.common), "a common point is finite");
+  for (const Separation& separation : certificate.separations) {
     check(finite(separation.vector) && finite(separation.on_a) && finite(separation.on_b), "separations are finite");
   }
-  for (const DividedSeparation& division : answer.certificate.divisions) {
+  for (const DividedSeparation& division : certificate.divisions) {
     const auto uncut = std::ranges::count(division.cuts, SectionCut::none);
     check(division.planes.size() == static_cast<std::size_t>(uncut), "each pair of sections has a plane");
     for (const auto& [normal, slope_a, slope_b] : division.planes)
       check(finite({slope_a, slope_b, 0.0}) && finite(normal), "planes are finite");
   }
-  for (const auto* const balls : {&answer.certificate.balls_a, &answer.certificate.balls_b}) {
+  for (const auto* const balls : {&certificate.balls_a, &certificate.balls_b}) {
     for (const EnclosingBall& ball : *balls)
       check(finite(ball.centre) && finite({ball.multiplier, ball.distance, 0.0}), "balls are finite");
   }
-  if (const auto& near = answer.certificate.near_points) {
+  if (const auto& near = certificate.near_points) {
     check(finite((*near)[0]) && finite((*near)[1]), "near points are finite");
+  }
+}
+
+void check_pose(const Pose& pose) {
+  check(finite(pose.translation), "a pose is finite");
+  check(std::ranges::any_of(pose.quaternion, [](double c) { return c != 0.0; }), "a quaternion is not zero");
+}
+
+/// Of a pair, or of one of many poses.
+template <class Posed>
+void check_claim(const Posed& answer) {
+  check(!std::isnan(answer.distance.lo) && !std::isnan(answer.distance.hi), "a claim has two ends");
+  check_pose(answer.pose);
+  check_certificate(answer.certificate);
+}
+
+void check_answer(const PathAnswer& answer) {
+  check(!answer.path.empty(), "there is a path");
+  for (const Pose& pose : answer.path) check_pose(pose);
+  const auto has_ends = [](const Enclosure& claim) { return !std::isnan(claim.lo) && !std::isnan(claim.hi); };
+  check(has_ends(answer.claims.smallest), "a claim has two ends");
+  check(!answer.claims.first_contact || has_ends(*answer.claims.first_contact), "a claim has two ends");
+  check(answer.certificate.nearest >= 0.0, "a time is not negative");
+  check_certificate(answer.certificate.at_nearest);
+  for (const PathPart& part : answer.certificate.parts) {
+    check(part.until >= 0.0, "a time is not negative");
+    check_certificate(part.certificate);
   }
 }
 
@@ -63,8 +85,7 @@ void check_answer(const FitAnswer& answer) {
 
 void check_answer(const InsertionAnswer& answer) {
   check(!answer.path.empty() && !answer.rows.empty(), "there are a way and vertices");
-  for (const Pose& pose : answer.path)
-    check(std::ranges::any_of(pose.quaternion, [](double c) { return c != 0.0; }), "a quaternion is not zero");
+  for (const Pose& pose : answer.path) check_pose(pose);
   for (const auto& [claim, certificate] : answer.rows) {
     check(!std::isnan(claim.lo) && !std::isnan(claim.hi), "a claim has two ends");
     check(certificate.deepest >= 0.0, "a time is not negative");

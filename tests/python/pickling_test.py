@@ -84,6 +84,7 @@ def one_of_each():
         verisq.closest_points(model, points), verisq.closest_pairs(model, model, [[20, 0, 0, 1, 0, 0, 0]]), pair, pair.closest, pair.distance,
         verisq.certified_distance(bent, bent, [0.2, 0.05, 0, 1, 0.2, 0.1, 0.05], tolerance=1e-3),
         verisq.distance_along(model, model, [[20, 0, 0, 1, 0, 0, 0], [0, 20, 0, 1, 0, 0, 0]]), deviation, deviation.of_vertices,
+        verisq.certified_distance_along(model, model, [[20, 0, 0, 1, 0, 0, 0], [0, 20, 0, 1, 0, 0, 0]]),
         proven, proven.of_vertices,
         verisq.mesh_clearance(ball(6.0), mesh, device="host", penetration_limit=1.0, most_samples=500), model, mesh,
         verisq.prove_containment(ball(3.0), mesh, "within", device="host"), verisq.octree(model, depth=3, device="host"),

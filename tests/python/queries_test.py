@@ -99,6 +99,25 @@ class ClosestPoints(unittest.TestCase):
         self.assertEqual((searched.proximity, searched.reached), ("apart", True))
         self.assertLessEqual(searched.smallest.width, 1e-4 * stem.bounding_radius)
 
+    def test_proofs_of_a_model_that_moves(self):
+        a, b = model("capsule.json"), model("soap.json")
+        path = [[200.0, 0, 0, 1, 0, 0, 0], [0, 200.0, 0, 1, 0, 0, 1]]
+        found = verisq.distance_along(a, b, path).smallest
+        proven = verisq.certified_distance_along(a, b, path)
+        self.assertLessEqual(proven.smallest.lo, found.hi)
+        self.assertGreaterEqual(proven.smallest.hi, found.lo)
+        self.assertIsNone(proven.first_contact)
+        self.assertTrue(proven.is_proved(a, b, path))
+        self.assertFalse(proven.is_proved(a, b, [[200.0, 0, 0, 1, 0, 0, 0], [0, 199.0, 0, 1, 0, 0, 1]]))
+        self.assertFalse(proven.is_proved(a, model("gem.json"), path))
+        through = [[200.0, 0, 0, 1, 0, 0, 0], [-200.0, 0, 0, 1, 0, 0, 0]]
+        meeting = verisq.certified_distance_along(a, b, through)
+        self.assertEqual(tuple(meeting.smallest), (0.0, 0.0))
+        self.assertLessEqual(meeting.first_contact.width, 2e-6)
+        self.assertTrue(meeting.is_proved(a, b, through))
+        with self.assertRaisesRegex(verisq.Error, "^certified_distance_along: not for models with intervals$"):
+            verisq.certified_distance_along(a, model("uncertain_stem.json"), path)
+
     def test_errors(self):
         with self.assertRaisesRegex(verisq.Error, r"^point 1: \(.*\) is not finite$"):
             verisq.closest_points(model("soap.json"), [[0, 0, 9], [0, 0, float("inf")]])

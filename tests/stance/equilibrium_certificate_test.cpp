@@ -28,8 +28,8 @@ using namespace oracle;
 using verify::Differentiated;
 using verify::PreciseInterval;
 
-EquilibriumCheckOptions one_after_the_other() {
-  EquilibriumCheckOptions options;
+CheckOptions one_after_the_other() {
+  CheckOptions options;
   options.in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) {
     for (std::size_t i = 0; i < count; ++i) work(i);
   };

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "verify/deviation/proven_triangle.hpp"
+#include "verify/placement/check_steps.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/proof/exact_checker.hpp"
 #include "verify/proof/intersection.hpp"
@@ -17,8 +18,6 @@ using verify::TriangleDistances;
 using verify::WeightedCell;
 
 namespace {
-
-constexpr std::size_t triangles_at_a_time = 512;
 
 DistanceSummary summary_of(std::span<const WeightedCell> cells, double least, std::span<const double> percentiles) {
   DistanceSummary result;
@@ -104,27 +103,16 @@ ProvenDeviation DeviationChecker::operator()(const Mesh& mesh, const DeviationCe
       state_->convex};
 
   ProvenDeviation result;
-  const std::size_t all = mesh.vertices.size() + mesh.triangles.size();
-  std::size_t done = 0;
-  const auto each = [&](std::size_t count, const auto& work) {
-    for (std::size_t first = 0; first < count && !options.interrupted(); first += triangles_at_a_time) {
-      const std::size_t now = std::min(triangles_at_a_time, count - first);
-      options.in_parallel(now, [&](std::size_t i) {
-        if (!options.interrupted()) work(first + i);
-      });
-      done += now;
-      options.progress(static_cast<double>(done) / static_cast<double>(all));
-    }
-  };
+  verify::CheckSteps steps(mesh.vertices.size() + mesh.triangles.size(), options.check);
   std::vector<Enclosure> rows(mesh.vertices.size());
-  each(rows.size(), [&](std::size_t i) { rows[i] = distance(mesh.vertices[i], certificate.vertices[i]); });
+  steps.each(rows.size(), [&](std::size_t i) { rows[i] = distance(mesh.vertices[i], certificate.vertices[i]); });
   std::vector<TriangleDistances> triangles(mesh.triangles.size());
-  each(triangles.size(), [&](std::size_t n) {
+  steps.each(triangles.size(), [&](std::size_t n) {
     const auto& [a, b, c] = mesh.triangles[n];
     triangles[n] = verify::distances_on({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]},
                                         {rows[a], rows[b], rows[c]}, certificate.triangles[n], proofs);
   });
-  result.interrupted = options.interrupted();
+  result.interrupted = options.check.interrupted();
   result.samples = samples;
   result.unproved_samples = unproved;
   if (result.interrupted || rows.empty()) return result;

@@ -7,6 +7,7 @@
 
 #include "verify/equilibrium/equilibrium_on_box.hpp"
 #include "verify/equilibrium/standing_model.hpp"
+#include "verify/placement/check_steps.hpp"
 #include "verify/proof/judgement.hpp"
 #include "verisq/equilibrium_certificate.hpp"
 
@@ -20,8 +21,6 @@ using verify::Real;
 using verify::StandingBody;
 
 namespace {
-
-constexpr std::size_t parts_at_a_time = 64;
 
 using Ranges = std::vector<Enclosure>;
 
@@ -96,21 +95,15 @@ Enclosure reached(const Enclosure& a, const Enclosure& b) {
 }  // namespace
 
 ProvenEquilibrium prove(const Model& model, const EquilibriumClaims& claims, const EquilibriumCertificate& certificate,
-                        const EquilibriumCheckOptions& options) {
+                        const CheckOptions& options) {
   const StandingBody body = verify::standing_body(model, claims.control, claims.uncertain, certificate.reference);
   const Leaves leaves(certificate.parts, claims.ranges);
   const std::vector<Leaf>& all = leaves.all();
   std::vector<std::optional<ProvenBox>> proven(all.size());
-  for (std::size_t first = 0; first < all.size() && !options.interrupted(); first += parts_at_a_time) {
-    const std::size_t now = std::min(parts_at_a_time, all.size() - first);
-    options.in_parallel(now, [&](std::size_t i) {
-      if (options.interrupted()) return;
-      const Leaf& leaf = all[first + i];
-      if (leaf.postures.size() != body.unknowns()) return;
-      proven[first + i] = equilibrium_on(body, leaf.ranges, leaf.postures);
-    });
-    options.progress(static_cast<double>(first + now) / static_cast<double>(all.size()));
-  }
+  verify::CheckSteps(all.size(), options).each(all.size(), [&](std::size_t i) {
+    const Leaf& leaf = all[i];
+    if (leaf.postures.size() == body.unknowns()) proven[i] = equilibrium_on(body, leaf.ranges, leaf.postures);
+  });
 
   ProvenEquilibrium result;
   result.parts = all.size();

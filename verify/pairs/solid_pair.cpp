@@ -18,6 +18,15 @@ bool is_finite(const Point& x) {
   return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
 }
 
+/// In the frame of its model.
+EnclosingSphere sphere_about(const PosedPrimitive& primitive) {
+  return std::visit(
+      [](const auto& solid) {
+        return EnclosingSphere{solid.motion().translation, solid.radius()};
+      },
+      primitive);
+}
+
 bool is_inside(const SolidParts& solid, const PreciseVector& x) {
   return place_of(x, solid.places.set(), solid.places.primitives()) == Place::inside;
 }
@@ -53,18 +62,19 @@ double lower_of(const SetExpression& set, const Bound& bound) {
 }
 
 /// No point of A's set is nearer to one of B's.
-double lower(const SetExpression& a, const SetExpression& b, const PairBoundsOfPrimitives& bounds) {
-  if (!a.operands.empty()) return lower_of(a, [&](const SetExpression& part) { return lower(part, b, bounds); });
-  if (!b.operands.empty()) return lower_of(b, [&](const SetExpression& part) { return lower(a, part, bounds); });
+double lower_of_sets(const SetExpression& a, const SetExpression& b, const PairBoundsOfPrimitives& bounds) {
+  const auto with_part_of_a = [&](const SetExpression& part) { return lower_of_sets(part, b, bounds); };
+  const auto with_part_of_b = [&](const SetExpression& part) { return lower_of_sets(a, part, bounds); };
+  if (!a.operands.empty()) return lower_of(a, with_part_of_a);
+  if (!b.operands.empty()) return lower_of(b, with_part_of_b);
   return bounds(a.primitive, b.primitive);
 }
 
-/// Of a primitive of one model from the other, whose frame `motion` leads to the one's: it is no nearer than the centre
-/// of a ball about it, less the ball's radius.
+/// Of a primitive of one model from the other, whose frame `to_one` leads to the one's: it is no nearer than the centre
+/// of a ball about it, less the ball's radius. Precondition: the centre is finite.
 double lower_by_ball(const EnclosingBall& ball, const SolidParts& one, const SolidParts& other,
-                     const RigidMotion& motion) {
-  if (!is_finite(ball.centre)) return -infinity;
-  const PreciseVector centre = motion(precise(ball.centre));
+                     const RigidMotion& to_one) {
+  const PreciseVector centre = to_one(precise(ball.centre));
   const double radius = farthest_up(one.primitives[ball.primitive], centre, ball.multiplier);
   const double distance = other.places(ball.centre, {ball.distance, infinity}, ball.proof).lo;
   return std::isfinite(radius) && std::isfinite(distance) ? subtract(distance, radius, Direction::down) : -infinity;
@@ -73,40 +83,36 @@ double lower_by_ball(const EnclosingBall& ball, const SolidParts& one, const Sol
 }  // namespace
 
 bool SolidPair::share(const Point& x) const {
-  return is_finite(x) && is_inside(*a_, precise(x)) && is_inside(*b_, motion_.inverse()(precise(x)));
+  return is_finite(x) && is_inside(*a_, precise(x)) && is_inside(*b_, pose_.inverse()(precise(x)));
 }
 
 double SolidPair::upper(const std::array<Point, 2>& near_points) const {
   const auto& [on_a, on_b] = near_points;
   if (!is_finite(on_a) || !is_finite(on_b)) return infinity;
   if (!is_inside(*a_, precise(on_a)) || !is_inside(*b_, precise(on_b))) return infinity;
-  return length<Real>(PreciseVector(motion_(precise(on_b)) - precise(on_a))).upper().to_double(Direction::up);
+  return length<Real>(PreciseVector(pose_(precise(on_b)) - precise(on_a))).upper().to_double(Direction::up);
 }
 
 double SolidPair::lower_by_spheres(std::size_t i, std::size_t j) const {
-  const auto radius = [](const auto& solid) { return solid.radius(); };
-  const auto origin = [](const auto& solid) { return solid.motion().translation; };
-  const PosedPrimitive& one = a_->places.primitives()[i];
-  const PosedPrimitive& other = b_->places.primitives()[j];
-  const PreciseVector between = motion_(std::visit(origin, other)) - std::visit(origin, one);
-  const PreciseInterval radii = std::visit(radius, one) + std::visit(radius, other);
-  return (length<Real>(between) - radii).lower().to_double(Direction::down);
+  const auto [centre_a, radius_a] = sphere_about(a_->places.primitives()[i]);
+  const auto [own_centre_b, radius_b] = sphere_about(b_->places.primitives()[j]);
+  const PreciseVector centre_b = pose_(own_centre_b);
+  const PreciseVector between = centre_b - centre_a;
+  return (length<Real>(between) - motion_.way_of(centre_b) - radius_a - radius_b).lower().to_double(Direction::down);
 }
 
 namespace {
 
-/// Two primitives, one of which is moved, and where the other's centre lies from the one's.
-struct PosedSectionPair {
+/// Two primitives, one of which moves.
+struct MovingSections {
   const PosedSections& one;
   const PosedSections& other;
-  RigidMotion moved;  ///< from the other's own frame to that of model A
-  PreciseVector between;
-
-  PosedSectionPair(const PosedSections& a, const PosedSections& b, const RigidMotion& motion)
-      : one(a), other(b), moved(motion.after(b.motion())), between(moved.translation - a.motion().translation) {}
+  const ShortMotion& motion;
+  EnclosingSphere about_other;  ///< in the frame of model A, at the moment
+  RigidMotion moved;            ///< from the other's own frame to that of model A, at the moment
 
   /// With the plane's normal n, d >= (n·(c_B - c_A) - r_A(n) - r_B(-n)) / |n|, r how far the sections reach from the
-  /// primitives' centres c.
+  /// primitives' centres c, at the moment.
   [[nodiscard]] double lower_by(const SectionPlane& plane, const PosedSections::Section& of_a,
                                 const PosedSections::Section& of_b) const {
     const auto& [normal, slope_a, slope_b] = plane;
@@ -115,8 +121,12 @@ struct PosedSectionPair {
     }
     const PreciseVector n = precise(normal);
     const PreciseInterval reach_a(one.reach(one.motion().rotation.transpose() * n, of_a, slope_a));
-    const PreciseInterval reach_b(other.reach(-(moved.rotation.transpose() * n), of_b, slope_b));
-    return ((n.dot(between) - reach_a - reach_b) / length<Real>(n)).lower().to_double(Direction::down);
+    const auto reach_b = [&, slope = slope_b](const PreciseVector& m) {
+      return other.reach(moved.rotation.transpose() * m, of_b, slope);
+    };
+    const PreciseInterval near_side_of_b = motion.least_along(n, about_other, moved.translation, reach_b);
+    const PreciseInterval far_side_of_a = n.dot(one.motion().translation) + reach_a;
+    return ((near_side_of_b - far_side_of_a) / length<Real>(n)).lower().to_double(Direction::down);
   }
 };
 
@@ -124,31 +134,37 @@ struct PosedSectionPair {
 
 /// Minus infinity unless every pair of sections has a plane.
 double SolidPair::lower_by(const DividedSeparation& separation) const {
-  const PosedSectionPair pair(a_->sections[separation.primitive_a], b_->sections[separation.primitive_b], motion_);
+  const PosedSections& of_b = b_->sections[separation.primitive_b];
+  const auto [centre, radius] = sphere_about(b_->places.primitives()[separation.primitive_b]);
+  const MovingSections pair{
+      a_->sections[separation.primitive_a], of_b, motion_, {pose_(centre), radius}, pose_.after(of_b.motion())};
   std::vector<std::pair<Section, Section>> open{{pair.one.whole(), pair.other.whole()}};
   double least = infinity;
   std::size_t planes = 0;
   for (const SectionCut cut : separation.cuts) {
     if (open.empty()) return -infinity;
-    const auto [of_a, of_b] = open.back();
+    const auto [section_a, section_b] = open.back();
     open.pop_back();
     if (cut == SectionCut::none) {
       if (planes == separation.planes.size()) return -infinity;
-      least = std::min(least, pair.lower_by(separation.planes[planes++], of_a, of_b));
+      least = std::min(least, pair.lower_by(separation.planes[planes++], section_a, section_b));
       if (least == -infinity) return least;
       continue;
     }
-    const auto parts = halves(cut == SectionCut::a ? of_a : of_b);
+    const auto parts = halves(cut == SectionCut::a ? section_a : section_b);
     if (!parts) return -infinity;
     for (const Section& part : {(*parts)[1], (*parts)[0]}) {
-      open.emplace_back(cut == SectionCut::a ? part : of_a, cut == SectionCut::a ? of_b : part);
+      open.emplace_back(cut == SectionCut::a ? part : section_a, cut == SectionCut::a ? section_b : part);
     }
   }
   return open.empty() ? least : -infinity;
 }
 
-Enclosure SolidPair::proven_distance(const PairCertificate& certificate) const {
-  if (certificate.common && share(*certificate.common)) return {0.0, 0.0};
+double SolidPair::way_up(const PreciseVector& at) const {
+  return motion_.way_of(at).upper().to_double(Direction::up);
+}
+
+double SolidPair::lower(const PairCertificate& certificate) const {
   const std::size_t count_a = a_->sections.size();
   const std::size_t count_b = b_->sections.size();
   PairBoundsOfPrimitives bounds(count_a, count_b);
@@ -160,17 +176,26 @@ Enclosure SolidPair::proven_distance(const PairCertificate& certificate) const {
     bounds.raise(separation.primitive_a, separation.primitive_b, lower_by(separation));
   }
   for (const EnclosingBall& ball : certificate.balls_a) {
-    if (ball.primitive >= count_a) continue;
-    const double bound = lower_by_ball(ball, *a_, *b_, motion_);
+    if (ball.primitive >= count_a || !is_finite(ball.centre)) continue;
+    // The centre goes with B: as far as it moves, the primitive may reach beyond the ball.
+    const double way = way_up(pose_(precise(ball.centre)));
+    const double bound = subtract(lower_by_ball(ball, *a_, *b_, pose_), way, Direction::down);
     for (std::size_t j = 0; j < count_b; ++j) bounds.raise(ball.primitive, j, bound);
   }
   for (const EnclosingBall& ball : certificate.balls_b) {
-    if (ball.primitive >= count_b) continue;
-    const double bound = lower_by_ball(ball, *b_, *a_, motion_.inverse());
+    if (ball.primitive >= count_b || !is_finite(ball.centre)) continue;
+    // The ball goes with B.
+    const double way = way_up(precise(ball.centre));
+    const double bound = subtract(lower_by_ball(ball, *b_, *a_, pose_.inverse()), way, Direction::down);
     for (std::size_t i = 0; i < count_a; ++i) bounds.raise(i, ball.primitive, bound);
   }
-  const double from_below = lower(a_->places.set(), b_->places.set(), bounds);
-  return between(std::max(0.0, from_below), certificate.near_points ? upper(*certificate.near_points) : infinity,
+  return lower_of_sets(a_->places.set(), b_->places.set(), bounds);
+}
+
+Enclosure SolidPair::at_moment(const PairCertificate& certificate) const {
+  if (certificate.common && share(*certificate.common)) return {0.0, 0.0};
+  return between(std::max(0.0, lower(certificate)),
+                 certificate.near_points ? upper(*certificate.near_points) : infinity,
                  [] { return "the distance of the models"; });
 }
 

@@ -1,9 +1,10 @@
-/// Two models of any kind, one of which is moved, and what single evaluations prove about their distance.
+/// Two models of any kind, one of which moves, and what single evaluations prove about their distance.
 #pragma once
 
 #include <vector>
 
 #include "verify/pairs/posed_sections.hpp"
+#include "verify/pairs/short_motion.hpp"
 #include "verify/proof/exact_checker.hpp"
 #include "verisq/pair_certificate.hpp"
 
@@ -19,13 +20,17 @@ struct SolidParts {
   std::vector<PosedSections> sections;
 };
 
-/// A and B moved. Both must outlive this.
+/// A, and B that moves for a short time. Both must outlive this.
 class SolidPair {
  public:
-  SolidPair(const SolidParts& a, const SolidParts& b, const Pose& pose) : a_(&a), b_(&b), motion_(pose) {}
+  SolidPair(const SolidParts& a, const SolidParts& b, const ShortMotion& motion)
+      : a_(&a), b_(&b), motion_(motion), pose_(motion.pose()) {}
 
-  /// What the certificate proves, as PairChecker says.
-  [[nodiscard]] Enclosure proven_distance(const PairCertificate& certificate) const;
+  /// What the certificate proves of the distance at the moment, as PairChecker says.
+  [[nodiscard]] Enclosure at_moment(const PairCertificate& certificate) const;
+
+  /// The certificate proves that the distance is no less at any time of the motion. Rounded down; may be negative.
+  [[nodiscard]] double lower(const PairCertificate& certificate) const;
 
  private:
   using Section = PosedSections::Section;
@@ -33,11 +38,13 @@ class SolidPair {
   [[nodiscard]] bool share(const Point& x) const;
   [[nodiscard]] double upper(const std::array<Point, 2>& near_points) const;
   [[nodiscard]] double lower_by_spheres(std::size_t i, std::size_t j) const;
+  [[nodiscard]] double way_up(const PreciseVector& at) const;
   [[nodiscard]] double lower_by(const DividedSeparation& separation) const;
 
   const SolidParts* a_;
   const SolidParts* b_;
-  RigidMotion motion_;  ///< from the frame of model B to that of model A
+  ShortMotion motion_;
+  RigidMotion pose_;  ///< from the frame of model B to that of model A, at the moment
 };
 
 }  // namespace verisq::verify

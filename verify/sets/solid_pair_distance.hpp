@@ -19,6 +19,14 @@ class PairSearch {
   [[nodiscard]] CertifiedDistance certified(const Pose& pose, const SearchedDistance& found,
                                             const SearchOptions& options) const;
 
+  /// The same, of which it is not asked how much it proves.
+  [[nodiscard]] PairCertificate certificate(const Pose& pose, const SearchedDistance& found,
+                                            const SearchOptions& options) const {
+    return certificate_of(a_, b_, pose, found, options);
+  }
+
+  [[nodiscard]] const SearchSolid& solid_b() const { return b_.solid; }
+
  private:
   /// Where balls enclose a model, the distances of their centres bound that of the models, however much of the other
   /// solid is about as near.

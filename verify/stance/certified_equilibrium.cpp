@@ -201,7 +201,7 @@ bool is_silent(const EquilibriumPart& part) {
 }  // namespace
 
 CertifiedEquilibrium certified_equilibrium(const Model& model, UncertainSet uncertain, JointControl control,
-                                           const Equilibrium& found, const EquilibriumCheckOptions& options) {
+                                           const Equilibrium& found, const CheckOptions& options) {
   const StandingProblem problem = standing_problem(model, control, uncertain);
   const StandingBody body = verify::standing_body(model, control, uncertain, found.reference);
   std::vector<CertifiedCell> cells;

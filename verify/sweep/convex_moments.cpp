@@ -11,12 +11,11 @@ namespace verisq::verify {
 
 Moment ConvexMoments::examine(const Stretch& stretch, double enough) const {
   const double time = stretch.middle();
-  const double reach = stretch.reach();
-  const MovingPairs moving(a_, b_, path_->enclosed_pose(time), path_->motion_of(stretch.leg));
+  const MovingPairs moving(a_, b_, {path_->enclosed_pose(time), path_->motion_of(stretch.leg), stretch.reach()});
   const PosedPairs& pairs = moving.pairs();
   Moment moment{time, infinity, infinity};
   const auto by_spheres = [&](std::size_t k) {
-    return moving.lower_by_spheres(k / pairs.size_b(), k % pairs.size_b(), reach);
+    return moving.lower_by_spheres(k / pairs.size_b(), k % pairs.size_b());
   };
   for (const auto& [bound, k] : nearest_spheres_first(pairs.size_a() * pairs.size_b(), by_spheres)) {
     if (bound > enough || bound > moment.upper) {
@@ -36,7 +35,7 @@ Moment ConvexMoments::examine(const Stretch& stretch, double enough) const {
     const Separation separation{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), rounded(contact.vector),
                                 rounded(contact.on_a), rounded(contact.on_b)};
     moment.upper = std::min(moment.upper, at_moment.distance(separation).hi);
-    moment.lower = std::min(moment.lower, std::max(bound, moving.lower_by_vector(i, j, separation.vector, reach)));
+    moment.lower = std::min(moment.lower, std::max(bound, moving.lower_by_vector(i, j, separation.vector)));
   }
   return moment;
 }

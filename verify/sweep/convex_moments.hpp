@@ -2,7 +2,9 @@
 /// (docs/mathematics.md §26).
 #pragma once
 
+#include "verify/pairs/moving_pairs.hpp"
 #include "verify/sweep/path_moments.hpp"
+#include "verify/sweep/posed_path.hpp"
 
 namespace verisq::verify {
 

@@ -1,14 +1,9 @@
-/// A path of poses in time, and what is asked of two models at its moments.
+/// What is asked of two models at the moments of a path.
 #pragma once
 
 #include <cstddef>
-#include <span>
-#include <vector>
 
-#include "verify/placement/rigid_path.hpp"
-#include "verify/sweep/moving_pairs.hpp"
 #include "verisq/enclosure.hpp"
-#include "verisq/model.hpp"
 
 namespace verisq::verify {
 
@@ -27,25 +22,6 @@ struct Moment {
   double time;
   double lower;  ///< over the stretch
   double upper;  ///< at the middle; 0 where a common point is proven
-};
-
-/// Time k is that of pose k; between two poses the motion is steady. Precondition: as that of RigidPath.
-class PosedPath {
- public:
-  explicit PosedPath(std::span<const Pose> poses) : poses_(poses.begin(), poses.end()), path_(poses) {}
-
-  [[nodiscard]] double last_time() const { return path_.last_time(); }
-  [[nodiscard]] std::span<const Pose> poses() const { return poses_; }
-
-  [[nodiscard]] RigidMotion enclosed_pose(double time) const { return path_.enclosed_pose(time); }
-
-  [[nodiscard]] Pose rounded_pose(double time) const { return path_.rounded_pose(time); }
-
-  [[nodiscard]] SteadyMotion motion_of(std::size_t leg) const;
-
- private:
-  std::vector<Pose> poses_;
-  RigidPath path_;
 };
 
 /// Two models, one of which moves.

@@ -13,6 +13,10 @@
 namespace verisq::verify {
 namespace {
 
+/// Of what the distance may change over a stretch a search leaves open at its middle: planes lose less than the change,
+/// and a search that is finer costs more than it saves.
+constexpr double share_of_change = 0x1p-4;
+
 double up(const PreciseInterval& x) {
   return x.upper().to_double(Direction::up);
 }
@@ -43,7 +47,7 @@ SearchedMoments::SearchedMoments(const PosedPath& path, const Model& a, const Mo
                                  std::function<bool()> interrupted)
     : path_(&path),
       search_(a, b),
-      b_(b),
+      pair_(a, b),
       ball_a_(a),
       ball_b_(b),
       tolerance_(tolerance),
@@ -86,8 +90,9 @@ bool SearchedMoments::is_in_b(const Point& x, const RigidMotion& exact) const {
     const PreciseInterval off = abs(place[i] - PreciseInterval(Real(cube.centre[i])));
     cube.half_width = std::max(cube.half_width, up(off));
   }
-  return std::ranges::any_of(b_.parts,
-                             [&](const SearchSolid::Part& part) { return strictly_inside(b_, part.set, cube); });
+  const SearchSolid& solid = search_.solid_b();
+  return std::ranges::any_of(solid.parts,
+                             [&](const SearchSolid::Part& part) { return strictly_inside(solid, part.set, cube); });
 }
 
 Moment SearchedMoments::examine(const Stretch& stretch, double enough) const {
@@ -106,14 +111,19 @@ Moment SearchedMoments::examine(const Stretch& stretch, double enough) const {
   bool far = false;
   // Where it is asked whether they are apart at all, as fine as the stretch is short.
   const double finest = enough > 0.0 ? tolerance_ : 0.0;
-  SearchOptions options{.tolerance = 0.25 * std::max(finest, up(lost))};
+  SearchOptions options{.tolerance = std::max(0.25 * finest, share_of_change * up(lost))};
   options.progress = [&](const Enclosure& distance, std::uint64_t) {
     far = over_stretch(PreciseInterval(Real(distance.lo))) > enough;
   };
   options.interrupted = [&] { return far || (interrupted_ && interrupted_()); };
   const SearchedDistance found = search_(pose, options);
   if (found.common && is_in_b(*found.common, exact)) return {time, 0.0, 0.0};
-  const double lower = std::max(by_balls, over_stretch(PreciseInterval(Real(found.distance.lo))));
+  double lower = std::max(by_balls, over_stretch(PreciseInterval(Real(found.distance.lo))));
+  if (lower < std::min(enough, found.distance.lo)) {
+    options.progress = {};
+    const PairCertificate planes = search_.certificate(pose, found, options);
+    lower = std::max(lower, pair_.lower({exact, path_->motion_of(stretch.leg), stretch.reach()}, planes));
+  }
   return {time, lower, up(PreciseInterval(Real(found.distance.hi)) + PreciseInterval(Real(off)))};
 }
 

@@ -1,12 +1,13 @@
-/// Any two models on their way, bent or built by set operations: the distance at a moment, and how fast points move,
-/// prove a stretch of time (docs/mathematics.md §26).
+/// Any two models on their way, bent or built by set operations: planes that stay between sections of primitives, or
+/// the distance at a moment and how fast points move, prove a stretch of time (docs/mathematics.md §26).
 #pragma once
 
 #include <functional>
 
-#include "verify/sets/solid_pair_cells.hpp"
+#include "verify/pairs/model_pair.hpp"
+#include "verify/sets/solid_pair_distance.hpp"
 #include "verify/sweep/path_moments.hpp"
-#include "verisq/model_search.hpp"
+#include "verify/sweep/posed_path.hpp"
 
 namespace verisq::verify {
 
@@ -38,8 +39,8 @@ class SearchedMoments : public PathMoments {
   [[nodiscard]] bool is_in_b(const Point& x, const RigidMotion& exact) const;
 
   const PosedPath* path_;
-  ModelSearch search_;
-  SearchSolid b_;
+  PairSearch search_;
+  ModelPair pair_;
   Ball ball_a_;
   Ball ball_b_;
   double tolerance_;

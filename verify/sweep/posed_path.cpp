@@ -1,5 +1,5 @@
 /// The steady motion of a leg, enclosed.
-#include "verify/sweep/path_moments.hpp"
+#include "verify/sweep/posed_path.hpp"
 
 namespace verisq::verify {
 

@@ -1,0 +1,16 @@
+/// How a certificate of many parts is worked through.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace verisq {
+
+struct CheckOptions {
+  /// Calls work(i) once for each i below `count`, in any order, by several threads.
+  std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)> in_parallel;
+  std::function<bool()> interrupted = [] { return false; };  ///< polled by any thread; once true it stays so
+  std::function<void(double)> progress = [](double) {};      ///< how much is done, from 0 to 1
+};
+
+}  // namespace verisq
