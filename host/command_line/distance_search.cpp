@@ -35,10 +35,10 @@ class WidthFraction {
 void tell_what_is_not_certified(const DistanceReport& report) {
   const Enclosure& proven = *report.certified;
   if (verified(proven, report.tolerance) || proven.width() <= report.distance.width()) return;
-  tell(fmt::format("the certificate proves less than was found, [{}, {}]: {}", proven.lo, proven.hi,
-                   interrupted()
-                       ? "interrupted"
-                       : "planes between sections of primitives, balls about these, and points do not decide"));
+  tell(fmt::format(
+      "the certificate proves less than was found, [{}, {}]: {}", proven.lo, proven.hi,
+      interrupted() ? "interrupted"
+                    : "planes between sections of primitives, balls and covers about these, and points do not decide"));
 }
 
 }  // namespace

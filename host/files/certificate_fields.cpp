@@ -31,14 +31,16 @@ std::optional<Point> read_point(const JsonValue& object, std::string_view key) {
 
 }  // namespace
 
+std::vector<bool> read_cover(const JsonValue& value) {
+  auto cover = cover_from(value.text());
+  if (!cover) value.fail("must be the hexadecimal digits of a cover");
+  return *std::move(cover);
+}
+
 Certificate read_certificate(const JsonValue& object) {
   Certificate certificate{read_normals(object.at("normals")), read_point(object, "escape")};
   certificate.witness = read_point(object, "witness");
-  if (const auto text = object.find("cover")) {
-    auto cover = cover_from(text->text());
-    if (!cover) text->fail("must be the hexadecimal digits of a cover");
-    certificate.cover = *std::move(cover);
-  }
+  if (const auto cover = object.find("cover")) certificate.cover = read_cover(*cover);
   return certificate;
 }
 

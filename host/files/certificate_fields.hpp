@@ -39,6 +39,9 @@ template <std::size_t N>
 /// An array of those that is not empty.
 [[nodiscard]] std::vector<Pose> read_path(const JsonValue& value);
 
+/// The digits of one whole cover.
+[[nodiscard]] std::vector<bool> read_cover(const JsonValue& value);
+
 /// The keys "normals", "escape", "witness" and "cover" of an object, of which only the first must be there.
 [[nodiscard]] Certificate read_certificate(const JsonValue& object);
 

@@ -98,6 +98,13 @@ OrderedJson json_of(const std::vector<EnclosingBall>& balls) {
   return array;
 }
 
+OrderedJson json_of(const std::vector<SurroundedPrimitive>& covers) {
+  OrderedJson array = OrderedJson::array();
+  for (const auto& [primitive, distance, cover] : covers)
+    array.push_back({{"primitive", primitive}, {"distance", distance}, {"cover", digits_of_cover(cover)}});
+  return array;
+}
+
 OrderedJson json_of(const PairCertificate& certificate) {
   OrderedJson proof{{"separations", OrderedJson::array()}};
   for (const Separation& separation : certificate.separations) proof["separations"].push_back(json_of(separation));
@@ -107,6 +114,8 @@ OrderedJson json_of(const PairCertificate& certificate) {
   }
   if (!certificate.balls_a.empty()) proof["balls_a"] = json_of(certificate.balls_a);
   if (!certificate.balls_b.empty()) proof["balls_b"] = json_of(certificate.balls_b);
+  if (!certificate.covers_a.empty()) proof["covers_a"] = json_of(certificate.covers_a);
+  if (!certificate.covers_b.empty()) proof["covers_b"] = json_of(certificate.covers_b);
   if (const auto& near = certificate.near_points) proof["near_points"] = {{"on_a", (*near)[0]}, {"on_b", (*near)[1]}};
   if (certificate.common) proof["common"] = *certificate.common;
   return proof;

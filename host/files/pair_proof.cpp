@@ -79,10 +79,24 @@ std::vector<EnclosingBall> read_balls(const JsonValue& proof, std::string_view k
   return balls;
 }
 
+std::vector<SurroundedPrimitive> read_covers(const JsonValue& proof, std::string_view key) {
+  const auto values = proof.find(key);
+  if (!values) return {};
+  std::vector<SurroundedPrimitive> result;
+  std::set<std::uint32_t> seen;
+  for (std::size_t i = 0; i < values->size(); ++i) {
+    const JsonValue value = values->element(i);
+    value.check_keys({"primitive", "distance", "cover"});
+    result.push_back({read_index(value.at("primitive")), value.at("distance").number(), read_cover(value.at("cover"))});
+    if (!seen.insert(result.back().primitive).second) value.fail("this primitive has a cover before");
+  }
+  return result;
+}
+
 }  // namespace
 
 PairCertificate read_pair_proof(const JsonValue& value) {
-  value.check_keys({"separations", "divisions", "balls_a", "balls_b", "near_points", "common"});
+  value.check_keys({"separations", "divisions", "balls_a", "balls_b", "covers_a", "covers_b", "near_points", "common"});
   PairCertificate result;
   read_each(value.at("separations"), [&](const JsonValue& each) -> const Separation& {
     return result.separations.emplace_back(read_separation(each));
@@ -94,6 +108,8 @@ PairCertificate read_pair_proof(const JsonValue& value) {
   }
   result.balls_a = read_balls(value, "balls_a");
   result.balls_b = read_balls(value, "balls_b");
+  result.covers_a = read_covers(value, "covers_a");
+  result.covers_b = read_covers(value, "covers_b");
   if (const auto near = value.find("near_points")) {
     near->check_keys({"on_a", "on_b"});
     result.near_points = {finite_numbers<3>(near->at("on_a")), finite_numbers<3>(near->at("on_b"))};

@@ -53,13 +53,22 @@ struct EnclosingBall {
   Certificate proof;
 };
 
+/// A primitive of one model that is not bent, and how far it is from the other model, all of it.
+struct SurroundedPrimitive {
+  std::uint32_t primitive;
+  double distance;          ///< what is proven: the other model has nothing as near
+  std::vector<bool> cover;  ///< as Certificate::cover, of the primitive's neighbourhood (docs/mathematics.md §28)
+};
+
 /// Of models that both are is_union_of_convex `separations` count: the first decides the upper end, a pair without one
-/// is far by its bounding spheres. Of all others `divisions`, balls and `near_points` do.
+/// is far by its bounding spheres. Of all others `divisions`, balls, covers and `near_points` do.
 struct PairCertificate {
   std::vector<Separation> separations = {};
   std::vector<DividedSeparation> divisions = {};
   std::vector<EnclosingBall> balls_a = {};  ///< about primitives of A
   std::vector<EnclosingBall> balls_b = {};
+  std::vector<SurroundedPrimitive> covers_a = {};  ///< primitives of A
+  std::vector<SurroundedPrimitive> covers_b = {};  ///< primitives of B
   /// A point of A in its frame, and one of B in its own: the distance is no more than theirs.
   std::optional<std::array<Point, 2>> near_points = {};
   /// A point of A's frame in both models: the distance is 0 and needs nothing else.

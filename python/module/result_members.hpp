@@ -68,7 +68,9 @@ inline constexpr std::size_t member_count<DividedSeparation> = 4;
 template <>
 inline constexpr std::size_t member_count<EnclosingBall> = 5;
 template <>
-inline constexpr std::size_t member_count<PairCertificate> = 6;
+inline constexpr std::size_t member_count<SurroundedPrimitive> = 3;
+template <>
+inline constexpr std::size_t member_count<PairCertificate> = 8;
 
 // Features of femurs
 

@@ -134,7 +134,8 @@ TEST_F(CheckCertificate, ClaimsNoMoreThanItProves) {
     {"name": "bore", "superquadric": {"semi_axes": [16, 16, 40], "exponents": [0.1, 1]}}],
     "csg": {"difference": ["ball", "bore"]}})");
   const std::string neck = write("neck.json", R"({"format": "verisq-model/1", "primitives": [
-    {"name": "neck", "superquadric": {"semi_axes": [6, 6, 40], "exponents": [0.3, 1]}}]})");
+    {"name": "neck", "superquadric": {"semi_axes": [6, 6, 40], "exponents": [0.3, 1]},
+     "bend": {"curvature": 0.001, "angle_deg": 0}}]})");
   const Outcome made = run({"distance", cup, neck, "--tol", "0.1", "--certificate-file", proof_});
   EXPECT_EQ(made.status, 3) << made.err;
   EXPECT_THAT(made.err, HasSubstr("the certificate proves less than was found, [0, "));

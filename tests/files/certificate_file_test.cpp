@@ -50,6 +50,8 @@ PairAnswer answer() {
            .balls_a = {{0, {0.5, 0.25, 1.0 / 3.0}, 7.0, 0.1, {{{2, {1.0, 0.0, 0.1}}}, {}}},
                        {3, {}, 0.0, -1.0, {{}, Point{1, 2, 3}, {}, Point{0.1, 0.2, 0.3}, {true, false, false}}}},
            .balls_b = {{1, {1.0, 2.0, 3.0}, 0.0, 0.0, {{}, {}}}},
+           .covers_a = {{2, 0.3, {true, false, true, false, false}}},
+           .covers_b = {{0, 1.0 / 3.0, {false}}, {1, -5.0, {true, false, false}}},
            .near_points = std::array{Point{0.1, 0.2, 0.3}, Point{0.4, 0.5, 0.6}},
            .common = Point{0.7, 0.8, 0.9}}};
 }
@@ -60,6 +62,15 @@ void expect_same(const EnclosingBall& a, const EnclosingBall& b) {
   EXPECT_EQ(a.multiplier, b.multiplier);
   EXPECT_EQ(a.distance, b.distance);
   EXPECT_EQ(a.proof, b.proof);
+}
+
+void expect_same(const std::vector<SurroundedPrimitive>& a, const std::vector<SurroundedPrimitive>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].primitive, b[i].primitive);
+    EXPECT_EQ(a[i].distance, b[i].distance);
+    EXPECT_EQ(a[i].cover, b[i].cover);
+  }
 }
 
 /// All but the separations.
@@ -79,6 +90,8 @@ void expect_same_rest(const PairCertificate& a, const PairCertificate& b) {
   for (std::size_t i = 0; i < a.balls_a.size(); ++i) expect_same(a.balls_a[i], b.balls_a[i]);
   ASSERT_EQ(a.balls_b.size(), b.balls_b.size());
   for (std::size_t i = 0; i < a.balls_b.size(); ++i) expect_same(a.balls_b[i], b.balls_b[i]);
+  expect_same(a.covers_a, b.covers_a);
+  expect_same(a.covers_b, b.covers_b);
   EXPECT_EQ(a.near_points, b.near_points);
   EXPECT_EQ(a.common, b.common);
 }

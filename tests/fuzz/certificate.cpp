@@ -32,6 +32,10 @@ void check_certificate(const PairCertificate& certificate) {
     for (const EnclosingBall& ball : *balls)
       check(finite(ball.centre) && finite({ball.multiplier, ball.distance, 0.0}), "balls are finite");
   }
+  for (const auto* const covers : {&certificate.covers_a, &certificate.covers_b}) {
+    for (const SurroundedPrimitive& of : *covers)
+      check(std::isfinite(of.distance) && !of.cover.empty(), "a cover has a cell");
+  }
   if (const auto& near = certificate.near_points) {
     check(finite((*near)[0]) && finite((*near)[1]), "near points are finite");
   }

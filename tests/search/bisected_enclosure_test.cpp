@@ -15,7 +15,7 @@
 #include "tests/oracle/pair_reference.hpp"
 #include "tests/oracle/published_solids.hpp"
 #include "tests/oracle/random_pairs.hpp"
-#include "verify/search/support_mapping.hpp"
+#include "verify/proposals/support_mapping.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -10,7 +10,7 @@
 #include "tests/oracle/random_pairs.hpp"
 #include "verify/proof/posed_superquadric.hpp"
 #include "verify/search/contact.hpp"
-#include "verify/search/support_mapping.hpp"
+#include "verify/proposals/support_mapping.hpp"
 
 namespace verisq::verify {
 namespace {

@@ -19,6 +19,7 @@
 
 #include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/forgeries.hpp"
+#include "tests/fixtures/hip_joint.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "tests/oracle/random_solids.hpp"
 #include "tests/sweep/random_paths.hpp"
@@ -237,6 +238,7 @@ std::vector<Change> changes(RandomCases& random, const std::vector<Pose>& path) 
         PairCertificate& certificate = any(proof).certificate;
         for (Separation& s : certificate.separations) s.vector[0] = with_wrong_digit(s.vector[0], random);
         for (DividedSeparation& d : certificate.divisions) d.cuts.clear();
+        for (SurroundedPrimitive& s : certificate.covers_b) s.distance = with_wrong_digit(s.distance, random);
       }),
       if_parts([any](PathCertificate& proof) { any(proof).certificate = {}; }),
       if_parts([any](PathCertificate& proof) { proof.parts.push_back(any(proof)); }),
@@ -335,6 +337,10 @@ TEST(PathCertificate, ProvesNothingFalseFromNonsense) {
     }
     if (random.choice(3) == 0) certificate.balls_a = {{index(), vector(), number(), number(), {{}, {}}}};
     if (random.choice(3) == 0) certificate.balls_b = {{index(), vector(), number(), number(), {{}, {}}}};
+    for (SurroundedPrimitive& s : certificate.covers_b) {
+      if (random.choice(2) == 0) s = {index(), number(), {random.choice(2) == 0, random.choice(2) == 0}};
+      if (random.choice(2) == 0) certificate.covers_a.push_back(s);
+    }
     if (random.choice(3) == 0) certificate.common = vector();
     if (random.choice(3) == 0) certificate.near_points = {vector(), vector()};
     return certificate;
@@ -361,6 +367,39 @@ TEST(PathCertificate, ProvesNothingFalseFromNonsense) {
       EXPECT_GE(proved.first_contact->hi, found.apart_before);
     }
   }
+}
+
+Case hip_case(RandomCases& random) {
+  const testing::HipJoint joint = testing::hip_joint(random);
+  return {joint.cup, joint.neck, {testing::hip_pose(random), testing::hip_pose(random)}, {.tolerance = 0.2}};
+}
+
+/// Necks move within cups, their rims nearest: covers, of all places that a part has.
+TEST(PathCertificate, ProvesNecksThatMoveBesideRims) {
+  RandomCases random(62);
+  int tight = 0;
+  for (int k = 0; k < 2; ++k) {
+    SCOPED_TRACE(k);
+    const Case c = hip_case(random);
+    const auto [found, certified] = proven(c);
+    expect_proved(c, certified);
+    tight += certified.claims.smallest.width() <= 1.5 * c.options.tolerance ? 1 : 0;
+    const ModelSearch pair(c.a, c.b);
+    for (const double time : {0.0, 0.3, 0.6, 1.0}) {
+      EXPECT_GE(pair(pose_at(c.path, time), {.tolerance = 0.01}).distance.hi, certified.claims.smallest.lo - 1e-9);
+    }
+  }
+  EXPECT_GE(tight, 1);
+}
+
+TEST(PathCertificate, NoForgeryOfNecksBesideRimsIsProved) {
+  RandomCases random(63);
+  Forgeries forgeries;
+  for (int k = 0; k < cases(1); ++k) {
+    SCOPED_TRACE(k);
+    try_forgeries(hip_case(random), random, forgeries);
+  }
+  EXPECT_GE(forgeries.told(), 20U);
 }
 
 TEST(PathCertificate, IsOfASinglePose) {

@@ -1,8 +1,8 @@
 /// The primitives of two models, one of which moves for a short time: what single evaluations prove of it.
 #pragma once
 
+#include "verify/pairs/posed_pairs.hpp"
 #include "verify/pairs/short_motion.hpp"
-#include "verify/proof/posed_pairs.hpp"
 
 namespace verisq::verify {
 

@@ -14,11 +14,19 @@ PreciseInterval ShortMotion::bend_of_ways(const EnclosingSphere& sphere) const {
   return PreciseInterval(Real(0.5)) * square(time_) * rate_ * (across + rate_ * sphere.radius);
 }
 
-PreciseInterval ShortMotion::way_of(const PreciseVector& at) const {
+PreciseInterval ShortMotion::way_at_first_speed(const EnclosingSphere& sphere) const {
+  return length<Real>(first_way_of(sphere.centre)) + time_ * rate_ * sphere.radius;
+}
+
+PreciseInterval ShortMotion::way_of(const EnclosingSphere& sphere) const {
+  return rests_ ? PreciseInterval(0) : way_at_first_speed(sphere) + bend_of_ways(sphere);
+}
+
+// The speed of what rests at x is |w x (x - t) + v|, too, which changes by w x v, as t does by v.
+PreciseInterval ShortMotion::way_seen_of(const EnclosingSphere& sphere) const {
   if (rests_) return PreciseInterval(0);
-  const PreciseVector from_origin = at - pose_.translation;
-  const PreciseInterval speed = length<Real>(PreciseVector(cross(motion_.spin, from_origin) + motion_.velocity));
-  return time_ * speed + bend_of_ways({at, PreciseInterval(0)});
+  const PreciseInterval change = length<Real>(cross(motion_.spin, motion_.velocity));
+  return way_at_first_speed(sphere) + PreciseInterval(Real(0.5)) * square(time_) * change;
 }
 
 }  // namespace verisq::verify

@@ -30,9 +30,22 @@ class ShortMotion {
 
   [[nodiscard]] const RigidMotion& pose() const { return pose_; }
 
+  /// Of the point that is there at the moment, at the speed of the moment, until the last of the times.
+  [[nodiscard]] PreciseVector first_way_of(const PreciseVector& at) const {
+    return (cross(motion_.spin, PreciseVector(at - pose_.translation)) + motion_.velocity) * time_;
+  }
+
   /// No smaller than the way between where a point of the solid is at the moment, which is given, and at any of the
   /// times.
-  [[nodiscard]] PreciseInterval way_of(const PreciseVector& at) const;
+  [[nodiscard]] PreciseInterval way_of(const PreciseVector& at) const {
+    return way_of(EnclosingSphere{at, PreciseInterval(0)});
+  }
+
+  /// The same of every point of the solid in the sphere.
+  [[nodiscard]] PreciseInterval way_of(const EnclosingSphere& sphere) const;
+
+  /// The same of what rests in the sphere, as the moving solid sees it.
+  [[nodiscard]] PreciseInterval way_seen_of(const EnclosingSphere& sphere) const;
 
   /// The lower end is no more than n·x of any point x of a part of the solid, at any of the times. At the moment the
   /// part lies in the sphere, and `reach_towards(m)` is no smaller than m·(x - from) of any of its points.
@@ -55,6 +68,8 @@ class ShortMotion {
   }
 
  private:
+  /// At the speed of the moment, which differs by the rate of the turn times the way from the sphere's centre.
+  [[nodiscard]] PreciseInterval way_at_first_speed(const EnclosingSphere& sphere) const;
   /// No smaller than how far any point in the sphere comes off the straight way that it sets out on.
   [[nodiscard]] PreciseInterval bend_of_ways(const EnclosingSphere& sphere) const;
 

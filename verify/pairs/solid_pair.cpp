@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "verify/pairs/enclosing_radius.hpp"
+#include "verify/pairs/posed_body.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -78,6 +79,17 @@ double lower_by_ball(const EnclosingBall& ball, const SolidParts& one, const Sol
   const double radius = farthest_up(one.primitives[ball.primitive], centre, ball.multiplier);
   const double distance = other.places(ball.centre, {ball.distance, infinity}, ball.proof).lo;
   return std::isfinite(radius) && std::isfinite(distance) ? subtract(distance, radius, Direction::down) : -infinity;
+}
+
+/// Of a primitive of `one`, which moves, from the other model, which has nothing nearer than the cover's radius.
+double lower_by_cover(const SurroundedPrimitive& surrounded, const SolidParts& one, const SolidParts& other,
+                      const ShortMotion& motion) {
+  const auto* const convex = std::get_if<PosedSuperquadric>(&one.places.primitives()[surrounded.primitive]);
+  if (convex == nullptr || !(surrounded.distance > 0.0) || !std::isfinite(surrounded.distance)) return -infinity;
+  const PosedBody body(*convex, motion);
+  const EmptyNeighbourhood around(other.places.set(), other.places.primitives(), body, body.centre(),
+                                  surrounded.distance);
+  return around.is_covered_by(surrounded.cover) ? surrounded.distance : -infinity;
 }
 
 }  // namespace
@@ -160,9 +172,13 @@ double SolidPair::lower_by(const DividedSeparation& separation) const {
   return open.empty() ? least : -infinity;
 }
 
-double SolidPair::way_up(const PreciseVector& at) const {
-  return motion_.way_of(at).upper().to_double(Direction::up);
+namespace {
+
+double up(const PreciseInterval& x) {
+  return x.upper().to_double(Direction::up);
 }
+
+}  // namespace
 
 double SolidPair::lower(const PairCertificate& certificate) const {
   const std::size_t count_a = a_->sections.size();
@@ -178,16 +194,28 @@ double SolidPair::lower(const PairCertificate& certificate) const {
   for (const EnclosingBall& ball : certificate.balls_a) {
     if (ball.primitive >= count_a || !is_finite(ball.centre)) continue;
     // The centre goes with B: as far as it moves, the primitive may reach beyond the ball.
-    const double way = way_up(pose_(precise(ball.centre)));
+    const double way = up(motion_.way_of(pose_(precise(ball.centre))));
     const double bound = subtract(lower_by_ball(ball, *a_, *b_, pose_), way, Direction::down);
     for (std::size_t j = 0; j < count_b; ++j) bounds.raise(ball.primitive, j, bound);
   }
   for (const EnclosingBall& ball : certificate.balls_b) {
     if (ball.primitive >= count_b || !is_finite(ball.centre)) continue;
     // The ball goes with B.
-    const double way = way_up(precise(ball.centre));
+    const double way = up(motion_.way_of(precise(ball.centre)));
     const double bound = subtract(lower_by_ball(ball, *b_, *a_, pose_.inverse()), way, Direction::down);
     for (std::size_t i = 0; i < count_a; ++i) bounds.raise(i, ball.primitive, bound);
+  }
+  for (const SurroundedPrimitive& surrounded : certificate.covers_a) {
+    if (surrounded.primitive >= count_a) continue;
+    const EnclosingSphere sphere = sphere_about(a_->places.primitives()[surrounded.primitive]);
+    const double seen = lower_by_cover(surrounded, *a_, *b_, ShortMotion(pose_.inverse()));
+    const double bound = subtract(seen, up(motion_.way_seen_of(sphere)), Direction::down);
+    for (std::size_t j = 0; j < count_b; ++j) bounds.raise(surrounded.primitive, j, bound);
+  }
+  for (const SurroundedPrimitive& surrounded : certificate.covers_b) {
+    if (surrounded.primitive >= count_b) continue;
+    const double bound = lower_by_cover(surrounded, *b_, *a_, motion_);
+    for (std::size_t i = 0; i < count_a; ++i) bounds.raise(i, surrounded.primitive, bound);
   }
   return lower_of_sets(a_->places.set(), b_->places.set(), bounds);
 }

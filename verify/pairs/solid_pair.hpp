@@ -38,7 +38,6 @@ class SolidPair {
   [[nodiscard]] bool share(const Point& x) const;
   [[nodiscard]] double upper(const std::array<Point, 2>& near_points) const;
   [[nodiscard]] double lower_by_spheres(std::size_t i, std::size_t j) const;
-  [[nodiscard]] double way_up(const PreciseVector& at) const;
   [[nodiscard]] double lower_by(const DividedSeparation& separation) const;
 
   const SolidParts* a_;

@@ -77,10 +77,10 @@ Cut cut_outside(const OwnRegion& own, const std::array<Real, 3>& half, const Sup
   return cut_of(-(own.derivative.transpose() * w), excess, half);
 }
 
-/// The least of 2 N·(c - o) - |N|² - 2 Σ m b with N = Σ m n over the corners c, from below: no o + e in all cuts has a
-/// smaller square of its distance from the corners' hull, whatever m >= 0.
-Real least_square(std::span<const PreciseVector> corners, const PreciseVector& o, std::span<const Cut> cuts,
-                  const std::vector<double>& m) {
+/// The least of 2 N·(c - o) - |N|² - 2 Σ m b with N = Σ m n over all c of a convex region that `reach` bounds, from
+/// below: no o + e in all cuts has a smaller square of its distance from the region, whatever m >= 0.
+template <class Reach>
+Real least_square(const Reach& reach, const PreciseVector& o, std::span<const Cut> cuts, const std::vector<double>& m) {
   PreciseVector sum;
   PreciseInterval rest(0);
   for (std::size_t j = 0; j < cuts.size(); ++j) {
@@ -89,11 +89,7 @@ Real least_square(std::span<const PreciseVector> corners, const PreciseVector& o
     rest += PreciseInterval(2) * weight * PreciseInterval(cuts[j].offset);
   }
   rest += square(sum[0]) + square(sum[1]) + square(sum[2]);
-  Real least(infinity);
-  for (const PreciseVector& corner : corners) {
-    least = std::min(least, (PreciseInterval(2) * sum.dot(corner - o) - rest).lower());
-  }
-  return least;
+  return (-PreciseInterval(2) * (PreciseInterval(reach(-sum)) + sum.dot(o)) - rest).lower();
 }
 
 }  // namespace
@@ -139,8 +135,18 @@ struct EmptyNeighbourhood::Look {
     for (const PreciseVector& corner : around.corners_) corners.push_back(middle(corner - offset));
     std::vector<proposed::HalfSpace> half_spaces;
     for (const auto& [n, b] : cuts) half_spaces.push_back({middle(n), b.to_double(Direction::up)});
-    const auto m = proposed::multipliers(corners, half_spaces, least.to_double(Direction::up));
-    return m && least_square(around.corners_, offset, cuts, *m) >= least;
+    const double value = least.to_double(Direction::up);
+    const auto m = around.body_ == nullptr ? proposed::multipliers(corners, half_spaces, value)
+                                           : proposed::multipliers(farthest(), middle(-offset), half_spaces, value);
+    return m && least_square([this](const PreciseVector& v) { return around.reach(v); }, offset, cuts, *m) >= least;
+  }
+
+  /// Of the body, from the cell's centre.
+  [[nodiscard]] proposed::FarthestPoint farthest() const {
+    return [body = around.body_, from = middle(offset)](const std::array<double, 3>& v) {
+      const auto [x, y, z] = body->farthest(v);
+      return std::array{x - from[0], y - from[1], z - from[2]};
+    };
   }
 
   /// Where the set is one primitive.
@@ -220,11 +226,30 @@ EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const
       places_(primitives.size(), Place::undecided),
       touching_(primitives.size()) {
   for (const Point& corner : corners) corners_.push_back(precise(corner) - centre_);
+  hold_neighbourhood(radius);
+}
+
+EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
+                                       const ConvexBody& body, const Point& centre, double radius)
+    : EmptyNeighbourhood(set, primitives, std::span(&centre, 1), radius, Place::outside) {
+  corners_.clear();
+  body_ = &body;
+  hold_neighbourhood(radius);
+}
+
+Real EmptyNeighbourhood::reach(const PreciseVector& v) const {
+  Real farthest = body_ == nullptr ? Real(-infinity) : body_->reach(v);
+  for (const PreciseVector& corner : corners_) farthest = std::max(farthest, v.dot(corner).upper());
+  return farthest;
+}
+
+void EmptyNeighbourhood::hold_neighbourhood(double radius) {
   for (std::size_t i = 0; i < 3; ++i) {
-    for (const PreciseVector& corner : corners_) {
-      const Real far = (abs(corner[i]) + PreciseInterval(Real(radius))).upper();
-      whole_.half[i] = std::max(whole_.half[i], Real(far.to_double(Direction::up)));
-    }
+    PreciseVector axis;
+    axis[i] = 1;
+    const PreciseInterval far(std::max(reach(axis), reach(-axis)));
+    const Real edge((far + PreciseInterval(Real(radius))).upper().to_double(Direction::up));
+    whole_.half[i] = std::max(whole_.half[i], edge);
   }
 }
 

@@ -1,5 +1,5 @@
-/// Proves that a neighbourhood of a point or triangle holds nothing of a set, by a cover of cells each of which is
-/// settled on its own.
+/// Proves that a neighbourhood of a point, triangle or convex body holds nothing of a set, by a cover of cells each of
+/// which is settled on its own.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,22 @@ enum class Place : std::int8_t { outside = -1, undecided = 0, inside = 1 };
 [[nodiscard]] Place place_of(const PreciseVector& x, const SetExpression& set,
                              std::span<const PosedPrimitive> primitives);
 
-/// What of the points nearer than `radius` to a point or triangle lies in a cell: asked is whether it holds a point of
-/// the set or, with Place::inside, of the closure of the set's complement (docs/mathematics.md §28).
+/// Everything about a point of its own choice.
+class ConvexBody {
+ public:
+  ConvexBody() = default;
+  ConvexBody(const ConvexBody&) = default;
+  ConvexBody& operator=(const ConvexBody&) = default;
+  virtual ~ConvexBody() = default;
+
+  /// No smaller than v·x of any point x.
+  [[nodiscard]] virtual Real reach(const PreciseVector& v) const = 0;
+  /// About the point that is farthest along v: proves nothing.
+  [[nodiscard]] virtual std::array<double, 3> farthest(const std::array<double, 3>& v) const = 0;
+};
+
+/// What of the points nearer than `radius` to a point, triangle or convex body lies in a cell: asked is whether it
+/// holds a point of the set or, with Place::inside, of the closure of the set's complement (docs/mathematics.md §28).
 class EmptyNeighbourhood {
  public:
   /// A box relative to `centre()`: exact.
@@ -37,6 +51,10 @@ class EmptyNeighbourhood {
                      double radius, Place wanted, std::span<const Normal> normals, const std::optional<Point>& near);
   EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const Triangle& triangle,
                      double radius, std::span<const Normal> normals, const std::optional<Point>& near);
+
+  /// Of a body about `centre`; it is kept, too. Place::outside is wanted.
+  EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const ConvexBody& body,
+                     const Point& centre, double radius);
 
   /// Of a cube about any point of the box `centre`, all of it: its neighbourhood is a ball that contains it.
   EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives, const PreciseVector& centre,
@@ -57,6 +75,9 @@ class EmptyNeighbourhood {
   /// Of the hull of the corners; the rest is not known yet.
   EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
                      std::span<const Point> corners, double radius, Place wanted);
+  /// No smaller than v·x of any x of point, triangle or body, from the centre.
+  [[nodiscard]] Real reach(const PreciseVector& v) const;
+  void hold_neighbourhood(double radius);
   template <class Query>
   void look_at_primitives(const Query& query, double radius, std::span<const Normal> normals,
                           const std::optional<Point>& near);
@@ -64,7 +85,8 @@ class EmptyNeighbourhood {
   const SetExpression& set_;
   std::span<const PosedPrimitive> primitives_;
   PreciseVector centre_;
-  std::vector<PreciseVector> corners_;  ///< of point or triangle, from the centre
+  std::vector<PreciseVector> corners_;  ///< of point or triangle, from the centre; none of a body
+  const ConvexBody* body_ = nullptr;    ///< nothing of point or triangle
   Cell whole_;
   PreciseInterval square_of_radius_;
   Place wanted_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -38,6 +39,14 @@ struct HalfSpace {
 /// Multipliers m >= 0, one for each half-space, for which the least of 2 N·c - |N|² - 2 Σ m offset over the corners c,
 /// with N = Σ m normal, is about to be above `value`; nothing where there are none.
 [[nodiscard]] std::optional<std::vector<double>> multipliers(std::span<const std::array<double, 3>> corners,
+                                                             std::span<const HalfSpace> half_spaces, double value);
+
+/// Of a convex body: about its farthest point in a direction of any length.
+using FarthestPoint = std::function<std::array<double, 3>(const std::array<double, 3>&)>;
+
+/// The same with the least over a convex body, of which `inside` is a point.
+[[nodiscard]] std::optional<std::vector<double>> multipliers(const FarthestPoint& body,
+                                                             const std::array<double, 3>& inside,
                                                              std::span<const HalfSpace> half_spaces, double value);
 
 }  // namespace proposed

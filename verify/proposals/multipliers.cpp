@@ -1,10 +1,11 @@
-/// Multipliers of half-spaces: where they and a point or triangle are nearest to each other.
+/// Multipliers of half-spaces: where they and a point, triangle or convex body are nearest to each other.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "verify/proof/proposals.hpp"
@@ -46,6 +47,39 @@ class Multipliers {
  public:
   Multipliers(std::span<const Vector> corners, std::span<const proposed::HalfSpace> half_spaces)
       : corners_(corners), half_spaces_(half_spaces) {}
+
+  /// The best, if `value` is exceeded, where one corner is all there is.
+  [[nodiscard]] std::optional<std::vector<double>> best(double value) const {
+    std::optional<std::vector<double>> result;
+    while (auto better = (*this)(value)) {
+      value = dual(*better);
+      result = std::move(better);
+    }
+    return result;
+  }
+
+  /// What they exceed.
+  [[nodiscard]] double dual(const std::vector<double>& m) const {
+    const auto [sum, rest] = normal_of(m);
+    double least = infinity;
+    for (const Vector& corner : corners_) least = std::min(least, 2 * dot(sum, corner) - rest);
+    return least;
+  }
+
+  struct Normal {
+    Vector sum;   ///< N
+    double rest;  ///< |N|² + 2 Σ m offset
+  };
+
+  [[nodiscard]] Normal normal_of(const std::vector<double>& m) const {
+    Normal result{{}, 0.0};
+    for (std::size_t r = 0; r < m.size(); ++r) {
+      result.sum = along(result.sum, half_spaces_[r].normal, m[r]);
+      result.rest += 2 * m[r] * half_spaces_[r].offset;
+    }
+    result.rest += dot(result.sum, result.sum);
+    return result;
+  }
 
   /// Nothing where none are found.
   [[nodiscard]] std::optional<std::vector<double>> operator()(double value) const {
@@ -124,6 +158,27 @@ class Multipliers {
 std::optional<std::vector<double>> proposed::multipliers(std::span<const Vector> corners,
                                                          std::span<const HalfSpace> half_spaces, double value) {
   return Multipliers(corners, half_spaces)(value);
+}
+
+// Gilbert's algorithm: a point p of the body, N from the nearest point of the half-spaces to p; where the body reaches
+// farther against N, p goes there as far as it comes nearer.
+std::optional<std::vector<double>> proposed::multipliers(const FarthestPoint& body, const Vector& inside,
+                                                         std::span<const HalfSpace> half_spaces, double value) {
+  constexpr int most_steps = 256;  // flat bodies take hundreds, others a few
+  Vector p = inside;
+  for (int step = 0; step < most_steps; ++step) {
+    const Multipliers of_p(std::span(&p, 1), half_spaces);
+    auto m = of_p.best(value);
+    if (!m) return std::nullopt;  // p itself is nearer
+    const auto [n, rest] = of_p.normal_of(*m);
+    const Vector q = body({-n[0], -n[1], -n[2]});
+    if (2 * dot(n, q) - rest > value) return m;
+    const Vector way = difference(q, p);
+    const double share = -dot(n, way) / dot(way, way);
+    if (!(share > 0.0)) return std::nullopt;
+    p = along(p, way, std::min(1.0, share));
+  }
+  return std::nullopt;
 }
 
 }  // namespace verisq::verify

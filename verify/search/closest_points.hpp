@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "verify/proof/posed_pairs.hpp"
+#include "verify/pairs/posed_pairs.hpp"
 #include "verisq/model_distance.hpp"
 
 namespace verisq::verify {

@@ -10,7 +10,7 @@
 #include "verify/proposals/triangle.hpp"
 #include "verify/search/contact.hpp"
 #include "verify/search/gjk.hpp"
-#include "verify/search/support_mapping.hpp"
+#include "verify/proposals/support_mapping.hpp"
 
 namespace verisq::verify {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "verify/proof/posed_pairs.hpp"
+#include "verify/pairs/posed_pairs.hpp"
 
 namespace verisq::verify {
 

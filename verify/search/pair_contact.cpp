@@ -12,7 +12,7 @@
 #include "verify/search/contact.hpp"
 #include "verify/search/gjk.hpp"
 #include "verify/search/pair_midpoint.hpp"
-#include "verify/search/support_mapping.hpp"
+#include "verify/proposals/support_mapping.hpp"
 
 namespace verisq::verify {
 

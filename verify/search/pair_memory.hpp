@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "verify/proof/posed_pairs.hpp"
+#include "verify/pairs/posed_pairs.hpp"
 #include "verify/search/near_pairs.hpp"
 
 namespace verisq::verify {

@@ -12,7 +12,7 @@
 #include "verify/proposals/triangle.hpp"
 #include "verify/search/certified_distance.hpp"
 #include "verify/search/contact_problem.hpp"
-#include "verify/search/support_mapping.hpp"
+#include "verify/proposals/support_mapping.hpp"
 #include "verify/search/tapered_contact_problem.hpp"
 
 namespace verisq::verify {

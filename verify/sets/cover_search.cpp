@@ -3,11 +3,6 @@
 
 namespace verisq::verify {
 
-namespace {
-
-constexpr std::size_t most_cells = 3000;
-
-/// Nothing where it takes more cells than `most`.
 std::optional<std::vector<bool>> cover_of(const EmptyNeighbourhood& neighbourhood, std::size_t most,
                                           const std::function<bool()>& interrupted) {
   std::vector<bool> bits;
@@ -25,6 +20,8 @@ std::optional<std::vector<bool>> cover_of(const EmptyNeighbourhood& neighbourhoo
   }
   return bits;
 }
+
+namespace {
 
 std::optional<EmptyRadius> empty_at(const CoverQuestion& question, double radius, std::size_t most,
                                     const std::function<bool()>& interrupted) {
@@ -45,7 +42,7 @@ std::optional<EmptyRadius> empty_radius(const CoverQuestion& question, double di
   if (auto found = empty_at(question, distance - share_of_one_cell * tolerance, 1, interrupted)) return found;
   for (double gap = 0.98 * tolerance; gap < distance; gap *= 16.0) {
     if (interrupted()) return std::nullopt;
-    if (auto found = empty_at(question, distance - gap, most_cells, interrupted)) return found;
+    if (auto found = empty_at(question, distance - gap, question.most_cells, interrupted)) return found;
   }
   return std::nullopt;
 }

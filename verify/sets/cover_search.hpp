@@ -1,6 +1,7 @@
 /// Looks for covers (docs/mathematics.md §28): of a neighbourhood as large as one is found for.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -16,10 +17,15 @@ struct EmptyRadius {
   std::vector<bool> cover;
 };
 
-/// Of one point or triangle.
+/// Nothing where it takes more cells than `most`, or `interrupted` says so.
+[[nodiscard]] std::optional<std::vector<bool>> cover_of(const EmptyNeighbourhood& neighbourhood, std::size_t most,
+                                                        const std::function<bool()>& interrupted);
+
+/// Of one point, triangle or body.
 struct CoverQuestion {
   std::function<std::vector<Normal>(double radius)> telling;  ///< normals as above
   std::function<EmptyNeighbourhood(double radius, const std::vector<Normal>&)> neighbourhood;
+  std::size_t most_cells = 3000;
 };
 
 /// A radius a little smaller than `distance`, that of a witness: by rounding, by up to `tolerance`, or by more where

@@ -7,7 +7,7 @@
 
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/superquadric.hpp"
-#include "verify/search/support_mapping.hpp"
+#include "verify/proposals/support_mapping.hpp"
 #include "verify/sets/bend.hpp"
 #include "verisq/model.hpp"
 

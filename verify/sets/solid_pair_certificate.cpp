@@ -1,5 +1,5 @@
 /// Separates every two primitives once more, and keeps the planes; where they do not decide, tries the balls of
-/// enclosing_balls.hpp.
+/// enclosing_balls.hpp, then covers.
 #include "verify/sets/solid_pair_certificate.hpp"
 
 #include <algorithm>
@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "verify/pairs/posed_body.hpp"
+#include "verify/sets/cover_search.hpp"
 #include "verify/sets/enclosing_balls.hpp"
 #include "verisq/signed_distance.hpp"
 
@@ -41,13 +43,15 @@ class Certification {
  public:
   using Stop = std::function<bool()>;
 
-  Certification(const SearchedModel& a, const SearchedModel& b, const Pose& pose, double distance, double tolerance,
-                Stop interrupted)
+  /// To be proven is the lower end of `distance`.
+  Certification(const SearchedModel& a, const SearchedModel& b, const Pose& pose, const Enclosure& distance,
+                double tolerance, Stop interrupted)
       : a_(&a),
         b_(&b),
         pose_(pose),
         motion_(pose),
-        distance_(distance),
+        distance_(distance.lo),
+        witnessed_(distance.hi),
         tolerance_(tolerance),
         interrupted_(std::move(interrupted)) {}
 
@@ -71,15 +75,33 @@ class Certification {
     if (open_.empty()) return;
     std::set<std::uint32_t> of_a;
     for (const auto& [i, j] : open_) of_a.insert(i);
-    certificate.balls_a = balls(*a_, *b_, motion_.inverse(), of_a);
-    std::set<std::uint32_t> of_b;
-    const auto is_settled = [&](std::uint32_t i) {
+    std::set<std::uint32_t> held_a;
+    std::set<std::uint32_t> held_b;
+    certificate.balls_a = balls(*a_, *b_, motion_.inverse(), of_a, held_a);
+    const auto has_ball = [&](std::uint32_t i) {
       return std::ranges::any_of(certificate.balls_a, [i](const EnclosingBall& ball) { return ball.primitive == i; });
     };
+    std::set<std::uint32_t> of_b;
     for (const auto& [i, j] : open_) {
-      if (!is_settled(i)) of_b.insert(j);
+      if (!has_ball(i)) of_b.insert(j);
     }
-    certificate.balls_b = balls(*b_, *a_, motion_, of_b);
+    certificate.balls_b = balls(*b_, *a_, motion_, of_b, held_b);
+    std::erase_if(open_, [&](const auto& pair) { return held_a.contains(pair.first) || held_b.contains(pair.second); });
+  }
+
+  [[nodiscard]] std::set<std::uint32_t> open_b() const {
+    std::set<std::uint32_t> result;
+    for (const auto& [i, j] : open_) result.insert(j);
+    return result;
+  }
+
+  /// About primitives that balls leave open, too.
+  void add_covers(PairCertificate& certificate) {
+    for (const std::uint32_t j : open_b()) add_cover(*b_, *a_, motion_, j, certificate.covers_b);
+    close(certificate.covers_b, [](const auto& pair) { return pair.second; });
+    std::set<std::uint32_t> of_a;
+    for (const auto& [i, j] : open_) of_a.insert(i);
+    for (const std::uint32_t i : of_a) add_cover(*a_, *b_, motion_.inverse(), i, certificate.covers_a);
   }
 
  private:
@@ -90,9 +112,11 @@ class Certification {
     return centres - a.reach - b.reach > distance_;
   }
 
-  /// Those that may prove the distance, about primitives of `one`; the motion leads to the frame of the other.
+  /// Those that may prove the distance, about primitives of `one`; the motion leads to the frame of the other. The
+  /// primitives of which they do are `held`.
   [[nodiscard]] std::vector<EnclosingBall> balls(const SearchedModel& one, const SearchedModel& other,
-                                                 const RigidMotion& to_other, const std::set<std::uint32_t>& of) const {
+                                                 const RigidMotion& to_other, const std::set<std::uint32_t>& of,
+                                                 std::set<std::uint32_t>& held) const {
     if (of.empty()) return {};
     std::vector<Ball> hollows_of_other = hollows(other.model);
     for (Ball& hollow : hollows_of_other) hollow.centre = rounded(to_other.inverse()(precise(hollow.centre)));
@@ -110,8 +134,34 @@ class Certification {
         best = EnclosingBall{i, seen, multiplier_about(primitive, centre), known.lo, proof};
       }
       if (best) result.push_back(*best);
+      if (greatest >= distance_ - tolerance_ / 2) held.insert(i);
     }
     return result;
+  }
+
+  /// About a primitive of `one`; the motion leads to the frame of the other.
+  void add_cover(const SearchedModel& one, const SearchedModel& other, const RigidMotion& to_other, std::uint32_t index,
+                 std::vector<SurroundedPrimitive>& covers) const {
+    const auto* const convex = std::get_if<PosedSuperquadric>(&one.places.primitives()[index]);
+    if (convex == nullptr || interrupted_()) return;
+    const PosedBody body(*convex, ShortMotion(to_other));
+    const auto neighbourhood = [&](double radius, const std::vector<Normal>&) {
+      return EmptyNeighbourhood(other.places.set(), other.places.primitives(), body, body.centre(), radius);
+    };
+    const auto found =
+        empty_radius({[](double) { return std::vector<Normal>(); }, neighbourhood, most_cells_about_a_primitive},
+                     witnessed_, tolerance_, interrupted_);
+    if (found) covers.push_back({index, found->radius, found->cover});
+  }
+
+  /// Pairs of which one has a cover.
+  template <class IndexOf>
+  void close(const std::vector<SurroundedPrimitive>& covers, const IndexOf& index_of) {
+    std::erase_if(open_, [&](const auto& pair) {
+      return std::ranges::any_of(covers, [&](const SurroundedPrimitive& cover) {
+        return cover.primitive == index_of(pair) && cover.distance >= distance_;
+      });
+    });
   }
 
   const SearchedModel* a_;
@@ -119,6 +169,7 @@ class Certification {
   Pose pose_;
   RigidMotion motion_;  ///< from the frame of B to that of A
   double distance_;     ///< what is to be proven
+  double witnessed_;    ///< the distance is no more
   double tolerance_;
   Stop interrupted_;
   std::set<std::pair<std::uint32_t, std::uint32_t>> open_;  ///< primitives that planes do not hold apart so far
@@ -126,14 +177,24 @@ class Certification {
 
 }  // namespace
 
+PairCertificate planes_between(const SearchedModel& a, const SearchedModel& b, const Pose& pose,
+                               const SearchedDistance& found, const SearchOptions& options) {
+  PairCertificate result;
+  Certification(a, b, pose, found.distance, options.tolerance, [&] {
+    return options.interrupted && options.interrupted();
+  }).add_planes(result);
+  return result;
+}
+
 PairCertificate certificate_of(const SearchedModel& a, const SearchedModel& b, const Pose& pose,
                                const SearchedDistance& found, const SearchOptions& options) {
   PairCertificate result{.near_points = found.near_points, .common = found.common};
   if (!(found.distance.lo > 0.0)) return result;
-  Certification certification(a, b, pose, found.distance.lo, options.tolerance,
+  Certification certification(a, b, pose, found.distance, options.tolerance,
                               [&] { return options.interrupted && options.interrupted(); });
   certification.add_planes(result);
   certification.add_balls(result);
+  certification.add_covers(result);
   return result;
 }
 

@@ -19,10 +19,9 @@ class PairSearch {
   [[nodiscard]] CertifiedDistance certified(const Pose& pose, const SearchedDistance& found,
                                             const SearchOptions& options) const;
 
-  /// The same, of which it is not asked how much it proves.
-  [[nodiscard]] PairCertificate certificate(const Pose& pose, const SearchedDistance& found,
-                                            const SearchOptions& options) const {
-    return certificate_of(a_, b_, pose, found, options);
+  [[nodiscard]] PairCertificate planes(const Pose& pose, const SearchedDistance& found,
+                                       const SearchOptions& options) const {
+    return planes_between(a_, b_, pose, found, options);
   }
 
   [[nodiscard]] const SearchSolid& solid_b() const { return b_.solid; }

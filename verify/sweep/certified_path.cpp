@@ -2,12 +2,18 @@
 #include "verisq/certified_path.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
+#include <variant>
 
+#include "verify/pairs/posed_body.hpp"
+#include "verify/sets/cover_search.hpp"
+#include "verify/sets/solid_pair_certificate.hpp"
 #include "verify/sweep/posed_path.hpp"
 #include "verisq/certified_distance.hpp"
 #include "verisq/enclosure.hpp"
@@ -32,7 +38,9 @@ class PathProver {
         path_(path),
         distances_(a, b, share_of_moments * options.tolerance),
         checker_(a, b, path),
-        most_parts_(path.size() + most_further_parts) {}
+        most_parts_(path.size() + most_further_parts) {
+    if (!is_union_of_convex(a) || !is_union_of_convex(b)) places_ = {verify::ExactChecker(a), verify::ExactChecker(b)};
+  }
 
   [[nodiscard]] CertifiedPath operator()(const PathDistance& found) {
     const double lower = found.smallest.lo;
@@ -77,11 +85,12 @@ class PathProver {
       if (add_if(goal_, begin, {end, known})) return true;
     }
     const double middle = 0.5 * (begin + end);
-    const auto [distance, certificate] = distance_at(middle);
+    auto [distance, certificate] = distance_at(middle);
     const double hoped =
         distance.lo >= goal_ ? goal_ : std::max(distance.lo - share_of_moments * options_.tolerance, 0.5 * distance.lo);
     if (!(hoped > 0.0)) return false;
-    const PathPart part{end, without_points(certificate)};
+    for (SurroundedPrimitive& cover : certificate.covers_b) widen(cover, begin, end, hoped);
+    const PathPart part{end, without_points(std::move(certificate))};
     if (add_if(hoped, begin, part)) return true;
     const bool spent = certificate_.parts.size() >= most_parts_ || !(begin < middle && middle < end);
     if (spent) return add_if(std::numeric_limits<double>::denorm_min(), begin, part);
@@ -95,6 +104,17 @@ class PathProver {
     return true;
   }
 
+  /// From the moment to all places in the part, to the distance that is hoped for; where that takes too many cells it
+  /// proves nothing.
+  void widen(SurroundedPrimitive& cover, double begin, double end, double hoped) {
+    const auto& [a, b] = *places_;
+    const auto& convex = std::get<verify::PosedSuperquadric>(b.primitives()[cover.primitive]);
+    const verify::PosedBody body(convex, path_.motion_between(begin, end));
+    const verify::EmptyNeighbourhood around(a.set(), a.primitives(), body, body.centre(), hoped);
+    const auto cells = verify::cover_of(around, verify::most_cells_about_a_primitive, [this] { return stopped(); });
+    if (cells) cover = {cover.primitive, hoped, *cells};
+  }
+
   /// Points prove nothing from below.
   [[nodiscard]] static PairCertificate without_points(PairCertificate certificate) {
     for (Separation& separation : certificate.separations) separation.on_a = separation.on_b = {};
@@ -106,6 +126,7 @@ class PathProver {
   const PathDistanceOptions& options_;
   verify::PosedPath path_;
   CertifiedDistances distances_;
+  std::optional<std::array<verify::ExactChecker, 2>> places_;  ///< of models that have covers
   PathChecker checker_;
   std::size_t most_parts_;
   double goal_ = 0.0;

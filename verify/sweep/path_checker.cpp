@@ -21,13 +21,8 @@ struct PathChecker::State {
     const double until = part.until;
     const bool all_at_rest = path.last_time() == 0.0 && begin == 0.0 && until == 0.0;
     if (!(begin >= 0.0 && until <= path.last_time()) || !(begin < until || all_at_rest)) return 0.0;
-    const double leg = std::floor(begin);
-    if (until > leg + 1.0) return 0.0;
-    const double middle = std::clamp(0.5 * (begin + until), begin, until);
-    const double reach =
-        std::max(verify::subtract(middle, begin, Direction::up), verify::subtract(until, middle, Direction::up));
-    const verify::SteadyMotion motion = path.motion_of(static_cast<std::size_t>(leg));
-    return models.lower({path.enclosed_pose(middle), motion, reach}, part.certificate);
+    if (until > std::floor(begin) + 1.0) return 0.0;
+    return models.lower(path.motion_between(begin, until), part.certificate);
   }
 
   /// At `nearest`; infinity of a time that is none of the path.

@@ -23,6 +23,10 @@ class PosedPath {
 
   [[nodiscard]] Pose rounded_pose(double time) const { return path_.rounded_pose(time); }
 
+  /// From one time to another, of times within two poses, about the middle of both, (begin + until) / 2 to nearest.
+  /// Precondition: 0 <= begin <= until <= last_time(); no pose between them.
+  [[nodiscard]] ShortMotion motion_between(double begin, double until) const;
+
   /// Precondition: the index of a pose with one after it; or 0, of a single pose.
   [[nodiscard]] SteadyMotion motion_of(std::size_t leg) const;
 

@@ -121,7 +121,7 @@ Moment SearchedMoments::examine(const Stretch& stretch, double enough) const {
   double lower = std::max(by_balls, over_stretch(PreciseInterval(Real(found.distance.lo))));
   if (lower < std::min(enough, found.distance.lo)) {
     options.progress = {};
-    const PairCertificate planes = search_.certificate(pose, found, options);
+    const PairCertificate planes = search_.planes(pose, found, options);
     lower = std::max(lower, pair_.lower({exact, path_->motion_of(stretch.leg), stretch.reach()}, planes));
   }
   return {time, lower, up(PreciseInterval(Real(found.distance.hi)) + PreciseInterval(Real(off)))};

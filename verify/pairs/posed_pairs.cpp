@@ -1,5 +1,5 @@
 /// What spheres and gauges prove of every two primitives.
-#include "verify/proof/posed_pairs.hpp"
+#include "verify/pairs/posed_pairs.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 /// Cosines and sines as shares of the terms of the dual norm.
-#include "verify/search/support_mapping.hpp"
+#include "verify/proposals/support_mapping.hpp"
 
 #include <algorithm>
 #include <cmath>
