@@ -9,8 +9,8 @@
 #include "tests/oracle/pair_reference.hpp"
 #include "tests/oracle/random_pairs.hpp"
 #include "verify/proof/posed_superquadric.hpp"
-#include "verify/search/contact.hpp"
 #include "verify/proposals/support_mapping.hpp"
+#include "verify/search/contact.hpp"
 
 namespace verisq::verify {
 namespace {

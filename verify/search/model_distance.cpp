@@ -6,10 +6,10 @@
 #include <cmath>
 #include <string>
 
+#include "verify/pairs/posed_pairs.hpp"
 #include "verify/proof/bracketed.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/proof/intersection.hpp"
-#include "verify/pairs/posed_pairs.hpp"
 #include "verify/proof/uncertain_distance.hpp"
 #include "verify/search/candidates.hpp"
 #include "verify/search/certified_distance.hpp"

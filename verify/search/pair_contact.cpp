@@ -8,11 +8,11 @@
 
 #include "verify/analysis/fifty_digits.hpp"
 #include "verify/analysis/norm_expansion.hpp"
+#include "verify/proposals/support_mapping.hpp"
 #include "verify/search/common_point.hpp"
 #include "verify/search/contact.hpp"
 #include "verify/search/gjk.hpp"
 #include "verify/search/pair_midpoint.hpp"
-#include "verify/proposals/support_mapping.hpp"
 
 namespace verisq::verify {
 

@@ -9,10 +9,10 @@
 #include <optional>
 #include <utility>
 
+#include "verify/proposals/support_mapping.hpp"
 #include "verify/proposals/triangle.hpp"
 #include "verify/search/certified_distance.hpp"
 #include "verify/search/contact_problem.hpp"
-#include "verify/proposals/support_mapping.hpp"
 #include "verify/search/tapered_contact_problem.hpp"
 
 namespace verisq::verify {
