@@ -70,6 +70,13 @@ std::string_view contact_in_words(const PathClaims& claims) {
   return "apart before the time of the first contact; whether they ever meet is NOT claimed";
 }
 
+/// The same in one word, of claims that are all proved: infinite ends of claims are null in JSON.
+std::string_view contact_in_a_word(const PathClaims& claims) {
+  const auto& contact = claims.first_contact;
+  if (claims.smallest.lo > 0.0 || (contact && contact->lo == infinity)) return "never";
+  return contact && std::isfinite(contact->hi) ? "meets" : "not_claimed";
+}
+
 std::string readable(const PathAnswer& answer, const PathCheckReport& report, const CheckArguments& arguments) {
   std::string text = verdicts_in_words("claims", report.counts());
   for (const auto& [what, unit, value, finding] : report.claims) {
@@ -100,6 +107,7 @@ std::string json(const PathAnswer& answer, const PathCheckReport& report, const 
   }
   const JsonObject object{{"kind", "path"},
                           {"claims", claims},
+                          {"contact", report.all_proved() ? JsonValue(contact_in_a_word(answer.claims)) : JsonValue()},
                           {"path_begin", answer.path.front()},
                           {"path_end", answer.path.back()},
                           {"poses", answer.path.size()},

@@ -46,9 +46,9 @@ class ModelSearch {
   [[nodiscard]] SearchedDistance operator()(const Pose& pose, const SearchOptions& options) const;
 
   /// `found` with what proves it again (verisq/pair_checker.hpp): its points, planes between the primitives' sections,
-  /// and balls about primitives in hollows. Wider than `found` where these do not decide, as in hollows that are not
-  /// round, and where interrupted. Precondition: `found` at the same pose; one of the models is not is_union_of_convex,
-  /// for which PairDistance has certificates.
+  /// balls about primitives in hollows, covers about those without a bend. Wider than `found` where these do not
+  /// decide, as of bent necks beside rims, and where interrupted. Precondition: `found` at the same pose; one of the
+  /// models is not is_union_of_convex, for which PairDistance has certificates.
   [[nodiscard]] CertifiedDistance certified(const Pose& pose, const SearchedDistance& found,
                                             const SearchOptions& options) const;
 

@@ -151,7 +151,7 @@ void declare_pairs(py::module_& module) {
              py::kw_only(), py::arg("tolerance") = py::none(),
              "certified_distance(a, b, pose=None, *, tolerance=None) -> CertifiedPair\n\n"
              "As distance(), of models without intervals, with what proves the enclosure again. Of models with bends\n"
-             "or set operations it may be wider than that of distance(), as in hollows that are not round.");
+             "or set operations it may be wider than that of distance(), as of bent necks beside rims.");
 }
 
 }  // namespace verisq::python

@@ -56,6 +56,7 @@ TEST_F(CheckPath, ProvesAFreeWay) {
   EXPECT_THAT(outcome.out, HasSubstr("  is it the path that was meant? That is not proved"));
   const json object = json::parse(check(proof_, {"--json"}).out);
   EXPECT_EQ(object["kind"], "path");
+  EXPECT_EQ(object["contact"], "never");
   EXPECT_EQ(object["claims"][0]["verdict"], "proved");
   EXPECT_EQ(object["claims"].size(), 1U);
   EXPECT_EQ(object["parts"], document()["parts"].size());
@@ -68,6 +69,9 @@ TEST_F(CheckPath, ProvesWhenTheyFirstMeet) {
   EXPECT_THAT(outcome.out, HasSubstr("  proved   smallest distance of all times: [0, 0]"));
   EXPECT_THAT(outcome.out, HasSubstr("  proved   time of the first contact: ["));
   EXPECT_THAT(outcome.out, HasSubstr("the models           meet: no common point before the first contact\n"));
+  EXPECT_EQ(json::parse(check(proof_, {"--json"}).out)["contact"], "meets");
+  const std::string nothing = forged("/first_contact", {{"lo", 0}, {"hi", "inf"}});
+  EXPECT_EQ(json::parse(check(nothing, {"--json"}).out)["contact"], "not_claimed");
 }
 
 TEST_F(CheckPath, NeverProvesAForgery) {

@@ -10,7 +10,8 @@
 namespace verisq::verify {
 namespace {
 
-/// Those of primitives that both models have, with what `bound` says of each from below, and spheres of all others.
+/// No bound is NaN: each has been through an interval, which holds none. Those of primitives that both models have,
+/// with what `bound` says of each from below, and spheres of all others.
 template <class ByVector>
 double least_distance(const MovingPairs& moving, const PairCertificate& certificate, const ByVector& by_vector) {
   const std::size_t columns = moving.pairs().size_b();

@@ -87,6 +87,7 @@ double lower_by_cover(const SurroundedPrimitive& surrounded, const SolidParts& o
   const auto* const convex = std::get_if<PosedSuperquadric>(&one.places.primitives()[surrounded.primitive]);
   if (convex == nullptr || !(surrounded.distance > 0.0) || !std::isfinite(surrounded.distance)) return -infinity;
   const PosedBody body(*convex, motion);
+  if (!is_finite(body.centre())) return -infinity;
   const EmptyNeighbourhood around(other.places.set(), other.places.primitives(), body, body.centre(),
                                   surrounded.distance);
   return around.is_covered_by(surrounded.cover) ? surrounded.distance : -infinity;

@@ -24,4 +24,20 @@ void check_path(std::span<const Pose> path) {
   }
 }
 
+void check_turns(std::span<const Pose> path) {
+  constexpr double nearly = 1e-9;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const auto& p = path[k - 1].quaternion;
+    const auto& q = path[k].quaternion;
+    const double sizes = std::hypot(std::hypot(p[0], p[1]), std::hypot(p[2], p[3])) *
+                         std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+    const double product = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3];
+    if (!(std::abs(product) <= nearly * sizes)) continue;
+    throw Error(ErrorKind::input,
+                fmt::format("pose {} of the path is half a turn from the one before, which has two ways: put a pose "
+                            "between them",
+                            k));
+  }
+}
+
 }  // namespace verisq

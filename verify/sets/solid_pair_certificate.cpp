@@ -38,7 +38,7 @@ Point rounded(const PreciseVector& x) {
   return result;
 }
 
-/// One pose's planes and balls.
+/// One pose's planes, balls and covers.
 class Certification {
  public:
   using Stop = std::function<bool()>;

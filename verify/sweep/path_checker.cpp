@@ -38,6 +38,7 @@ struct PathChecker::State {
 
 PathChecker::PathChecker(const Model& a, const Model& b, std::span<const Pose> path) {
   check_path(path);
+  check_turns(path);
   state_ = std::make_unique<State>(State{verify::ModelPair(a, b), verify::PosedPath(path)});
 }
 PathChecker::~PathChecker() = default;

@@ -1,13 +1,10 @@
 /// Halves the stretches of time in which the smallest distance, or the first contact, may be.
 #include "verisq/path_distance.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <queue>
-#include <utility>
 #include <vector>
 #include <verisq/error.hpp>
 
@@ -177,23 +174,6 @@ class PathSearch {
   std::uint64_t next_report_ = 0;
   PathDistance result_{{-infinity, infinity}, 0.0, PathProximity::undecided, 0.0, std::nullopt, false, false, 0};
 };
-
-/// Half a turn has two ways of the same angle, and rounding would choose one.
-void check_turns(std::span<const Pose> path) {
-  constexpr double nearly = 1e-9;
-  for (std::size_t k = 1; k < path.size(); ++k) {
-    const auto& p = path[k - 1].quaternion;
-    const auto& q = path[k].quaternion;
-    const double sizes = std::hypot(std::hypot(p[0], p[1]), std::hypot(p[2], p[3])) *
-                         std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
-    const double product = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3];
-    if (!(std::abs(product) <= nearly * sizes)) continue;
-    throw Error(ErrorKind::input,
-                fmt::format("pose {} of the path is half a turn from the one before, which has two ways: put a pose "
-                            "between them",
-                            k));
-  }
-}
 
 void check_tolerances(const PathDistanceOptions& options) {
   if (!(options.tolerance >= 0.0)) throw Error(ErrorKind::input, "distance along a path: the tolerance is below 0");
