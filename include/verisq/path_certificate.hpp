@@ -48,8 +48,8 @@ struct PathFindings {
 /// construction: safe to call from many threads.
 class PathChecker {
  public:
-  /// Throws Error(input) for a path without poses, for poses that are not finite or have a zero quaternion, and for half
-  /// a turn from one pose to the next, which has two ways.
+  /// Throws Error(input) for a path without poses, for poses that are not finite or have a zero quaternion, and for
+  /// half a turn from one pose to the next, which has two ways.
   PathChecker(const Model& a, const Model& b, std::span<const Pose> path);
   ~PathChecker();
   PathChecker(PathChecker&&) noexcept;
