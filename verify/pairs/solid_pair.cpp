@@ -42,6 +42,13 @@ class PairBoundsOfPrimitives {
     double& known = bounds_[i * columns_ + j];
     known = std::max(known, bound);
   }
+  /// Of i and every j, and the other way round.
+  void raise_all_of_a(std::size_t i, double bound) {
+    for (std::size_t j = 0; j < columns_; ++j) raise(i, j, bound);
+  }
+  void raise_all_of_b(std::size_t j, double bound) {
+    for (std::size_t i = 0; i * columns_ < bounds_.size(); ++i) raise(i, j, bound);
+  }
   [[nodiscard]] double operator()(std::size_t i, std::size_t j) const { return bounds_[i * columns_ + j]; }
 
  private:
@@ -197,26 +204,25 @@ double SolidPair::lower(const PairCertificate& certificate) const {
     // The centre goes with B: as far as it moves, the primitive may reach beyond the ball.
     const double way = up(motion_.way_of(pose_(precise(ball.centre))));
     const double bound = subtract(lower_by_ball(ball, *a_, *b_, pose_), way, Direction::down);
-    for (std::size_t j = 0; j < count_b; ++j) bounds.raise(ball.primitive, j, bound);
+    bounds.raise_all_of_a(ball.primitive, bound);
   }
   for (const EnclosingBall& ball : certificate.balls_b) {
     if (ball.primitive >= count_b || !is_finite(ball.centre)) continue;
     // The ball goes with B.
     const double way = up(motion_.way_of(precise(ball.centre)));
     const double bound = subtract(lower_by_ball(ball, *b_, *a_, pose_.inverse()), way, Direction::down);
-    for (std::size_t i = 0; i < count_a; ++i) bounds.raise(i, ball.primitive, bound);
+    bounds.raise_all_of_b(ball.primitive, bound);
   }
   for (const SurroundedPrimitive& surrounded : certificate.covers_a) {
     if (surrounded.primitive >= count_a) continue;
     const EnclosingSphere sphere = sphere_about(a_->places.primitives()[surrounded.primitive]);
     const double seen = lower_by_cover(surrounded, *a_, *b_, ShortMotion(pose_.inverse()));
     const double bound = subtract(seen, up(motion_.way_seen_of(sphere)), Direction::down);
-    for (std::size_t j = 0; j < count_b; ++j) bounds.raise(surrounded.primitive, j, bound);
+    bounds.raise_all_of_a(surrounded.primitive, bound);
   }
   for (const SurroundedPrimitive& surrounded : certificate.covers_b) {
     if (surrounded.primitive >= count_b) continue;
-    const double bound = lower_by_cover(surrounded, *b_, *a_, motion_);
-    for (std::size_t i = 0; i < count_a; ++i) bounds.raise(i, surrounded.primitive, bound);
+    bounds.raise_all_of_b(surrounded.primitive, lower_by_cover(surrounded, *b_, *a_, motion_));
   }
   return lower_of_sets(a_->places.set(), b_->places.set(), bounds);
 }

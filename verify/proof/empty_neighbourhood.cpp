@@ -216,34 +216,18 @@ Point middle_of(std::span<const Point> corners) {
 }  // namespace
 
 EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
-                                       std::span<const Point> corners, double radius, Place wanted)
+                                       std::span<const Point> corners, const ConvexBody* body, double radius,
+                                       Place wanted)
     : set_(set),
       primitives_(primitives),
       centre_(precise(middle_of(corners))),
+      body_(body),
       whole_({{}, {radius, radius, radius}}),
       square_of_radius_(square(PreciseInterval(Real(radius)))),
       wanted_(wanted),
       places_(primitives.size(), Place::undecided),
       touching_(primitives.size()) {
   for (const Point& corner : corners) corners_.push_back(precise(corner) - centre_);
-  hold_neighbourhood(radius);
-}
-
-EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
-                                       const ConvexBody& body, const Point& centre, double radius)
-    : EmptyNeighbourhood(set, primitives, std::span(&centre, 1), radius, Place::outside) {
-  corners_.clear();
-  body_ = &body;
-  hold_neighbourhood(radius);
-}
-
-Real EmptyNeighbourhood::reach(const PreciseVector& v) const {
-  Real farthest = body_ == nullptr ? Real(-infinity) : body_->reach(v);
-  for (const PreciseVector& corner : corners_) farthest = std::max(farthest, v.dot(corner).upper());
-  return farthest;
-}
-
-void EmptyNeighbourhood::hold_neighbourhood(double radius) {
   for (std::size_t i = 0; i < 3; ++i) {
     PreciseVector axis;
     axis[i] = 1;
@@ -254,16 +238,27 @@ void EmptyNeighbourhood::hold_neighbourhood(double radius) {
 }
 
 EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
+                                       const ConvexBody& body, const Point& centre, double radius)
+    : EmptyNeighbourhood(set, primitives, std::span(&centre, 1), &body, radius, Place::outside) {}
+
+Real EmptyNeighbourhood::reach(const PreciseVector& v) const {
+  if (body_ != nullptr) return body_->reach(v);
+  Real farthest(-infinity);
+  for (const PreciseVector& corner : corners_) farthest = std::max(farthest, v.dot(corner).upper());
+  return farthest;
+}
+
+EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
                                        const Point& centre, double radius, Place wanted,
                                        std::span<const Normal> normals, const std::optional<Point>& near)
-    : EmptyNeighbourhood(set, primitives, std::span(&centre, 1), radius, wanted) {
+    : EmptyNeighbourhood(set, primitives, std::span(&centre, 1), nullptr, radius, wanted) {
   look_at_primitives(centre, radius, normals, near);
 }
 
 EmptyNeighbourhood::EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
                                        const Triangle& triangle, double radius, std::span<const Normal> normals,
                                        const std::optional<Point>& near)
-    : EmptyNeighbourhood(set, primitives, std::span(triangle), radius, Place::outside) {
+    : EmptyNeighbourhood(set, primitives, std::span(triangle), nullptr, radius, Place::outside) {
   look_at_primitives(triangle, radius, normals, near);
 }
 

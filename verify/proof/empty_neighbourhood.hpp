@@ -72,12 +72,11 @@ class EmptyNeighbourhood {
  private:
   struct Look;
 
-  /// Of the hull of the corners; the rest is not known yet.
+  /// Of the hull of the corners, or of the body about the only one; the rest is not known yet.
   EmptyNeighbourhood(const SetExpression& set, std::span<const PosedPrimitive> primitives,
-                     std::span<const Point> corners, double radius, Place wanted);
+                     std::span<const Point> corners, const ConvexBody* body, double radius, Place wanted);
   /// No smaller than v·x of any x of point, triangle or body, from the centre.
   [[nodiscard]] Real reach(const PreciseVector& v) const;
-  void hold_neighbourhood(double radius);
   template <class Query>
   void look_at_primitives(const Query& query, double radius, std::span<const Normal> normals,
                           const std::optional<Point>& near);
@@ -85,8 +84,8 @@ class EmptyNeighbourhood {
   const SetExpression& set_;
   std::span<const PosedPrimitive> primitives_;
   PreciseVector centre_;
-  std::vector<PreciseVector> corners_;  ///< of point or triangle, from the centre; none of a body
-  const ConvexBody* body_ = nullptr;    ///< nothing of point or triangle
+  std::vector<PreciseVector> corners_;  ///< of point or triangle, from the centre
+  const ConvexBody* body_ = nullptr;    ///< in their place; nothing of point or triangle
   Cell whole_;
   PreciseInterval square_of_radius_;
   Place wanted_;
