@@ -70,7 +70,7 @@ class DeviationChecker {
 
   /// What the certificate proves of this mesh, whatever it holds: enclosures of the exact numbers, [0, infinity] where
   /// it proves nothing. Precondition: finite coordinates, triangles of vertices that are there; as many certificates as
-  /// vertices and triangles; no claim holds a NaN; `check.in_parallel` is given.
+  /// vertices and triangles; no claim holds a NaN.
   [[nodiscard]] ProvenDeviation operator()(const Mesh& mesh, const DeviationCertificate& certificate,
                                            const Options& options) const;
 

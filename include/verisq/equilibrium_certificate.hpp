@@ -47,7 +47,7 @@ struct ProvenEquilibrium {
 
 /// What the certificate proves, whatever it holds, by MPFR alone and by other formulas than `equilibrium`. Throws
 /// Error(input) as that. Preconditions: parameters of the model, each once, with finite ranges; a finite reference
-/// point; no posture holds a NaN; `in_parallel` is given.
+/// point; no posture holds a NaN.
 [[nodiscard]] ProvenEquilibrium prove(const Model& model, const EquilibriumClaims& claims,
                                       const EquilibriumCertificate& certificate, const CheckOptions& options);
 

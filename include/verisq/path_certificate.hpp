@@ -25,7 +25,8 @@ struct PathClaims {
 };
 
 /// Of a time, and of all the part about it: the certificate is of the distance at its middle, (begin + until) / 2 to
-/// nearest; of its separations the vectors alone count, of all else divisions and balls (docs/mathematics.md §26).
+/// nearest; of its separations the vectors alone count, of all else divisions, balls and
+/// covers, those about primitives of B of all places in the part (docs/mathematics.md §26).
 struct PathPart {
   double until;  ///< the time when it ends; it begins where the part before ends, the first at 0; within two poses
   PairCertificate certificate;
@@ -56,7 +57,7 @@ class PathChecker {
   PathChecker& operator=(PathChecker&&) noexcept;
 
   /// What the certificate proves, whatever it holds; of the first contact [0, infinity] if nothing. Once interrupted
-  /// less. Precondition: `options.in_parallel` is given.
+  /// less.
   [[nodiscard]] PathClaims prove(const PathCertificate& certificate, const CheckOptions& options) const;
 
   /// The distance is no less at any time from `begin` to the part's end; 0 where nothing is proven.

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,7 +16,6 @@
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
-#include "python/module/one_by_one.hpp"
 #include "python/module/pickling.hpp"
 #include "python/module/python_mesh.hpp"
 #include "python/module/python_model.hpp"
@@ -108,9 +106,8 @@ bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, c
   if (measured.vertices.size() != vertices.size() || measured.triangles.size() != triangles.size()) return false;
   Interruption interruption;
   const ProvenDeviation proven = without_lock(interruption, [&] {
-    return DeviationChecker(exact)(
-        measured, self.certificate,
-        {.percentiles = self.percents, .check = {.in_parallel = one_by_one, .interrupted = interruption.poll()}});
+    return DeviationChecker(exact)(measured, self.certificate,
+                                   {.percentiles = self.percents, .check = {.interrupted = interruption.poll()}});
   });
   return !proven.interrupted && all_proved(self.of_vertices, proven.of_vertices) &&
          (!self.from_mesh || all_proved(*self.from_mesh, *proven.from_mesh));

@@ -14,7 +14,6 @@
 #include "python/module/arrays.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
-#include "python/module/one_by_one.hpp"
 #include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
 #include "python/module/result_members.hpp"
@@ -94,9 +93,8 @@ PythonCertifiedPath certified_along(const PythonModel& a, const PythonModel& b, 
 bool is_proved(const PythonCertifiedPath& self, const PythonModel& a, const PythonModel& b, const py::handle& path) {
   const PathChecker checker(a.exact("is_proved"), b.exact("is_proved"), poses(path, "path"));
   Interruption interruption;
-  const PathClaims proven = without_lock(interruption, [&] {
-    return checker.prove(self.certificate, {.in_parallel = one_by_one, .interrupted = interruption.poll()});
-  });
+  const PathClaims proven =
+      without_lock(interruption, [&] { return checker.prove(self.certificate, {.interrupted = interruption.poll()}); });
   const auto [smallest, first_contact] = check(self.claims, proven);
   return smallest.verdict == Verdict::proved && (!first_contact || first_contact->verdict == Verdict::proved);
 }

@@ -25,7 +25,6 @@
 
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
-#include "python/module/one_by_one.hpp"
 #include "python/module/pickling.hpp"
 #include "python/module/python_model.hpp"
 #include "python/module/result_members.hpp"
@@ -225,7 +224,6 @@ PythonEquilibrium equilibrium(const PythonStance& self, const std::string& joint
 
 CheckOptions check_options(Interruption& interruption) {
   CheckOptions options;
-  options.in_parallel = one_by_one;
   options.interrupted = interruption.poll();
   return options;
 }

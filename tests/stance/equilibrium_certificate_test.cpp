@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <random>
 #include <vector>
 #include <verisq/certified_equilibrium.hpp>
@@ -28,14 +27,6 @@ using namespace oracle;
 using verify::Differentiated;
 using verify::PreciseInterval;
 
-CheckOptions one_after_the_other() {
-  CheckOptions options;
-  options.in_parallel = [](std::size_t count, const std::function<void(std::size_t)>& work) {
-    for (std::size_t i = 0; i < count; ++i) work(i);
-  };
-  return options;
-}
-
 /// What is found of a body, with what proves it.
 struct Case {
   Model model;
@@ -44,13 +35,13 @@ struct Case {
 
   Case(Model of, const std::vector<std::uint32_t>& uncertain, const EquilibriumOptions& options = {})
       : model(std::move(of)), certified(), found(equilibrium(model, uncertain, options)) {
-    certified = certified_equilibrium(model, uncertain, options.control, found, one_after_the_other());
+    certified = certified_equilibrium(model, uncertain, options.control, found, {});
   }
 
   [[nodiscard]] std::vector<Finding> findings() const { return findings_of(certified.claims, certified.certificate); }
   [[nodiscard]] std::vector<Finding> findings_of(const EquilibriumClaims& claims,
                                                  const EquilibriumCertificate& certificate) const {
-    return check(claims, prove(model, claims, certificate, one_after_the_other()));
+    return check(claims, prove(model, claims, certificate, {}));
   }
 };
 
@@ -247,7 +238,7 @@ TEST(EquilibriumCertificateTest, PartsAreNeverCountedTwice) {
       certificate.parts = std::move(twice);
     }
     EXPECT_NE(honest.findings_of(claims, certificate).front().verdict, Verdict::proved);
-    EXPECT_EQ(prove(model, claims, certificate, one_after_the_other()).stands, 0.0);
+    EXPECT_EQ(prove(model, claims, certificate, {}).stands, 0.0);
   }
 }
 
@@ -292,7 +283,7 @@ class ForgedCase {
         forgeries_(forgeries),
         claims_(honest.certified.claims),
         certificate_(honest.certified.certificate),
-        proven_(prove(honest.model, claims_, certificate_, one_after_the_other())),
+        proven_(prove(honest.model, claims_, certificate_, {})),
         numbers_(numbers_of(claims_.standing.value())) {}
 
   /// Beyond what a value is known to reach, and short of what is proven.

@@ -77,10 +77,7 @@ Case random_solid_case(oracle::RandomSolids& solids, RandomCases& random) {
 }
 
 PathClaims proven_by(const PathChecker& checker, const PathCertificate& certificate) {
-  const auto one_after_the_other = [](std::size_t count, const std::function<void(std::size_t)>& work) {
-    for (std::size_t i = 0; i < count; ++i) work(i);
-  };
-  return checker.prove(certificate, {.in_parallel = one_after_the_other});
+  return checker.prove(certificate, {});
 }
 
 PathFindings findings_of(const PathChecker& checker, const PathClaims& claims, const PathCertificate& certificate) {

@@ -18,8 +18,10 @@ PreciseInterval ShortMotion::way_at_first_speed(const EnclosingSphere& sphere) c
   return length<Real>(first_way_of(sphere.centre)) + time_ * rate_ * sphere.radius;
 }
 
+// At all times its points are faster than its centre by |w| r at most, so that the centre's acceleration alone counts.
 PreciseInterval ShortMotion::way_of(const EnclosingSphere& sphere) const {
-  return rests_ ? PreciseInterval(0) : way_at_first_speed(sphere) + bend_of_ways(sphere);
+  if (rests_) return PreciseInterval(0);
+  return way_at_first_speed(sphere) + bend_of_ways({sphere.centre, PreciseInterval(0)});
 }
 
 // The speed of what rests at x is |w x (x - t) + v|, too, which changes by w x v, as t does by v.

@@ -20,7 +20,7 @@ enum class Place : std::int8_t { outside = -1, undecided = 0, inside = 1 };
 [[nodiscard]] Place place_of(const PreciseVector& x, const SetExpression& set,
                              std::span<const PosedPrimitive> primitives);
 
-/// Everything about a point of its own choice.
+/// A region of which a support function is at hand. All vectors are from a point beside it, its centre.
 class ConvexBody {
  public:
   ConvexBody() = default;

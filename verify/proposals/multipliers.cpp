@@ -59,12 +59,7 @@ class Multipliers {
   }
 
   /// What they exceed.
-  [[nodiscard]] double dual(const std::vector<double>& m) const {
-    const auto [sum, rest] = normal_of(m);
-    double least = infinity;
-    for (const Vector& corner : corners_) least = std::min(least, 2 * dot(sum, corner) - rest);
-    return least;
-  }
+  [[nodiscard]] double dual(const std::vector<double>& m) const { return least_over_corners(normal_of(m)); }
 
   struct Normal {
     Vector sum;   ///< N
@@ -137,9 +132,12 @@ class Multipliers {
       sum = along(sum, half_spaces_[cuts[r]].normal, m[r]);
       rest += 2 * m[r] * half_spaces_[cuts[r]].offset;
     }
-    rest += dot(sum, sum);
+    return least_over_corners({sum, rest + dot(sum, sum)});
+  }
+
+  [[nodiscard]] double least_over_corners(const Normal& n) const {
     double least = infinity;
-    for (const Vector& corner : corners_) least = std::min(least, 2 * dot(sum, corner) - rest);
+    for (const Vector& corner : corners_) least = std::min(least, 2 * dot(n.sum, corner) - n.rest);
     return least;
   }
 

@@ -89,15 +89,11 @@ class Certification {
     std::erase_if(open_, [&](const auto& pair) { return held_a.contains(pair.first) || held_b.contains(pair.second); });
   }
 
-  [[nodiscard]] std::set<std::uint32_t> open_b() const {
-    std::set<std::uint32_t> result;
-    for (const auto& [i, j] : open_) result.insert(j);
-    return result;
-  }
-
   /// About primitives that balls leave open, too.
   void add_covers(PairCertificate& certificate) {
-    for (const std::uint32_t j : open_b()) add_cover(*b_, *a_, motion_, j, certificate.covers_b);
+    std::set<std::uint32_t> of_b;
+    for (const auto& [i, j] : open_) of_b.insert(j);
+    for (const std::uint32_t j : of_b) add_cover(*b_, *a_, motion_, j, certificate.covers_b);
     close(certificate.covers_b, [](const auto& pair) { return pair.second; });
     std::set<std::uint32_t> of_a;
     for (const auto& [i, j] : open_) of_a.insert(i);

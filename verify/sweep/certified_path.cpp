@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -26,10 +25,6 @@ constexpr std::size_t most_further_parts = 16384;
 /// Of the tolerance is left for what a part loses by its length.
 constexpr double share_of_parts = 0.0625;
 constexpr double share_of_moments = 0.25;
-
-void one_after_the_other(std::size_t count, const std::function<void(std::size_t)>& work) {
-  for (std::size_t i = 0; i < count; ++i) work(i);
-}
 
 class PathProver {
  public:
@@ -52,7 +47,7 @@ class PathProver {
     const double nearest = found.meet_at.value_or(found.smallest_at);
     certificate_.nearest = nearest;
     certificate_.at_nearest = distance_at(nearest).certificate;
-    PathClaims claims = checker_.prove(certificate_, {.in_parallel = one_after_the_other});
+    PathClaims claims = checker_.prove(certificate_, {});
     if (claims.smallest.lo > 0.0) claims.first_contact.reset();  // that there is none says nothing more
     return {claims, std::move(certificate_), interrupted_};
   }

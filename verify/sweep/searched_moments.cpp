@@ -6,7 +6,6 @@
 #include <numeric>
 #include <utility>
 
-#include "verify/analysis/cross_product.hpp"
 #include "verify/search/certified_distance.hpp"
 #include "verify/sets/bounding_box.hpp"
 
@@ -26,13 +25,12 @@ PreciseInterval less(const PreciseInterval& x, const PreciseInterval& y) {
   return x.upper() < y.upper() ? x : y;
 }
 
-}  // namespace
-
-SearchedMoments::Ball::Ball(const Model& model) {
+/// It holds the model, in the model's own frame.
+EnclosingSphere sphere_about(const Model& model) {
   const Box box = bounding_box(model);
   Point middle;
   for (std::size_t i = 0; i < 3; ++i) middle[i] = std::midpoint(box.lower[i], box.upper[i]);
-  centre = precise(middle);
+  const PreciseVector centre = precise(middle);
   // As far as the farther corner: the middle is rounded.
   PreciseVector corner;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -40,47 +38,35 @@ SearchedMoments::Ball::Ball(const Model& model) {
     const PreciseInterval to_upper = abs(PreciseInterval(Real(box.upper[i])) - centre[i]);
     corner[i] = to_lower.upper() > to_upper.upper() ? to_lower : to_upper;
   }
-  radius = length<Real>(corner);
+  return {centre, length<Real>(corner)};
 }
+
+}  // namespace
 
 SearchedMoments::SearchedMoments(const PosedPath& path, const Model& a, const Model& b, double tolerance,
                                  std::function<bool()> interrupted)
     : path_(&path),
       search_(a, b),
       pair_(a, b),
-      ball_a_(a),
-      ball_b_(b),
+      sphere_a_(sphere_about(a)),
+      sphere_b_(sphere_about(b)),
       tolerance_(tolerance),
       interrupted_(std::move(interrupted)) {}
 
-// The distance changes no faster than points of B move in A's frame, and no faster than points of A move in B's. At x
-// the former is |w x (x - t) + v|; off the centre c of a ball by r at most, it is at most |w x (c - t) + v| + |w| r,
-// and that changes by the acceleration, at most |w| |w x (c - t)| for a point of B and |w| |v| for one of A, which
-// rests while t moves by v.
-PreciseInterval SearchedMoments::change(const Stretch& stretch, const RigidMotion& pose) const {
-  const PreciseInterval time{Real(stretch.reach())};
-  const SteadyMotion motion = path_->motion_of(stretch.leg);
-  const PreciseInterval rate = length<Real>(motion.spin);
-  const auto of_ball = [&](const PreciseVector& from_origin, const PreciseInterval& radius,
-                           const PreciseInterval& acceleration) {
-    const PreciseInterval speed = length<Real>(PreciseVector(cross(motion.spin, from_origin) + motion.velocity));
-    return time * (speed + rate * radius) + PreciseInterval(Real(0.5)) * time * time * acceleration;
-  };
-  const PreciseVector b = pose.rotation * ball_b_.centre;
-  const PreciseInterval of_b = of_ball(b, ball_b_.radius, rate * length<Real>(PreciseVector(cross(motion.spin, b))));
-  const PreciseInterval of_a =
-      of_ball(ball_a_.centre - pose.translation, ball_a_.radius, rate * length<Real>(motion.velocity));
-  return less(of_a, of_b);
+// The distance changes no faster than points of B move in A's frame, and no faster than points of A move in B's.
+PreciseInterval SearchedMoments::change(const ShortMotion& motion) const {
+  const EnclosingSphere moved{motion.pose()(sphere_b_.centre), sphere_b_.radius};
+  return less(motion.way_seen_of(sphere_a_), motion.way_of(moved));
 }
 
 // |(R - R') x + (t - t')| <= |(R - R') c + (t - t')| + |R - R'| r, and |R - R'| is at most the sum of its columns'
 // lengths.
 double SearchedMoments::displacement(const RigidMotion& exact, const RigidMotion& nearby) const {
-  const PreciseVector at_centre = exact(ball_b_.centre) - nearby(ball_b_.centre);
+  const PreciseVector at_centre = exact(sphere_b_.centre) - nearby(sphere_b_.centre);
   PreciseInterval spread{Real(0.0)};
   for (std::size_t j = 0; j < 3; ++j)
     spread = spread + length<Real>(PreciseVector(exact.rotation.column(j) - nearby.rotation.column(j)));
-  return up(length<Real>(at_centre) + spread * ball_b_.radius);
+  return up(length<Real>(at_centre) + spread * sphere_b_.radius);
 }
 
 bool SearchedMoments::is_in_b(const Point& x, const RigidMotion& exact) const {
@@ -100,12 +86,13 @@ Moment SearchedMoments::examine(const Stretch& stretch, double enough) const {
   const RigidMotion exact = path_->enclosed_pose(time);
   const Pose pose = path_->rounded_pose(time);
   const double off = displacement(exact, RigidMotion(pose));
-  const PreciseInterval lost = change(stretch, exact) + PreciseInterval(Real(off));
+  const ShortMotion motion(exact, path_->motion_of(stretch.leg), stretch.reach());
+  const PreciseInterval lost = change(motion) + PreciseInterval(Real(off));
   const auto over_stretch = [&](const PreciseInterval& at_moment) {
     return (at_moment - lost).lower().to_double(Direction::down);
   };
-  const PreciseInterval apart = length<Real>(PreciseVector(exact(ball_b_.centre) - ball_a_.centre));
-  const double by_balls = over_stretch(apart - ball_a_.radius - ball_b_.radius);
+  const PreciseInterval apart = length<Real>(PreciseVector(exact(sphere_b_.centre) - sphere_a_.centre));
+  const double by_balls = over_stretch(apart - sphere_a_.radius - sphere_b_.radius);
   if (by_balls > enough) return {time, by_balls, infinity};
 
   bool far = false;
@@ -122,7 +109,7 @@ Moment SearchedMoments::examine(const Stretch& stretch, double enough) const {
   if (lower < std::min(enough, found.distance.lo)) {
     options.progress = {};
     const PairCertificate planes = search_.planes(pose, found, options);
-    lower = std::max(lower, pair_.lower({exact, path_->motion_of(stretch.leg), stretch.reach()}, planes));
+    lower = std::max(lower, pair_.lower(motion, planes));
   }
   return {time, lower, up(PreciseInterval(Real(found.distance.hi)) + PreciseInterval(Real(off)))};
 }

@@ -21,16 +21,8 @@ class SearchedMoments : public PathMoments {
   [[nodiscard]] Moment examine(const Stretch& stretch, double enough) const override;
 
  private:
-  /// It holds a model, in the model's own frame.
-  struct Ball {
-    explicit Ball(const Model& model);
-
-    PreciseVector centre;
-    PreciseInterval radius;
-  };
-
-  /// How far the distance at any time of the stretch lies from that at its middle, at most.
-  [[nodiscard]] PreciseInterval change(const Stretch& stretch, const RigidMotion& pose) const;
+  /// How far the distance at any of its times lies from that at the moment, at most.
+  [[nodiscard]] PreciseInterval change(const ShortMotion& motion) const;
 
   /// How far a point of B is from where it is at the exact pose, at most.
   [[nodiscard]] double displacement(const RigidMotion& exact, const RigidMotion& nearby) const;
@@ -41,8 +33,8 @@ class SearchedMoments : public PathMoments {
   const PosedPath* path_;
   PairSearch search_;
   ModelPair pair_;
-  Ball ball_a_;
-  Ball ball_b_;
+  EnclosingSphere sphere_a_;
+  EnclosingSphere sphere_b_;
   double tolerance_;
   std::function<bool()> interrupted_;
 };
