@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "verify/numbers/rounding.hpp"
 #include "verify/pairs/model_pair.hpp"
 #include "verify/placement/check_steps.hpp"
 #include "verify/placement/path_check.hpp"
@@ -12,8 +11,6 @@
 #include "verisq/path_certificate.hpp"
 
 namespace verisq {
-
-using verify::Direction;
 
 struct PathChecker::State {
   /// Of a distance: at least 0; 0 of what is no part of the path between two poses.
