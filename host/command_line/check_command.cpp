@@ -7,6 +7,7 @@
 #include <verisq/certificate_file.hpp>
 #include <verisq/map_file.hpp>
 
+#include "host/command_line/best_fit_check.hpp"
 #include "host/command_line/certificate_check.hpp"
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/deviation_check.hpp"
@@ -45,6 +46,9 @@ constexpr const char* closing_words =
     "  fit        give the fitted --model, the --mesh, the --map and, where there was one, the --surface-map: every\n"
     "             distance is proved, and then what they say together, F, the smallest distance, the deepest\n"
     "             penetration, how many vertices keep the limit, the numbers of every area\n"
+    "  fit --bound\n"
+    "             give each implant's --model, as it lies in its own file, and the --mesh: that no pose of the range\n"
+    "             fits better is proved (of the file of --bound-certificate-file)\n"
     "  insert     give the implant's --model and the bone's --mesh: the smallest distance of every vertex along the\n"
     "             whole way is proved\n"
     "  deviation  give --model and --mesh or --points: how far these lie from the model's surface is proved, at most,\n"
@@ -105,6 +109,7 @@ ExitStatus check_certificate(const CheckArguments& arguments) {
   if (!arguments.poses.empty() && !has_poses(answer))
     refuse(fmt::format("--poses: {} is neither of a path, nor of a way in, nor of poses", arguments.certificate));
   if (const auto* const fit = std::get_if<FitAnswer>(&answer)) return run_fit_check(*fit, arguments);
+  if (const auto* const best = std::get_if<BestFitAnswer>(&answer)) return run_best_fit_check(*best, arguments);
   if (const auto* const way = std::get_if<InsertionAnswer>(&answer)) return run_insertion_check(*way, arguments);
   if (const auto* const deviation = std::get_if<DeviationAnswer>(&answer))
     return run_deviation_check(*deviation, arguments);

@@ -5,20 +5,33 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <verisq/certificate_file.hpp>
+#include <verisq/certified_best_fit.hpp>
 #include <verisq/clearance_claim.hpp>
 #include <verisq/uncertain_model.hpp>
 
+#include "host/command_line/interruption.hpp"
+#include "host/command_line/messages.hpp"
 #include "host/command_line/progress_bar.hpp"
 #include "host/command_line/triangle_stream.hpp"
 #include "host/errors/refusal.hpp"
+#include "host/threads/parallel.hpp"
 #include "verify/proof/convex_union.hpp"
 
 namespace verisq::command_line {
 namespace {
+
+StatedTerms stated_terms(const FitProblem& problem) {
+  return {.fitness = problem.options.fitness,
+          .penetration_limit = problem.options.penetration_limit,
+          .areas = problem.cavity.areas,
+          .area_runs = runs_of(problem.cavity.area_of)};
+}
 
 /// The distance of every triangle, between its corners too; returns the smallest one. Never ended by the first Ctrl-C,
 /// like all that a fit proves.
@@ -60,6 +73,34 @@ void declare_certificates(Options& options, FitArguments& arguments) {
       "maps, which get --certificates: .json");
 }
 
+std::optional<double> write_bound_certificate(const FitProblem& problem, const FitSolution& solution,
+                                              const FitArguments& arguments) {
+  const std::string& file = arguments.bound_certificate;
+  if (file.empty() || !solution.bound) return std::nullopt;
+  ProgressBar bar(!arguments.no_progress, "%");
+  const FitOptions& options = problem.options;
+  auto certified = certified_best_fit(
+      problem.series, problem.cavity, {options.fitness, options.penetration_limit, options.range}, *solution.bound,
+      {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+       .interrupted = interrupted,
+       .progress = [&bar](double done) { bar.update_state("certificate of the bound", done); }});
+  if (!certified) {
+    tell(fmt::format("interrupted; {} is not written", file));
+    return std::nullopt;
+  }
+  BestFitAnswer answer{.models = {},
+                       .mesh = subject_file(arguments.mesh),
+                       .units = problem.units,
+                       .terms = stated_terms(problem),
+                       .range = certified->claim.range,
+                       .centres = std::move(certified->claim.centres),
+                       .upper = certified->claim.upper,
+                       .certificate = std::move(certified->certificate)};
+  for (const std::string& implant : arguments.implants) answer.models.push_back(subject_file(implant));
+  write_answer(file, answer);
+  return answer.upper;
+}
+
 bool certifies(const FitArguments& arguments) {
   return arguments.certificates || !arguments.certificate_file.empty();
 }
@@ -69,9 +110,13 @@ void check_certificates(const FitArguments& arguments) {
     refuse("--certificate-file: give the --map that holds the certificates of its distances");
   if (arguments.certificates && arguments.map.empty() && arguments.report.html.empty())
     refuse("--certificates: give the --map or the --report that keeps them");
-  if (!certifies(arguments) && arguments.surface_map.empty()) return;
+  const bool of_bound = !arguments.bound_certificate.empty();
+  if (of_bound && !arguments.bound) refuse("--bound-certificate-file: give the --bound that it is of");
+  if (!certifies(arguments) && arguments.surface_map.empty() && !of_bound) return;
   if (arguments.resection)
-    refuse("--certificates, --surface-map: not with --resection, which leaves a part of the mesh out: cut it first");
+    refuse(
+        "--certificates, --surface-map, --bound-certificate-file: not with --resection, which leaves a part of the "
+        "mesh out: cut it first");
   if (!std::filesystem::is_regular_file(arguments.mesh))
     refuse(fmt::format("--certificates: {}: is no regular file, and they must tell which it is", arguments.mesh));
 }
@@ -106,10 +151,7 @@ void write_certificates(const FitProblem& problem, const Model& fitted, const Cl
   write_answer(arguments.certificate_file, FitAnswer{.model = subject_file(arguments.output),
                                                      .mesh = subject_file(arguments.mesh),
                                                      .units = problem.units,
-                                                     .fitness = problem.options.fitness,
-                                                     .penetration_limit = problem.options.penetration_limit,
-                                                     .areas = problem.cavity.areas,
-                                                     .area_runs = runs_of(problem.cavity.area_of),
+                                                     .terms = stated_terms(problem),
                                                      .claims = claims_of(clearance, surface)});
 }
 

@@ -2,8 +2,10 @@
 /// the distances say together.
 #pragma once
 
+#include <optional>
 #include <verisq/clearance.hpp>
 #include <verisq/fit_problem.hpp>
+#include <verisq/fit_solution.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
 
@@ -34,5 +36,10 @@ void refuse_what_has_no_certificates(const FitProblem& problem, const FitArgumen
 /// model's file is written. `options`: tolerance and device. Throws Error(failure), and as TriangleMapper.
 void write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
                         const MapOptions& options, const FitArguments& arguments);
+
+/// Writes the certificate of the bound, where it is asked for and not interrupted. Returns the upper end that it
+/// proves: hardly more than the bound's.
+std::optional<double> write_bound_certificate(const FitProblem& problem, const FitSolution& solution,
+                                              const FitArguments& arguments);
 
 }  // namespace verisq::command_line

@@ -19,6 +19,7 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/json_value.hpp"
 #include "host/command_line/map_check.hpp"
+#include "host/command_line/stated_terms.hpp"
 #include "host/errors/refusal.hpp"
 
 namespace verisq::command_line {
@@ -90,11 +91,11 @@ std::optional<Enclosure> check_surface(CheckArguments arguments, FitCheckReport&
 
 void judge_claims(const FitAnswer& answer, const std::vector<Enclosure>& distances,
                   const std::optional<Enclosure>& surface, const CheckArguments& arguments, FitCheckReport& report) {
-  if (points_of(answer) != distances.size()) {
+  if (points_of(answer.terms) != distances.size()) {
     refuse(fmt::format("{}: area_runs: are of {} vertices, and the mesh has {}", arguments.certificate,
-                       points_of(answer), distances.size()));
+                       points_of(answer.terms), distances.size()));
   }
-  report.proven = clearance_of(terms_of(answer), distances);
+  report.proven = clearance_of(terms_of(answer.terms), distances);
   report.findings = check(answer.claims, report.proven, surface);
 }
 
@@ -117,16 +118,6 @@ constexpr std::array<Words, 9> all_words{{
     {"distance_of_95", "distance that 95 % of the vertices do not exceed", true},
 }};
 
-std::string with_units(const FitAnswer& answer, const std::string& text) {
-  return answer.units.empty() ? text : fmt::format("{} {}", text, answer.units);
-}
-
-std::uint64_t points_of_area(const FitAnswer& answer, std::size_t area) {
-  std::uint64_t points = 0;
-  for (const AreaRun& run : answer.area_runs) points += run.area == area ? run.points : 0;
-  return points;
-}
-
 /// A claim of an unknown name is shown by it.
 std::string in_words(const FitAnswer& answer, const ClearanceClaim& claim) {
   const auto* const known = std::ranges::find(all_words, claim.what, &Words::what);
@@ -134,32 +125,18 @@ std::string in_words(const FitAnswer& answer, const ClearanceClaim& claim) {
   const std::string what = is_known ? std::string(known->words) : fmt::format("\"{}\", unknown", claim.what);
   const std::string value = exact_text(claim.value);
   const std::string area = claim.area.empty() ? std::string() : fmt::format(", area {}", claim.area);
-  return fmt::format("{}{}: {}", what, area, is_known && known->is_length ? with_units(answer, value) : value);
+  return fmt::format("{}{}: {}", what, area, is_known && known->is_length ? with_units(value, answer.units) : value);
 }
 
 /// What the proven distances say of the limit, whatever is claimed of it.
 std::string limit_in_words(const FitAnswer& answer, const FitCheckReport& report) {
-  const std::uint64_t points = points_of(answer);
-  std::string text = with_units(answer, fmt::format("{}", answer.penetration_limit));
+  const std::uint64_t points = points_of(answer.terms);
+  std::string text = with_units(fmt::format("{}", answer.terms.penetration_limit), answer.units);
   const std::uint64_t too_deep = report.proven.proven_too_deep;
   const std::uint64_t shallow = report.proven.proven_shallow;
   if (too_deep > 0) return text + fmt::format(": EXCEEDED, proven of {} of {} vertices", too_deep, points);
   if (shallow == points) return text + fmt::format(": kept, proven of all {} vertices", points);
   return text + fmt::format(": kept, proven of {} of {} vertices; of the others not decided", shallow, points);
-}
-
-std::string criterion_in_words(const FitAnswer& answer) {
-  std::string text = fmt::format(
-      "criterion            distances in {} serve; F adds up weight times f, which is 1 at "
-      "{} and 1/2 at {} from there\n",
-      with_units(answer, exact_text(answer.fitness.serves)),
-      with_units(answer, fmt::format("{}", answer.fitness.target)),
-      with_units(answer, fmt::format("{}", answer.fitness.scale)));
-  for (std::size_t i = 0; i < answer.areas.size(); ++i) {
-    text += fmt::format("area {:<15} weight {}, {} vertices, which the certificate names\n", answer.areas[i].name,
-                        answer.areas[i].weight, points_of_area(answer, i));
-  }
-  return text;
 }
 
 std::string claims_in_words(const FitAnswer& answer, const FitCheckReport& report) {
@@ -177,8 +154,8 @@ std::string claims_in_words(const FitAnswer& answer, const FitCheckReport& repor
 std::string readable(const FitAnswer& answer, const FitCheckReport& report, const CheckArguments& arguments) {
   std::string text = readable(report.vertices);
   if (report.surface) text += readable(*report.surface);
-  text += claims_in_words(answer, report) + criterion_in_words(answer);
-  text += fmt::format("not claimed          {}sides, areas in contact, changes of features, how near the best fit is\n",
+  text += claims_in_words(answer, report) + criterion_in_words(answer.terms, answer.units);
+  text += fmt::format("not claimed          {}sides, areas in contact, changes of features\n",
                       claims_surface(answer) ? "" : "what lies between the vertices, ");
   return text + fmt::format("certificate          {}\n", arguments.certificate);
 }
@@ -196,27 +173,18 @@ JsonValue claims_of(const FitAnswer& answer, const FitCheckReport& report) {
   return claims;
 }
 
-JsonValue areas_of(const FitAnswer& answer) {
-  JsonValue::Array areas;
-  for (std::size_t i = 0; i < answer.areas.size(); ++i) {
-    areas.push_back(JsonObject{
-        {"name", answer.areas[i].name}, {"weight", answer.areas[i].weight}, {"points", points_of_area(answer, i)}});
-  }
-  return areas;
-}
-
 std::string json(const FitAnswer& answer, const FitCheckReport& report, const CheckArguments& arguments) {
   const JsonObject object{{"kind", "fit"},
                           {"vertices", object_of(report.vertices)},
                           {"surface", report.surface ? JsonValue(object_of(*report.surface)) : JsonValue()},
                           {"claims", claims_of(answer, report)},
-                          {"penetration_limit", answer.penetration_limit},
+                          {"penetration_limit", answer.terms.penetration_limit},
                           {"proven_within_limit", report.proven.proven_shallow},
                           {"proven_too_deep", report.proven.proven_too_deep},
-                          {"target", answer.fitness.target},
-                          {"scale", answer.fitness.scale},
-                          {"serves", answer.fitness.serves},
-                          {"areas", areas_of(answer)},
+                          {"target", answer.terms.fitness.target},
+                          {"scale", answer.terms.fitness.scale},
+                          {"serves", answer.terms.fitness.serves},
+                          {"areas", areas_of(answer.terms)},
                           {"units", answer.units},
                           {"interrupted", report.interrupted()},
                           {"certificate", arguments.certificate}};

@@ -72,7 +72,8 @@ constexpr const char* closing_words =
     "--certificate-file, --map and --surface-map keep what proves it again: `verisq check --certificate FILE\n"
     "--model FITTED --mesh F --map MAP --surface-map MAP` proves every distance, and F, the smallest distance of the\n"
     "vertices and of the whole surface, the deepest penetration, how many vertices keep the limit and the numbers of\n"
-    "every area. Sides, areas in contact, changes of features and the bound have no certificates.\n"
+    "every area. --bound-certificate-file does the same for the bound, from the implants' files and the mesh.\n"
+    "Sides, areas in contact and changes of features have no certificates.\n"
     "\n"
     "Ctrl-C ends the search, or the bound: the best pose so far is proven and written. A second Ctrl-C stops at once;\n"
     "once the proof runs, -o is written already.\n"
@@ -100,8 +101,10 @@ void check_outputs(const FitArguments& arguments) {
   if (!arguments.map.empty()) check_output("--map", arguments.map);
   if (!arguments.surface_map.empty()) check_output("--surface-map", arguments.surface_map);
   check_certificate_file(arguments.certificate_file, inputs);
+  check_certificate_file(arguments.bound_certificate, inputs);
   check_usage(arguments.report, inputs,
-              {arguments.output, arguments.map, arguments.surface_map, arguments.certificate_file});
+              {arguments.output, arguments.map, arguments.surface_map, arguments.certificate_file,
+               arguments.bound_certificate});
 }
 
 void refuse_what_cannot_be_drawn(const FitArguments& arguments, const Mesh& mesh) {
@@ -365,6 +368,8 @@ void declare_search(Options& options, FitArguments& arguments) {
               "be exact");
   options.add("--bound-time", arguments.bound_time, parse_time_limit, "SECONDS",
               "Ends that with what is proven by then (default 300)");
+  options.add("--bound-certificate-file", arguments.bound_certificate, "FILE",
+              "What proves the bound again, for `verisq check --certificate` with the implants and the mesh: .json");
   options.add("--seed", arguments.seed, whole_number<std::uint64_t>(0), "NUMBER", "Of the sampled poses (default 1)");
   options.add("--samples", arguments.samples, whole_number<std::size_t>(1, most_samples), "NUMBER",
               fmt::format("How many poses the search samples first: 1 to {} (default 4096)", most_samples));
@@ -433,6 +438,7 @@ ExitStatus run_fit(const FitArguments& arguments) {
   const FitProof& proof = mapped.proof;
   std::optional<InstrumentClearance> instrument;
   if (!instruments.empty()) instrument = prove_instrument(problem, found, instruments[found.implant]);
+  const std::optional<double> certified_upper = write_bound_certificate(problem, solution, arguments);
   const FitSummary summary{.fit = found,
                            .clearance = proof.clearance,
                            .surface = proof.surface,
@@ -461,7 +467,9 @@ ExitStatus run_fit(const FitArguments& arguments) {
                            .output = arguments.output,
                            .map = arguments.map,
                            .surface_map = arguments.surface_map,
-                           .certificate_file = arguments.certificate_file};
+                           .certificate_file = arguments.certificate_file,
+                           .bound_certificate = arguments.bound_certificate,
+                           .certified_upper = certified_upper};
   explain(summary);
   hint_where_to_look(summary, arguments);
   if (arguments.report.any()) write_report(problem, summary, mapped, arguments);

@@ -44,6 +44,7 @@ struct FitArguments {
   std::optional<double>
       bound;                  ///< percent: a proof that no pose of the range is better by more; nothing: not asked for
   double bound_time = 300.0;  ///< seconds for it
+  std::string bound_certificate;
   std::optional<std::string> labels;  ///< a property of the mesh's vertices
   std::vector<Area> weights;
   std::optional<double> tolerance;

@@ -409,6 +409,10 @@ Lines run_lines(const FitSummary& summary) {
   if (!summary.map.empty()) lines.push_back({"map", summary.map});
   if (!summary.surface_map.empty()) lines.push_back({"map of triangles", summary.surface_map});
   if (!summary.certificate_file.empty()) lines.push_back({"certificate", summary.certificate_file});
+  if (summary.certified_upper) {
+    lines.push_back({"certificate of bound", fmt::format("{}: of F at most {}", summary.bound_certificate,
+                                                         upper_digits(*summary.certified_upper))});
+  }
   return lines;
 }
 
@@ -727,6 +731,7 @@ std::string json(const FitSummary& summary) {
       {"map", summary.map},
       {"surface_map", summary.surface_map},
       {"certificate_file", summary.certificate_file},
+      {"bound_certificate_file", summary.certified_upper ? summary.bound_certificate : std::string()},
   };
   return object.text() + "\n";
 }

@@ -52,13 +52,16 @@ struct FitSummary {
   std::optional<BestPossible> best;  ///< nothing where it is not asked for, or the search was interrupted
   double penetration_limit;
   double tolerance;
-  std::string units;                  ///< empty when not given
-  double search_seconds;              ///< wall time
-  double proof_seconds;               ///< wall time
-  std::string output;                 ///< the fitted model
-  std::string map;                    ///< empty when not asked for
-  std::string surface_map = {};       ///< likewise
-  std::string certificate_file = {};  ///< likewise
+  std::string units;                   ///< empty when not given
+  double search_seconds;               ///< wall time
+  double proof_seconds;                ///< wall time
+  std::string output;                  ///< the fitted model
+  std::string map;                     ///< empty when not asked for
+  std::string surface_map = {};        ///< likewise
+  std::string certificate_file = {};   ///< likewise
+  std::string bound_certificate = {};  ///< likewise
+  /// Of the bound, what that proves; nothing where it was not written.
+  std::optional<double> certified_upper = {};
 };
 
 /// The objective if every point of the cavity were served perfectly: the sum of the weights, rounded up.

@@ -10,6 +10,7 @@
 #include <verisq/certificate_file.hpp>
 
 #include "host/errors/refusal.hpp"
+#include "host/files/best_fit_answer.hpp"
 #include "host/files/certificate_size.hpp"
 #include "host/files/cover_digits.hpp"
 #include "host/files/deviation_answer.hpp"
@@ -255,6 +256,22 @@ OrderedJson json_of(const stance::EquilibriumPart& part) {
   return object;
 }
 
+void add_terms(OrderedJson& document, const StatedTerms& terms) {
+  document["criterion"] = {
+      {"target", terms.fitness.target}, {"scale", terms.fitness.scale}, {"serves", json_of(terms.fitness.serves)}};
+  document["penetration_limit"] = terms.penetration_limit;
+  document["areas"] = OrderedJson::array();
+  for (const Area& area : terms.areas) document["areas"].push_back({{"name", area.name}, {"weight", area.weight}});
+  document["area_runs"] = OrderedJson::array();
+  for (const auto& [area, points] : terms.area_runs) document["area_runs"].push_back({area, points});
+}
+
+void write_sized(const std::filesystem::path& path, const std::string& text) {
+  if (text.size() > largest_certificate)
+    refuse(fmt::format("{}: takes more than the {} bytes of a certificate file", path.string(), largest_certificate));
+  write_text(path, text);
+}
+
 }  // namespace
 
 void write_answer(const std::filesystem::path& path, const PairAnswer& answer) {
@@ -268,13 +285,7 @@ void write_answer(const std::filesystem::path& path, const FitAnswer& answer) {
   document["models"] = OrderedJson::array({json_of(answer.model)});
   document["mesh"] = json_of(answer.mesh);
   if (!answer.units.empty()) document["units"] = answer.units;
-  document["criterion"] = {
-      {"target", answer.fitness.target}, {"scale", answer.fitness.scale}, {"serves", json_of(answer.fitness.serves)}};
-  document["penetration_limit"] = answer.penetration_limit;
-  document["areas"] = OrderedJson::array();
-  for (const Area& area : answer.areas) document["areas"].push_back({{"name", area.name}, {"weight", area.weight}});
-  document["area_runs"] = OrderedJson::array();
-  for (const auto& [area, points] : answer.area_runs) document["area_runs"].push_back({area, points});
+  add_terms(document, answer.terms);
   document["claims"] = OrderedJson::array();
   for (const ClearanceClaim& claim : answer.claims) {
     OrderedJson object{{"what", claim.what}};
@@ -282,10 +293,24 @@ void write_answer(const std::filesystem::path& path, const FitAnswer& answer) {
     object.update(json_of(claim.value));
     document["claims"].push_back(std::move(object));
   }
-  const std::string text = text_of(document, -1) + "\n";
-  if (text.size() > largest_certificate)
-    refuse(fmt::format("{}: takes more than the {} bytes of a certificate file", path.string(), largest_certificate));
-  write_text(path, text);
+  write_sized(path, text_of(document, -1) + "\n");
+}
+
+void write_answer(const std::filesystem::path& path, const BestFitAnswer& answer) {
+  OrderedJson document{{"format", "verisq-certificate/1"}, {"kind", "best_fit"}};
+  document["models"] = OrderedJson::array();
+  for (const SubjectFile& model : answer.models) document["models"].push_back(json_of(model));
+  document["mesh"] = json_of(answer.mesh);
+  if (!answer.units.empty()) document["units"] = answer.units;
+  add_terms(document, answer.terms);
+  document["range"] = {{"start", json_of(answer.range.start)},
+                       {"translation", answer.range.translation},
+                       {"rotation_degrees", answer.range.rotation_degrees}};
+  document["centres"] = answer.centres;
+  document["upper"] = end_of_claim(answer.upper);
+  document["ranges"] = OrderedJson::array();
+  for (const std::vector<PoseDivision>& range : answer.certificate.ranges) document["ranges"].push_back(text_of(range));
+  write_sized(path, text_of(document, -1) + "\n");
 }
 
 void write_answer(const std::filesystem::path& path, const PoseAnswers& answers) {

@@ -97,6 +97,40 @@ double sum_of_weights(std::span<const WeightedPoint> points) {
   return sum;
 }
 
+/// How the range of one implant is halved: the two halves follow each other.
+class HalvingTree {
+ public:
+  /// The whole range is node 0. Returns the node of the lower half; that of the upper one is the next.
+  std::uint32_t halve(std::uint32_t node, std::uint8_t direction) {
+    const auto first = static_cast<std::uint32_t>(nodes_.size());
+    nodes_[node] = {first, static_cast<PoseDivision>(direction)};
+    nodes_.resize(nodes_.size() + 2);
+    return first;
+  }
+
+  [[nodiscard]] std::vector<PoseDivision> in_preorder() const {
+    std::vector<PoseDivision> divisions;
+    divisions.reserve(nodes_.size());
+    std::vector<std::uint32_t> open{0};
+    while (!open.empty()) {
+      const auto [first, division] = nodes_[open.back()];
+      open.pop_back();
+      divisions.push_back(division);
+      if (division == PoseDivision::none) continue;
+      open.push_back(first + 1);
+      open.push_back(first);
+    }
+    return divisions;
+  }
+
+ private:
+  struct Node {
+    std::uint32_t first_half = 0;
+    PoseDivision division = PoseDivision::none;
+  };
+  std::vector<Node> nodes_ = std::vector<Node>(1);
+};
+
 class BranchAndBound {
  public:
   /// `weight` is not less than the sum of the points' weights.
@@ -108,7 +142,8 @@ class BranchAndBound {
         trial_(points, options),
         weight_(weight),
         best_(options.known),
-        enough_(enough(options)) {}
+        enough_(enough(options)),
+        trees_(series.size()) {}
 
   FitBound run() {
     FitBound result{};
@@ -129,6 +164,7 @@ class BranchAndBound {
     result.boxes = boxes_;
     result.promising = promising_;
     if (!implants_.empty()) result.device = implants_.front()->device();
+    for (const HalvingTree& tree : trees_) result.divisions.push_back(tree.in_preorder());
     return result;
   }
 
@@ -166,7 +202,12 @@ class BranchAndBound {
     std::vector<RangeCell> children;
     while (!open_.empty() && children.size() < 2 * kBatch) {
       std::ranges::pop_heap(open_, worse);
-      for (const RangeCell& half : open_.back().halves()) children.push_back(half);
+      const RangeCell& cell = open_.back();
+      std::uint32_t node = trees_[cell.implant].halve(cell.node, cell.widest);
+      for (RangeCell half : cell.halves()) {
+        half.node = node++;
+        children.push_back(half);
+      }
       open_.pop_back();
     }
     std::vector<FitBoxResult> results(children.size());
@@ -220,7 +261,8 @@ class BranchAndBound {
   double closed_ = -infinity;  ///< the largest bound of a box that is not divided any more
   std::uint64_t boxes_ = 0;
   std::vector<std::unique_ptr<BoundedImplant>> implants_;
-  std::vector<RangeCell> open_;  ///< a heap
+  std::vector<RangeCell> open_;     ///< a heap
+  std::vector<HalvingTree> trees_;  ///< one an implant
   std::optional<PromisingPose> promising_;
 };
 

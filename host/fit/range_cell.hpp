@@ -16,6 +16,7 @@ struct RangeCell {
   std::array<std::uint8_t, 6> level{};
   std::uint8_t widest = 0;   ///< direction to be divided next
   std::uint8_t implant = 0;  ///< in the series
+  std::uint32_t node = 0;    ///< of the implant's tree of halvings
 
   [[nodiscard]] std::array<RangeCell, 2> halves() const {
     RangeCell low = *this;

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 #include <vector>
+#include <verisq/best_fit_certificate.hpp>
 #include <verisq/clearance_claim.hpp>
 #include <verisq/clearance_report.hpp>
 #include <verisq/deviation_certificate.hpp>
@@ -58,10 +59,24 @@ struct PoseAnswers {
 
 /// So many points, one after the other, are of an area.
 struct AreaRun {
-  std::uint32_t area;  ///< index of `FitAnswer::areas`
+  std::uint32_t area;  ///< index of `StatedTerms::areas`
   std::uint64_t points;
   [[nodiscard]] bool operator==(const AreaRun&) const = default;
 };
+
+/// As `ClearanceTerms`, of points in the order of the vertices.
+struct StatedTerms {
+  Fitness fitness;
+  double penetration_limit;
+  std::vector<Area> areas;
+  std::vector<AreaRun> area_runs;
+};
+
+/// How many vertices the runs are of.
+[[nodiscard]] std::uint64_t points_of(const StatedTerms& stated);
+[[nodiscard]] std::vector<AreaRun> runs_of(std::span<const std::uint32_t> area_of);
+/// Precondition: `points_of` as many as fit into memory.
+[[nodiscard]] ClearanceTerms terms_of(const StatedTerms& stated);
 
 /// The kind `fit`: what a fit claims of the distances of a bone's vertices to the fitted model. What proves them is the
 /// map with certificates of these vertices.
@@ -69,18 +84,24 @@ struct FitAnswer {
   SubjectFile model;  ///< the fitted one
   SubjectFile mesh;
   std::string units;  ///< free text; empty when not given
-  Fitness fitness;
-  double penetration_limit;
-  std::vector<Area> areas;
-  std::vector<AreaRun> area_runs;  ///< in the order of the vertices
+  StatedTerms terms;
   std::vector<ClearanceClaim> claims;
 };
 
-/// How many vertices the runs are of.
-[[nodiscard]] std::uint64_t points_of(const FitAnswer& answer);
-[[nodiscard]] std::vector<AreaRun> runs_of(std::span<const std::uint32_t> area_of);
-/// Precondition: `points_of` as many as fit into memory.
-[[nodiscard]] ClearanceTerms terms_of(const FitAnswer& answer);
+/// The kind `best_fit`: how good a fit of a bone's vertices can be at best.
+struct BestFitAnswer {
+  std::vector<SubjectFile> models;  ///< the implants, as they lie in their files
+  SubjectFile mesh;
+  std::string units;  ///< free text; empty when not given
+  StatedTerms terms;
+  PoseRange range;
+  std::vector<Point> centres;  ///< about which the range turns them, one an implant
+  double upper;                ///< the claim: that of `BestFitClaim`
+  BestFitCertificate certificate;
+};
+
+/// Precondition: as of `terms_of`.
+[[nodiscard]] BestFitClaim claim_of(const BestFitAnswer& answer);
 
 /// The kind `insertion`: the smallest signed distance of each of a bone's vertices to an implant along its way in.
 struct InsertionAnswer {
@@ -135,7 +156,7 @@ struct PathAnswer {
   PathCertificate certificate;
 };
 
-using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, InsertionAnswer, DeviationAnswer, FeaturesAnswer,
+using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, BestFitAnswer, InsertionAnswer, DeviationAnswer, FeaturesAnswer,
                             EquilibriumAnswer, PathAnswer>;
 
 /// Of any kind. Throws as `read_pair_answer`.
@@ -156,6 +177,7 @@ using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, InsertionAnswer,
 void write_answer(const std::filesystem::path& path, const PairAnswer& answer);
 void write_answer(const std::filesystem::path& path, const PoseAnswers& answers);
 void write_answer(const std::filesystem::path& path, const FitAnswer& answer);
+void write_answer(const std::filesystem::path& path, const BestFitAnswer& answer);
 void write_answer(const std::filesystem::path& path, const InsertionAnswer& answer);
 void write_answer(const std::filesystem::path& path, const DeviationAnswer& answer);
 void write_answer(const std::filesystem::path& path, const FeaturesAnswer& answer);

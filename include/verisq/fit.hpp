@@ -11,19 +11,11 @@
 #include <verisq/enclosure.hpp>
 #include <verisq/fitness.hpp>
 #include <verisq/model.hpp>
+#include <verisq/pose_range.hpp>
 #include <verisq/sides.hpp>
 #include <verisq/uncertain_model.hpp>
 
 namespace verisq {
-
-/// Poses that a fit may choose: from the start, the implant's centre (of the bounding box of its own frame) moves by at
-/// most `translation` along each axis, and the implant turns about that centre by a rotation vector of at most
-/// `rotation_degrees` along each axis.
-struct PoseRange {
-  Pose start{};
-  double translation;       ///< model units, >= 0
-  double rotation_degrees;  ///< in [0, 180]
-};
 
 /// What is asked of the pose of an implant: a number within a range.
 struct FitConstraint {

@@ -7,6 +7,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
+#include <verisq/best_fit_certificate.hpp>
 #include <verisq/cavity.hpp>
 #include <verisq/fit.hpp>
 #include <verisq/fitness.hpp>
@@ -49,6 +51,9 @@ struct FitBound {
   std::uint64_t boxes;                     ///< of poses, looked at
   std::optional<PromisingPose> promising;  ///< the best that was met and seems better than what is known
   std::string device;                      ///< that proved depths, or "host"
+  /// How each implant's range was halved, in preorder, as `BestFitCertificate` has it; of one that was not begun, not at
+  /// all.
+  std::vector<std::vector<PoseDivision>> divisions;
 };
 
 /// Branch and bound over the poses of every implant. The limit holds at the points alone: sides, triangles and

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <verisq/area_within.hpp>
+#include <verisq/best_fit_certificate.hpp>
 #include <verisq/bone_region.hpp>
 #include <verisq/cavity.hpp>
 #include <verisq/certificate.hpp>
 #include <verisq/certificate_file.hpp>
+#include <verisq/certified_best_fit.hpp>
 #include <verisq/certified_deviation.hpp>
 #include <verisq/certified_distance.hpp>
 #include <verisq/certified_equilibrium.hpp>
@@ -68,6 +70,7 @@
 #include <verisq/plane_cut.hpp>
 #include <verisq/point_file.hpp>
 #include <verisq/pose_file.hpp>
+#include <verisq/pose_range.hpp>
 #include <verisq/pose_uncertainty.hpp>
 #include <verisq/posed_model.hpp>
 #include <verisq/published_method.hpp>

@@ -17,6 +17,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <verisq/certified_best_fit.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance_claim.hpp>
 #include <verisq/error.hpp>
@@ -26,6 +27,7 @@
 #include <verisq/signed_distance.hpp>
 
 #include "python/module/arrays.hpp"
+#include "python/module/certified_bound.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
 #include "python/module/landmarks.hpp"
@@ -38,15 +40,9 @@
 namespace verisq::python {
 
 template <>
-inline constexpr std::size_t member_count<Area> = 2;
-template <>
 inline constexpr std::size_t member_count<AreaClearance> = 9;
 template <>
 inline constexpr std::size_t member_count<Clearance> = 7;
-template <>
-inline constexpr std::size_t member_count<Fitness> = 3;
-template <>
-inline constexpr std::size_t member_count<ClearanceTerms> = 4;
 template <>
 inline constexpr std::size_t member_count<Sides> = 2;
 template <>
@@ -58,7 +54,7 @@ inline constexpr std::size_t member_count<Fit> = 12;
 template <>
 inline constexpr std::size_t member_count<PromisingPose> = 3;
 template <>
-inline constexpr std::size_t member_count<FitBound> = 7;
+inline constexpr std::size_t member_count<FitBound> = 8;
 template <>
 inline constexpr std::size_t member_count<FitTrial> = 5;
 template <>
@@ -88,8 +84,9 @@ struct PythonFit {
   std::vector<SurfaceSide> required_sides;
   bool as_asked;
   ClearanceTerms terms;
+  std::optional<PythonCertifiedBound> certified_bound;
 
-  static constexpr std::size_t members = 7;
+  static constexpr std::size_t members = 8;
 };
 
 /// "implant", or "implants[k]" where there are several.
@@ -199,6 +196,7 @@ struct FoundFit {
   std::vector<MapResult> rows;
   std::vector<Certificate> certificates;  ///< none, or one a row
   double tolerance;
+  std::optional<CertifiedBestFit> best;  ///< nothing without certificates or a bound
 };
 
 /// Searches and proves, without Python's lock.
@@ -214,8 +212,12 @@ class FitRun {
         certificates_(certificates) {}
 
   FoundFit operator()() {
-    FoundFit found{
-        .solution = solve_fit(problem_, options()), .proof = {}, .rows = {}, .certificates = {}, .tolerance = 0.0};
+    FoundFit found{.solution = solve_fit(problem_, options()),
+                   .proof = {},
+                   .rows = {},
+                   .certificates = {},
+                   .tolerance = 0.0,
+                   .best = {}};
     const Model& fitted = found.solution.fit.model;
     found.tolerance = tolerance_or_default(tolerance_, bounding_radius(fitted));
     const auto sink = [&](std::span<const Point>, std::span<const MapResult> rows,
@@ -229,11 +231,20 @@ class FitRun {
                              .certificates = certificates_,
                              .interrupted = interrupted_},
                             sink);
+    if (certificates_ && found.solution.bound) found.best = certified_bound(*found.solution.bound);
     return found;
   }
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  [[nodiscard]] std::optional<CertifiedBestFit> certified_bound(const FitBound& bound) const {
+    CheckOptions check;
+    check.interrupted = interrupted_;
+    const FitOptions& options = problem_.options;
+    return certified_best_fit(problem_.series, problem_.cavity,
+                              {options.fitness, options.penetration_limit, options.range}, bound, check);
+  }
 
   /// The time of the bound begins when a first pose is found.
   FitSolutionOptions options() {
@@ -270,6 +281,8 @@ PythonFit solved(FitRequest request, const std::optional<double>& bound, double 
   std::vector<SurfaceSide> sides;
   if (!problem.options.sides.empty()) sides = problem.options.sides[fit.implant];
   PythonModel model(fit.model, posed(problem.implant_landmarks[fit.implant], fit.pose));
+  std::optional<PythonCertifiedBound> certified_bound;
+  if (found.best) certified_bound = {std::move(found.best->claim), std::move(found.best->certificate)};
   PythonMap map = map_of_rows(found.rows, found.proof.clearance.map, found.tolerance);
   if (certificates) map.certificates = std::make_shared<CertificateList>(std::move(found.certificates));
   return {std::move(model),
@@ -278,7 +291,8 @@ PythonFit solved(FitRequest request, const std::optional<double>& bound, double 
           std::move(map),
           std::move(sides),
           as_asked,
-          {problem.options.fitness, problem.options.penetration_limit, problem.cavity.areas, problem.cavity.area_of}};
+          {problem.options.fitness, problem.options.penetration_limit, problem.cavity.areas, problem.cavity.area_of},
+          std::move(certified_bound)};
 }
 
 /// Every distance by its certificate, and then what they say together.
@@ -517,6 +531,8 @@ void declare_class_of_fits(py::module_& module) {
           "A list of FitTrial: what else was found.")
       .def_property_readonly(
           "bound", [](const PythonFit& self) { return self.solution.bound; }, "FitBound, or None.")
+      .def_readonly("certified_bound", &PythonFit::certified_bound,
+                    "CertifiedBound: the same with what proves it again; None without certificates=True or a bound.")
       .def_property_readonly(
           "gap", [](const PythonFit& self) { return self.proof.gap; },
           "What the objective is below the bound at most, as a share of it, proven; None where that is not known.")
@@ -525,7 +541,9 @@ void declare_class_of_fits(py::module_& module) {
       .def("is_proved", is_proved, py::arg("mesh"),
            "is_proved(mesh) -> bool\n\nProves again, by MPFR alone, the distance of every vertex from its certificate, "
            "and from\nthese objective, smallest_distance, deepest_penetration, how many vertices keep the limit and "
-           "the\nnumbers of all areas. Sides, contact, changes, surface and bound have no certificates. Raises\n"
+           "the\nnumbers of all areas; of the bound certified_bound. Sides, contact, changes and surface have no "
+           "certificates. "
+           "Raises\n"
            "ValueError without certificates, and for a mesh of other vertices than the fit's.")
       .def("__repr__", representation)
       .def(pickled<PythonFit>());
@@ -534,6 +552,7 @@ void declare_class_of_fits(py::module_& module) {
 }  // namespace
 
 void declare_fits(py::module_& module) {
+  declare_class_of_certified_bounds(module);
   declare_areas(module);
   declare_conditions(module);
   declare_class_of_fits(module);
@@ -577,7 +596,8 @@ void declare_fits(py::module_& module) {
       "bound, bound_time: asks for a proof that no pose is better by more than so many percent; seconds for it.\n"
       "seed, samples: the same seed on the same device gives the same pose; poses sampled first.\n"
       "tolerance: of the map, default 1e-6 of the fitted model's bounding_radius.\n"
-      "certificates: keep what proves the map's rows again, for Fit.is_proved and Checker; not with a resection.\n\n"
+      "certificates: keep what proves the map's rows again, for Fit.is_proved and Checker, and the bound; not with a\n"
+      "    resection.\n\n"
       "Ctrl-C ends it: KeyboardInterrupt. Raises ValueError for numbers and words out of range, Error as `verisq fit`\n"
       "does, by its options' names.");
 }

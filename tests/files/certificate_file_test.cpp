@@ -120,14 +120,28 @@ TEST(CertificateFile, GivesTheSameBitsAgain) {
   expect_same_rest(read.certificate, written.certificate);
 }
 
+StatedTerms stated_terms() {
+  return {.fitness = {2.0, 1.0 / 3.0, {1.0, infinity}},
+          .penetration_limit = 0.1,
+          .areas = {{"proximal", 3.0}, {"elsewhere", 0.0}},
+          .area_runs = {{1, 4}, {0, 2}, {1, 1}}};
+}
+
+void expect_stated_terms(const StatedTerms& read) {
+  const StatedTerms written = stated_terms();
+  EXPECT_EQ(read.fitness.target, 2.0);
+  EXPECT_EQ(read.fitness.scale, 1.0 / 3.0);
+  EXPECT_EQ(read.fitness.serves, written.fitness.serves);
+  EXPECT_EQ(read.penetration_limit, 0.1);
+  EXPECT_EQ(read.areas, written.areas);
+  EXPECT_EQ(read.area_runs, written.area_runs);
+}
+
 FitAnswer fit_answer() {
   return {.model = {"fitted.json", sha256("fitted")},
           .mesh = {"bone.off", sha256("bone")},
           .units = "mm",
-          .fitness = {2.0, 1.0 / 3.0, {1.0, infinity}},
-          .penetration_limit = 0.1,
-          .areas = {{"proximal", 3.0}, {"elsewhere", 0.0}},
-          .area_runs = {{1, 4}, {0, 2}, {1, 1}},
+          .terms = stated_terms(),
           .claims = {{"objective", "", {-infinity, 0.7}}, {"mean_distance", "proximal", {0.1, 0.2}}}};
 }
 
@@ -139,20 +153,15 @@ TEST(CertificateFile, GivesTheSameBitsOfAFitAgain) {
   EXPECT_EQ(read.model.sha256, written.model.sha256);
   EXPECT_EQ(read.mesh.name, "bone.off");
   EXPECT_EQ(read.units, "mm");
-  EXPECT_EQ(read.fitness.target, 2.0);
-  EXPECT_EQ(read.fitness.scale, 1.0 / 3.0);
-  EXPECT_EQ(read.fitness.serves, written.fitness.serves);
-  EXPECT_EQ(read.penetration_limit, 0.1);
-  EXPECT_EQ(read.areas, written.areas);
-  EXPECT_EQ(read.area_runs, written.area_runs);
+  expect_stated_terms(read.terms);
   ASSERT_EQ(read.claims.size(), 2U);
   EXPECT_EQ(read.claims[0].value, written.claims[0].value);
   EXPECT_EQ(read.claims[1].what, "mean_distance");
   EXPECT_EQ(read.claims[1].area, "proximal");
-  EXPECT_EQ(points_of(read), 7U);
-  const ClearanceTerms terms = terms_of(read);
+  EXPECT_EQ(points_of(read.terms), 7U);
+  const ClearanceTerms terms = terms_of(read.terms);
   EXPECT_THAT(terms.area_of, ::testing::ElementsAre(1, 1, 1, 1, 0, 0, 1));
-  EXPECT_EQ(runs_of(terms.area_of), written.area_runs);
+  EXPECT_EQ(runs_of(terms.area_of), written.terms.area_runs);
 }
 
 TEST(CertificateFile, RefusesWhatIsNoFit) {
@@ -183,6 +192,64 @@ TEST(CertificateFile, RefusesWhatIsNoFit) {
   refused("/claims/1", {{"what", "objective"}, {"lo", 0.0}, {"hi", 1.0}}, "is claimed before");
   refused("/claims/0/lo", "nothing", "claims[0].lo");
   refused("/surface", 1, "surface");
+}
+
+BestFitAnswer best_fit_answer() {
+  using enum PoseDivision;
+  return {.models = {{"first.json", sha256("first")}, {"second.json", sha256("second")}},
+          .mesh = {"bone.off", sha256("bone")},
+          .units = "mm",
+          .terms = stated_terms(),
+          .range = {{{0.1, 1.0 / 3.0, -2.0}, {0.9, 0.1, 0.0, 0.0}}, 15.0, 30.0},
+          .centres = {{1.0, 2.0, 3.0}, {-1.0, 0.1, 0.0}},
+          .upper = 12.3,
+          .certificate = {{{along_x, about_z, none, none, none}, {none}}}};
+}
+
+TEST(CertificateFile, GivesTheSameBitsOfABestFitAgain) {
+  const TemporaryFolder folder;
+  BestFitAnswer written = best_fit_answer();
+  write_answer(folder / "proof.json", written);
+  const auto read = std::get<BestFitAnswer>(read_answer(folder / "proof.json"));
+  ASSERT_EQ(read.models.size(), 2U);
+  EXPECT_EQ(read.models[1].sha256, written.models[1].sha256);
+  EXPECT_EQ(read.mesh.sha256, written.mesh.sha256);
+  EXPECT_EQ(read.units, "mm");
+  expect_stated_terms(read.terms);
+  EXPECT_EQ(read.range.start.translation, written.range.start.translation);
+  EXPECT_EQ(read.range.start.quaternion, written.range.start.quaternion);
+  EXPECT_EQ(read.range.translation, 15.0);
+  EXPECT_EQ(read.range.rotation_degrees, 30.0);
+  EXPECT_EQ(read.centres, written.centres);
+  EXPECT_EQ(read.upper, 12.3);
+  EXPECT_EQ(read.certificate.ranges, written.certificate.ranges);
+  EXPECT_THAT(claim_of(read).terms.area_of, ::testing::ElementsAre(1, 1, 1, 1, 0, 0, 1));
+  written.upper = -infinity;
+  write_answer(folder / "none.json", written);
+  EXPECT_EQ(std::get<BestFitAnswer>(read_answer(folder / "none.json")).upper, -infinity);
+}
+
+TEST(CertificateFile, RefusesWhatIsNoBestFit) {
+  const TemporaryFolder folder;
+  write_answer(folder / "proof.json", best_fit_answer());
+  std::ifstream in(folder / "proof.json");
+  const nlohmann::json valid = nlohmann::json::parse(in);
+  const auto refused = [&](const std::string& pointer, const nlohmann::json& value, const std::string& message) {
+    nlohmann::json document = valid;
+    document[nlohmann::json::json_pointer(pointer)] = value;
+    EXPECT_THAT([&] { (void)parse_answer(document.dump(), "p"); }, ThrowsMessage<Error>(HasSubstr(message)));
+  };
+  refused("/models", nlohmann::json::array(), "must not be empty");
+  refused("/centres", nlohmann::json::array(), "must be 2, one a model");
+  refused("/centres/0", {1.0, 2.0}, "must be an array of 3 numbers");
+  refused("/ranges", nlohmann::json::array({"."}), "must be 2, one a model");
+  refused("/ranges/0", "x.t", "must consist of the letters x, y, z, u, v, w and .");
+  refused("/range/translation", -1.0, "must be at least 0");
+  refused("/range/rotation_degrees", 180.5, "must be at most 180");
+  refused("/range/start/quaternion", {0, 0, 0, 0}, "must not be zero");
+  refused("/upper", "nothing", "upper");
+  refused("/criterion/scale", 0.0, "must be above 0");
+  refused("/claims", nlohmann::json::array(), "claims");
 }
 
 /// A valid file in which what stands at `pointer` is another value.
@@ -263,7 +330,7 @@ TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
     expect_input_error([&] { (void)parse_answer(other.dump(), "proof.json"); }, "proof.json", ": " + message);
   };
   refused("/kind", "recovery",
-          "kind = \"recovery\": must be \"pair\", \"poses\", \"path\", \"fit\", \"insertion\", \"deviation\", "
+          "kind = \"recovery\": must be \"pair\", \"poses\", \"path\", \"fit\", \"best_fit\", \"insertion\", \"deviation\", "
           "\"features\" or \"equilibrium\"");
   refused("/kind", "pair", "answers = [...]: unknown key");
   refused("/answers", nlohmann::json::array(), "answers = []: must not be empty");

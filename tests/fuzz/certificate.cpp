@@ -77,14 +77,27 @@ void check_answer(const PoseAnswers& answers) {
   for (const PosedAnswer& answer : answers.answers) check_claim(answer);
 }
 
+void check_terms(const StatedTerms& terms) {
+  check(terms.fitness.scale > 0.0 && terms.penetration_limit >= 0.0, "a criterion is one");
+  for (const AreaRun& run : terms.area_runs) check(run.area < terms.areas.size(), "an area is there");
+  check(points_of(terms) <= std::uint64_t{1} << 32U, "as many points as a mesh may have");
+}
+
+void check_answer(const BestFitAnswer& answer) {
+  check_terms(answer.terms);
+  check(!answer.models.empty() && answer.centres.size() == answer.models.size(), "each implant has a centre");
+  check(answer.certificate.ranges.size() == answer.models.size(), "each implant's range is divided");
+  check_pose(answer.range.start);
+  check(answer.range.translation >= 0.0 && answer.range.rotation_degrees <= 180.0, "a range is one");
+  check(!std::isnan(answer.upper), "a claim is a number");
+}
+
 void check_answer(const FitAnswer& answer) {
   check(!answer.claims.empty(), "something is claimed");
-  check(answer.fitness.scale > 0.0 && answer.penetration_limit >= 0.0, "a criterion is one");
+  check_terms(answer.terms);
   for (const ClearanceClaim& claim : answer.claims) {
     check(!std::isnan(claim.value.lo) && !std::isnan(claim.value.hi), "a claim has two ends");
   }
-  for (const AreaRun& run : answer.area_runs) check(run.area < answer.areas.size(), "an area is there");
-  check(points_of(answer) <= std::uint64_t{1} << 32U, "as many points as a mesh may have");
 }
 
 void check_answer(const InsertionAnswer& answer) {
@@ -163,6 +176,12 @@ std::vector<SubjectFile> subjects_of(const FeaturesAnswer& answer) {
 
 std::vector<SubjectFile> subjects_of(const FitAnswer& answer) {
   return {answer.model, answer.mesh};
+}
+
+std::vector<SubjectFile> subjects_of(const BestFitAnswer& answer) {
+  std::vector<SubjectFile> subjects = answer.models;
+  subjects.push_back(answer.mesh);
+  return subjects;
 }
 
 std::vector<SubjectFile> subjects_of(const InsertionAnswer& answer) {

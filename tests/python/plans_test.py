@@ -86,7 +86,8 @@ class Fits(Files):
         said = printed("fit", "--implant", self.implant_file, "--instrument", rasp, "--mesh", self.cavity_file,
                        "--cavity", *self.OPTIONS, "-o", self.file("fitted.json"))
         found = verisq.fit(self.implant, self.cavity, surface="cavity", **self.ARGUMENTS)
-        cut = verisq.mesh_clearance(verisq.Model.load(rasp).posed(found.pose), self.cavity, device="host")
+        # Coarse, because the host takes long to decide what lies hardly inside.
+        cut = verisq.mesh_clearance(verisq.Model.load(rasp).posed(found.pose), self.cavity, device="host", tolerance=0.1)
         lo, hi = ends(said["instrument"]["surface"]["smallest_distance"])
         self.assertLess(cut.smallest_distance.hi, 0)
         # Of tolerances of their own, but of one truth.
@@ -106,6 +107,21 @@ class Fits(Files):
         alone = verisq.fit(self.implant, self.cavity, surface="any", on="vertices", **self.ARGUMENTS)
         with self.assertRaisesRegex(ValueError, "certificates=True"):
             alone.is_proved(self.cavity)
+
+    def test_certificates_prove_the_bound(self):
+        found = verisq.fit(self.implant, self.cavity, surface="any", on="vertices", bound=30.0, certificates=True,
+                           **self.ARGUMENTS)
+        bound = found.certified_bound
+        self.assertGreaterEqual(bound.upper, found.objective.lo)
+        self.assertGreaterEqual(bound.boxes, 1)
+        self.assertTrue(bound.is_proved(self.implant, self.cavity))
+        self.assertTrue(pickle.loads(pickle.dumps(bound)).is_proved([self.implant], self.cavity))
+        twice = verisq.Mesh(self.cavity.vertices * 0.5, self.cavity.triangles)
+        self.assertEqual(bound.is_proved(self.implant, twice), bound.upper >= len(self.cavity.vertices))
+        with self.assertRaisesRegex(verisq.Error, "centres: 1 of 2 implants"):
+            bound.is_proved([self.implant, self.implant], self.cavity)
+        self.assertIsNone(verisq.fit(self.implant, self.cavity, surface="any", on="vertices", certificates=True,
+                                     **self.ARGUMENTS).certified_bound)
 
     def test_labels_bounds_and_features(self):
         labels = np.where(self.cavity.vertices[:, 0] > 0, 7, -1)

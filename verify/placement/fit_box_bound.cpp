@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "verify/placement/box_program.hpp"
+#include "verify/proposals/box_program.hpp"
 #include "verify/placement/fitness_line.hpp"
 #include "verisq/enclosure.hpp"
 

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "verify/proposals/box_program.hpp"
+
 namespace verisq::verify {
 
 /// The poses x -> exp(ω) R0 (x - c) + t + τ of an implant: R0 a rotation, c its centre, t where the start puts that.
@@ -11,8 +13,6 @@ struct PoseSpace {
   Eigen::Vector3d centre;          ///< c
   Eigen::Vector3d start_centre;    ///< t
 };
-
-using PoseParameters = Eigen::Matrix<double, 6, 1>;  ///< τ, then ω
 
 /// All parameters that differ from the centre's by no more than `half`, each.
 struct PoseBox {

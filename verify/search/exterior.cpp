@@ -10,7 +10,7 @@
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/proposals/triangle.hpp"
 #include "verify/search/contact.hpp"
-#include "verify/search/gjk.hpp"
+#include "verify/proposals/gjk.hpp"
 
 namespace verisq::verify {
 

@@ -11,7 +11,7 @@
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/common_point.hpp"
 #include "verify/search/contact.hpp"
-#include "verify/search/gjk.hpp"
+#include "verify/proposals/gjk.hpp"
 #include "verify/search/pair_midpoint.hpp"
 
 namespace verisq::verify {

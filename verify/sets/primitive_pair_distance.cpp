@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "verify/search/gjk.hpp"
+#include "verify/proposals/gjk.hpp"
 #include "verify/sets/in_binary64.hpp"
 #include "verisq/enclosure.hpp"
 

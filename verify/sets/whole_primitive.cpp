@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "verify/search/gjk.hpp"
+#include "verify/proposals/gjk.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -1,5 +1,5 @@
 /// GJK and the support mappings: against proven bounds, other solvers, the oracle, and in every known mode of failure.
-#include "verify/search/gjk.hpp"
+#include "verify/proposals/gjk.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "verify/placement/pose_box.hpp"
-
 namespace verisq::verify {
+
+using PoseParameters = Eigen::Matrix<double, 6, 1>;  ///< a translation, then a rotation vector
 
 /// constant + slope·δ >= 0
 struct LinearConstraint {

@@ -1,5 +1,5 @@
 /// Linear programs over boxes: multipliers prove bounds that samples keep, and that are met.
-#include "verify/placement/box_program.hpp"
+#include "verify/proposals/box_program.hpp"
 
 #include <gtest/gtest.h>
 

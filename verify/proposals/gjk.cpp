@@ -1,5 +1,5 @@
 /// The closest point of a simplex to the origin, by signed areas and volumes with faces in reserve.
-#include "verify/search/gjk.hpp"
+#include "verify/proposals/gjk.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,5 +1,5 @@
 /// The simplex method on the dual program: six rows, the multipliers and two slacks a direction.
-#include "verify/placement/box_program.hpp"
+#include "verify/proposals/box_program.hpp"
 
 #include <array>
 #include <cmath>
