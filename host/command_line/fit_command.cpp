@@ -428,6 +428,7 @@ ExitStatus run_fit(const FitArguments& arguments) {
   const double search_seconds = search_time.seconds() - solution.bound_seconds;
 
   const double tolerance = tolerance_of(arguments, found.model);
+  const std::optional<double> certified_upper = write_bound_certificate(problem, solution, arguments);
   const Stopwatch proof_time;
   const MappedProof mapped = prove(problem, solution,
                                    {.tolerance = tolerance,
@@ -438,7 +439,6 @@ ExitStatus run_fit(const FitArguments& arguments) {
   const FitProof& proof = mapped.proof;
   std::optional<InstrumentClearance> instrument;
   if (!instruments.empty()) instrument = prove_instrument(problem, found, instruments[found.implant]);
-  const std::optional<double> certified_upper = write_bound_certificate(problem, solution, arguments);
   const FitSummary summary{.fit = found,
                            .clearance = proof.clearance,
                            .surface = proof.surface,

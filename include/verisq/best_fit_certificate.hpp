@@ -37,8 +37,14 @@ struct BestFitCertificate {
 struct ProvenBestFit {
   double upper;              ///< proven: the objective of no pose that keeps the limit is larger; -infinity: none does
   std::uint64_t boxes = 0;   ///< that are not halved
-  std::uint64_t open = 0;    ///< of these: more than the claim is possible by their bounds
+  std::uint64_t open = 0;    ///< of these: more than the claim is possible by what is proven of them
   bool interrupted = false;  ///< then only the weights say something
+};
+
+/// A certificate, and what it proves.
+struct RefinedBestFit {
+  BestFitCertificate certificate;
+  double upper;
 };
 
 /// By interval arithmetic alone. Immutable after construction: safe to call from many threads.
@@ -53,13 +59,13 @@ class BestFitChecker {
   BestFitChecker& operator=(BestFitChecker&&) noexcept;
 
   /// What the certificate proves, whatever it holds: of an implant whose divisions make no sense the sum of the
-  /// weights.
+  /// weights. Where few of its boxes are bounded by more than the claim, these are halved further.
   [[nodiscard]] ProvenBestFit operator()(const BestFitCertificate& certificate, const CheckOptions& options) const;
 
-  /// The same where boxes whose bound is above `enough` are halved further, by no more than `further` levels, so that
-  /// the certificate proves it; once interrupted it is left as it is.
-  [[nodiscard]] BestFitCertificate refined(const BestFitCertificate& certificate, double enough, std::size_t further,
-                                           const CheckOptions& options) const;
+  /// The same where boxes whose bound is above `enough` are halved further, by no more than `further` levels. Once
+  /// interrupted it says no more than the weights do.
+  [[nodiscard]] RefinedBestFit refined(const BestFitCertificate& certificate, double enough, std::size_t further,
+                                       const CheckOptions& options) const;
 
  private:
   struct State;

@@ -21,6 +21,13 @@ using verify::PoseCell;
 
 namespace {
 
+/// Of boxes whose bound is above the claim, because whoever divided them found other balls or half-spaces than we do:
+/// so few are halved further, by so many levels.
+constexpr std::size_t levels_of_few = 6;
+constexpr std::size_t few_of(std::size_t boxes) {
+  return 16 + boxes / 64;
+}
+
 void require(bool holds, const std::string& message) {
   if (!holds) throw Error(ErrorKind::input, message);
 }
@@ -109,22 +116,30 @@ class Refinement {
              const std::function<bool()>& interrupted)
       : bound_(bound), enough_(enough), interrupted_(interrupted) {}
 
-  std::vector<PoseDivision> operator()(const PoseCell& cell, std::size_t further) {
+  struct Part {
+    std::vector<PoseDivision> divisions;
+    double upper = infinity;
+  };
+
+  Part operator()(const PoseCell& cell, std::size_t further) {
     divide(cell, further);
-    return std::move(divisions_);
+    return std::move(part_);
   }
 
  private:
   void divide(const PoseCell& cell, std::size_t further) {  // NOLINT(misc-no-recursion): by at most `further` levels
-    const std::optional<std::size_t> direction = further > 0 && !interrupted_() ? widest(cell) : std::nullopt;
-    divisions_.push_back(direction ? static_cast<PoseDivision>(*direction) : PoseDivision::none);
-    if (!direction) return;
+    const BoxBound found = interrupted_() ? BoxBound{infinity, {}} : bound_(cell);
+    const std::optional<std::size_t> direction = further > 0 ? widest(cell, found) : std::nullopt;
+    part_.divisions.push_back(direction ? static_cast<PoseDivision>(*direction) : PoseDivision::none);
+    if (!direction) {
+      part_.upper = std::max(part_.upper, found.upper);
+      return;
+    }
     for (const PoseCell& half : cell.halves(*direction)) divide(half, further - 1);
   }
 
   /// Nothing where the cell needs no halving, or has none.
-  [[nodiscard]] std::optional<std::size_t> widest(const PoseCell& cell) const {
-    const BoxBound found = bound_(cell);
+  [[nodiscard]] std::optional<std::size_t> widest(const PoseCell& cell, const BoxBound& found) const {
     if (found.upper <= enough_) return std::nullopt;
     const auto direction = static_cast<std::size_t>(std::ranges::max_element(found.spread) - found.spread.begin());
     if (!(found.spread[direction] > 0.0) || !cell.can_be_halved(direction)) return std::nullopt;
@@ -134,8 +149,24 @@ class Refinement {
   const std::function<BoxBound(const PoseCell&)>& bound_;
   double enough_;
   const std::function<bool()>& interrupted_;
-  std::vector<PoseDivision> divisions_;
+  Part part_{.divisions = {}, .upper = -infinity};
 };
+
+/// The divisions with each part that is not halved replaced by its refinement.
+std::vector<PoseDivision> joined(std::span<const PoseDivision> divisions,
+                                 std::span<const Refinement::Part> refinements) {
+  std::vector<PoseDivision> all;
+  std::size_t next = 0;
+  for (const PoseDivision division : divisions) {
+    if (division != PoseDivision::none) {
+      all.push_back(division);
+    } else {
+      const std::vector<PoseDivision>& part = refinements[next++].divisions;
+      all.insert(all.end(), part.begin(), part.end());
+    }
+  }
+  return all;
+}
 
 }  // namespace
 
@@ -158,6 +189,14 @@ struct BestFitChecker::State {
     } catch (const std::domain_error&) {
       return {all_weights(), {}};
     }
+  }
+
+  [[nodiscard]] Refinement::Part refined(std::size_t implant, const PoseCell& cell, double enough, std::size_t further,
+                                         const CheckOptions& options) const {
+    const std::function<BoxBound(const PoseCell&)> bound = [this, implant](const PoseCell& part) {
+      return this->bound(implant, part);
+    };
+    return Refinement(bound, enough, options.interrupted)(cell, further);
   }
 
   verify::BoundedObjective objective;
@@ -192,42 +231,40 @@ ProvenBestFit BestFitChecker::operator()(const BestFitCertificate& certificate, 
   std::vector<double> uppers(boxes.size());
   verify::CheckSteps steps(boxes.size(), options);
   steps.each(boxes.size(), [&](std::size_t i) { uppers[i] = state_->bound(boxes[i].implant, boxes[i].cell).upper; });
-  result.interrupted = options.interrupted();
-  if (result.interrupted) return {.upper = state_->all_weights(), .interrupted = true};
-  result.boxes = boxes.size();
-  for (const double upper : uppers) {
-    result.upper = std::max(result.upper, upper);
-    if (upper > state_->claimed) ++result.open;
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (uppers[i] > state_->claimed) open.push_back(i);
   }
+  if (open.size() <= few_of(boxes.size())) {
+    verify::CheckSteps further(open.size(), options);
+    further.each(open.size(), [&](std::size_t k) {
+      const auto& [implant, cell] = boxes[open[k]];
+      uppers[open[k]] = state_->refined(implant, cell, state_->claimed, levels_of_few, options).upper;
+    });
+  }
+  if (options.interrupted()) return {.upper = state_->all_weights(), .interrupted = true};
+  for (const double upper : uppers) result.upper = std::max(result.upper, upper);
+  result.boxes = boxes.size();
+  result.open = static_cast<std::uint64_t>(
+      std::ranges::count_if(uppers, [this](double upper) { return upper > state_->claimed; }));
   return result;
 }
 
-BestFitCertificate BestFitChecker::refined(const BestFitCertificate& certificate, double enough, std::size_t further,
-                                           const CheckOptions& options) const {
-  BestFitCertificate result;
+RefinedBestFit BestFitChecker::refined(const BestFitCertificate& certificate, double enough, std::size_t further,
+                                       const CheckOptions& options) const {
+  const std::vector<PoseDivision> whole{PoseDivision::none};
+  RefinedBestFit result{.certificate = {}, .upper = -infinity};
   for (std::size_t i = 0; i < state_->bounds.size(); ++i) {
-    const std::vector<PoseDivision> whole{PoseDivision::none};
-    auto cells = undivided(certificate.ranges.at(i));
-    const std::vector<PoseDivision>& divisions = cells ? certificate.ranges[i] : whole;
-    if (!cells) cells = undivided(whole);
-    std::vector<std::vector<PoseDivision>> parts(cells->size(), {PoseDivision::none});
-    const std::function<BoxBound(const PoseCell&)> bound = [this, i](const PoseCell& cell) {
-      return state_->bound(i, cell);
-    };
-    verify::CheckSteps steps(cells->size(), options);
-    steps.each(cells->size(),
-               [&](std::size_t k) { parts[k] = Refinement(bound, enough, options.interrupted)((*cells)[k], further); });
-    std::vector<PoseDivision>& all = result.ranges.emplace_back();
-    std::size_t next = 0;
-    for (const PoseDivision division : divisions) {
-      if (division != PoseDivision::none) {
-        all.push_back(division);
-      } else {
-        all.insert(all.end(), parts[next].begin(), parts[next].end());
-        ++next;
-      }
-    }
+    const bool is_divided = i < certificate.ranges.size() && undivided(certificate.ranges[i]).has_value();
+    const std::vector<PoseDivision>& divisions = is_divided ? certificate.ranges[i] : whole;
+    const std::vector<PoseCell> cells = *undivided(divisions);
+    std::vector<Refinement::Part> parts(cells.size());
+    verify::CheckSteps steps(cells.size(), options);
+    steps.each(cells.size(), [&](std::size_t k) { parts[k] = state_->refined(i, cells[k], enough, further, options); });
+    result.certificate.ranges.push_back(joined(divisions, parts));
+    for (const Refinement::Part& part : parts) result.upper = std::max(result.upper, part.upper);
   }
+  result.upper = std::min(result.upper, state_->all_weights());
   return result;
 }
 

@@ -19,6 +19,8 @@ constexpr std::ptrdiff_t most_constraints = 32;
 /// far off: what they cost is of the square of that.
 constexpr double ball_by_reach = 0.5;
 constexpr double ball_by_distance = 0.2;
+/// What a point's range of fitness may be wide to be taken as constant, which costs a fraction: those far away.
+constexpr double hardly_changes = 1e-4;
 /// By which share of what moves the points, in parts of their steepest fitness, directions are compared where ranges of
 /// fitness say something already: next to nothing.
 constexpr double share_of_movement = 1e-6;
@@ -214,6 +216,16 @@ class ObjectiveBound::Sum {
     constant_ += value;
   }
 
+  /// What no point of the ball is nearer than in any pose of the box.
+  static double lowest_by_reach(const WeightedBall& ball, std::span<const ContainingHalfSpace> half_spaces,
+                                const BoxOfPoses::Arm& arm) {
+    double lowest = infinity;
+    for (const ContainingHalfSpace& half_space : half_spaces) {
+      lowest = std::min(lowest, (distance(arm, half_space) - Interval(arm.reach) - Interval(ball.radius)).lower());
+    }
+    return lowest;
+  }
+
   // With n the normal of the first half-space, the distance of the points of the ball from it is L(δ) = middle +
   // slope·δ or more, but for what they are off the ball's centre: n·R^T (v - centre), no more than the radius each, and
   // all together, weighted, no more than the moment. A line above the fitness is positive over the range, so that the
@@ -221,6 +233,8 @@ class ObjectiveBound::Sum {
   void add_line(const WeightedBall& ball, std::span<const ContainingHalfSpace> half_spaces, std::size_t first,
                 double at_centre) {
     const BoxOfPoses::Arm arm = box_.arm(ball.centre);
+    const double by_reach = falling_fitness_up(objective_.fitness, lowest_by_reach(ball, half_spaces, arm));
+    if (by_reach - at_centre < hardly_changes) return add_constant(Interval(ball.weight) * Interval(by_reach));
     const Interval distance = Sum::distance(arm, half_spaces[first]);
     const PoseSlope slope = this->slope(arm, half_spaces[first]);
     const Interval radius(ball.radius);
