@@ -4,7 +4,6 @@
 
 #include <gmock/gmock.h>
 
-#include <cstdlib>
 #include <random>
 
 #include "host/fit/candidate_space.hpp"
@@ -12,6 +11,7 @@
 #include "host/mesh/eigen_points.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
+#include "tests/fixtures/requested_count.hpp"
 #include "verify/best_fit/line_above.hpp"
 #include "verify/best_fit/objective_bound.hpp"
 #include "verisq/certified_best_fit.hpp"
@@ -342,12 +342,6 @@ TEST(BestFitChecker, RefusesWhatIsNoClaim) {
   refused([](BestFitClaim& c) { c.centres.clear(); }, "centres: 0 of 1 implants");
 }
 
-/// How many of each kind and implant, by VERISQ_FORGED_BOUNDS.
-int forgeries() {
-  const char* const asked = std::getenv("VERISQ_FORGED_BOUNDS");
-  return asked != nullptr ? std::atoi(asked) : 3;
-}
-
 /// False claims with the evidence of true ones, cut, changed, or made up. All of them are below F of a pose that the
 /// range holds and that keeps the limit, found by another evaluation.
 class ForgedBounds : public ::testing::TestWithParam<double> {};
@@ -386,7 +380,7 @@ TEST_P(ForgedBounds, AreNotProvedByForgery) {
     }
     return certificate;
   };
-  for (int i = 0; i < forgeries(); ++i) {
+  for (std::size_t i = 0; i < oracle::requested_count("VERISQ_FORGED_BOUNDS", 3); ++i) {
     // Below what is reached.
     BestFitClaim low = bound.claim();
     low.upper = bound.best() * (1.0 - std::pow(10.0, -9.0 * share())) - 1e-9;

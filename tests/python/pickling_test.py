@@ -46,7 +46,7 @@ def small_fit():
     return verisq.fit(ball(4.0, landmarks={"head_centre": [0, 0, 1]}), inward, surface="cavity", gap=2.0,
                       completion="cementless", device="host", samples=4, translation_range=0.1, rotation_range=0.1,
                       landmarks={"head_centre": [0, 0, 1], "shaft_proximal": [0, 0, 0], "shaft_distal": [0, 0, -100]},
-                      bound=99.0, bound_time=0.1)
+                      bound=99.0, bound_time=0.1, certificates=True)
 
 
 def rival_fit():
@@ -92,7 +92,7 @@ def one_of_each():
         verisq.removed_volume(ball(2.0), verisq.straight_path([0, 0, -1], length=1), bone=mesh, relative_tolerance=0.5),
         stance.narrowed("mp", 41.0, 42.0), stance.equilibrium(uncertain=[]), stance.certified_equilibrium(uncertain=[]), stance.stability(uncertain=[]), stance.simulate(0.01, uncertain=[]),
         stance.bounce(stance.cylinders[0], uncertain=[]), verisq.PoseUncertainty(0.5, 0.5, (0, 0, 1), 16),
-        features, features.features[0], recovery, recovery.stages[0], recovery.stages[0].to_model, fit, fit.bound,
+        features, features.features[0], recovery, recovery.stages[0], recovery.stages[0].to_model, fit, fit.bound, fit.certified_bound,
         fit.areas[0], fit.conditions[0], fit.contact["contact"], rival_fit().finalists[0], femur(), *verisq.devices()[:1],
     ]
     return {type(each).__name__: each for each in results}

@@ -207,7 +207,12 @@ struct BestFitChecker::State {
 BestFitChecker::BestFitChecker(std::span<const Model> series, std::span<const Point> points,
                                const BestFitClaim& claim) {
   require_claim(series, points, claim);
-  state_ = std::make_unique<State>(series, points, claim);
+  try {
+    state_ = std::make_unique<State>(series, points, claim);
+  } catch (const std::domain_error&) {
+    throw Error(ErrorKind::input, "implants, points and range: too large for the arithmetic of a bound");
+  }
+  require(std::isfinite(state_->all_weights()), "weights: their sum over all points overflows");
 }
 BestFitChecker::~BestFitChecker() = default;
 BestFitChecker::BestFitChecker(BestFitChecker&&) noexcept = default;

@@ -20,6 +20,7 @@ constexpr double finest_edge = 0.3;
 /// How many cubes beyond the box the next size begins, and how much larger that is.
 constexpr double cubes_of_a_size = 6.0;
 constexpr double coarsening = 3.5;
+constexpr std::int32_t most_sizes = 60;
 /// How far from the surface points are still told to be too deep, in cubes.
 constexpr double ball_margin = 1.5;
 /// Of a depth found in floating point: what touches the surface takes long to prove.
@@ -135,10 +136,12 @@ struct SolidField::State {
 
   [[nodiscard]] Key key_of(const Point& x) const {
     Key key{0, {}};
-    for (double reach = cubes_of_a_size * edge; distance_to_box(x) > reach; reach *= coarsening) ++key.size;
+    const double distance = distance_to_box(x);
+    for (double reach = cubes_of_a_size * edge; distance > reach && key.size < most_sizes; reach *= coarsening)
+      ++key.size;
     for (std::size_t i = 0; i < 3; ++i) {
       const double index = std::round((x[i] - lower[i]) / edge_of(key.size));
-      key.index[i] = static_cast<std::int32_t>(std::clamp(index, -1e9, 1e9));
+      if (std::isfinite(index)) key.index[i] = static_cast<std::int32_t>(std::clamp(index, -1e9, 1e9));
     }
     return key;
   }
