@@ -52,7 +52,7 @@ constexpr const char* closing_words =
     "  insert     give the implant's --model and the bone's --mesh: the smallest distance of every vertex along the\n"
     "             whole way is proved\n"
     "  deviation  give --model and --mesh or --points: how far these lie from the model's surface is proved, at most,\n"
-    "             in the mean, and percentiles\n"
+    "             in the mean, and percentiles; and how far the model's surface lies from them, at most\n"
     "  features   what its landmarks say is enclosed once more, at 127 bits\n"
     "  stance     give its --model (.xml): where the body stands still is proved\n"
     "\n"

@@ -32,7 +32,7 @@ namespace verisq::command_line {
 namespace {
 
 struct Claim {
-  std::string of;    ///< "mesh", "vertices" or "points"
+  std::string of;    ///< "mesh", "vertices" or "points", from where to the model; "model", to these; "both" ways
   std::string what;  ///< "largest", "mean", "95 %"
   Enclosure value;
   Finding finding;
@@ -74,7 +74,7 @@ void refuse_other_subjects(const DeviationAnswer& answer, const CheckArguments& 
 }
 
 void refuse_other_sizes(const DeviationAnswer& answer, const Mesh& mesh, const CheckArguments& arguments) {
-  const auto& [vertices, triangles] = answer.certificate;
+  const auto& [vertices, triangles, surface] = answer.certificate;
   if (vertices.size() == mesh.vertices.size() && triangles.size() == mesh.triangles.size()) return;
   refuse(fmt::format("{}: is of {} vertices and {} triangles, and there are {} and {}", arguments.certificate,
                      vertices.size(), triangles.size(), mesh.vertices.size(), mesh.triangles.size()));
@@ -89,6 +89,13 @@ void add_claims(const DeviationAnswer& answer, const char* of, const DistanceSum
     const std::string what = fmt::format("{} %", answer.percentiles[i]);
     claims.push_back({of, what, claimed.percentiles[i], findings[2 + i]});
   }
+}
+
+/// What is claimed of the model's surface, if anything.
+void add_other_way(const DeviationAnswer& answer, const ProvenDeviation& proven, std::vector<Claim>& claims) {
+  if (!proven.from_model) return;
+  claims.push_back({"model", "largest", *answer.from_model, check(*answer.from_model, *proven.from_model)});
+  claims.push_back({"both", "largest", *answer.hausdorff, check(*answer.hausdorff, *proven.hausdorff)});
 }
 
 DeviationCheckReport checked(const DeviationAnswer& answer, const Model& model, const Mesh& mesh,
@@ -108,7 +115,18 @@ DeviationCheckReport checked(const DeviationAnswer& answer, const Model& model, 
   if (answer.from_mesh) add_claims(answer, "mesh", *answer.from_mesh, *report.proven.from_mesh, report.claims);
   add_claims(answer, is_cloud(answer) ? "points" : "vertices", answer.of_vertices, report.proven.of_vertices,
              report.claims);
+  add_other_way(answer, report.proven, report.claims);
   return report;
+}
+
+std::string direction_of(const std::string& of, const DeviationAnswer& answer) {
+  if (of == "both") return "both ways (Hausdorff)";
+  return of == "model" ? fmt::format("model to {}", is_cloud(answer) ? "points" : "mesh") : of + " to model";
+}
+
+std::string not_claimed(const DeviationAnswer& answer) {
+  return fmt::format("{}how far the model's surface lies from the {}",
+                     answer.from_model ? "mean and percentiles of " : "", is_cloud(answer) ? "points" : "mesh");
 }
 
 std::string readable(const DeviationAnswer& answer, const DeviationCheckReport& report,
@@ -118,16 +136,15 @@ std::string readable(const DeviationAnswer& answer, const DeviationCheckReport& 
   if (report.unbounded() > 0)
     text += fmt::format("  WITHOUT AN END     {}: of these nothing is claimed from above\n", report.unbounded());
   for (const auto& [of, what, value, finding] : report.claims) {
-    text +=
-        fmt::format("  {:<8} {} to model, {}: {}{}\n", name_of(finding.verdict), of, what, exact_text(value), units);
+    text += fmt::format("  {:<8} {}, {}: {}{}\n", name_of(finding.verdict), direction_of(of, answer), what,
+                        exact_text(value), units);
     if (finding.verdict != Verdict::proved)
       text += fmt::format("           proven of it: {}{}\n", exact_text(finding.proven), units);
   }
   text += fmt::format("samples              {}, of which {} say less than they claim\n", report.proven.samples,
                       report.proven.unproved_samples);
   if (answer.pose) text += fmt::format("model moved by       {}: translation, quaternion\n", option_text(*answer.pose));
-  text += fmt::format("not claimed          how far the model's surface lies from the {}\n",
-                      is_cloud(answer) ? "points" : "mesh");
+  text += fmt::format("not claimed          {}\n", not_claimed(answer));
   text += fmt::format("time                 {:.3g} s\n", report.seconds);
   return text + fmt::format("certificate          {}{}\n", arguments.certificate,
                             report.proven.interrupted ? " (interrupted)" : "");

@@ -167,8 +167,11 @@ bool write_certificate(const Model& model, const Mesh& mesh, const DeviationArgu
                                      .percentiles = options.percentiles,
                                      .of_vertices = certified.proven.of_vertices,
                                      .from_mesh = certified.proven.from_mesh,
+                                     .from_model = certified.proven.from_model,
+                                     .hausdorff = certified.proven.hausdorff,
                                      .certificate = std::move(certified.certificate)});
   report.certificate = file;
+  report.without_surface = std::move(certified.without_surface);
   report.certified = std::move(certified.proven);
   return true;
 }
@@ -220,8 +223,8 @@ void declare_deviation(Options& options, DeviationArguments& arguments) {
   options.add("-o,--output", arguments.output, "FILE",
               fmt::format("{}: signed distances of the vertices or points", map_explanation));
   options.add("--certificate-file", arguments.certificate_file, "FILE",
-              "What lies from --mesh, or --points, to the model with what proves it again, for\n"
-              "`verisq check --certificate`: .json, up to 64 MiB");
+              "What is found, but for mean and percentiles of the model's surface, with what proves it again,\n"
+              "for `verisq check --certificate`: .json, up to 64 MiB");
   declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
@@ -264,6 +267,10 @@ ExitStatus run_deviation(const DeviationArguments& arguments) {
     unwritten = error;
   }
   if (!certified) tell(fmt::format("interrupted; {} is not written", arguments.certificate_file));
+  if (!report.without_surface.empty()) {
+    tell(fmt::format("{}: says nothing of how far the model's surface lies from the {}: {}", arguments.certificate_file,
+                     report.is_cloud ? "points" : "mesh", report.without_surface));
+  }
   tell_notice(report.deviation.map.notice);
   if (report.deviation.out_of_time) tell("the limit is reached; enclosures are valid, and some are wide");
   fmt::print("{}", arguments.json ? json(report) : readable(report));

@@ -35,7 +35,7 @@ struct DeviationArguments {
   std::optional<double> time_limit;
   std::string device = "auto";
   std::string output;
-  std::string certificate_file;  ///< what proves mesh to model again
+  std::string certificate_file;  ///< what proves the distances again
   ReportFiles report;
   bool json = false;
   bool no_progress = false;

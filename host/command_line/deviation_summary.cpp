@@ -114,7 +114,11 @@ JsonValue json_of_certified(const DeviationReport& report) {
     const auto& [lo, hi] = summary.percentiles[i];
     percentiles.push_back(JsonObject{{"percent", report.options.percentiles[i]}, {"lo", lo}, {"hi", hi}});
   }
-  return JsonObject{{"largest", summary.largest}, {"mean", summary.mean}, {"percentiles", percentiles}};
+  return JsonObject{{"largest", summary.largest},
+                    {"mean", summary.mean},
+                    {"percentiles", percentiles},
+                    {report.is_cloud ? "model_to_points" : "model_to_mesh", report.certified->from_model},
+                    {"hausdorff", report.certified->hausdorff}};
 }
 
 }  // namespace
@@ -139,6 +143,11 @@ std::string readable(const DeviationReport& report) {
     for (std::size_t i = 0; i < summary.percentiles.size(); ++i) {
       text += fmt::format("{:<23}{}\n", fmt::format("  proves, {:g} %", report.options.percentiles[i]),
                           with_units(summary.percentiles[i], report));
+    }
+    if (report.certified->from_model) {
+      text += fmt::format("{:<23}{}\n", report.is_cloud ? "  model to points" : "  model to mesh",
+                          with_units(*report.certified->from_model, report));
+      text += fmt::format("{:<23}{}\n", "  both ways", with_units(*report.certified->hausdorff, report));
     }
   }
   if (!report.files.html.empty()) text += fmt::format("{:<23}{}\n", "report", report.files.html);

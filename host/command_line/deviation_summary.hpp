@@ -20,7 +20,8 @@ struct DeviationReport {
   bool is_cloud = false;
   std::size_t triangles = 0;
   std::string output = {};                        ///< the file that holds the rows; empty when none was kept
-  std::string certificate = {};                   ///< what proves mesh to model again; empty where none was written
+  std::string certificate = {};                   ///< what proves distances again; empty where none was written
+  std::string without_surface = {};               ///< why it proves nothing of the model's surface, if that was found
   std::optional<ProvenDeviation> certified = {};  ///< what it proves
   ReportFiles files = {};
   std::string units = {};  ///< of the model; empty when not given

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "host/deviation/allowed_width.hpp"
+#include "host/deviation/certified_surface.hpp"
+#include "host/deviation/sample_size.hpp"
 #include "host/threads/parallel_steps.hpp"
 #include "verify/deviation/proven_triangle.hpp"
 #include "verify/proof/convex_union.hpp"
@@ -23,12 +25,7 @@ constexpr int most_halvings_for_largest = 24;
 constexpr std::size_t most_samples_of_triangle = 4096;
 constexpr int most_halvings_for_mean = 4;
 
-// About how many bytes they take in a certificate file.
-constexpr std::size_t bytes_of_triangle = 30;  // without samples
-std::size_t size_of(const CertifiedEnclosure& sample) {
-  const auto& [normals, escape, weights, witness, cover] = sample.certificate;
-  return 80 + 75 * normals.size() + (escape ? 75 : 0) + (witness ? 75 : 0) + cover.size() / 4;
-}
+constexpr std::size_t bytes_of_triangle = 30;  // of a certificate file, without samples
 
 class DeviationProver {
  public:
@@ -198,6 +195,25 @@ class DeviationProver {
   const SeenInterruption& interrupted_;
 };
 
+/// About how much of a certificate file it takes.
+std::size_t size_of(const SurfaceProof& proof) {
+  constexpr std::size_t bytes_of_point = 80;  // beside its certificate
+  std::size_t size = 0;
+  for (const std::vector<PatchProof>& patches : proof.patches) size += patches.size();
+  for (const CertifiedPoint& point : proof.off) size += bytes_of_point + size_of(point.signed_distance);
+  return size;
+}
+
+/// What is not bounded from above is not told.
+void leave_out_unbounded_surface(CertifiedDeviation& result) {
+  const std::optional<Enclosure>& from_model = result.proven.from_model;
+  if (!from_model || std::isfinite(from_model->hi)) return;
+  result.certificate.surface.reset();
+  result.proven.from_model.reset();
+  result.proven.hausdorff.reset();
+  result.without_surface = "some of its patches are not bounded";
+}
+
 }  // namespace
 
 CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, const Deviation& found,
@@ -210,14 +226,23 @@ CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, con
   std::vector<TriangleProof>& triangles = result.certificate.triangles;
   vertices.resize(mesh.vertices.size());
   triangles.resize(mesh.triangles.size());
+  const double share_of_surface = found.from_model ? 0.2 : 0.0;
   const double share_of_vertices = mesh.triangles.empty() ? 0.5 : 0.25;
   const auto progress = [&options](double from, double to) {
     return [&options, from, to](double done) { options.progress("certificates", from + (to - from) * done); };
   };
-  in_parallel_steps(vertices.size(), elements_at_a_time, interrupted, progress(0.0, share_of_vertices),
+  std::size_t left = bytes;
+  if (found.from_model) {
+    CertifiedSurface surface =
+        certified_surface(model, mesh, found, options, bytes / 2, interrupted, progress(0.0, share_of_surface));
+    if (surface.proof) left -= std::min(left, size_of(*surface.proof));
+    result.certificate.surface = std::move(surface.proof);
+    result.without_surface = std::move(surface.missing);
+  }
+  in_parallel_steps(vertices.size(), elements_at_a_time, interrupted, progress(share_of_surface, share_of_vertices),
                     [&](std::size_t i) { vertices[i] = prover.at(mesh.vertices[i]); });
   if (interrupted()) return result;
-  prover.plan(mesh, vertices, bytes);
+  prover.plan(mesh, vertices, left);
   in_parallel_steps(triangles.size(), elements_at_a_time, interrupted, progress(share_of_vertices, 0.6),
                     [&](std::size_t n) { triangles[n] = prover(mesh, vertices, n); });
   if (interrupted()) return result;
@@ -226,6 +251,7 @@ CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, con
                                            .check = {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
                                                      .interrupted = [&interrupted] { return interrupted(); },
                                                      .progress = progress(0.6, 1.0)}});
+  leave_out_unbounded_surface(result);
   return result;
 }
 

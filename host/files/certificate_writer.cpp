@@ -207,6 +207,21 @@ OrderedJson json_of(const TriangleProof& proof) {
   return object;
 }
 
+OrderedJson json_of(const CertifiedPoint& point) {
+  OrderedJson object{{"point", point.point}};
+  object.update(json_of(point.signed_distance));
+  return object;
+}
+
+OrderedJson json_of(const SurfaceProof& proof) {
+  OrderedJson object{{"within", proof.within}, {"farthest", json_of(proof.farthest)}};
+  object["patches"] = OrderedJson::array();
+  for (const std::vector<PatchProof>& patches : proof.patches) object["patches"].push_back(text_of(patches));
+  object["off"] = OrderedJson::array();
+  for (const CertifiedPoint& point : proof.off) object["off"].push_back(json_of(point));
+  return object;
+}
+
 OrderedJson json_of(const FemurLandmarks& landmarks) {
   OrderedJson object = OrderedJson::object();
   for (const auto& [name, point] : named_landmarks) {
@@ -353,6 +368,11 @@ void write_answer(const std::filesystem::path& path, const DeviationAnswer& answ
   head["percentiles"] = answer.percentiles;
   head["of_vertices"] = json_of(answer.of_vertices);
   if (answer.from_mesh) head["from_mesh"] = json_of(*answer.from_mesh);
+  if (const auto& surface = answer.certificate.surface) {
+    head["from_model"] = {{"largest", json_of(*answer.from_model)}};
+    head["hausdorff"] = json_of(*answer.hausdorff);
+    head["surface"] = json_of(*surface);
+  }
   const std::vector<CertifiedEnclosure>& vertices = answer.certificate.vertices;
   const std::vector<TriangleProof>& triangles = answer.certificate.triangles;
   LinesText lines(path, head);

@@ -12,11 +12,21 @@
 namespace verisq {
 namespace {
 
-constexpr std::string_view letters = ".ch";  // of PieceProof
+constexpr std::string_view letters = ".ch";            // of PieceProof
+constexpr std::string_view letters_of_patch = ".oar";  // of PatchProof
+
+CertifiedEnclosure distance_and_certificate(const JsonValue& value) {
+  return {{value.at("lo").number_or_infinity(), value.at("hi").number_or_infinity()}, read_certificate(value)};
+}
 
 CertifiedEnclosure read_sample(const JsonValue& value) {
   value.check_keys({"lo", "hi", "normals", "escape", "witness", "cover"});
-  return {{value.at("lo").number_or_infinity(), value.at("hi").number_or_infinity()}, read_certificate(value)};
+  return distance_and_certificate(value);
+}
+
+CertifiedPoint read_point(const JsonValue& value) {
+  value.check_keys({"point", "lo", "hi", "normals", "escape", "witness", "cover"});
+  return {finite_numbers<3>(value.at("point")), distance_and_certificate(value)};
 }
 
 std::vector<CertifiedEnclosure> read_samples(const JsonValue& value) {
@@ -26,15 +36,29 @@ std::vector<CertifiedEnclosure> read_samples(const JsonValue& value) {
   return samples;
 }
 
+template <class Proof>
+std::vector<Proof> read_letters(const JsonValue& value, std::string_view of, const char* otherwise) {
+  std::vector<Proof> proofs;
+  for (const char letter : value.text()) {
+    const std::size_t index = of.find(letter);
+    if (index == std::string_view::npos) value.fail(otherwise);
+    proofs.push_back(static_cast<Proof>(index));
+  }
+  return proofs;
+}
+
+template <class Proof>
+std::string text_by(const std::vector<Proof>& proofs, std::string_view of) {
+  std::string text;
+  for (const Proof proof : proofs) text += of[static_cast<std::size_t>(proof)];
+  return text;
+}
+
 TriangleProof read_triangle(const JsonValue& value) {
   value.check_keys({"pieces", "samples"});
   TriangleProof proof;
   const JsonValue pieces = value.at("pieces");
-  for (const char letter : pieces.text()) {
-    const std::size_t index = letters.find(letter);
-    if (index == std::string_view::npos) pieces.fail("must consist of the letters c, h and .");
-    proof.pieces.push_back(static_cast<PieceProof>(index));
-  }
+  proof.pieces = read_letters<PieceProof>(pieces, letters, "must consist of the letters c, h and .");
   const auto samples = value.find("samples");
   if (samples) proof.samples = read_samples(*samples);
   const auto expected = proof.pieces.size() - std::ranges::count(proof.pieces, PieceProof::corners);
@@ -64,11 +88,46 @@ DistanceSummary read_summary(const JsonValue& value, std::size_t percentiles) {
   return summary;
 }
 
+SurfaceProof read_surface(const JsonValue& value) {
+  value.check_keys({"within", "farthest", "patches", "off"});
+  SurfaceProof proof;
+  proof.within = value.at("within").number();
+  proof.farthest = read_point(value.at("farthest"));
+  const JsonValue patches = value.at("patches");
+  std::size_t expected = 0;
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    proof.patches.push_back(
+        read_letters<PatchProof>(patches.element(k), letters_of_patch, "must consist of the letters a, r, o and ."));
+    expected += static_cast<std::size_t>(std::ranges::count(proof.patches.back(), PatchProof::off));
+  }
+  const JsonValue off = value.at("off");
+  if (off.size() != expected) off.fail(fmt::format("must be {} points, one for each o", expected));
+  proof.off.reserve(expected);
+  for (std::size_t i = 0; i < expected; ++i) proof.off.push_back(read_point(off.element(i)));
+  return proof;
+}
+
+/// All of it, or nothing: files of before have none.
+void read_other_way(const JsonValue& root, DeviationAnswer& answer) {
+  const auto surface = root.find("surface");
+  if (!surface) {
+    for (const char* const key : {"from_model", "hausdorff"}) {
+      if (const auto claim = root.find(key)) claim->fail("must not be there without \"surface\"");
+    }
+    return;
+  }
+  const JsonValue from_model = root.at("from_model");
+  from_model.check_keys({"largest"});
+  answer.from_model = read_claim(from_model.at("largest"));
+  answer.hausdorff = read_claim(root.at("hausdorff"));
+  answer.certificate.surface = read_surface(*surface);
+}
+
 }  // namespace
 
 DeviationAnswer read_deviation(const JsonValue& root) {
   root.check_keys({"format", "kind", "models", "mesh", "units", "pose", "percentiles", "of_vertices", "from_mesh",
-                   "vertices", "triangles"});
+                   "from_model", "hausdorff", "vertices", "triangles", "surface"});
   const JsonValue models = root.at("models");
   if (models.size() != 1) models.fail("must be an array of one model");
   DeviationAnswer answer{.model = read_subject_file(models.element(0)),
@@ -78,7 +137,7 @@ DeviationAnswer read_deviation(const JsonValue& root) {
                          .percentiles = read_percentiles(root.at("percentiles")),
                          .of_vertices = {},
                          .from_mesh = {},
-                         .certificate = {read_samples(root.at("vertices")), {}}};
+                         .certificate = {read_samples(root.at("vertices")), {}, {}}};
   if (const auto pose = root.find("pose")) answer.pose = read_pose_object(*pose);
   answer.of_vertices = read_summary(root.at("of_vertices"), answer.percentiles.size());
   if (answer.certificate.vertices.empty()) root.at("vertices").fail("must not be empty");
@@ -92,13 +151,16 @@ DeviationAnswer read_deviation(const JsonValue& root) {
   for (std::size_t n = 0; n < triangles.size(); ++n) {
     answer.certificate.triangles.push_back(read_triangle(triangles.element(n)));
   }
+  read_other_way(root, answer);
   return answer;
 }
 
 std::string text_of(const std::vector<PieceProof>& pieces) {
-  std::string text;
-  for (const PieceProof piece : pieces) text += letters[static_cast<std::size_t>(piece)];
-  return text;
+  return text_by(pieces, letters);
+}
+
+std::string text_of(const std::vector<PatchProof>& patches) {
+  return text_by(patches, letters_of_patch);
 }
 
 }  // namespace verisq

@@ -11,5 +11,6 @@ namespace verisq {
 
 /// One letter each, as the format has them.
 [[nodiscard]] std::string text_of(const std::vector<PieceProof>& pieces);
+[[nodiscard]] std::string text_of(const std::vector<PatchProof>& patches);
 
 }  // namespace verisq

@@ -118,7 +118,7 @@ struct InsertionAnswer {
   std::vector<Row> rows;     ///< in the order of the vertices
 };
 
-/// The kind `deviation`: how far a mesh, or the points of a cloud, lie from a model's surface.
+/// The kind `deviation`: how far a mesh, or the points of a cloud, and a model's surface lie apart.
 struct DeviationAnswer {
   SubjectFile model;
   SubjectFile mesh;                          ///< or points
@@ -127,6 +127,10 @@ struct DeviationAnswer {
   std::vector<double> percentiles;           ///< each above 0, at most 100
   DistanceSummary of_vertices;               ///< the claims; as many percentiles
   std::optional<DistanceSummary> from_mesh;  ///< of all points of all triangles; nothing of a cloud
+  /// Of the model's surface the largest distance from the mesh, and of both ways the larger one; both are there if and
+  /// only if there is a `SurfaceProof`.
+  std::optional<Enclosure> from_model = {};
+  std::optional<Enclosure> hausdorff = {};
   DeviationCertificate certificate;
 };
 

@@ -1,4 +1,4 @@
-/// What proves how far a mesh lies from a model's surface again, without device or search.
+/// What proves how far a mesh and a model's surface lie apart again, without device or search.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +30,36 @@ struct TriangleProof {
   std::vector<CertifiedEnclosure> samples;
 };
 
+/// What tells how far a patch of a primitive's surface lies from the mesh, or a part of it.
+enum class PatchProof : std::uint8_t {
+  near,           ///< the mesh's triangles themselves, of which the checker finds near ones
+  off,            ///< it is no part of the boundary of the model's solid: a point of `SurfaceProof::off` says so
+  halved_along,   ///< both halves: of its arc along the latitude
+  halved_around,  ///< likewise, of its arc around
+};
+
+/// A point and its signed distance to the model.
+struct CertifiedPoint {
+  Point point;
+  CertifiedEnclosure signed_distance;
+};
+
+/// How far the model's surface lies from the mesh, at most, and at least: all patches cover it (docs/mathematics.md
+/// §20).
+struct SurfaceProof {
+  double within = infinity;  ///< what the largest distance is shown to be at most, no harder is tried; need not be true
+  std::vector<std::vector<PatchProof>> patches;  ///< of each primitive: its eight octants with all parts in preorder
+  /// In the order of `patches`: the patch is nearer to the point than the model's surface is.
+  std::vector<CertifiedPoint> off;
+  /// Near the model's surface, and from the mesh at least as far as is claimed.
+  CertifiedPoint farthest;
+};
+
 /// Of a mesh, or of a cloud, which has no triangles.
 struct DeviationCertificate {
   std::vector<CertifiedEnclosure> vertices;  ///< signed distances
   std::vector<TriangleProof> triangles;
+  std::optional<SurfaceProof> surface = {};  ///< the other way, of the model; may be missing
 };
 
 /// Enclosures of the largest distance to the model's surface, of the mean and of percentiles.
@@ -47,12 +73,18 @@ struct DistanceSummary {
 /// percentiles, of the same percents.
 [[nodiscard]] std::vector<Finding> check(const DistanceSummary& claimed, const DistanceSummary& proven);
 
+/// Of one number.
+[[nodiscard]] Finding check(const Enclosure& claimed, const Enclosure& proven);
+
 struct ProvenDeviation {
   DistanceSummary of_vertices;               ///< each of the same weight
   std::optional<DistanceSummary> from_mesh;  ///< of all points of all triangles, by area; nothing of a cloud
-  std::uint64_t samples = 0;                 ///< signed distances that were looked at
-  std::uint64_t unproved_samples = 0;        ///< of these: they say less than they claim
-  bool interrupted = false;                  ///< nothing is said then
+  /// The largest distance of the model's surface from the mesh; nothing without a `SurfaceProof`.
+  std::optional<Enclosure> from_model;
+  std::optional<Enclosure> hausdorff;  ///< the larger of both largest distances; likewise
+  std::uint64_t samples = 0;           ///< signed distances that were looked at
+  std::uint64_t unproved_samples = 0;  ///< of these: they say less than they claim
+  bool interrupted = false;            ///< nothing is said then
 };
 
 /// Proves deviations by MPFR alone. Immutable after construction: safe to call from many threads.
@@ -69,8 +101,9 @@ class DeviationChecker {
   };
 
   /// What the certificate proves of this mesh, whatever it holds: enclosures of the exact numbers, [0, infinity] where
-  /// it proves nothing. Precondition: finite coordinates, triangles of vertices that are there; as many certificates as
-  /// vertices and triangles; no claim holds a NaN.
+  /// it proves nothing; how far the model lies from the mesh no closer than `SurfaceProof::within`. Precondition:
+  /// finite coordinates, triangles of vertices that are there; as many certificates as vertices and triangles; no claim
+  /// holds a NaN.
   [[nodiscard]] ProvenDeviation operator()(const Mesh& mesh, const DeviationCertificate& certificate,
                                            const Options& options) const;
 

@@ -34,7 +34,11 @@ inline constexpr std::size_t member_count<TriangleProof> = 2;
 template <>
 inline constexpr std::size_t member_count<CertifiedEnclosure> = 2;
 template <>
-inline constexpr std::size_t member_count<DeviationCertificate> = 2;
+inline constexpr std::size_t member_count<CertifiedPoint> = 2;
+template <>
+inline constexpr std::size_t member_count<SurfaceProof> = 4;
+template <>
+inline constexpr std::size_t member_count<DeviationCertificate> = 3;
 
 namespace {
 
@@ -67,31 +71,43 @@ Deviation deviation_of(const PythonModel& model, const py::handle& mesh, double 
   return without_lock(interruption, [&] { return deviation(exact, measured, options); });
 }
 
-/// How far a mesh lies from a model's surface, with what proves it again.
+/// How far a mesh and a model's surface lie apart, with what proves it again.
 struct PythonCertifiedDeviation {
   std::vector<double> percents;
   DistanceSummary of_vertices;
   std::optional<DistanceSummary> from_mesh;
+  std::optional<Enclosure> from_model;
+  std::optional<Enclosure> hausdorff;
   DeviationCertificate certificate;
 
-  static constexpr std::size_t members = 4;
+  static constexpr std::size_t members = 6;
 };
 
 PythonCertifiedDeviation certified(const PythonModel& model, const py::handle& mesh, double relative_tolerance,
                                    const std::optional<double>& tolerance, const std::vector<double>& percentiles,
-                                   const std::string& device) {
+                                   bool from_model, const std::string& device) {
   const Model& exact = model.exact("certified_deviation");
   const Mesh measured = mesh_or_cloud(mesh);
   Interruption interruption;
   const DeviationOptions options{.relative_tolerance = relative_tolerance,
                                  .tolerance = tolerance,
                                  .percentiles = percentiles,
-                                 .from_model = false,
+                                 .from_model = from_model,
                                  .device = device,
                                  .interrupted = interruption.poll()};
   CertifiedDeviation found = without_lock(
       interruption, [&] { return certified_deviation(exact, measured, deviation(exact, measured, options), options); });
-  return {percentiles, found.proven.of_vertices, found.proven.from_mesh, std::move(found.certificate)};
+  return {percentiles,
+          found.proven.of_vertices,
+          found.proven.from_mesh,
+          found.proven.from_model,
+          found.proven.hausdorff,
+          std::move(found.certificate)};
+}
+
+/// Of a claim, where there is one.
+bool is_claim_proved(const std::optional<Enclosure>& claimed, const std::optional<Enclosure>& proven) {
+  return !claimed || (proven && check(*claimed, *proven).verdict == Verdict::proved);
 }
 
 bool all_proved(const DistanceSummary& claimed, const DistanceSummary& proven) {
@@ -102,7 +118,7 @@ bool all_proved(const DistanceSummary& claimed, const DistanceSummary& proven) {
 bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, const py::handle& mesh) {
   const Model& exact = model.exact("is_proved");
   const Mesh measured = mesh_or_cloud(mesh);
-  const auto& [vertices, triangles] = self.certificate;
+  const auto& [vertices, triangles, surface] = self.certificate;
   if (measured.vertices.size() != vertices.size() || measured.triangles.size() != triangles.size()) return false;
   Interruption interruption;
   const ProvenDeviation proven = without_lock(interruption, [&] {
@@ -110,7 +126,8 @@ bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, c
                                    {.percentiles = self.percents, .check = {.interrupted = interruption.poll()}});
   });
   return !proven.interrupted && all_proved(self.of_vertices, proven.of_vertices) &&
-         (!self.from_mesh || all_proved(*self.from_mesh, *proven.from_mesh));
+         (!self.from_mesh || all_proved(*self.from_mesh, *proven.from_mesh)) &&
+         is_claim_proved(self.from_model, proven.from_model) && is_claim_proved(self.hausdorff, proven.hausdorff);
 }
 
 }  // namespace
@@ -151,6 +168,10 @@ void declare_deviations(py::module_& module) {
   py::class_<PythonCertifiedDeviation>(module, "CertifiedDeviation", "What certified_deviation() proves.")
       .def_readonly("of_vertices", &PythonCertifiedDeviation::of_vertices, "DistanceSummary of the vertices.")
       .def_readonly("from_mesh", &PythonCertifiedDeviation::from_mesh, "... of all points of all triangles, or None.")
+      .def_readonly("from_model", &PythonCertifiedDeviation::from_model,
+                    "Enclosure of the model's surface's largest distance from the mesh, or None.")
+      .def_readonly("hausdorff", &PythonCertifiedDeviation::hausdorff,
+                    "Enclosure of the larger of both largest distances, or None.")
       .def("is_proved", is_proved, py::arg("model"), py::arg("mesh"),
            "is_proved(model, mesh) -> bool\n\n"
            "Proves every number again, of this model and this mesh, by MPFR and the certificates alone.")
@@ -160,13 +181,15 @@ void declare_deviations(py::module_& module) {
              return fmt::format("<verisq.CertifiedDeviation: largest in [{}, {}]>", lo, hi);
            })
       .def(pickled<PythonCertifiedDeviation>());
-  module.def("certified_deviation", certified, py::arg("model"), py::arg("mesh"), py::kw_only(),
-             py::arg("relative_tolerance") = 0.05, py::arg("tolerance") = py::none(),
-             py::arg("percentiles") = std::vector<double>{50.0, 95.0}, py::arg("device") = "auto",
-             "certified_deviation(model, mesh, *, relative_tolerance=0.05, tolerance=None, percentiles=(50, 95),\n"
-             "    device=\"auto\") -> CertifiedDeviation\n\n"
-             "As deviation(), from the mesh, or points of shape (N, 3), to the model's surface alone, with what\n"
-             "proves it again. Means and percentiles may be wider.");
+  module.def(
+      "certified_deviation", certified, py::arg("model"), py::arg("mesh"), py::kw_only(),
+      py::arg("relative_tolerance") = 0.05, py::arg("tolerance") = py::none(),
+      py::arg("percentiles") = std::vector<double>{50.0, 95.0}, py::arg("from_model") = true,
+      py::arg("device") = "auto",
+      "certified_deviation(model, mesh, *, relative_tolerance=0.05, tolerance=None, percentiles=(50, 95),\n"
+      "    from_model=True, device=\"auto\") -> CertifiedDeviation\n\n"
+      "As deviation(), with what proves it again: from the mesh, or points of shape (N, 3), to the model's\n"
+      "surface, where means and percentiles may be wider, and how far that surface lies from the mesh, at most.");
 }
 
 }  // namespace verisq::python

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <verisq/mesh_file.hpp>
@@ -50,12 +51,30 @@ class CheckDeviation : public ProofFileTest {
 TEST_F(CheckDeviation, ProvesEveryClaim) {
   const Outcome outcome = check(proof_, {"--mesh", mesh_});
   EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
-  EXPECT_THAT(outcome.out, HasSubstr("claims               8\n  proved             8\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("not claimed          how far the model's surface lies from the mesh\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("claims               10\n  proved             10\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("proved   model to mesh, largest: ["));
+  EXPECT_THAT(outcome.out, HasSubstr("proved   both ways (Hausdorff), largest: ["));
+  EXPECT_THAT(
+      outcome.out,
+      HasSubstr("not claimed          mean and percentiles of how far the model's surface lies from the mesh\n"));
   const json summary = json::parse(check(proof_, {"--mesh", mesh_, "--json"}).out);
   EXPECT_EQ(summary["kind"], "deviation");
   EXPECT_EQ(summary["claims"][0]["of"], "mesh");
   EXPECT_EQ(summary["unproved_samples"], 0);
+  EXPECT_EQ(summary["claims"][8]["of"], "model");
+  EXPECT_EQ(summary["claims"][8]["verdict"], "proved");
+  EXPECT_EQ(summary["claims"][9]["of"], "both");
+}
+
+/// Files of before the other way had certificates.
+TEST_F(CheckDeviation, NeedNotTellTheOtherWay) {
+  json without = document();
+  for (const char* const key : {"from_model", "hausdorff", "surface"}) without.erase(key);
+  const std::string file = write("without.json", without.dump());
+  const Outcome outcome = check(file, {"--mesh", mesh_});
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("claims               8\n  proved             8\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("not claimed          how far the model's surface lies from the mesh\n"));
 }
 
 TEST_F(CheckDeviation, NeverProvesAForgery) {
@@ -67,6 +86,17 @@ TEST_F(CheckDeviation, NeverProvesAForgery) {
   expect_not_proved("/from_mesh/largest/hi", "inf");
   expect_not_proved("/triangles/0", {{"pieces", ""}});
   expect_not_proved("/vertices/0/normals", json::array());
+  const double of_model = document()["from_model"]["largest"]["hi"];
+  expect_not_proved("/from_model/largest/hi", 0.5 * of_model);
+  expect_not_proved("/from_model/largest/lo", 1.5 * of_model);
+  expect_not_proved("/from_model/largest/hi", "inf");
+  expect_not_proved("/hausdorff/hi", 0.5 * largest);
+  expect_not_proved("/hausdorff/lo", 2.0 * std::max(largest, of_model));
+  expect_not_proved("/surface/within", 2.0 * of_model);
+  expect_not_proved("/surface/patches/0", "");
+  expect_not_proved("/surface/patches/0", "........");
+  expect_not_proved("/surface/patches", json::array());
+  expect_not_proved("/surface/farthest/point/0", 0.0);
 }
 
 TEST_F(CheckDeviation, IsOfNoOtherModelMeshOrForm) {
@@ -88,6 +118,15 @@ TEST_F(CheckDeviation, IsOfNoOtherModelMeshOrForm) {
                  {"triangles[0].pieces", "letters c, h and ."});
   expect_refused(check(forged("/triangles/0/pieces", "hcc"), {"--mesh", mesh_}), {"triangles[0]", "samples"});
   expect_refused(check(forged("/percentiles/0", 0), {"--mesh", mesh_}), {"percentiles[0] = 0: must be above 0"});
+  expect_refused(check(forged("/surface/patches/0", "h"), {"--mesh", mesh_}),
+                 {"surface.patches[0]", "letters a, r, o and ."});
+  expect_refused(check(forged("/surface/patches/0", "o"), {"--mesh", mesh_}), {"surface.off", "must be 1 points"});
+  expect_refused(check(forged("/surface/farthest/point/0", "inf"), {"--mesh", mesh_}), {"surface.farthest.point[0]"});
+  expect_refused(check(forged("/from_model/mean", {{"lo", 0}, {"hi", 1}}), {"--mesh", mesh_}), {"from_model", "mean"});
+  json claim_alone = document();
+  claim_alone.erase("surface");
+  expect_refused(check(write("alone.json", claim_alone.dump()), {"--mesh", mesh_}),
+                 {"from_model", "must not be there without \"surface\""});
 }
 
 TEST_F(CheckDeviation, OfACloudAndAModelThatWasMoved) {
@@ -98,6 +137,15 @@ TEST_F(CheckDeviation, OfACloudAndAModelThatWasMoved) {
   EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("claims               4\n  proved             4\n"));
   EXPECT_THAT(outcome.out, HasSubstr("model moved by       0,0,1,1,0,0,0"));
+  EXPECT_THAT(outcome.out, HasSubstr("not claimed          how far the model's surface lies from the points\n"));
+  const Outcome both = deviation(
+      {"--points", points, "--both-ways", "--pose", "0,0,1,1,0,0,0", "--certificate-file", proof_, "--tol", "1%"});
+  EXPECT_EQ(both.status, 0) << both.err;
+  EXPECT_THAT(both.out, HasSubstr("\n  both ways "));
+  const Outcome checked = check(proof_, {"--points", points});
+  EXPECT_EQ(checked.status, 0) << checked.err << checked.out;
+  EXPECT_THAT(checked.out, HasSubstr("claims               6\n  proved             6\n"));
+  EXPECT_THAT(checked.out, HasSubstr("proved   model to points, largest: ["));
 }
 
 TEST_F(CheckDeviation, NothingIsLostWhereAFileCannotBe) {

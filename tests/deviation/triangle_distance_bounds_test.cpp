@@ -50,6 +50,15 @@ TEST(TriangleDistanceBounds, ContainTheDistance) {
   EXPECT_GE(tight, cases * 99 / 100);
 }
 
+/// Of the second corner the products are infinite, of both signs: their sum says nothing, and must not be forgotten.
+/// The side from the first corner to the second comes as near as 1.5e120/√1.25.
+TEST(TriangleDistanceBounds, BeyondBinary64NothingIsKnown) {
+  const Triangle triangle{{{-1e120, -1e120, -1.0}, {1e200, -0.5e200, 0.0}, {-1e120, -1e120, 1.0}}};
+  const Enclosure found = distance_from_triangle({0.0, 0.0, 0.0}, triangle);
+  EXPECT_LE(found.lo, 1.35e120);
+  EXPECT_GE(found.hi, 1.34e120);
+}
+
 TEST(TriangleDistanceBounds, OfPointsOnTheTriangleAreNext0) {
   Random random(2);
   for (int n = 0; n < 500; ++n) {

@@ -351,10 +351,16 @@ TEST(CertificateFile, OfADeviationGivesTheSameBitsAgain) {
       .percentiles = {95.0},
       .of_vertices = summary,
       .from_mesh = summary,
+      .from_model = Enclosure{0.3, infinity},
+      .hausdorff = Enclosure{1.0 / 3.0, 0.5},
       .certificate = {.vertices = {{{-infinity, 0.1}, certificate}, {{0.2, 0.3}, {}}},
                       .triangles = {{{PieceProof::halved, PieceProof::corners, PieceProof::centre},
                                      {{{0.1, 0.2}, {}}, {{0.3, 0.4}, certificate}}},
-                                    {{PieceProof::corners}, {}}}}};
+                                    {{PieceProof::corners}, {}}},
+                      .surface = SurfaceProof{1.0 / 3.0,
+                                              {{PatchProof::halved_along, PatchProof::near, PatchProof::off}, {}},
+                                              {{{0.1, 0.2, 0.3}, {{-infinity, -0.1}, certificate}}},
+                                              {{1.0 / 3.0, 0.0, -1.0}, {{-0.0, 5e-324}, certificate}}}}};
   write_answer(folder / "proof.json", written);
   const auto read = std::get<DeviationAnswer>(read_answer(folder / "proof.json"));
   EXPECT_EQ(read.mesh.sha256, written.mesh.sha256);
@@ -363,7 +369,7 @@ TEST(CertificateFile, OfADeviationGivesTheSameBitsAgain) {
   EXPECT_EQ(read.of_vertices.largest, summary.largest);
   EXPECT_EQ(read.from_mesh->mean, summary.mean);
   EXPECT_EQ(read.from_mesh->percentiles, summary.percentiles);
-  const auto& [vertices, triangles] = read.certificate;
+  const auto& [vertices, triangles, surface] = read.certificate;
   ASSERT_EQ(vertices.size(), 2U);
   EXPECT_EQ(vertices[0].distance, (Enclosure{-infinity, 0.1}));
   EXPECT_EQ(vertices[0].certificate, certificate);
@@ -372,6 +378,16 @@ TEST(CertificateFile, OfADeviationGivesTheSameBitsAgain) {
   ASSERT_EQ(triangles[0].samples.size(), 2U);
   EXPECT_EQ(triangles[0].samples[1].certificate, certificate);
   EXPECT_TRUE(triangles[1].samples.empty());
+  EXPECT_EQ(read.from_model, written.from_model);
+  EXPECT_EQ(read.hausdorff, written.hausdorff);
+  const SurfaceProof& written_surface = *written.certificate.surface;
+  EXPECT_EQ(surface->within, written_surface.within);
+  EXPECT_EQ(surface->patches, written_surface.patches);
+  ASSERT_EQ(surface->off.size(), 1U);
+  EXPECT_EQ(surface->off[0].point, written_surface.off[0].point);
+  EXPECT_EQ(surface->off[0].signed_distance.distance, (Enclosure{-infinity, -0.1}));
+  EXPECT_EQ(surface->farthest.point, written_surface.farthest.point);
+  EXPECT_EQ(surface->farthest.signed_distance.certificate, certificate);
 }
 
 TEST(CertificateFile, OfFeaturesGivesTheSameBitsAgain) {

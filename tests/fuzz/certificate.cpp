@@ -117,7 +117,7 @@ void check_summary(const DistanceSummary& summary, std::size_t percentiles) {
 }
 
 void check_answer(const DeviationAnswer& answer) {
-  const auto& [vertices, triangles] = answer.certificate;
+  const auto& [vertices, triangles, surface] = answer.certificate;
   check(!vertices.empty(), "there are vertices");
   check(answer.from_mesh.has_value() == !triangles.empty(), "triangles are claimed where there are some");
   check_summary(answer.of_vertices, answer.percentiles.size());
@@ -126,6 +126,12 @@ void check_answer(const DeviationAnswer& answer) {
     const auto with = pieces.size() - static_cast<std::size_t>(std::ranges::count(pieces, PieceProof::corners));
     check(samples.size() == with, "each piece that needs one has a sample");
   }
+  check(answer.from_model.has_value() == surface.has_value() && answer.hausdorff.has_value() == surface.has_value(),
+        "what is claimed of the model's surface has patches");
+  if (!surface) return;
+  std::ptrdiff_t off = 0;
+  for (const std::vector<PatchProof>& patches : surface->patches) off += std::ranges::count(patches, PatchProof::off);
+  check(surface->off.size() == static_cast<std::size_t>(off), "each patch off the boundary has a point");
 }
 
 void check_answer(const FeaturesAnswer& answer) {

@@ -326,6 +326,8 @@ class Surfaces(unittest.TestCase):
         self.assertIsNone(deviation.hausdorff)
         proven = verisq.certified_deviation(ball, mesh, relative_tolerance=0.3, device="host")
         self.assertLess(proven.from_mesh.largest.hi, 0.4)
+        self.assertLess(proven.from_model.hi, 0.4)
+        self.assertEqual(proven.hausdorff.hi, max(proven.from_model.hi, proven.from_mesh.largest.hi))
         self.assertTrue(proven.is_proved(ball, mesh))
         self.assertFalse(proven.is_proved(model("soap.json"), mesh))
         self.assertFalse(proven.is_proved(ball, mesh.vertices))

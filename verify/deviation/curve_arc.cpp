@@ -1,9 +1,11 @@
-/// Nodes by the gauge, bulges by the support function of the curve.
+/// Nodes by the gauge, bulges by the support function of the curve: norms of 127 bits, all else in binary64, rounded
+/// outward by `Interval`.
 #include "verify/deviation/curve_arc.hpp"
 
 #include <algorithm>
 
 #include "verify/proof/mixed_norm.hpp"
+#include "verify/sets/in_binary64.hpp"
 
 namespace verisq::verify {
 
@@ -13,9 +15,14 @@ double middle_of(const Interval& a, const Interval& b) {
   return 0.25 * a.lower() + 0.25 * a.upper() + 0.25 * b.lower() + 0.25 * b.upper();
 }
 
+/// (x^p + y^p)^(1/p) for nonnegative x and y, rounded to the side.
+double norm_of(double x, double y, const NormExponent<Real>& p, Direction direction) {
+  return norm_of_two<Real>(Real(x), Real(y), p, direction).to_double(direction);
+}
+
 }  // namespace
 
-ArcTree::ArcTree(double exponent) : primal_(primal_exponent<double>(exponent)), dual_(dual_exponent<double>(exponent)) {
+ArcTree::ArcTree(double exponent) : primal_(primal_exponent<Real>(exponent)), dual_(dual_exponent<Real>(exponent)) {
   const CurvePoint first{Interval(1), Interval(0)};
   const CurvePoint last{Interval(0), Interval(1)};
   arcs_.push_back({first, last, normal_at(first), normal_at(last)});
@@ -23,7 +30,7 @@ ArcTree::ArcTree(double exponent) : primal_(primal_exponent<double>(exponent)), 
 
 /// The gradient of x^p + y^p by p. Its product with the point, x^p + y^p, is 1.
 CurvePoint ArcTree::normal_at(const CurvePoint& point) const {
-  const Interval p = primal_.value;  // 1 at least, but for rounding
+  const Interval p = in_binary64(primal_.value);  // 1 at least, but for rounding
   const Interval exponent(std::max(0.0, (p - Interval(1)).lower()), std::max(0.0, (p - Interval(1)).upper()));
   const auto power_of = [&](const Interval& x) {
     return pow(Interval(std::clamp(x.lower(), 0.0, 1.0), std::clamp(x.upper(), 0.0, 1.0)), exponent);
@@ -33,7 +40,7 @@ CurvePoint ArcTree::normal_at(const CurvePoint& point) const {
 
 /// (x, y) divided by its gauge lies on the curve, whatever x and y are.
 CurvePoint ArcTree::point_towards(double x, double y) const {
-  const Interval gauge(norm_of_two(x, y, primal_, Direction::down), norm_of_two(x, y, primal_, Direction::up));
+  const Interval gauge(norm_of(x, y, primal_, Direction::down), norm_of(x, y, primal_, Direction::up));
   return {Interval(x) / gauge, Interval(y) / gauge};
 }
 
@@ -57,10 +64,11 @@ double ArcTree::bulge(Arc arc, double width, double height) const {
   if (!(chord.lower() > 0.0)) return infinity;
   // Between its ends the curve falls: it leaves the chord by no more than the box of both ends does.
   const double by_box = (run * rise / chord).upper();
-  // Its points satisfy n·p <= h(n) for the chord's normal n = (rise, run), where h is the dual norm.
+  // Its points satisfy n·p <= h(n) for the chord's normal n = (rise, run), where h is the dual norm, which rises with
+  // either of its operands.
   const Interval across = rise * Interval(width);
   const Interval along = run * Interval(height);
-  const double support = norm_of_two(across.upper(), along.upper(), dual_, Direction::up);
+  const double support = norm_of(across.upper(), along.upper(), dual_, Direction::up);
   const Interval at_end = across * from.x + along * from.y;
   const double by_support = ((Interval(support) - at_end) / chord).upper();
   return std::max(0.0, std::min(by_box, by_support));

@@ -56,8 +56,8 @@ class ArcTree {
   [[nodiscard]] CurvePoint point_towards(double x, double y) const;
   [[nodiscard]] CurvePoint normal_at(const CurvePoint& point) const;
 
-  NormExponent<double> primal_;
-  NormExponent<double> dual_;
+  NormExponent<Real> primal_;
+  NormExponent<Real> dual_;
   std::vector<Entry> arcs_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "verify/deviation/proven_surface.hpp"
 #include "verify/deviation/proven_triangle.hpp"
 #include "verify/placement/check_steps.hpp"
 #include "verify/proof/convex_union.hpp"
@@ -30,25 +31,56 @@ DistanceSummary summary_of(std::span<const WeightedCell> cells, double least, st
   return result;
 }
 
+DistanceSummary of_vertices(std::span<const Enclosure> rows, std::span<const double> percentiles) {
+  std::vector<WeightedCell> cells;
+  double largest = 0.0;
+  for (const Enclosure& row : rows) {
+    const Enclosure found = verify::magnitude(row);
+    cells.push_back({{1.0, 1.0}, found, found});
+    largest = std::max(largest, found.lo);
+  }
+  return summary_of(cells, largest, percentiles);
+}
+
+DistanceSummary of_triangles(const Mesh& mesh, std::span<const Enclosure> rows,
+                             std::span<const TriangleDistances> triangles, std::span<const double> percentiles) {
+  std::vector<WeightedCell> cells;
+  double largest = 0.0;
+  for (std::size_t n = 0; n < triangles.size(); ++n) {
+    for (const std::uint32_t corner : mesh.triangles[n]) {
+      largest = std::max(largest, verify::magnitude(rows[corner]).lo);
+    }
+    largest = std::max(largest, triangles[n].largest);
+    cells.insert(cells.end(), triangles[n].cells.begin(), triangles[n].cells.end());
+  }
+  return summary_of(cells, largest, percentiles);
+}
+
+Enclosure larger(const Enclosure& a, const Enclosure& b) {
+  return {std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
+}
+
 }  // namespace
 
+Finding check(const Enclosure& claimed, const Enclosure& proven) {
+  return verify::judged(claimed, proven, proven);
+}
+
 std::vector<Finding> check(const DistanceSummary& claimed, const DistanceSummary& proven) {
-  const auto judged = [](const Enclosure& claim, const Enclosure& found) {
-    return verify::judged(claim, found, found);
-  };
-  std::vector<Finding> findings{judged(claimed.largest, proven.largest), judged(claimed.mean, proven.mean)};
+  std::vector<Finding> findings{check(claimed.largest, proven.largest), check(claimed.mean, proven.mean)};
   for (std::size_t i = 0; i < claimed.percentiles.size(); ++i) {
-    findings.push_back(judged(claimed.percentiles[i], proven.percentiles[i]));
+    findings.push_back(check(claimed.percentiles[i], proven.percentiles[i]));
   }
   return findings;
 }
 
 struct DeviationChecker::State {
-  explicit State(const Model& model)
-      : checker(model),
-        primitives(model),
-        is_union(verify::is_union(model)),
-        convex(verify::is_one_convex_primitive(model)) {}
+  explicit State(const Model& of)
+      : model(of),
+        checker(of),
+        primitives(of),
+        is_union(verify::is_union(of)),
+        convex(verify::is_one_convex_primitive(of)) {}
 
   /// What is proved of a claim, or what is proven instead of it.
   [[nodiscard]] Enclosure distance(const Point& x, const CertifiedEnclosure& claimed, bool& proved) const {
@@ -75,6 +107,7 @@ struct DeviationChecker::State {
     return near == 1 && convex_one;
   }
 
+  Model model;
   Checker checker;
   verify::ExactChecker primitives;
   bool is_union;
@@ -103,7 +136,9 @@ ProvenDeviation DeviationChecker::operator()(const Mesh& mesh, const DeviationCe
       state_->convex};
 
   ProvenDeviation result;
-  verify::CheckSteps steps(mesh.vertices.size() + mesh.triangles.size(), options.check);
+  const std::optional<SurfaceProof>& surface = certificate.surface;
+  verify::CheckSteps steps(mesh.vertices.size() + mesh.triangles.size() + (surface ? verify::parts_of(*surface) : 0),
+                           options.check);
   std::vector<Enclosure> rows(mesh.vertices.size());
   steps.each(rows.size(), [&](std::size_t i) { rows[i] = distance(mesh.vertices[i], certificate.vertices[i]); });
   std::vector<TriangleDistances> triangles(mesh.triangles.size());
@@ -112,30 +147,21 @@ ProvenDeviation DeviationChecker::operator()(const Mesh& mesh, const DeviationCe
     triangles[n] = verify::distances_on({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]},
                                         {rows[a], rows[b], rows[c]}, certificate.triangles[n], proofs);
   });
+  if (surface && !rows.empty()) {
+    result.from_model =
+        verify::farthest_of_surface(state_->model, verify::triangles_of(mesh), *surface, distance, steps);
+  }
   result.interrupted = options.check.interrupted();
   result.samples = samples;
   result.unproved_samples = unproved;
   if (result.interrupted || rows.empty()) return result;
 
-  std::vector<WeightedCell> of_vertices;
-  double largest = 0.0;
-  for (const Enclosure& row : rows) {
-    const Enclosure found = verify::magnitude(row);
-    of_vertices.push_back({{1.0, 1.0}, found, found});
-    largest = std::max(largest, found.lo);
+  result.of_vertices = of_vertices(rows, options.percentiles);
+  if (!triangles.empty()) result.from_mesh = of_triangles(mesh, rows, triangles, options.percentiles);
+  if (result.from_model) {
+    result.hausdorff =
+        larger(result.from_mesh ? result.from_mesh->largest : result.of_vertices.largest, *result.from_model);
   }
-  result.of_vertices = summary_of(of_vertices, largest, options.percentiles);
-  if (triangles.empty()) return result;
-  std::vector<WeightedCell> of_mesh;
-  double largest_of_mesh = 0.0;
-  for (std::size_t n = 0; n < triangles.size(); ++n) {
-    for (const std::uint32_t corner : mesh.triangles[n]) {
-      largest_of_mesh = std::max(largest_of_mesh, verify::magnitude(rows[corner]).lo);
-    }
-    largest_of_mesh = std::max(largest_of_mesh, triangles[n].largest);
-    of_mesh.insert(of_mesh.end(), triangles[n].cells.begin(), triangles[n].cells.end());
-  }
-  result.from_mesh = summary_of(of_mesh, largest_of_mesh, options.percentiles);
   return result;
 }
 

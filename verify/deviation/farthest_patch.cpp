@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "verify/deviation/polygon_distance.hpp"
+#include "verify/deviation/patch_distance.hpp"
 #include "verify/deviation/surface_patch.hpp"
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/numbers/rounding.hpp"
@@ -74,23 +74,11 @@ class PatchSearch {
   /// Tries no harder than to come below `enough`.
   void bound(OpenPatch& open, double enough) const {
     const Patch patch = surfaces_[open.cell.primitive].patch(open.cell);
-    const TriangleTree::Nearest nearest = triangles_.nearest(patch.sample);
+    const PatchDistance distance = distance_from(patch, triangles_, enough);
     open.sample = patch.sample;
     open.radius = patch.radius;
-    open.of_sample = nearest.distance.lo;
-    open.bound = std::min(open.bound, add(nearest.distance.hi, patch.radius, Direction::up));
-    if (open.bound <= enough) return;
-    open.bound = std::min(open.bound, bound_by(patch, nearest.triangle, enough));
-  }
-
-  /// By two flat triangles about which the patch lies, and the mesh's triangles under them.
-  [[nodiscard]] double bound_by(const Patch& patch, std::uint32_t nearest, double enough) const {
-    const double inner = subtract(enough, patch.thickness, Direction::down);
-    double farthest = 0.0;
-    for (const auto& corners : patch.halves()) {
-      farthest = std::max(farthest, farthest_of_polygon(corners, triangles_, nearest, inner));
-    }
-    return add(farthest, patch.thickness, Direction::up);
+    open.of_sample = distance.of_sample.lo;
+    open.bound = std::min(open.bound, distance.farthest);
   }
 
   void settle_near_ones() {

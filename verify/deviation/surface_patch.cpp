@@ -13,9 +13,6 @@ namespace verisq::verify {
 
 namespace {
 
-/// 2^-60 of the surface and no less: patches are not halved any more often.
-constexpr int most_halvings = 60;
-
 double upper_length(const Vector3<double>& v) {
   return length<double>(v).upper();
 }
@@ -160,22 +157,25 @@ double PatchedSurface::flat_thickness(const Interval& straight, const std::array
   return sum_up(sum_up(bent_thickness(straight, corners).upper(), blurred), unevenness(rounded));
 }
 
+/// Flat triangles are farthest from x at a corner, and the patch is no farther from them than it is thick.
+double Patch::radius_about(const Point& x) const {
+  double farthest = 0.0;
+  for (const Point& corner : corners) farthest = std::max(farthest, upper_length(exact(corner) - exact(x)));
+  return sum_up(farthest, thickness);
+}
+
 Patch PatchedSurface::patch(const PatchCell& cell) const {
   const std::array<Placed, 4> corners = this->corners(cell);
   Patch patch{};
   patch.sample = middle_of(placed(along_.middle(cell.along), around_.middle(cell.around), cell.octant).posed);
-  double farthest = 0.0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    patch.corners[i] = middle_of(corners[i].posed);
-    farthest = std::max(farthest, upper_length(exact(patch.corners[i]) - exact(patch.sample)));
-  }
+  for (std::size_t i = 0; i < corners.size(); ++i) patch.corners[i] = middle_of(corners[i].posed);
   patch.thickness = flat_thickness(straight_thickness(cell), corners);
-  patch.radius = sum_up(farthest, patch.thickness);
+  patch.radius = patch.radius_about(patch.sample);
   return patch;
 }
 
-std::optional<std::array<PatchCell, 2>> PatchedSurface::halves(const PatchCell& cell) const {
-  if (cell.halvings == most_halvings) return std::nullopt;
+std::optional<PatchHalving> PatchedSurface::halving(const PatchCell& cell) const {
+  if (cell.halvings == most_halvings_of_patch) return std::nullopt;
   const CurvePoint& low = along_.from(cell.along);
   const CurvePoint& high = along_.to(cell.along);
   const CurvePoint& left = around_.from(cell.around);
@@ -192,13 +192,25 @@ std::optional<std::array<PatchCell, 2>> PatchedSurface::halves(const PatchCell& 
   const double share = divide_along ? std::hypot(apart(low.x, high.x, 1.0), apart(low.y, high.y, 1.0))
                                     : std::hypot(apart(left.x, right.x, 1.0), apart(left.y, right.y, 1.0));
   if (!(share > 0x1p-30)) return std::nullopt;
+  return divide_along ? PatchHalving::along : PatchHalving::around;
+}
+
+/// The halves of an arc cover it, wherever its middle was rounded to (ArcTree::halve), hence those of the patch.
+std::array<PatchCell, 2> PatchedSurface::halves(const PatchCell& cell, PatchHalving halving) const {
+  const bool is_along = halving == PatchHalving::along;
   std::array<PatchCell, 2> halves{cell, cell};
-  const ArcTree::Arc first = divide_along ? along_.first_half(cell.along) : around_.first_half(cell.around);
+  const ArcTree::Arc first = is_along ? along_.first_half(cell.along) : around_.first_half(cell.around);
   for (std::uint32_t i = 0; i < 2; ++i) {
-    (divide_along ? halves[i].along : halves[i].around) = first + i;
+    (is_along ? halves[i].along : halves[i].around) = first + i;
     ++halves[i].halvings;
   }
   return halves;
+}
+
+std::optional<std::array<PatchCell, 2>> PatchedSurface::halves(const PatchCell& cell) const {
+  const std::optional<PatchHalving> way = halving(cell);
+  if (!way) return std::nullopt;
+  return halves(cell, *way);
 }
 
 }  // namespace verisq::verify

@@ -38,7 +38,16 @@ struct Patch {
   [[nodiscard]] std::array<Triangle, 2> halves() const {
     return {{{corners[0], corners[1], corners[3]}, {corners[0], corners[2], corners[3]}}};
   }
+
+  /// No point of the patch is farther from x. Precondition: finite.
+  [[nodiscard]] double radius_about(const Point& x) const;
 };
+
+/// Which of a patch's two arcs is halved.
+enum class PatchHalving : std::uint8_t { along, around };
+
+/// 2^-60 of the surface and no less: patches are not halved any more often.
+inline constexpr int most_halvings_of_patch = 60;
 
 /// Makes the patches of one primitive.
 class PatchedSurface {
@@ -55,7 +64,11 @@ class PatchedSurface {
 
   [[nodiscard]] PatchArea area(const PatchCell& cell) const;
 
-  /// Across the longer way. Nothing where the ends of its arcs cannot be told apart well.
+  /// Of the longer way. Nothing where the ends of its arcs cannot be told apart well, or the patch is halved too often
+  /// already. Nothing is proven by what is chosen.
+  [[nodiscard]] std::optional<PatchHalving> halving(const PatchCell& cell) const;
+  /// They cover the patch, whichever arc is halved.
+  [[nodiscard]] std::array<PatchCell, 2> halves(const PatchCell& cell, PatchHalving halving) const;
   [[nodiscard]] std::optional<std::array<PatchCell, 2>> halves(const PatchCell& cell) const;
 
  private:

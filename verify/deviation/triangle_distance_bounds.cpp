@@ -94,9 +94,9 @@ double lower_by(const Point& point, const Point& v, const Triangle& triangle) {
       sum += product;
       magnitude += std::abs(product);
     }
-    // Not std::min: NaN is no bound.
     const double bound = sum - 0x1p-49 * magnitude;
-    if (!(bound >= least)) least = bound;
+    if (std::isnan(bound)) return 0.0;  // products beyond binary64: of this corner nothing is known
+    least = std::min(least, bound);
   }
   const double lower = least / length_up(v) * (1.0 - 0x1p-49) - underflow;
   return lower > 0.0 && lower < infinity ? lower : 0.0;
