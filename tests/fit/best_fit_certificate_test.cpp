@@ -284,7 +284,7 @@ TEST(BestFitCertificate, OfSeveralImplantsIsThatOfTheBest) {
 
 TEST(BestFitCertificate, WithoutSenseProvesNoMoreThanTheWeights) {
   const CertifiedBound bound(small_hook(), 12, near_range, 0.25);
-  const double all = static_cast<double>(bound.cavity().points.size());
+  const auto all = static_cast<double>(bound.cavity().points.size());
   const auto proven = [&](std::vector<PoseDivision> divisions) {
     return bound.proven(bound.claim(), {{std::move(divisions)}}).upper;
   };
@@ -296,7 +296,7 @@ TEST(BestFitCertificate, WithoutSenseProvesNoMoreThanTheWeights) {
   EXPECT_EQ(proven({}), all);
   EXPECT_EQ(proven({static_cast<PoseDivision>(9), PoseDivision::none, PoseDivision::none}), all);
   std::vector<PoseDivision> too_thin;
-  for (int i = 0; i < 40; ++i) too_thin.push_back(PoseDivision::about_x);
+  too_thin.insert(too_thin.end(), 40, PoseDivision::about_x);
   too_thin.insert(too_thin.end(), 41, PoseDivision::none);
   EXPECT_EQ(proven(too_thin), all);
   EXPECT_EQ(bound.proven(bound.claim(), {}).upper, all);
@@ -304,7 +304,7 @@ TEST(BestFitCertificate, WithoutSenseProvesNoMoreThanTheWeights) {
 
 TEST(BestFitCertificate, IsInterrupted) {
   const CertifiedBound bound(small_hook(), 12, near_range, 0.25);
-  const Model implant = bound.implant();
+  const Model& implant = bound.implant();
   const BestFitChecker checker({&implant, 1}, bound.cavity().points, bound.claim());
   CheckOptions options;
   options.interrupted = [] { return true; };

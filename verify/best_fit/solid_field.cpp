@@ -105,7 +105,6 @@ struct SolidField::State {
   State(const Model& model, const Point& middle_of_all) : centre(middle_of_all) {
     lower.fill(infinity);
     upper.fill(-infinity);
-    smallest = infinity;
     for (const Primitive& primitive : model.primitives) {
       const PosedSuperquadric& solid = solids.emplace_back(primitive);
       const RigidMotion& motion = solid.motion();
@@ -208,9 +207,9 @@ struct SolidField::State {
   Point centre;
   std::vector<PosedSuperquadric> solids;
   std::vector<Proposer> proposers;
-  Point lower{}, upper{};  ///< of the model's box, from the centre
-  double smallest;         ///< semi-axis
-  double edge;             ///< of the finest cubes
+  Point lower{}, upper{};      ///< of the model's box, from the centre
+  double smallest = infinity;  ///< semi-axis
+  double edge;                 ///< of the finest cubes
   mutable std::array<Shard, shards> all;
 };
 
