@@ -160,8 +160,8 @@ struct PathAnswer {
   PathCertificate certificate;
 };
 
-using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, BestFitAnswer, InsertionAnswer, DeviationAnswer, FeaturesAnswer,
-                            EquilibriumAnswer, PathAnswer>;
+using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, BestFitAnswer, InsertionAnswer, DeviationAnswer,
+                            FeaturesAnswer, EquilibriumAnswer, PathAnswer>;
 
 /// Of any kind. Throws as `read_pair_answer`.
 [[nodiscard]] Answer read_answer(const std::filesystem::path& path);

@@ -51,8 +51,8 @@ struct FitBound {
   std::uint64_t boxes;                     ///< of poses, looked at
   std::optional<PromisingPose> promising;  ///< the best that was met and seems better than what is known
   std::string device;                      ///< that proved depths, or "host"
-  /// How each implant's range was halved, in preorder, as `BestFitCertificate` has it; of one that was not begun, not at
-  /// all.
+  /// How each implant's range was halved, in preorder, as `BestFitCertificate` has it; of one that was not begun, not
+  /// at all.
   std::vector<std::vector<PoseDivision>> divisions;
 };
 

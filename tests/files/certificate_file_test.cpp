@@ -330,7 +330,8 @@ TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
     expect_input_error([&] { (void)parse_answer(other.dump(), "proof.json"); }, "proof.json", ": " + message);
   };
   refused("/kind", "recovery",
-          "kind = \"recovery\": must be \"pair\", \"poses\", \"path\", \"fit\", \"best_fit\", \"insertion\", \"deviation\", "
+          "kind = \"recovery\": must be \"pair\", \"poses\", \"path\", \"fit\", \"best_fit\", \"insertion\", "
+          "\"deviation\", "
           "\"features\" or \"equilibrium\"");
   refused("/kind", "pair", "answers = [...]: unknown key");
   refused("/answers", nlohmann::json::array(), "answers = []: must not be empty");

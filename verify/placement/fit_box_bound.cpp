@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "verify/proposals/box_program.hpp"
 #include "verify/placement/fitness_line.hpp"
+#include "verify/proposals/box_program.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

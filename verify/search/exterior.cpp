@@ -7,10 +7,10 @@
 
 #include "verify/proof/intersection.hpp"
 #include "verify/proposals/boundary.hpp"
+#include "verify/proposals/gjk.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/proposals/triangle.hpp"
 #include "verify/search/contact.hpp"
-#include "verify/proposals/gjk.hpp"
 
 namespace verisq::verify {
 

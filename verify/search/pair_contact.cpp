@@ -8,10 +8,10 @@
 
 #include "verify/analysis/fifty_digits.hpp"
 #include "verify/analysis/norm_expansion.hpp"
+#include "verify/proposals/gjk.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/common_point.hpp"
 #include "verify/search/contact.hpp"
-#include "verify/proposals/gjk.hpp"
 #include "verify/search/pair_midpoint.hpp"
 
 namespace verisq::verify {

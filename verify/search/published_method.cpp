@@ -13,9 +13,9 @@
 #include <string_view>
 
 #include "verify/proof/rigid_motion.hpp"
+#include "verify/proposals/gjk.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verify/search/bisected_enclosure.hpp"
-#include "verify/proposals/gjk.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq {
