@@ -137,8 +137,8 @@ double sampled(const Model& model, const Mesh& mesh, int steps) {
   Long farthest = 0;
   for (const Primitive& primitive : model.primitives) {
     for (int n = 0; n < (2 * steps + 1) * 4 * steps; ++n) {
-      const Point x =
-          surface_point(primitive, half * (n / (4 * steps) - steps) / steps, half * (n % (4 * steps)) / steps);
+      const int row = n / (4 * steps) - steps;
+      const Point x = surface_point(primitive, half * row / steps, half * (n % (4 * steps)) / steps);
       const Long distance = distance_to(mesh, x);
       if (distance <= farthest) continue;
       const Enclosure to_model = signed_distance(x, tolerance);
