@@ -363,6 +363,19 @@ std::vector<PatchProof> evenly_halved(int depth) {
   return patches;
 }
 
+/// Whole, and more than a checker need follow.
+TEST(SurfaceCertificateTest, OfTooManyPatchesNothingIsProvenFromAbove) {
+  const Answer& answer = answers()[0];
+  SurfaceProof proof = answer.proof;
+  proof.patches = {{}};
+  for (int octant = 0; octant < 8; ++octant) {
+    const std::vector<PatchProof> patches = evenly_halved(octant == 0 ? 19 : 18);
+    proof.patches[0].insert(proof.patches[0].end(), patches.begin(), patches.end());
+  }
+  ASSERT_GT(proof.patches[0].size(), most_patches);
+  EXPECT_EQ(proven_of(answer.model, answer.mesh, proof).hi, infinity);
+}
+
 /// The corners of the unit ball's first octant lie in a ball of radius 2.5 about (-1, -1, -1), at 2.45 from there, and
 /// its middle does not, at 2.73, which is the farthest point of both from a point beyond.
 TEST(SurfaceCertificateTest, APatchBulgesBeyondItsCorners) {

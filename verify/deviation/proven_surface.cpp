@@ -36,7 +36,7 @@ class Walk {
 
   /// Nothing where the leaves are not proven to cover all primitives' surfaces.
   [[nodiscard]] std::optional<std::vector<Leaf>> leaves() {
-    if (proof_.patches.size() != surfaces_.size()) return std::nullopt;
+    if (proof_.patches.size() != surfaces_.size() || parts_of(proof_) > most_patches) return std::nullopt;
     for (std::size_t k = 0; k < surfaces_.size(); ++k) {
       if (!follow(surfaces_[k], proof_.patches[k])) return std::nullopt;
     }
