@@ -66,6 +66,7 @@ class SurfaceProver {
       open.pop_back();
       surface.prepare(cell);
       ++used_;
+      ++patches_;
       const auto halving = prove(surface, cell, proof);
       if (!halving) continue;
       const bool is_along = *halving == verify::PatchHalving::along;
@@ -76,7 +77,7 @@ class SurfaceProver {
     return proof;
   }
 
-  [[nodiscard]] bool is_too_large() const { return used_ > bytes_; }
+  [[nodiscard]] bool is_too_large() const { return used_ > bytes_ || patches_ >= most_patches; }
 
   /// Of a point near the boundary.
   [[nodiscard]] CertifiedPoint near_boundary(const Point& x) const {
@@ -172,7 +173,8 @@ class SurfaceProver {
   double enough_;
   double tolerance_;
   std::size_t bytes_;
-  std::atomic<std::size_t> used_{0};
+  std::atomic<std::size_t> used_{0};  ///< bytes
+  std::atomic<std::size_t> patches_{0};
   const SeenInterruption& interrupted_;
 };
 
@@ -203,7 +205,8 @@ CertifiedSurface certified_surface(const Model& model, const Mesh& mesh, const D
                     [&](std::size_t i) { proofs[i] = prover(i / octants, i % octants); });
   if (interrupted()) return {};
   if (prover.is_too_large()) {
-    return {std::nullopt, fmt::format("its patches take more than the {} bytes that there are for them", bytes)};
+    return {std::nullopt, fmt::format("it takes more than {} patches, or than the {} bytes that there are for them",
+                                      most_patches, bytes)};
   }
   SurfaceProof proof = joined(std::move(proofs));
   proof.within = enough * (1.0 + room);

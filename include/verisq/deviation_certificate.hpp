@@ -1,6 +1,7 @@
 /// What proves how far a mesh and a model's surface lie apart again, without device or search.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -37,6 +38,9 @@ enum class PatchProof : std::uint8_t {
   halved_along,   ///< both halves: of its arc along the latitude
   halved_around,  ///< likewise, of its arc around
 };
+
+/// Of all primitives, halved ones included: what more would take to follow no checker need have.
+inline constexpr std::size_t most_patches = std::size_t{1} << 22U;
 
 /// A point and its signed distance to the model.
 struct CertifiedPoint {

@@ -137,8 +137,8 @@ double sampled(const Model& model, const Mesh& mesh, int steps) {
   Long farthest = 0;
   for (const Primitive& primitive : model.primitives) {
     for (int n = 0; n < (2 * steps + 1) * 4 * steps; ++n) {
-      const Point x =
-          surface_point(primitive, half * (n / (4 * steps) - steps) / steps, half * (n % (4 * steps)) / steps);
+      const int row = n / (4 * steps) - steps;
+      const Point x = surface_point(primitive, half * row / steps, half * (n % (4 * steps)) / steps);
       const Long distance = distance_to(mesh, x);
       if (distance <= farthest) continue;
       const Enclosure to_model = signed_distance(x, tolerance);
@@ -361,6 +361,19 @@ std::vector<PatchProof> evenly_halved(int depth) {
   const std::vector<PatchProof> half = evenly_halved(depth - 1);
   for (int i = 0; i < 2; ++i) patches.insert(patches.end(), half.begin(), half.end());
   return patches;
+}
+
+/// Whole, and more than a checker need follow.
+TEST(SurfaceCertificateTest, OfTooManyPatchesNothingIsProvenFromAbove) {
+  const Answer& answer = answers()[0];
+  SurfaceProof proof = answer.proof;
+  proof.patches = {{}};
+  for (int octant = 0; octant < 8; ++octant) {
+    const std::vector<PatchProof> patches = evenly_halved(octant == 0 ? 19 : 18);
+    proof.patches[0].insert(proof.patches[0].end(), patches.begin(), patches.end());
+  }
+  ASSERT_GT(proof.patches[0].size(), most_patches);
+  EXPECT_EQ(proven_of(answer.model, answer.mesh, proof).hi, infinity);
 }
 
 /// The corners of the unit ball's first octant lie in a ball of radius 2.5 about (-1, -1, -1), at 2.45 from there, and

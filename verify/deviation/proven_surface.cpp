@@ -36,7 +36,7 @@ class Walk {
 
   /// Nothing where the leaves are not proven to cover all primitives' surfaces.
   [[nodiscard]] std::optional<std::vector<Leaf>> leaves() {
-    if (proof_.patches.size() != surfaces_.size()) return std::nullopt;
+    if (proof_.patches.size() != surfaces_.size() || parts_of(proof_) > most_patches) return std::nullopt;
     for (std::size_t k = 0; k < surfaces_.size(); ++k) {
       if (!follow(surfaces_[k], proof_.patches[k])) return std::nullopt;
     }
@@ -54,11 +54,13 @@ class Walk {
       const PatchCell cell = open.back();
       open.pop_back();
       surface.prepare(cell);
-      const bool is_leaf = step == PatchProof::near || step == PatchProof::off;
-      if (is_leaf ? !add_leaf(cell, step) : cell.halvings == most_halvings_of_patch) return false;
-      if (is_leaf) continue;
-      const auto halves =
-          surface.halves(cell, step == PatchProof::halved_along ? PatchHalving::along : PatchHalving::around);
+      if (step == PatchProof::near || step == PatchProof::off) {
+        if (!add_leaf(cell, step)) return false;
+        continue;
+      }
+      if (cell.halvings == most_halvings_of_patch) return false;
+      const bool is_along = step == PatchProof::halved_along;
+      const auto halves = surface.halves(cell, is_along ? PatchHalving::along : PatchHalving::around);
       open.insert(open.end(), {halves[1], halves[0]});
     }
     return open.empty();
