@@ -85,7 +85,8 @@ double farthest_of_leaf(const Leaf& leaf, const PatchedSurface& surface, const T
   if (leaf.off != nullptr && is_finite(leaf.off->point) &&
       is_off_boundary(patch, leaf.off->point, distance(leaf.off->point, leaf.off->signed_distance)))
     return 0.0;
-  return distance_from(patch, tree, enough).farthest;
+  const double farthest = distance_from(patch, tree, enough).farthest;
+  return farthest >= 0.0 ? farthest : infinity;  // NaN is no bound
 } catch (const std::domain_error&) {  // of an interval without numbers, where its ends overflow
   return infinity;
 }
