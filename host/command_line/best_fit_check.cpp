@@ -73,36 +73,44 @@ BestFitCheckReport checked(const BestFitAnswer& answer, const std::vector<Model>
   return report;
 }
 
-/// "at most 165.4", or that there is none.
+/// Of the claim, or of what is proven instead.
 std::string bound_in_words(double upper) {
-  if (upper == -infinity) return "none, because none keeps the limit at all vertices";
-  return fmt::format("at most {}", upper);
+  if (upper == -infinity) return "no pose of the range keeps the limit at all vertices";
+  return fmt::format("F of any pose that keeps the limit is at most {}", upper);
 }
 
-std::string verdict_in_words(const BestFitCheckReport& report) {
-  if (report.proven.interrupted) return "F of any pose        not judged\n";
-  std::string text = fmt::format("F of any pose        {}\n", name_of(report.verdict));
-  if (report.verdict != Verdict::proved)
-    text += fmt::format("  proven of it       {}\n", bound_in_words(report.proven.upper));
+std::string verdict_in_words(const BestFitAnswer& answer, const BestFitCheckReport& report) {
+  const char* const verdict = report.proven.interrupted ? "not judged" : name_of(report.verdict);
+  std::string text = fmt::format("{:<20} {}\n", verdict, bound_in_words(answer.upper));
+  if (!report.proven.interrupted && report.verdict != Verdict::proved)
+    text += fmt::format("  proven instead     {}\n", bound_in_words(report.proven.upper));
   return text;
 }
 
-std::string range_in_words(const BestFitAnswer& answer) {
-  std::string text =
-      fmt::format("of all poses         of {} up to {} along each axis, and {} degrees about each\n",
-                  answer.models.size() == 1 ? "the implant" : fmt::format("{} implants", answer.models.size()),
-                  with_units(fmt::format("{}", answer.range.translation), answer.units), answer.range.rotation_degrees);
+std::string centres_in_words(const BestFitAnswer& answer, const CheckArguments& arguments) {
+  std::string text;
+  for (std::size_t i = 0; i < answer.centres.size(); ++i) {
+    const auto& [x, y, z] = answer.centres[i];
+    text += fmt::format("  about the point    ({}, {}, {}) of {}\n", x, y, z, arguments.models[i]);
+  }
+  return text;
+}
+
+std::string range_in_words(const BestFitAnswer& answer, const CheckArguments& arguments) {
+  std::string text = fmt::format(
+      "the range            moved by up to {} along each axis, turned by a rotation vector of up to {} degrees along "
+      "each\n",
+      with_units(fmt::format("{}", answer.range.translation), answer.units), answer.range.rotation_degrees);
+  text += centres_in_words(answer, arguments);
   text += fmt::format("  from               {}: translation, quaternion\n", option_text(answer.range.start));
-  for (const auto& [x, y, z] : answer.centres) text += fmt::format("  about its centre   ({}, {}, {})\n", x, y, z);
-  return text + fmt::format("  that keep          {}: no vertex deeper in the implant\n",
+  return text + fmt::format("the limit            no vertex deeper in the implant than {}\n",
                             with_units(fmt::format("{}", answer.terms.penetration_limit), answer.units));
 }
 
 std::string readable(const BestFitAnswer& answer, const BestFitCheckReport& report, const CheckArguments& arguments) {
-  std::string text = verdict_in_words(report);
-  text += fmt::format("  claimed            {}\n", bound_in_words(answer.upper));
-  text += range_in_words(answer) + criterion_in_words(answer.terms, answer.units);
-  text += "  is it the range, and are it the weights, that were meant? That is not proved, but for you to see\n";
+  std::string text = verdict_in_words(answer, report);
+  text += range_in_words(answer, arguments) + criterion_in_words(answer.terms, answer.units);
+  text += "  are these the range, the points and the weights that were meant? That is not proved, but for you to see\n";
   text += "not claimed          that some pose is as good: that says the certificate of a fit\n";
   text += fmt::format("boxes of poses       {}\n", report.proven.boxes);
   text += fmt::format("time                 {:.3g} s\n", report.seconds);
@@ -124,6 +132,7 @@ std::string json(const BestFitAnswer& answer, const BestFitCheckReport& report, 
   const auto& [proven, verdict, seconds] = report;
   const JsonObject object{{"kind", "best_fit"},
                           {"verdict", proven.interrupted ? JsonValue() : JsonValue(name_of(verdict))},
+                          {"no_pose_keeps_limit", !proven.interrupted && proven.upper == -infinity},
                           {"claimed", finite_or_null(answer.upper)},
                           {"proven", proven.interrupted ? JsonValue() : finite_or_null(proven.upper)},
                           {"start", answer.range.start},

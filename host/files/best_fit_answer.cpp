@@ -33,6 +33,13 @@ std::vector<PoseDivision> read_divisions(const JsonValue& value) {
   return divisions;
 }
 
+/// Finite, or minus infinity: that no pose keeps the limit. Plus infinity would claim nothing.
+double read_upper(const JsonValue& value) {
+  const double upper = value.number_or_infinity();
+  if (upper == infinity) value.fail("must be a number, or \"-inf\"");
+  return upper;
+}
+
 /// As many as there are models.
 void require_one_a_model(const JsonValue& value, std::size_t models) {
   if (value.size() != models) value.fail("must be " + std::to_string(models) + ", one a model");
@@ -52,7 +59,7 @@ BestFitAnswer read_best_fit(const JsonValue& root) {
                        .terms = read_terms(root),
                        .range = read_range(root.at("range")),
                        .centres = {},
-                       .upper = root.at("upper").number_or_infinity(),
+                       .upper = read_upper(root.at("upper")),
                        .certificate = {}};
   const JsonValue centres = root.at("centres");
   const JsonValue ranges = root.at("ranges");

@@ -76,14 +76,18 @@ TEST_F(CheckBestFit, ProvesTheBoundOfTheFit) {
   EXPECT_LE(claimed, said["bound"]["upper"].get<double>() * (1.0 + 1e-2));
   const Outcome outcome = check_of(proof_);
   EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
-  EXPECT_THAT(outcome.out, HasSubstr("F of any pose        proved\n  claimed            at most "));
-  EXPECT_THAT(outcome.out,
-              HasSubstr("of all poses         of the implant up to 1 mm along each axis, and 1 degrees about each\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("proved               F of any pose that keeps the limit is at most "));
+  EXPECT_THAT(
+      outcome.out,
+      HasSubstr("the range            moved by up to 1 mm along each axis, turned by a rotation vector of up to 1 "
+                "degrees along each\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("the limit            no vertex deeper in the implant than 0 mm\n"));
   EXPECT_THAT(outcome.out, HasSubstr("area elsewhere       weight 1, 786 vertices, which the certificate names\n"));
   const json object = json::parse(check_of(proof_, {"--json"}).out);
   EXPECT_EQ(object["kind"], "best_fit");
   EXPECT_EQ(object["verdict"], "proved");
   EXPECT_EQ(object["claimed"], claimed);
+  EXPECT_EQ(object["no_pose_keeps_limit"], false);
   EXPECT_LE(object["proven"].get<double>(), claimed);
 }
 
@@ -108,6 +112,7 @@ TEST_F(CheckBestFit, IsOfNoOtherModelMeshOrTerms) {
   refused(check_of(forged("/area_runs", {{0, 100}})), "are of 100 vertices, and the mesh has 786");
   refused(check_of(forged("/units", "cm")), "are not those of the models, \"mm\"");
   refused(check_of(forged("/range/translation", -1.0)), "must be at least 0");
+  refused(check_of(forged("/upper", "inf")), "must be a number, or \"-inf\"");
   refused(check_of(proof_, {"--map", mesh_}), "not of the one of a map");
   refused(check_of(proof_, {"--model", stem_}), "is of 1 implants");
   refused(run({"check", "--model", stem_, "--certificate", proof_}), "give the --mesh");

@@ -248,6 +248,7 @@ TEST(CertificateFile, RefusesWhatIsNoBestFit) {
   refused("/range/rotation_degrees", 180.5, "must be at most 180");
   refused("/range/start/quaternion", {0, 0, 0, 0}, "must not be zero");
   refused("/upper", "nothing", "upper");
+  refused("/upper", "inf", "must be a number, or \"-inf\"");
   refused("/criterion/scale", 0.0, "must be above 0");
   refused("/claims", nlohmann::json::array(), "claims");
 }

@@ -24,6 +24,8 @@ namespace {
 /// Of boxes whose bound is above the claim, because whoever divided them found other balls or half-spaces than we do:
 /// so few are halved further, by so many levels.
 constexpr std::size_t levels_of_few = 6;
+/// Twice as many balls have indices.
+constexpr std::size_t most_points = std::size_t{1} << 30U;
 constexpr std::size_t few_of(std::size_t boxes) {
   return 16 + boxes / 64;
 }
@@ -69,7 +71,9 @@ void require_claim(std::span<const Model> series, std::span<const Point> points,
   }
   require_range(claim.range);
   require_terms(claim.terms);
-  require(!points.empty(), "no points");
+  require(claim.upper < infinity, fmt::format("upper: must be a number or minus infinity, not {}", claim.upper));
+  require(!points.empty() && points.size() <= most_points,
+          fmt::format("points: 1 to {}, not {}", most_points, points.size()));
   require(points.size() == claim.terms.area_of.size(),
           fmt::format("areas: of {} points, and there are {}", claim.terms.area_of.size(), points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -210,7 +214,7 @@ BestFitChecker::BestFitChecker(std::span<const Model> series, std::span<const Po
   try {
     state_ = std::make_unique<State>(series, points, claim);
   } catch (const std::domain_error&) {
-    throw Error(ErrorKind::input, "implants, points and range: too large for the arithmetic of a bound");
+    throw Error(ErrorKind::input, "implants, points, weights or range: too large for the arithmetic of a bound");
   }
   require(std::isfinite(state_->all_weights()), "weights: their sum over all points overflows");
 }

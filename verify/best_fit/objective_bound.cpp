@@ -249,8 +249,8 @@ class ObjectiveBound::Sum {
       if (k == first) continue;
       const Interval other = Sum::distance(arm, half_spaces[k]);
       const double least = (other - Interval(arm.reach) - radius).lower();
-      if (least >= highest) continue;
       lowest = std::min(lowest, least);
+      if (least >= highest) continue;  // nowhere nearer than L
       const Interval apart = length<double>(vector(half_spaces[first].normal) - vector(half_spaces[k].normal)) * radius;
       const PoseSlope change = difference(slope, this->slope(arm, half_spaces[k]));
       const Interval by_slopes =

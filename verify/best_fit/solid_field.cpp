@@ -30,6 +30,9 @@ constexpr std::array<double, 3> tried_depths{0.5, 0.9, 1.5};
 /// So that the length of a rounded unit vector is below 1.
 constexpr double shortened = 1.0 - 0x1p-40;
 
+/// Of the finest cubes, at most: long thin and flat models have coarser ones.
+constexpr double most_cubes = 400000.0;
+
 constexpr std::size_t shards = 64;
 
 double dot(const Point& a, const Point& b) {
@@ -122,6 +125,14 @@ struct SolidField::State {
     }
     const double volume = (upper[0] - lower[0]) * (upper[1] - lower[1]) * (upper[2] - lower[2]);
     edge = std::max(std::cbrt(volume / fine_cubes), finest_edge * smallest);
+    while (cubes_of(edge) > most_cubes) edge *= 1.2;
+  }
+
+  /// That lie in the box, or next to it.
+  [[nodiscard]] double cubes_of(double length) const {
+    double cubes = 1.0;
+    for (std::size_t i = 0; i < 3; ++i) cubes *= (upper[i] - lower[i]) / length + 2.0 * cubes_of_a_size + 2.0;
+    return cubes;
   }
 
   [[nodiscard]] double distance_to_box(const Point& x) const {
@@ -185,7 +196,7 @@ struct SolidField::State {
     const auto consider = [&](double depth) {
       const Point local = sum(q, found.normal, -(found.distance + depth));
       const double radius = -proposer.nearest(local).distance;
-      if (!(radius > 0.0)) return;
+      if (!(radius > 0.0) || !std::isfinite(found.distance)) return;
       const Point moved = proposer.turned(local);
       const Point ball = sum(sum(moved, proposer.origin, 1.0), centre, 1.0);
       candidates.push_back({std::fabs(found.distance + depth) - radius, {ball, radius}});
