@@ -12,6 +12,7 @@
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
 #include "tests/fixtures/requested_count.hpp"
+#include "tests/fixtures/small_hook.hpp"
 #include "verify/best_fit/line_above.hpp"
 #include "verify/best_fit/objective_bound.hpp"
 #include "verisq/certified_best_fit.hpp"
@@ -25,16 +26,9 @@ using fit_search::PointDistance;
 using verify::BoxBound;
 using verify::ObjectiveBound;
 using verify::PoseCell;
+using ::verisq::testing::small_hook;
 
 constexpr double play = 0.5;
-
-/// Two primitives across each other.
-Model small_hook(double taper = 1.0) {
-  return {"mm",
-          {{"arm", {{4.0, 5.0, 12.0}, {0.7, 0.9}, taper}, {}},
-           {"barb", {{8.0, 4.0, 4.0}, {0.9, 0.6}}, {{6.0, 1.0, 8.0}, {0.98, 0.1, 0.1, 0.1}}}},
-          {}};
-}
 
 PoseRange range_about(const Pose& start, double translation, double degrees) {
   return {.start = start, .translation = translation, .rotation_degrees = degrees};

@@ -10,6 +10,7 @@
 #include "host/mesh/eigen_points.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
+#include "tests/fixtures/small_hook.hpp"
 #include "verisq/signed_distance.hpp"
 
 namespace verisq {
@@ -22,16 +23,9 @@ using verify::FitBoxResult;
 using verify::PoseBox;
 using verify::PoseParameters;
 using verify::WeightedPoint;
+using ::verisq::testing::small_hook;
 
 constexpr double kPlay = 0.5;
-
-/// Two primitives across each other.
-Model small_hook(double taper = 1.0) {
-  return {"mm",
-          {{"arm", {{4.0, 5.0, 12.0}, {0.7, 0.9}, taper}, {}},
-           {"barb", {{8.0, 4.0, 4.0}, {0.9, 0.6}}, {{6.0, 1.0, 8.0}, {0.98, 0.1, 0.1, 0.1}}}},
-          {}};
-}
 
 FitBoundOptions options(const Fitness& fitness, double translation, double degrees) {
   return {.fitness = fitness,
