@@ -87,7 +87,7 @@ double farthest_of_leaf(const Leaf& leaf, const PatchedSurface& surface, const T
     return 0.0;
   const double farthest = distance_from(patch, tree, enough).farthest;
   return farthest >= 0.0 ? farthest : infinity;  // NaN is no bound
-} catch (const std::domain_error&) {  // of an interval without numbers, where its ends overflow
+} catch (const std::domain_error&) {             // of an interval without numbers, where its ends overflow
   return infinity;
 }
 
