@@ -155,7 +155,7 @@ std::string readable(const FitAnswer& answer, const FitCheckReport& report, cons
   std::string text = readable(report.vertices);
   if (report.surface) text += readable(*report.surface);
   text += claims_in_words(answer, report) + criterion_in_words(answer.terms, answer.units);
-  text += fmt::format("not claimed          {}sides, areas in contact, changes of features\n",
+  text += fmt::format("not claimed          {}sides, areas in contact, changes of features, how near the best fit is\n",
                       claims_surface(answer) ? "" : "what lies between the vertices, ");
   return text + fmt::format("certificate          {}\n", arguments.certificate);
 }

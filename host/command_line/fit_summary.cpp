@@ -410,8 +410,11 @@ Lines run_lines(const FitSummary& summary) {
   if (!summary.surface_map.empty()) lines.push_back({"map of triangles", summary.surface_map});
   if (!summary.certificate_file.empty()) lines.push_back({"certificate", summary.certificate_file});
   if (summary.certified_upper) {
-    lines.push_back({"certificate of bound", fmt::format("{}: of F at most {}", summary.bound_certificate,
-                                                         upper_digits(*summary.certified_upper))});
+    const double upper = *summary.certified_upper;
+    lines.push_back({"certificate of bound",
+                     fmt::format("{}: {}", summary.bound_certificate,
+                                 upper == -infinity ? "no pose keeps the limit"
+                                                    : fmt::format("of F at most {}", upper_digits(upper)))});
   }
   return lines;
 }
