@@ -197,10 +197,9 @@ class DeviationProver {
 
 /// About how much of a certificate file it takes.
 std::size_t size_of(const SurfaceProof& proof) {
-  constexpr std::size_t bytes_of_point = 80;  // beside its certificate
   std::size_t size = 0;
   for (const std::vector<PatchProof>& patches : proof.patches) size += patches.size();
-  for (const CertifiedPoint& point : proof.off) size += bytes_of_point + size_of(point.signed_distance);
+  for (const CertifiedPoint& point : proof.off) size += size_of(point);
   return size;
 }
 

@@ -28,7 +28,6 @@ namespace verisq {
 namespace {
 
 constexpr std::size_t octants = 8;
-constexpr std::size_t bytes_of_point = 80;  // beside its certificate
 /// Of how far patches may lie from the mesh: what other checkers, which round otherwise, may need more.
 constexpr double room = 0x1p-30;
 /// Of a patch's radius: how well the distance of its middle from the boundary has to be known.
@@ -114,7 +113,7 @@ class SurfaceProver {
     const bool is_near = verify::distance_from(patch, tree_, enough_).farthest <= enough_;
     std::optional<CertifiedPoint> off = is_near ? std::nullopt : off_boundary(patch, cell.primitive);
     if (off) {
-      used_ += bytes_of_point + size_of(off->signed_distance);
+      used_ += size_of(*off);
       proof.patches.push_back(PatchProof::off);
       proof.off.push_back(*std::move(off));
       return std::nullopt;

@@ -44,9 +44,9 @@ verify::PoseBox BoundedImplant::box(const RangeCell& cell) const {
   verify::PoseBox result;
   for (std::size_t i = 0; i < 6; ++i) {
     const double reach = candidates_.upper()[i];
-    const double half = std::ldexp(reach, -cell.level[i]);
+    const double half = std::ldexp(reach, -cell.poses.level[i]);
     const auto k = static_cast<Eigen::Index>(i);
-    result.centre[k] = (2.0 * cell.index[i] + 1.0) * half - reach;
+    result.centre[k] = (2.0 * cell.poses.index[i] + 1.0) * half - reach;
     result.half[k] = half + 0x1p-50 * reach;  // the centre is rounded
   }
   return result;

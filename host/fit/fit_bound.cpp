@@ -32,8 +32,6 @@ using verify::WeightedPoint;
 
 /// Boxes that are divided between two polls.
 constexpr std::size_t kBatch = 512;
-/// Divisions of one direction: beyond, boxes are as small as roundings.
-constexpr std::uint8_t kMostDivisions = 30;
 /// Of what is known: a pose that seems better by less is none.
 constexpr double kNotBetter = 1e-4;
 
@@ -180,7 +178,7 @@ class BranchAndBound {
     auto implant = std::make_unique<BoundedImplant>(series_[i], points_, options_);
     if (!implant->is_ready()) return false;
     implants_.push_back(std::move(implant));
-    RangeCell whole{.implant = static_cast<std::uint8_t>(i)};
+    RangeCell whole{.poses = {}, .implant = static_cast<std::uint8_t>(i)};
     take(whole, bounded(whole));
     return true;
   }
@@ -203,11 +201,8 @@ class BranchAndBound {
     while (!open_.empty() && children.size() < 2 * kBatch) {
       std::ranges::pop_heap(open_, worse);
       const RangeCell& cell = open_.back();
-      std::uint32_t node = trees_[cell.implant].halve(cell.node, cell.widest);
-      for (RangeCell half : cell.halves()) {
-        half.node = node++;
-        children.push_back(half);
-      }
+      const std::uint32_t first = trees_[cell.implant].halve(cell.node, cell.widest);
+      for (const RangeCell& half : cell.halves(first)) children.push_back(half);
       open_.pop_back();
     }
     std::vector<FitBoxResult> results(children.size());
@@ -225,7 +220,7 @@ class BranchAndBound {
     result.spread.maxCoeff(&widest);
     cell.widest = static_cast<std::uint8_t>(widest);
     const bool is_pose = !(result.spread[widest] > 0.0);  // nothing is left to divide
-    if (cell.bound <= enough_ || is_pose || cell.level[cell.widest] >= kMostDivisions) {
+    if (cell.bound <= enough_ || is_pose || !cell.poses.can_be_halved(cell.widest)) {
       closed_ = std::max(closed_, cell.bound);
       return;
     }

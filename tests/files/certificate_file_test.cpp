@@ -164,15 +164,20 @@ TEST(CertificateFile, GivesTheSameBitsOfAFitAgain) {
   EXPECT_EQ(runs_of(terms.area_of), written.terms.area_runs);
 }
 
+/// Of a valid document in which what stands at `pointer` is another value.
+void expect_refused_change(nlohmann::json document, const std::string& pointer, const nlohmann::json& value,
+                           const std::string& message) {
+  document[nlohmann::json::json_pointer(pointer)] = value;
+  EXPECT_THAT([&] { (void)parse_answer(document.dump(), "p"); }, ThrowsMessage<Error>(HasSubstr(message)));
+}
+
 TEST(CertificateFile, RefusesWhatIsNoFit) {
   const TemporaryFolder folder;
   write_answer(folder / "proof.json", fit_answer());
   std::ifstream in(folder / "proof.json");
   const nlohmann::json valid = nlohmann::json::parse(in);
   const auto refused = [&](const std::string& pointer, const nlohmann::json& value, const std::string& message) {
-    nlohmann::json document = valid;
-    document[nlohmann::json::json_pointer(pointer)] = value;
-    EXPECT_THAT([&] { (void)parse_answer(document.dump(), "p"); }, ThrowsMessage<Error>(HasSubstr(message)));
+    expect_refused_change(valid, pointer, value, message);
   };
   refused("/models", nlohmann::json::array(), "must be an array of one model");
   refused("/mesh/sha256", "12", "mesh");
@@ -235,9 +240,7 @@ TEST(CertificateFile, RefusesWhatIsNoBestFit) {
   std::ifstream in(folder / "proof.json");
   const nlohmann::json valid = nlohmann::json::parse(in);
   const auto refused = [&](const std::string& pointer, const nlohmann::json& value, const std::string& message) {
-    nlohmann::json document = valid;
-    document[nlohmann::json::json_pointer(pointer)] = value;
-    EXPECT_THAT([&] { (void)parse_answer(document.dump(), "p"); }, ThrowsMessage<Error>(HasSubstr(message)));
+    expect_refused_change(valid, pointer, value, message);
   };
   refused("/models", nlohmann::json::array(), "must not be empty");
   refused("/centres", nlohmann::json::array(), "must be 2, one a model");

@@ -7,9 +7,9 @@
 #include <random>
 
 #include "host/fit/candidate_space.hpp"
-#include "host/fit/host_evaluator.hpp"
 #include "host/mesh/eigen_points.hpp"
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/fit_objective.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/small_hook.hpp"
@@ -22,10 +22,10 @@ namespace verisq {
 namespace {
 
 using fit_search::CandidateSpace;
-using fit_search::PointDistance;
 using verify::BoxBound;
 using verify::ObjectiveBound;
 using verify::PoseCell;
+using ::verisq::testing::FitObjective;
 using ::verisq::testing::small_hook;
 
 constexpr double play = 0.5;
@@ -35,39 +35,6 @@ PoseRange range_about(const Pose& start, double translation, double degrees) {
 }
 
 const Pose tilted{{0.2, -0.3, 0.1}, {0.999, 0.01, -0.02, 0.015}};
-
-/// F of single poses, by the search's own evaluation.
-class Objective {
- public:
-  Objective(const Model& implant, const Cavity& cavity, const Fitness& fitness, double limit, const PoseRange& range)
-      : space_(implant, range), fitness_(fitness), limit_(limit) {
-    std::vector<double> weights;
-    for (const std::uint32_t area : cavity.area_of) weights.push_back(cavity.areas[area].weight);
-    evaluator_ = fit_search::host_candidate_evaluator(cavity.points, weights);
-    weights_ = weights;
-  }
-
-  /// Nothing beyond the limit.
-  std::optional<double> operator()(const std::array<double, 6>& at) {
-    evaluator_->distances(space_.candidate(at), distances_);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < distances_.size(); ++i) {
-      if (distances_[i].distance < -limit_) return std::nullopt;
-      sum += weights_[i] * value(fitness_, distances_[i].distance);
-    }
-    return sum;
-  }
-
-  [[nodiscard]] const CandidateSpace& space() const { return space_; }
-
- private:
-  CandidateSpace space_;
-  Fitness fitness_;
-  double limit_;
-  std::vector<double> weights_;
-  std::unique_ptr<fit_search::CandidateEvaluator> evaluator_;
-  std::vector<PointDistance> distances_;
-};
 
 class RandomPoses {
  public:
@@ -126,11 +93,12 @@ TEST_P(BoxesOfAHook, HoldNoBetterPoseThanTheirBound) {
   for (std::size_t i = 0; i < cavity.points.size(); ++i) cavity.area_of[i] = i % 3 == 0 ? 1 : 0;
   const PoseRange range = range_about(tilted, 4.0, 20.0);
   constexpr double limit = 0.1;
-  Objective objective(hook, cavity, GetParam().fitness, limit, range);
+  const CandidateSpace space(hook, range);
+  FitObjective objective(cavity, GetParam().fitness, limit);
   const verify::BoundedObjective terms = bounded(cavity, GetParam().fitness, limit);
-  const ObjectiveBound bound(hook, centre_of(objective.space()), range, terms);
-  RandomPoses poses(objective.space());
-  const fit_search::Parameters planted = objective.space().nearest({});
+  const ObjectiveBound bound(hook, centre_of(space), range, terms);
+  RandomPoses poses(space);
+  const fit_search::Parameters planted = space.nearest({});
   std::array<double, 6> made_of{};
   std::ranges::copy(planted, made_of.begin());
   int feasible = 0;
@@ -141,7 +109,7 @@ TEST_P(BoxesOfAHook, HoldNoBetterPoseThanTheirBound) {
     const BoxBound found = bound(cell);
     if (found.upper == -infinity) ++excluded;
     for (int k = 0; k < 10; ++k) {
-      const std::optional<double> reached = objective(poses.within(cell));
+      const std::optional<double> reached = objective(space, poses.within(cell));
       if (!reached) continue;
       ++feasible;
       ASSERT_LE(*reached, found.upper + 1e-6) << i;
@@ -187,9 +155,8 @@ class CertifiedBound {
   CertifiedBound(const Model& implant, std::size_t points, const PoseRange& range, double gap)
       : implant_(implant), cavity_(testing::offset_cavity(implant, play, points)) {
     terms_.range = range;
-    Objective objective = objective_of(terms_.range, 1.0);
-    RandomPoses poses(objective.space());
-    best_ = *objective({});
+    FitObjective objective(cavity_, terms_.fitness, terms_.penetration_limit);
+    best_ = *objective(CandidateSpace(implant_, range), std::array<double, 6>{});
     const UncertainModel exact = implant_;
     int rounds = 0;
     const FitBound bound = bound_fit({&exact, 1}, cavity_,
@@ -204,12 +171,6 @@ class CertifiedBound {
     auto certified = certified_best_fit({&exact, 1}, cavity_, terms_, bound, {});
     claim_ = certified->claim;
     certificate_ = certified->certificate;
-  }
-
-  [[nodiscard]] Objective objective_of(const PoseRange& range, double weight) const {
-    Cavity weighted = cavity_;
-    weighted.areas.front().weight = weight;
-    return {implant_, weighted, terms_.fitness, terms_.penetration_limit, range};
   }
 
   [[nodiscard]] ProvenBestFit proven(const BestFitClaim& claim, const BestFitCertificate& certificate) const {

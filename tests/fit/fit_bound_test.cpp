@@ -3,12 +3,14 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
 #include <random>
 
 #include "host/fit/bounded_implant.hpp"
-#include "host/fit/host_evaluator.hpp"
 #include "host/mesh/eigen_points.hpp"
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/fit_objective.hpp"
 #include "tests/fixtures/offset_cavity.hpp"
 #include "tests/fixtures/small_hook.hpp"
 #include "verisq/signed_distance.hpp"
@@ -18,11 +20,11 @@ namespace {
 
 using fit_search::BoundedImplant;
 using fit_search::CandidateSpace;
-using fit_search::PointDistance;
 using verify::FitBoxResult;
 using verify::PoseBox;
 using verify::PoseParameters;
 using verify::WeightedPoint;
+using ::verisq::testing::FitObjective;
 using ::verisq::testing::small_hook;
 
 constexpr double kPlay = 0.5;
@@ -43,29 +45,11 @@ std::vector<WeightedPoint> weighted(const Cavity& cavity) {
   return points;
 }
 
-/// F of single poses, by the search's own evaluation.
-class Objective {
- public:
-  Objective(const Cavity& cavity, const FitBoundOptions& how)
-      : how_(how),
-        evaluator_(fit_search::host_candidate_evaluator(cavity.points, std::vector(cavity.points.size(), 1.0))) {}
-
-  /// Nothing beyond the limit.
-  std::optional<double> operator()(const CandidateSpace& space, const PoseParameters& at) {
-    evaluator_->distances(space.candidate(std::span<const double>(at.data(), 6)), distances_);
-    double sum = 0.0;
-    for (const PointDistance& point : distances_) {
-      if (point.distance < -how_.penetration_limit) return std::nullopt;
-      sum += value(how_.fitness, point.distance);
-    }
-    return sum;
-  }
-
- private:
-  FitBoundOptions how_;
-  std::unique_ptr<fit_search::CandidateEvaluator> evaluator_;
-  std::vector<PointDistance> distances_;
-};
+std::array<double, 6> numbers(const PoseParameters& parameters) {
+  std::array<double, 6> result{};
+  std::ranges::copy(parameters, result.begin());
+  return result;
+}
 
 class Poses {
  public:
@@ -93,7 +77,7 @@ TEST_P(BoundedHook, NoPoseOfABoxExceedsItsBound) {
   const Cavity cavity = testing::offset_cavity(hook, kPlay, 40);
   const FitBoundOptions how = options(GetParam().fitness, 4.0, 20.0);
   const BoundedImplant bounded(UncertainModel(hook), weighted(cavity), how);
-  Objective objective(cavity, how);
+  FitObjective objective(cavity, how.fitness, how.penetration_limit);
   Poses poses;
   const PoseParameters range = Eigen::Map<const PoseParameters>(bounded.space().upper().data());
   int feasible = 0;
@@ -108,7 +92,7 @@ TEST_P(BoundedHook, NoPoseOfABoxExceedsItsBound) {
     const FitBoxResult bound = bounded(box);
     if (bound.upper == -infinity) ++excluded;
     for (int k = 0; k < 10; ++k) {
-      const std::optional<double> reached = objective(bounded.space(), poses.within(box));
+      const std::optional<double> reached = objective(bounded.space(), numbers(poses.within(box)));
       if (!reached) continue;
       ++feasible;
       ASSERT_LE(*reached, bound.upper + 1e-6) << i;
@@ -172,8 +156,8 @@ TEST(FitBound, ProvesAPlantedFitAndHoldsForSampledPoses) {
   how.range.start = {};
   how.penetration_limit = 0.0;
   const BoundedImplant bounded(UncertainModel(implant), weighted(cavity), how);
-  Objective objective(cavity, how);
-  how.known = *objective(bounded.space(), PoseParameters::Zero());
+  FitObjective objective(cavity, how.fitness, how.penetration_limit);
+  how.known = *objective(bounded.space(), numbers(PoseParameters::Zero()));
   int rounds = 0;
   how.progress = [&rounds](const FitBoundProgress&) { ++rounds; };
   how.out_of_time = [&rounds] { return rounds >= 40; };
@@ -186,7 +170,7 @@ TEST(FitBound, ProvesAPlantedFitAndHoldsForSampledPoses) {
   const PoseBox whole{PoseParameters::Zero(), Eigen::Map<const PoseParameters>(bounded.space().upper().data())};
   int feasible = 0;
   for (int i = 0; i < 500; ++i) {
-    const std::optional<double> reached = objective(bounded.space(), poses.within(whole));
+    const std::optional<double> reached = objective(bounded.space(), numbers(poses.within(whole)));
     if (!reached) continue;
     ++feasible;
     ASSERT_LE(*reached, bound.upper);

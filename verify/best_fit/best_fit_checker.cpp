@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "verify/analysis/finite_point.hpp"
 #include "verify/best_fit/objective_bound.hpp"
 #include "verify/placement/check_steps.hpp"
 #include "verify/proof/convex_union.hpp"
@@ -34,13 +35,9 @@ void require(bool holds, const std::string& message) {
   if (!holds) throw Error(ErrorKind::input, message);
 }
 
-bool is_finite(const Point& p) {
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
-
 void require_range(const PoseRange& range) {
   const auto& [w, x, y, z] = range.start.quaternion;
-  require(is_finite(range.start.translation) && std::isfinite(w) && is_finite({x, y, z}) &&
+  require(verify::is_finite(range.start.translation) && std::isfinite(w) && verify::is_finite({x, y, z}) &&
               (w != 0.0 || x != 0.0 || y != 0.0 || z != 0.0),
           "range: start: must be finite, its quaternion not zero");
   require(std::isfinite(range.translation) && range.translation >= 0.0,
@@ -67,7 +64,7 @@ void require_claim(std::span<const Model> series, std::span<const Point> points,
           fmt::format("centres: {} of {} implants", claim.centres.size(), series.size()));
   for (std::size_t i = 0; i < series.size(); ++i) {
     verify::require_union_of_convex(series[i], fmt::format("bound of a fit: implants[{}]", i));
-    require(is_finite(claim.centres[i]), fmt::format("centres[{}]: must be finite", i));
+    require(verify::is_finite(claim.centres[i]), fmt::format("centres[{}]: must be finite", i));
   }
   require_range(claim.range);
   require_terms(claim.terms);
@@ -77,7 +74,7 @@ void require_claim(std::span<const Model> series, std::span<const Point> points,
   require(points.size() == claim.terms.area_of.size(),
           fmt::format("areas: of {} points, and there are {}", claim.terms.area_of.size(), points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
-    require(is_finite(points[i]), fmt::format("points[{}]: must be finite", i));
+    require(verify::is_finite(points[i]), fmt::format("points[{}]: must be finite", i));
     require(claim.terms.area_of[i] < claim.terms.areas.size(), fmt::format("points[{}]: of no area", i));
   }
 }

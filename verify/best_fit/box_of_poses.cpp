@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verify/analysis/cross_product.hpp"
+#include "verify/analysis/in_binary64.hpp"
 #include "verify/proof/rigid_motion.hpp"
 #include "verify/proof/trigonometry.hpp"
 
@@ -41,10 +43,6 @@ struct Exponential {
   PreciseMatrix jacobian;
 };
 
-IntervalMatrix rounded(const PreciseMatrix& m) {
-  return {rounded(m.row(0)), rounded(m.row(1)), rounded(m.row(2))};
-}
-
 /// Rounded up.
 double length_up(double a, double b, double c) {
   return length<double>(IntervalVector(Interval(a), Interval(b), Interval(c))).upper();
@@ -52,22 +50,14 @@ double length_up(double a, double b, double c) {
 
 }  // namespace
 
-Interval rounded(const PreciseInterval& a) {
-  return {a.lower().to_double(Direction::down), a.upper().to_double(Direction::up)};
-}
-
-IntervalVector rounded(const PreciseVector& v) {
-  return {rounded(v[0]), rounded(v[1]), rounded(v[2])};
-}
-
 RangeOfPoses::RangeOfPoses(const PoseRange& range, const Point& centre) {
   const RigidMotion start(range.start);
   start_rotation_ = start.rotation;
-  start_centre_ = rounded(start(precise(centre)));
+  start_centre_ = in_binary64(start(precise(centre)));
   const PreciseInterval angle = PreciseInterval(Real(range.rotation_degrees)) * half_turn() / PreciseInterval(180);
   for (std::size_t k = 0; k < 3; ++k) {
     ends_[k] = range.translation;
-    ends_[3 + k] = rounded(angle).upper();
+    ends_[3 + k] = in_binary64(angle).upper();
   }
 }
 
@@ -84,9 +74,9 @@ BoxOfPoses::BoxOfPoses(const RangeOfPoses& range, const PoseCell& cell) {
     half_[k] = std::max((high - Interval(centre[k])).upper(), (Interval(centre[k]) - low).upper());
   }
   const Exponential exponential(precise(Point{centre[3], centre[4], centre[5]}));
-  rotation_ = rounded(exponential.rotation * range.start_rotation());
+  rotation_ = in_binary64(exponential.rotation * range.start_rotation());
   inverse_ = rotation_.transpose();
-  jacobian_transposed_ = rounded(exponential.jacobian.transpose());
+  jacobian_transposed_ = in_binary64(exponential.jacobian.transpose());
   pivot_ = range.start_centre() + IntervalVector(Interval(centre[0]), Interval(centre[1]), Interval(centre[2]));
   moved_ = length_up(half_[0], half_[1], half_[2]);
   turned_ = length_up(half_[3], half_[4], half_[5]);
@@ -108,10 +98,7 @@ BoxOfPoses::Arm BoxOfPoses::arm(const Point& v) const {
 
 // n·R^T (arm - δτ) changes by -(R n)·δτ, and where the implant turns by θ = J δω by (θ × R n)·arm = θ·(R n × arm).
 PoseSlope BoxOfPoses::slope(const Arm& arm, const IntervalVector& turned) const {
-  const IntervalVector& y = arm.from_pivot;
-  const IntervalVector moment{turned[1] * y[2] - turned[2] * y[1], turned[2] * y[0] - turned[0] * y[2],
-                              turned[0] * y[1] - turned[1] * y[0]};
-  const IntervalVector by_rotation = jacobian_transposed_ * moment;
+  const IntervalVector by_rotation = jacobian_transposed_ * cross(turned, arm.from_pivot);
   return {-turned[0], -turned[1], -turned[2], by_rotation[0], by_rotation[1], by_rotation[2]};
 }
 

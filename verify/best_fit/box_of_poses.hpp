@@ -67,8 +67,4 @@ class BoxOfPoses {
   double turned_;  ///< |δω|, at most
 };
 
-/// The thin box, rounded outward to binary64.
-[[nodiscard]] Interval rounded(const PreciseInterval& a);
-[[nodiscard]] IntervalVector rounded(const PreciseVector& v);
-
 }  // namespace verisq::verify

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "verify/best_fit/line_above.hpp"
+#include "verify/placement/ball_tree.hpp"
 #include "verify/proposals/box_program.hpp"
 #include "verisq/enclosure.hpp"
 
@@ -79,7 +80,7 @@ class ObjectiveBound::Sum {
 
   /// False where no pose of the box keeps the limit.
   bool keeps_limit() {
-    for_balls([this](const WeightedBall& ball) { return look_for_depth(ball); });
+    visit_balls(balls(), [this](const WeightedBall& ball) { return look_for_depth(ball); });
     if (too_deep_) return false;
     if (kept_.size() < 2) return true;
     if (std::ssize(kept_) > most_constraints) {
@@ -92,7 +93,7 @@ class ObjectiveBound::Sum {
   }
 
   void add_all() {
-    for_balls([this](const WeightedBall& ball) { return add(ball); });
+    visit_balls(balls(), [this](const WeightedBall& ball) { return add(ball); });
   }
 
   [[nodiscard]] BoxBound result() const {
@@ -112,19 +113,7 @@ class ObjectiveBound::Sum {
   }
 
  private:
-  /// From the root, the children of those that `visit` returns true for.
-  template <typename Visit>
-  void for_balls(const Visit& visit) {
-    std::array<std::uint32_t, 64> waiting{};  // more than the tree is high
-    std::size_t count = 1;
-    while (count > 0) {
-      const std::uint32_t index = waiting[--count];
-      const WeightedBall& ball = objective_.balls[index];
-      if (!visit(ball)) continue;
-      waiting[count++] = ball.second;
-      waiting[count++] = index + 1;
-    }
-  }
+  [[nodiscard]] std::span<const WeightedBall> balls() const { return objective_.balls; }
 
   /// About where the implant sees the point, from its centre.
   [[nodiscard]] Point from_centre(const Point& v) const {
@@ -216,16 +205,6 @@ class ObjectiveBound::Sum {
     constant_ += value;
   }
 
-  /// What no point of the ball is nearer than in any pose of the box.
-  static double lowest_by_reach(const WeightedBall& ball, std::span<const ContainingHalfSpace> half_spaces,
-                                const BoxOfPoses::Arm& arm) {
-    double lowest = infinity;
-    for (const ContainingHalfSpace& half_space : half_spaces) {
-      lowest = std::min(lowest, (distance(arm, half_space) - Interval(arm.reach) - Interval(ball.radius)).lower());
-    }
-    return lowest;
-  }
-
   // With n the normal of the first half-space, the distance of the points of the ball from it is L(δ) = middle +
   // slope·δ or more, but for what they are off the ball's centre: n·R^T (v - centre), no more than the radius each, and
   // all together, weighted, no more than the moment. A line above the fitness is positive over the range, so that the
@@ -233,28 +212,35 @@ class ObjectiveBound::Sum {
   void add_line(const WeightedBall& ball, std::span<const ContainingHalfSpace> half_spaces, std::size_t first,
                 double at_centre) {
     const BoxOfPoses::Arm arm = box_.arm(ball.centre);
-    const double by_reach = falling_fitness_up(objective_.fitness, lowest_by_reach(ball, half_spaces, arm));
-    if (by_reach - at_centre < hardly_changes) return add_constant(Interval(ball.weight) * Interval(by_reach));
-    const Interval distance = Sum::distance(arm, half_spaces[first]);
-    const PoseSlope slope = this->slope(arm, half_spaces[first]);
     const Interval radius(ball.radius);
+    const auto in_any_pose = [&](const Interval& distance) {
+      return (distance - Interval(arm.reach) - radius).lower();
+    };
+    distances_.clear();
+    double lowest = infinity;
+    for (const ContainingHalfSpace& half_space : half_spaces) {
+      distances_.push_back(distance(arm, half_space));
+      lowest = std::min(lowest, in_any_pose(distances_.back()));
+    }
+    const double by_reach = falling_fitness_up(objective_.fitness, lowest);
+    if (by_reach - at_centre < hardly_changes) return add_constant(Interval(ball.weight) * Interval(by_reach));
+    const Interval& distance = distances_[first];
+    const PoseSlope slope = this->slope(arm, half_spaces[first]);
     const double middle = (distance - Interval(arm.remainder)).lower();
     const double range = box_.range_up(slope);
     const double half = (Interval(range) + radius).upper();
     const double highest = (Interval(middle) + Interval(half)).upper();
-    double lowest =
-        std::max((Interval(middle) - Interval(half)).lower(), (distance - Interval(arm.reach) - radius).lower());
+    lowest = std::max((Interval(middle) - Interval(half)).lower(), in_any_pose(distance));
     double nearer = 0.0;  // other primitives may be by no more
     for (std::size_t k = 0; k < half_spaces.size(); ++k) {
       if (k == first) continue;
-      const Interval other = Sum::distance(arm, half_spaces[k]);
-      const double least = (other - Interval(arm.reach) - radius).lower();
+      const double least = in_any_pose(distances_[k]);
       lowest = std::min(lowest, least);
       if (least >= highest) continue;  // nowhere nearer than L
       const Interval apart = length<double>(vector(half_spaces[first].normal) - vector(half_spaces[k].normal)) * radius;
       const PoseSlope change = difference(slope, this->slope(arm, half_spaces[k]));
       const Interval by_slopes =
-          Interval(middle) - (other - Interval(arm.remainder)) + apart + Interval(box_.range_up(change));
+          Interval(middle) - (distances_[k] - Interval(arm.remainder)) + apart + Interval(box_.range_up(change));
       nearer = std::max(nearer, std::min(by_slopes.upper(), (Interval(highest) - Interval(least)).upper()));
     }
     const double by_range = falling_fitness_up(objective_.fitness, lowest);
@@ -309,6 +295,7 @@ class ObjectiveBound::Sum {
   Interval constant_{0};
   PoseSlope slope_{};
   std::vector<KeptLimit> kept_;
+  std::vector<Interval> distances_;  ///< of the points at hand, from every half-space
   bool too_deep_ = false;
   // What follows only proposes.
   Point pivot_{};

@@ -108,6 +108,7 @@ struct SolidField::State {
   State(const Model& model, const Point& middle_of_all) : centre(middle_of_all) {
     lower.fill(infinity);
     upper.fill(-infinity);
+    double smallest = infinity;
     for (const Primitive& primitive : model.primitives) {
       const PosedSuperquadric& solid = solids.emplace_back(primitive);
       const RigidMotion& motion = solid.motion();
@@ -218,15 +219,17 @@ struct SolidField::State {
   Point centre;
   std::vector<PosedSuperquadric> solids;
   std::vector<Proposer> proposers;
-  Point lower{}, upper{};      ///< of the model's box, from the centre
-  double smallest = infinity;  ///< semi-axis
-  double edge;                 ///< of the finest cubes
+  Point lower{}, upper{};  ///< of the model's box, from the centre
+  double edge;             ///< of the finest cubes
   mutable std::array<Shard, shards> all;
 };
 
-SolidField::SolidField(const Model& model, const Point& centre)
-    : centre_(centre), state_(std::make_unique<State>(model, centre)) {}
+SolidField::SolidField(const Model& model, const Point& centre) : state_(std::make_unique<State>(model, centre)) {}
 SolidField::~SolidField() = default;
+
+const Point& SolidField::centre() const {
+  return state_->centre;
+}
 
 SolidField::Cube& SolidField::near(const Point& from_centre) const {
   const Key key = state_->key_of(from_centre);

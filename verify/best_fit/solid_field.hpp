@@ -41,7 +41,7 @@ class SolidField {
 
   class Cube;
 
-  [[nodiscard]] const Point& centre() const { return centre_; }
+  [[nodiscard]] const Point& centre() const;
 
   /// Of the place centre + `from_centre`.
   [[nodiscard]] Cube& near(const Point& from_centre) const;
@@ -53,7 +53,6 @@ class SolidField {
 
  private:
   struct State;
-  Point centre_;
   std::unique_ptr<State> state_;
 };
 

@@ -1,9 +1,10 @@
-/// Halves along the longest direction; radii, weights and moments by interval arithmetic.
+/// Radii, weights and moments by interval arithmetic.
 #include "verify/best_fit/weighted_balls.hpp"
 
 #include <algorithm>
 
 #include "verify/numbers/vector.hpp"
+#include "verify/placement/ball_tree.hpp"
 
 namespace verisq::verify {
 
@@ -40,43 +41,10 @@ WeightedBall ball_of(std::span<const PointOfWeight> points) {
   return {centre, radius, weight.upper(), length<double>(moment).upper(), 0};
 }
 
-std::size_t longest_direction(std::span<const PointOfWeight> points) {
-  Point lower = points.front().place;
-  Point upper = lower;
-  for (const PointOfWeight& point : points) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      lower[i] = std::min(lower[i], point.place[i]);
-      upper[i] = std::max(upper[i], point.place[i]);
-    }
-  }
-  std::size_t longest = 0;
-  for (std::size_t i = 1; i < 3; ++i) {
-    if (upper[i] - lower[i] > upper[longest] - lower[longest]) longest = i;
-  }
-  return longest;
-}
-
-void add_balls(std::span<PointOfWeight> points, std::vector<WeightedBall>& balls) {
-  const std::size_t own = balls.size();
-  balls.push_back(ball_of(points));
-  if (points.size() == 1) return;
-  const std::size_t longest = longest_direction(points);
-  const std::size_t half = points.size() / 2;
-  std::ranges::nth_element(points, points.begin() + static_cast<std::ptrdiff_t>(half), {},
-                           [longest](const PointOfWeight& point) { return point.place[longest]; });
-  add_balls(points.first(half), balls);
-  balls[own].second = static_cast<std::uint32_t>(balls.size());
-  add_balls(points.subspan(half), balls);
-}
-
 }  // namespace
 
 std::vector<WeightedBall> weighted_balls(std::span<const PointOfWeight> points) {
-  std::vector<PointOfWeight> sorted(points.begin(), points.end());
-  std::vector<WeightedBall> balls;
-  balls.reserve(2 * points.size());
-  add_balls(sorted, balls);
-  return balls;
+  return ball_tree<WeightedBall>(points, ball_of);
 }
 
 }  // namespace verisq::verify

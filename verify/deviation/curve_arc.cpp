@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "verify/analysis/in_binary64.hpp"
 #include "verify/proof/mixed_norm.hpp"
-#include "verify/sets/in_binary64.hpp"
 
 namespace verisq::verify {
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "verify/analysis/finite_point.hpp"
 #include "verify/deviation/patch_distance.hpp"
 #include "verify/deviation/triangle_distance_bounds.hpp"
 #include "verify/deviation/triangle_piece.hpp"
@@ -16,10 +17,6 @@
 namespace verisq::verify {
 
 namespace {
-
-bool is_finite(const Point& x) {
-  return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
-}
 
 /// A patch that is not halved any more.
 struct Leaf {

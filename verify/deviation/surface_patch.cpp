@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verify/analysis/in_binary64.hpp"
 #include "verify/proof/rigid_motion.hpp"
 #include "verify/proof/superquadric.hpp"
-#include "verify/sets/in_binary64.hpp"
 
 namespace verisq::verify {
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "verify/analysis/finite_point.hpp"
 #include "verify/pairs/enclosing_radius.hpp"
 #include "verify/pairs/posed_body.hpp"
 #include "verify/proof/intersection.hpp"
@@ -14,10 +15,6 @@
 namespace verisq::verify {
 
 namespace {
-
-bool is_finite(const Point& x) {
-  return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
-}
 
 /// In the frame of its model.
 EnclosingSphere sphere_about(const PosedPrimitive& primitive) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "verify/placement/ball_tree.hpp"
 #include "verify/placement/fitness_line.hpp"
 #include "verify/proposals/box_program.hpp"
 #include "verisq/enclosure.hpp"
@@ -53,7 +54,7 @@ class FitBoxBound::Sum {
 
   /// False where no pose of the box keeps the limit.
   bool keeps_limit() {
-    for_clusters([this](const PointCluster& cluster) { return look_for_depth(cluster); });
+    visit_balls(clusters(), [this](const PointCluster& cluster) { return look_for_depth(cluster); });
     if (too_deep_) return false;
     if (constraints_.size() < 2) return true;
     if (std::ssize(constraints_) > kMostConstraints) {
@@ -65,7 +66,7 @@ class FitBoxBound::Sum {
   }
 
   void add_all() {
-    for_clusters([this](const PointCluster& cluster) { return add(cluster); });
+    visit_balls(clusters(), [this](const PointCluster& cluster) { return add(cluster); });
   }
 
   FitBoxResult result() {
@@ -97,19 +98,7 @@ class FitBoxBound::Sum {
     return movement;
   }
 
-  /// From the root, the children of those that `visit` returns true for.
-  template <typename Visit>
-  void for_clusters(const Visit& visit) {
-    std::array<std::uint32_t, 64> waiting{};  // more than the tree is high
-    std::size_t count = 1;
-    while (count > 0) {
-      const std::uint32_t index = waiting[--count];
-      const PointCluster& cluster = bound_.clusters_[index];
-      if (!visit(cluster)) continue;
-      waiting[count++] = cluster.second;
-      waiting[count++] = index + 1;
-    }
-  }
+  [[nodiscard]] std::span<const PointCluster> clusters() const { return bound_.clusters_; }
 
   /// Points that are in the implant at the centre, or could get there.
   bool look_for_depth(const PointCluster& cluster) {

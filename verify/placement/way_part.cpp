@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "verify/analysis/distance_up.hpp"
+#include "verify/analysis/finite_point.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/posed_model.hpp"
@@ -20,10 +21,6 @@ double distance_down(const Point& x, const Point& y) {
 
 double sum_up(double a, double b) {
   return add(a, b, Direction::up);
-}
-
-bool is_finite(const Point& x) {
-  return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
 }
 
 /// How far a point anywhere in the ball may be from `x`.

@@ -17,13 +17,12 @@ class NearestNormal {
     double distance;             ///< signed, about
   };
 
-  /// In the solid's own frame, whose origin is its focus. Outside by GJK; inside by walking along the normal of the
-  /// surface where the last walk ended, which never lengthens the way and stops at a locally shortest one.
+  /// In the solid's own frame, whose origin is its focus. Outside by GJK, inside by the shortest walk that
+  /// is found.
   [[nodiscard]] Found operator()(const Coordinates<double>& q) const;
 
  private:
   [[nodiscard]] Found from_outside(const Coordinates<double>& q) const;
-  [[nodiscard]] Found from_inside(const Coordinates<double>& folded) const;
 
   SuperquadricSet<double> set_;
   Boundary<double> boundary_;

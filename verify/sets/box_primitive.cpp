@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
+#include "verify/analysis/in_binary64.hpp"
 #include "verify/proof/rigid_motion.hpp"
 #include "verify/proposals/boundary.hpp"
 #include "verify/sets/bend.hpp"
-#include "verify/sets/in_binary64.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "verify/analysis/in_binary64.hpp"
 #include "verify/proposals/gjk.hpp"
-#include "verify/sets/in_binary64.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

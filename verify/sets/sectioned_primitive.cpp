@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "verify/analysis/in_binary64.hpp"
 #include "verify/analysis/trigonometry.hpp"
 #include "verify/sets/bend_range.hpp"
-#include "verify/sets/in_binary64.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {

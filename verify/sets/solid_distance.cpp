@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "verify/analysis/distance_up.hpp"
+#include "verify/analysis/finite_point.hpp"
 #include "verify/proof/intersection.hpp"
 #include "verify/search/candidates.hpp"
 #include "verify/search/convex_primitive.hpp"
@@ -70,10 +71,6 @@ std::vector<Colour> colours_at(const Scene& scene, const Point& x) {
   std::vector<Colour> result;
   for (const BoxPrimitive& primitive : scene.primitives) result.push_back(primitive.colour({x, 0.0}));
   return result;
-}
-
-bool is_finite(const Point& x) {
-  return std::ranges::all_of(x, [](double c) { return std::isfinite(c); });
 }
 
 /// p moved by about `length` along v.

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "verify/analysis/cross_product.hpp"
+#include "verify/analysis/in_binary64.hpp"
 #include "verify/proof/posed_superquadric.hpp"
-#include "verify/sets/in_binary64.hpp"
 #include "verify/sweep/exact_vector.hpp"
 
 namespace verisq::verify {
