@@ -19,7 +19,6 @@ namespace verisq {
 namespace {
 
 using fit_search::BoundedImplant;
-using fit_search::CandidateSpace;
 using verify::FitBoxResult;
 using verify::PoseBox;
 using verify::PoseParameters;
