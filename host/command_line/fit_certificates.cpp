@@ -69,8 +69,8 @@ void declare_certificates(Options& options, FitArguments& arguments) {
               "proves it again: .csv .vtp");
   options.add(
       "--certificate-file", arguments.certificate_file, "FILE",
-      "What these distances say together, F, the smallest, the areas, for `verisq check --certificate` with the "
-      "maps, which get --certificates: .json");
+      "What these distances say together, F, the smallest, the areas, and on which side the parts of the implant lie, "
+      "for `verisq check --certificate` with the maps, which get --certificates: .json");
 }
 
 std::optional<double> write_bound_certificate(const FitProblem& problem, const FitSolution& solution,
@@ -144,7 +144,7 @@ MapContents contents_of(const FitArguments& arguments) {
 }
 
 void write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
-                        const MapOptions& options, const FitArguments& arguments) {
+                        std::vector<SideClaim> sides, const MapOptions& options, const FitArguments& arguments) {
   std::optional<Enclosure> surface;
   if (!arguments.surface_map.empty()) surface = write_surface_map(problem, fitted, options, arguments);
   if (arguments.certificate_file.empty()) return;
@@ -152,7 +152,8 @@ void write_certificates(const FitProblem& problem, const Model& fitted, const Cl
                                                      .mesh = subject_file(arguments.mesh),
                                                      .units = problem.units,
                                                      .terms = stated_terms(problem),
-                                                     .claims = claims_of(clearance, surface)});
+                                                     .claims = claims_of(clearance, surface),
+                                                     .sides = std::move(sides)});
 }
 
 }  // namespace verisq::command_line

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 #include <verisq/clearance.hpp>
 #include <verisq/fit_problem.hpp>
 #include <verisq/fit_solution.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
+#include <verisq/side_checker.hpp>
 
 #include "host/command_line/fit_command.hpp"
 
@@ -35,7 +37,7 @@ void refuse_what_has_no_certificates(const FitProblem& problem, const FitArgumen
 /// Writes the map of whole triangles and the certificate file, where they are asked for. Precondition: the fitted
 /// model's file is written. `options`: tolerance and device. Throws Error(failure), and as TriangleMapper.
 void write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
-                        const MapOptions& options, const FitArguments& arguments);
+                        std::vector<SideClaim> sides, const MapOptions& options, const FitArguments& arguments);
 
 /// Writes the certificate of the bound, where it is asked for and not interrupted. Returns the upper end that it
 /// proves: hardly more than the bound's.
