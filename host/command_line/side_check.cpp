@@ -13,8 +13,8 @@
 
 #include "host/command_line/check_summary.hpp"
 #include "host/command_line/interruption.hpp"
-#include "host/command_line/options.hpp"
 #include "host/command_line/progress_bar.hpp"
+#include "host/command_line/stated_terms.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/threads/parallel.hpp"
 
