@@ -51,14 +51,44 @@ export class Intervals {
     return { lo: reals.mul(lo, lo, down), hi: reals.mul(hi, hi, up) };
   }
 
+  negative(a) {
+    return { lo: this.reals.negative(a.hi), hi: this.reals.negative(a.lo) };
+  }
+  // A number of a, about in its middle.
+  middle(a) {
+    const { reals } = this;
+    if (a.lo === a.hi) return a.lo;
+    const half = reals.div(reals.add(a.lo, a.hi, down), reals.two, down);
+    return reals.least(reals.greatest(half, a.lo), a.hi);
+  }
+  hull(a, b) {
+    return { lo: this.reals.least(a.lo, b.lo), hi: this.reals.greatest(a.hi, b.hi) };
+  }
+
   sum(terms) {
     return terms.reduce((sum, term) => this.add(sum, term));
   }
   dot(u, v) {
     return this.sum([0, 1, 2].map((k) => this.mul(u[k], v[k])));
   }
+  // Of a matrix by its rows.
+  product(rows, v) {
+    return rows.map((row) => this.dot(row, v));
+  }
   difference(u, v) {
     return [0, 1, 2].map((k) => this.sub(u[k], v[k]));
+  }
+  // About the origin, of these half edges.
+  box(half) {
+    return half.map((edge) => ({ lo: this.reals.negative(edge), hi: edge }));
+  }
+  translated(u, v) {
+    return [0, 1, 2].map((k) => this.add(u[k], v[k]));
+  }
+  // Of two boxes with a common point.
+  common(u, v) {
+    const { reals } = this;
+    return u.map(({ lo, hi }, k) => ({ lo: reals.greatest(lo, v[k].lo), hi: reals.least(hi, v[k].hi) }));
   }
   length(v) {
     const squared = this.sum(v.map((component) => this.square(component)));
