@@ -79,8 +79,8 @@ double tolerance_of(const MapArguments& arguments, const Model& largest) {
                              : default_tolerance(tolerance_of_distances, bounding_radius(largest), "the model");
 }
 
-/// What is not exact is proven by single primitives alone. Distances of triangles to unions of convex primitives are the
-/// least of theirs.
+/// What is not exact is proven by single primitives alone. Distances of triangles to unions of convex primitives are
+/// the least of theirs.
 bool has_covers(const UncertainModel& model, const MapArguments& arguments) {
   const bool convex = is_union_of_convex(bracket(model).largest);
   const bool single = convex && (arguments.on == MapElements::triangles || model.primitives.size() == 1);

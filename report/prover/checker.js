@@ -7,7 +7,7 @@ import { down, up } from "./real_numbers.js";
 import { inside, normalForm, outside, placeOf } from "./set_tree.js";
 
 const isFinite3 = (v) => v.every(Number.isFinite);
-const isUsable = ({ vector }) => isFinite3(vector) && vector.some((component) => component !== 0);
+const isUsable = (vector) => isFinite3(vector) && vector.some((component) => component !== 0);
 
 function placedIn(intervals, primitive) {
   return primitive.bend ? new PlacedBent(intervals, primitive) : new PlacedSuperquadric(intervals, primitive);
@@ -47,15 +47,17 @@ export class Checker {
       lo: reals.add(reals.exact(lo), reals.exact(radius), up),
       hi: reals.sub(reals.exact(hi), reals.exact(radius), down),
     };
-    const x = point.map((coordinate) => intervals.exact(coordinate));
+    const exact = (v) => v.map((component) => intervals.exact(component));
+    const x = exact(point);
     const query = {
       x,
       local: this.primitives.map((primitive) => primitive.local(x)),
+      // A vector of no use still names a primitive that may hold the point.
       normals: normals
-        .filter((normal) => normal.primitive < this.primitives.length && isUsable(normal))
-        .map(({ primitive, vector }) => ({ primitive, v: vector.map((component) => intervals.exact(component)) })),
-      escape: escape && isFinite3(escape) ? escape.map((coordinate) => intervals.exact(coordinate)) : null,
-      witness: witness && isFinite3(witness) ? witness.map((coordinate) => intervals.exact(coordinate)) : null,
+        .filter(({ primitive }) => primitive < this.primitives.length)
+        .map(({ primitive, vector }) => ({ primitive, v: isUsable(vector) ? exact(vector) : null })),
+      escape: escape && isFinite3(escape) ? exact(escape) : null,
+      witness: witness && isFinite3(witness) ? exact(witness) : null,
       cover: radius === 0 ? cover : [], // cells are exact where the ball's radius is a binary64 number
     };
     // Of the given point, rounded outward to binary64, as enclosures are.
@@ -81,7 +83,7 @@ export class Checker {
     const { reals, primitives } = this;
     if (!this.isUnion) return reals.minusInfinity;
     const bounds = primitives.map((solid, k) => solid.lowerBySphere(local[k]));
-    for (const { primitive, v } of normals) {
+    for (const { primitive, v } of normals.filter((normal) => normal.v)) {
       bounds[primitive] = reals.greatest(bounds[primitive], primitives[primitive].lowerByNormal(local[primitive], v));
     }
     const least = bounds.reduce((a, b) => reals.least(a, b));
@@ -107,14 +109,15 @@ export class Checker {
     return least;
   }
 
-  // `claimed` or less where that can be proven; v is an exact vector, not 0.
+  // `claimed` or less where that can be proven; v is an exact vector, not 0, or null.
   upperOfOne(solid, w, v, claimed) {
     const { reals } = this;
+    const byNormal = () => (v ? solid.upperByNormal(w, v) : reals.infinity);
     if (reals.isBelow(reals.zero, claimed)) {
-      const byNormal = solid.upperByNormal(w, v);
-      if (reals.isAtMost(byNormal, claimed)) return byNormal;
+      const end = byNormal();
+      if (reals.isAtMost(end, claimed)) return end;
     }
-    if (!solid.contains(w)) return solid.upperByNormal(w, v);
+    if (!solid.contains(w)) return byNormal();
     const claimsDepth = reals.isBelow(claimed, reals.zero);
     return claimsDepth && solid.containsBall(w, reals.negative(claimed), v) ? claimed : reals.zero;
   }

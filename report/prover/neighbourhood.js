@@ -25,7 +25,7 @@ export class Neighbourhood {
     for (const { primitive, v } of query.normals) {
       if (places[primitive] !== open) continue;
       const [solid, w] = [this.primitives[primitive], query.local[primitive]];
-      if (isFar(solid.lowerByNormal(w, v))) places[primitive] = outside;
+      if (v && isFar(solid.lowerByNormal(w, v))) places[primitive] = outside;
       else if (solid.contains(w) && solid.containsBall(w, radius, v)) places[primitive] = inside;
     }
     this.primitives.forEach((solid, k) => {

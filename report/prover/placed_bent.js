@@ -146,10 +146,10 @@ export class PlacedBent {
   }
 
   // Whether the ball of radius `radius` (a real number, positive) about w lies in it, v pointing away from where it
-  // comes nearest to the boundary.
+  // comes nearest to the boundary; null, nowhere.
   containsBall(w, radius, v) {
     const { intervals, reals } = this;
-    if (w.unbent === null) return false;
+    if (w.unbent === null || v === null) return false;
     const longer = reals.div(radius, intervals.length(v).lo, up);
     const found = this.proposed(
       w,

@@ -15,6 +15,7 @@ const { values: options } = parseArgs({
     page: { type: "string" },
     output: { type: "string" },
     points: { type: "string", default: "40" }, // about each model
+    tolerance: { type: "string", default: "1e-3" }, // covers have the more cells the smaller it is
     seed: { type: "string", default: "1" },
   },
 });
@@ -201,7 +202,7 @@ function countsOfCheck(model, cases) {
   return { proved: found.proved, refuted: found.refuted, unproved: found.unproved };
 }
 
-const totals = { rows: 0, forged: 0, false: 0, falseProved: 0, different: 0, seconds: 0 };
+const totals = { rows: 0, forged: 0, false: 0, falseProved: 0, different: 0, closer: 0, seconds: 0 };
 
 // Rows to which a verdict is given by the page are given to check all together, which has to agree on each.
 function compare(reals, text, cases) {
@@ -215,12 +216,10 @@ function compare(reals, text, cases) {
   for (const verdict of ["proved", "refuted", "unproved"]) {
     const alike = judged.filter((each) => each.verdict === verdict);
     if (alike.length === 0) continue;
-    const different = alike.length - countsOfCheck(name, alike)[verdict];
-    totals.different += different;
+    tellDifferent(name, alike, verdict);
     const ofKind = Object.keys(forgeries).map((kind) => alike.filter((each) => each.kind === kind).length);
     const kinds = Object.keys(forgeries).flatMap((kind, k) => (ofKind[k] > 0 ? [`${kind} ${ofKind[k]}`] : []));
     console.log(`  ${verdict}: ${kinds.join(", ")}`);
-    if (different > 0) tellDifferent(name, alike, verdict);
   }
   const known = judged.filter(({ kind }) => forgeries[kind].isFalse);
   totals.forged += judged.filter(({ kind }) => kind !== "none").length;
@@ -228,13 +227,21 @@ function compare(reals, text, cases) {
   totals.falseProved += known.filter(({ verdict }) => verdict === "proved").length;
 }
 
+// Finds the rows of another verdict by halving. Of a forged row one checker may still prove a cover that the other does
+// not: their bounds over cells differ by rounding and more.
 function tellDifferent(model, alike, verdict) {
-  for (const each of alike) {
-    const counts = countsOfCheck(model, [each]);
-    if (counts[verdict] === 1) continue;
-    const found = Object.keys(counts).find((name) => counts[name] === 1);
-    console.log(`    not by check: ${found}, ${each.kind}: ${each.point.join()} ${Object.values(each.row).join()}`);
+  const counts = countsOfCheck(model, alike);
+  if (counts[verdict] === alike.length) return;
+  if (alike.length > 1) {
+    const middle = alike.length >> 1;
+    for (const half of [alike.slice(0, middle), alike.slice(middle)]) tellDifferent(model, half, verdict);
+    return;
   }
+  const [{ kind, point, row }] = alike;
+  const found = Object.keys(counts).find((name) => counts[name] === 1);
+  const isCloser = kind !== "none" && Boolean(row.cover) && [verdict, found].includes("unproved");
+  totals[isCloser ? "closer" : "different"] += 1;
+  console.log(`    ${found} by check, ${kind}: ${point.join()} ${isCloser ? "by its cover" : Object.values(row).join()}`);
 }
 
 const same = (unchanged) => unchanged;
@@ -257,11 +264,12 @@ for (const [name, text] of Object.entries(models)) {
   const points = pointsAbout(modelOf(text), Number(options.points), random);
   writePoints("points.csv", points);
   writeFileSync(file(name), text);
-  run("map", "--model", file(name), "--points", file("points.csv"), "--device", "host", "--certificates", "-o", file("map.csv"));
+  const inputs = ["--model", file(name), "--points", file("points.csv"), "--tol", options.tolerance];
+  run("map", ...inputs, "--device", "host", "--certificates", "-o", file("map.csv"));
   compareForged(reals, text, points, rowsOf(readFileSync(file("map.csv"), "utf8")));
 }
 console.log(
-  `${totals.rows} rows, ${totals.forged} of them forged: ${totals.different} verdicts differ; of ${totals.false} false ` +
-    `rows ${totals.falseProved} are proved; ${(totals.rows / totals.seconds).toFixed(0)} rows a second of one core in JavaScript`,
+  `${totals.rows} rows, ${totals.forged} of them forged: ${totals.different} verdicts differ, and of ${totals.closer} covers ` +
+    `one checker says unproved; of ${totals.false} false rows ${totals.falseProved} are proved; ${(totals.rows / totals.seconds).toFixed(0)} rows a second of one core in JavaScript`,
 );
 process.exitCode = totals.different > 0 || totals.falseProved > 0 ? 1 : 0;
