@@ -8,7 +8,7 @@ const pieces = 8; // of the ways, for the integral of the second derivative
 const mostTurn = 3; // less than half a turn
 
 export class BentBall {
-  // About the query, unbent, in the bent solid; `place` is the unbent place of the point `apart` from it, on the sphere.
+  // About the query, unbent, in the bent solid; `place` is, unbent, the point of its sphere that lies `apart` from it.
   constructor({ intervals, reals, bend, bounds }, query, { apart, place }) {
     Object.assign(this, { intervals, reals, bend, bounds, query, apart, place });
     this.one = intervals.exact(1);
@@ -43,7 +43,7 @@ export class BentBall {
   }
 
   // theta, seen from the centre of curvature: the sine is at most |k| radius / Wq. Whether theta is proven to be at most
-  // an eighth of a turn or so, with the place less than half a turn from the query; gives theta^2 <= tan^2 theta.
+  // an eighth of a turn, with the place less than half a turn from the query; gives theta^2 <= tan^2 theta.
   measureTurn() {
     const { intervals, reals, bend } = this;
     const stretch = bend.stretch(this.query);

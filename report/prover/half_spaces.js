@@ -79,11 +79,17 @@ export class HalfSpaces {
       return reals.sub(reals.sub(gauge, reals.one, up), intervals.dot(w, step).lo, up);
     });
     const range = this.pulledBack(derivative, w).map((component) => intervals.negative(component));
-    return [this.cut(range, excess.reduce((a, b) => reals.greatest(a, b)), half)];
+    return [
+      this.cut(
+        range,
+        excess.reduce((a, b) => reals.greatest(a, b)),
+        half,
+      ),
+    ];
   }
 
   // Whether all that lies in the cuts is at least the radius away from the query, the cell's `offset` back from its
-  // centre. For any multipliers m >= 0, with N the sum of m n, no e in all cuts has a smaller square of the distance than
+  // centre. For any multipliers m >= 0, with N the sum of m n, no e in all cuts has a smaller squared distance than
   //   -2 N.offset - |N|^2 - 2 sum of m b.
   areFar(cuts, { offset }) {
     const { reals, intervals } = this;

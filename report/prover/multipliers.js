@@ -17,7 +17,7 @@ function solved(normals, beyond) {
   return normals.map((_, k) => determinantOf(replaced(k)) / determinant);
 }
 
-// 2 N.target - |N|^2 - 2 sum of m b, N the sum of m n: no point of the half-spaces is nearer to the target than its root.
+// 2 N.target - |N|^2 - 2 sum of m b, N the sum of m n: no point of the half-spaces has a smaller squared distance.
 function dual(weights, normals, beyond) {
   const sum = [0, 1, 2].map((k) => normals.reduce((total, n, i) => total + weights[i] * n[k], 0));
   return 2 * weights.reduce((total, weight, i) => total + weight * beyond[i], 0) - dot(sum, sum);

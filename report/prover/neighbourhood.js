@@ -61,7 +61,8 @@ export class Neighbourhood {
     const axis = half.findIndex((edge) => reals.isAtMost(longest, edge));
     if (reals.isBelow(longest, reals.mul(this.radius, reals.exact(smallestShare), up))) return null;
     const edge = reals.div(half[axis], reals.two, down); // exact, as the offsets are
-    const moved = (by, side) => offset.map((coordinate, k) => (k === axis ? reals.add(coordinate, by, side) : coordinate));
+    const moved = (by, side) =>
+      offset.map((coordinate, k) => (k === axis ? reals.add(coordinate, by, side) : coordinate));
     const shorter = half.map((each, k) => (k === axis ? edge : each));
     return [
       { offset: moved(reals.negative(edge), down), half: shorter },

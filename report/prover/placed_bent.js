@@ -80,9 +80,11 @@ export class PlacedBent {
   over(centre, half) {
     const { intervals, reals, bend, bounds } = this;
     const cell = intervals.box(half);
+    const fromCentre = intervals.difference(intervals.translated(centre, cell), this.placement.translation);
+    if (reals.isBelow(this.radius, intervals.length(fromCentre).lo)) return { place: outside };
     const bent = bend.turned(this.placement.local(centre));
     const all = intervals.translated(bent, intervals.product(this.toTurned, cell));
-    if (reals.isBelow(reals.zero, this.lowerBySphere({ bent: all })) || this.isBeyondEnds(all)) return { place: outside };
+    if (this.isBeyondEnds(all)) return { place: outside };
     const [place, widely] = [bend.unbent(bent), bend.unbent(all)];
     const slopes = place && widely && bend.unbending(widely);
     if (!slopes) return { place: open };
@@ -91,7 +93,7 @@ export class PlacedBent {
     const derivative = this.derivativeBy(bend.unbending(range));
     const at = this.aboutFocus(place);
     const straight = intervals.translated(at, intervals.product(derivative, cell));
-    return { place: bounds.placeByGauge(intervals.common(this.aboutFocus(range), straight)), at, derivative };
+    return { place: bounds.place(intervals.common(this.aboutFocus(range), straight)), at, derivative };
   }
   moved(slopes, cell) {
     return this.intervals.product(slopes, this.intervals.product(this.toTurned, cell));

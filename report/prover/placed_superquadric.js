@@ -1,8 +1,9 @@
-// What vectors prove of a point and one convex primitive where it stands (docs/mathematics.md, section 2). Its own frame
-// is about the focus.
+// What vectors prove of a point and one convex primitive where it stands (docs/mathematics.md, section 2). Its own
+// frame is about the focus.
 import { containsBall } from "./contained_ball.js";
 import { Placement } from "./placement.js";
 import { down } from "./real_numbers.js";
+import { outside } from "./set_tree.js";
 import { SuperquadricBounds } from "./superquadric_bounds.js";
 
 export class PlacedSuperquadric {
@@ -10,6 +11,7 @@ export class PlacedSuperquadric {
     this.intervals = intervals;
     this.bounds = new SuperquadricBounds(intervals, primitive);
     this.placement = new Placement(intervals, primitive);
+    this.focus = this.placement.onAxis(intervals.negative(this.bounds.focus));
   }
 
   local(point) {
@@ -25,14 +27,17 @@ export class PlacedSuperquadric {
   contains(w) {
     return this.bounds.contains(w);
   }
-  // Of the points centre + e, |e_k| <= half_k: where they lie, and that their own coordinates are at + D e with one D of
-  // the interval matrix `derivative`.
+  // Of the points centre + e, |e_k| <= half_k: where they lie, and that their own coordinates are at + D e with one D
+  // of the interval matrix `derivative`.
   over(centre, half) {
     const { intervals, bounds } = this;
+    const { reals } = intervals;
+    const cell = intervals.box(half);
+    const fromFocus = intervals.difference(intervals.translated(centre, cell), this.focus);
+    if (reals.isBelow(bounds.radius, intervals.length(fromFocus).lo)) return { place: outside };
     const derivative = this.placement.toOwn;
     const at = this.local(centre);
-    const range = intervals.product(derivative, intervals.box(half));
-    const place = bounds.place(intervals.translated(at, range));
+    const place = bounds.place(intervals.translated(at, intervals.product(derivative, cell)));
     return { place, at, derivative };
   }
 

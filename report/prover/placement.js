@@ -21,6 +21,15 @@ export class Placement {
     this.toOwn = [0, 1, 2].map((k) => rotation.map((row) => row[k])); // its rows
   }
 
+  // Where a point of the axis of the primitive's frame stands.
+  onAxis(height) {
+    const { intervals, translation, toOwn } = this;
+    return intervals.translated(
+      translation,
+      toOwn[2].map((component) => intervals.mul(component, height)),
+    );
+  }
+
   // The point of the primitive's frame, about its centre.
   local(point) {
     const { intervals } = this;

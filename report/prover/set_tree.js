@@ -1,5 +1,6 @@
-// Trees of set operations as unions and intersections alone, with what is known of their primitives (docs/mathematics.md,
-// section 11): "outside" and "inside" are strict, so that a set and the closure of its complement exchange them.
+// Trees of set operations as unions and intersections alone, with what is known of their primitives
+// (docs/mathematics.md, section 11): "outside" and "inside" are strict, so that a set and the closure of its complement
+// exchange them.
 
 export const outside = "outside";
 export const inside = "inside";

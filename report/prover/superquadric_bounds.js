@@ -112,13 +112,8 @@ export class SuperquadricBounds {
     return this.reals.isAtMost(this.numerator(w, up), this.fall.lo);
   }
 
-  // Where all points of a box lie, which may be wide; strict.
+  // Where all points of a box lie, which may be wide, by the gauge; strict.
   place(w) {
-    const { reals } = this;
-    if (reals.isBelow(reals.zero, this.distanceDown(w))) return outside;
-    return this.placeByGauge(w);
-  }
-  placeByGauge(w) {
     const { reals } = this;
     if (reals.isBelow(this.fall.hi, this.leastNumerator(w))) return outside;
     return reals.isBelow(this.largestNumerator(w), this.fall.lo) ? inside : open;

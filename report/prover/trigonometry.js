@@ -63,7 +63,7 @@ export class Trigonometry {
   ofDegrees(degrees) {
     const { reals, intervals } = this;
     const remainder = degrees % 90;
-    const quarters = (((Math.round((degrees % 360) / 90 - remainder / 90) % 4) + 4) % 4);
+    const quarters = ((Math.round((degrees % 360) / 90 - remainder / 90) % 4) + 4) % 4;
     const share = intervals.div(intervals.exact(remainder), intervals.exact(180));
     const angle = remainder === 0 ? intervals.exact(0) : intervals.mul(share, this.halfTurn);
     const [c, s] = [this.cosine(angle), this.sine(angle)];
