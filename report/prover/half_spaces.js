@@ -88,11 +88,25 @@ export class HalfSpaces {
     ];
   }
 
+  // No point of the cell is in the cut.
+  isMissed({ normal, offset }, half) {
+    const { reals } = this;
+    const reach = normal.map((n, k) => {
+      const size = reals.greatest(n, reals.negative(n));
+      return reals.mul(size, half[k], up);
+    });
+    return reals.isBelow(
+      reach.reduce((a, b) => reals.add(a, b, up), offset),
+      reals.zero,
+    );
+  }
+
   // Whether all that lies in the cuts is at least the radius away from the query, the cell's `offset` back from its
   // centre. For any multipliers m >= 0, with N the sum of m n, no e in all cuts has a smaller squared distance than
   //   -2 N.offset - |N|^2 - 2 sum of m b.
-  areFar(cuts, { offset }) {
+  areFar(cuts, { offset, half }) {
     const { reals, intervals } = this;
+    if (cuts.some((cut) => this.isMissed(cut, half))) return true;
     const number = (x) => reals.toNumber(x, down);
     const weights = multipliers(
       cuts.map(({ normal, offset: b }) => ({ normal: normal.map(number), offset: reals.toNumber(b, up) })),
