@@ -177,7 +177,8 @@ function madeUp(row, count) {
   const vectors = Array.from({ length: 3 * count }, (_, k) =>
     [k % count, component(), component(), component()].join(":"),
   );
-  return Number.isFinite(size) ? { ...row, further_normals: vectors.join(" ") } : row;
+  const first = { primitive: "0", normal_x: component(), normal_y: component(), normal_z: component() };
+  return Number.isFinite(size) ? { ...row, ...first, further_normals: vectors.join(" ") } : row;
 }
 
 // What each does to a row of a point, whether the claim is false by construction, and whether an end comes as near to
