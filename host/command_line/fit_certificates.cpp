@@ -13,7 +13,6 @@
 #include <verisq/certificate_file.hpp>
 #include <verisq/certified_best_fit.hpp>
 #include <verisq/clearance_claim.hpp>
-#include <verisq/uncertain_model.hpp>
 
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/messages.hpp"
@@ -21,7 +20,6 @@
 #include "host/command_line/triangle_stream.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/threads/parallel.hpp"
-#include "verify/proof/convex_union.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -124,23 +122,10 @@ void check_certificates(const FitArguments& arguments) {
 void refuse_what_has_no_certificates(const FitProblem& problem, const FitArguments& arguments) {
   if (!arguments.surface_map.empty() && problem.mesh.triangles.empty())
     refuse(fmt::format("--surface-map: {}: has no triangles", arguments.mesh));
-  if (!certifies(arguments) || arguments.report.html.empty()) return;
-  for (std::size_t i = 0; i < problem.series.size(); ++i) {
-    if (verify::is_union(bracket(problem.series[i]).largest)) continue;
-    refuse(
-        fmt::format("--report with --certificates: {}: the page proves unions of primitives, not other csg; write "
-                    "the certificates by --map alone",
-                    problem.names[i]));
-  }
-}
-
-bool has_covers(const FitArguments& arguments) {
-  return certifies(arguments) && arguments.report.html.empty();
 }
 
 MapContents contents_of(const FitArguments& arguments) {
-  if (has_covers(arguments)) return MapContents::covered;
-  return certifies(arguments) ? MapContents::certified : MapContents::enclosures;
+  return certifies(arguments) ? MapContents::covered : MapContents::enclosures;
 }
 
 void write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,

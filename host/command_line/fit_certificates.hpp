@@ -24,12 +24,8 @@ void declare_certificates(Options& options, FitArguments& arguments);
 /// Throws Error(input) where nothing keeps them, or they would be of another mesh than the file's.
 void check_certificates(const FitArguments& arguments);
 
-/// Throws Error(input) for what has no triangles, and for models that no page proves, where these are asked for. Before
-/// the search: whatever is chosen has the set operations of its file.
+/// Throws Error(input) for what has no triangles, where their map is asked for.
 void refuse_what_has_no_certificates(const FitProblem& problem, const FitArguments& arguments);
-
-/// A page proves by single primitives alone, and so its map does.
-[[nodiscard]] bool has_covers(const FitArguments& arguments);
 
 /// Of the map of the vertices.
 [[nodiscard]] MapContents contents_of(const FitArguments& arguments);

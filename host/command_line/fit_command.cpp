@@ -435,7 +435,7 @@ ExitStatus run_fit(const FitArguments& arguments) {
                                    {.tolerance = tolerance,
                                     .device = arguments.device,
                                     .certificates = certifies(arguments),
-                                    .covers = has_covers(arguments)},
+                                    .covers = certifies(arguments)},
                                    !arguments.no_progress, map);
   const FitProof& proof = mapped.proof;
   std::optional<InstrumentClearance> instrument;
