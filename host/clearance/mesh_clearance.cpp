@@ -11,10 +11,12 @@
 #include <utility>
 
 #include "host/clearance/mesh_estimate.hpp"
+#include "host/threads/parallel.hpp"
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/path_check.hpp"
 #include "verify/proof/intersection.hpp"
+#include "verify/search/half_space_bound.hpp"
 #include "verify/search/has_taper.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/error.hpp"
@@ -32,6 +34,9 @@ using verify::displacement;
 constexpr double share_of_samples = 0.25;
 /// Of how much deeper than the limit a triangle goes: how closely its deepest point is sought.
 constexpr double share_of_depth = 0.25;
+
+/// Halvings before pieces are bounded by half-spaces: those cost a hundred samples.
+constexpr int halvings_before_half_spaces = 1;
 
 /// Rounds of halving before whole triangles are asked for: about tapered solids they are the host's, a thousand times
 /// slower than points, which leave few of them open by then.
@@ -52,6 +57,7 @@ struct Piece {
   double thickness = 0.0;  ///< the piece lies no farther than displacement + thickness from what is between the corners
   int halvings = 0;
   double bound = -infinity;  ///< no signed distance on it is less
+  bool in_overlap = false;   ///< half-spaces say nothing of it
 };
 
 double distance_up(const Point& a, const Point& b) {
@@ -184,6 +190,11 @@ class MeshSearch {
     rounds_before_whole_triangles_ = rounds_before_whole_triangles_of(model);
   }
 
+  /// Of unions of convex primitives half-spaces, too, bound what pieces hold.
+  void use_half_spaces(const Model& model) {
+    if (is_union_of_convex(model)) half_spaces_.emplace(model);
+  }
+
   /// The samples are about right only: their bounds may contradict each other.
   void estimate() { proves_ = false; }
 
@@ -263,8 +274,20 @@ class MeshSearch {
     triangle.deepest_point = sample;
   }
 
+  void bound_by_half_spaces(Piece& piece) const {
+    if (piece.halvings < halvings_before_half_spaces || piece.in_overlap) return;
+    const double bound = (*half_spaces_)(piece.corners);
+    piece.in_overlap = bound == -infinity;
+    const double off = verify::add(piece.displacement, piece.thickness, Direction::up);
+    piece.bound = std::max(piece.bound, verify::subtract(bound, off, Direction::down));
+  }
+
   void divide() {
     settle_unless([this](const Piece& piece) { return is_worth_halving(piece); });
+    if (half_spaces_) {
+      in_parallel(open_.size(), [this](std::size_t n) { bound_by_half_spaces(open_[n]); });
+      settle_unless([this](const Piece& piece) { return is_open(piece); });
+    }
     std::vector<Piece> next;
     for (const Piece& piece : open_)
       for (const Piece& half : halves(without_thinness(piece, thinnest()))) next.push_back(half);
@@ -341,6 +364,7 @@ class MeshSearch {
   bool proves_ = true;
   const Model* whole_triangles_of_ = nullptr;
   std::optional<int> rounds_before_whole_triangles_;  ///< none where they have been asked for, or cannot be
+  std::optional<verify::HalfSpaceBound> half_spaces_;
   std::vector<TriangleState> triangles_;
   std::vector<Piece> open_;
   double settled_lo_ = infinity;   ///< of all pieces that are not open any more
@@ -354,6 +378,7 @@ MeshClearance mesh_clearance(const Model& model, const Mesh& mesh, const MeshCle
   if (mesh.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
   MeshSearch search(distances_to(model, options), mesh, options, true);
   search.use_whole_triangles(model);
+  search.use_half_spaces(model);
   return search();
 }
 

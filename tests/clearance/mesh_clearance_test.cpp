@@ -205,7 +205,7 @@ TEST(MeshClearance, DecidesTheLimitAsCloselyAsAsked) {
   options.limit_tolerance = 5e-3;
   const MeshClearance fine = mesh_clearance(ball_model({}, 1.0), mesh, options);
   EXPECT_EQ(fine.proven_within, 1U);
-  EXPECT_GT(fine.samples, coarse.samples);
+  EXPECT_LE(fine.samples, 100U);  // a half-space decides
 }
 
 Point point_on(const Triangle& triangle, Random& random) {
