@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "host/mesh/rims.hpp"
 #include "verify/containment/closed_surface.hpp"
+#include "verify/containment/rims.hpp"
 #include "verify/proof/convex_union.hpp"
 #include "verify/sets/bend_range.hpp"
 #include "verify/sets/set_tree.hpp"

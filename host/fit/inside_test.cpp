@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "host/mesh/extent.hpp"
-#include "host/mesh/rims.hpp"
+#include "verify/containment/rims.hpp"
 
 namespace verisq::fit_search {
 namespace {

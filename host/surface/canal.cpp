@@ -17,11 +17,11 @@
 #include <verisq/mesh_topology.hpp>
 
 #include "host/mesh/extent.hpp"
-#include "host/mesh/rims.hpp"
 #include "host/surface/cgal_mesh.hpp"
 #include "host/surface/grid_samples.hpp"
 #include "host/surface/largest_part.hpp"
 #include "host/surface/level_surface.hpp"
+#include "verify/containment/rims.hpp"
 
 namespace verisq {
 namespace {

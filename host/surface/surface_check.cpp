@@ -8,8 +8,8 @@
 #include <cmath>
 #include <verisq/surface.hpp>
 
-#include "host/mesh/rims.hpp"
 #include "host/surface/cgal_mesh.hpp"
+#include "verify/containment/rims.hpp"
 
 namespace verisq {
 namespace {

@@ -13,11 +13,11 @@
 #include "host/fit/bent_projection.hpp"
 #include "host/fit/inside_test.hpp"
 #include "host/mesh/eigen_points.hpp"
-#include "host/mesh/rims.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "verify/containment/closed_surface.hpp"
+#include "verify/containment/rims.hpp"
 #include "verify/deviation/triangle_tree.hpp"
 #include "verisq/signed_distance.hpp"
 

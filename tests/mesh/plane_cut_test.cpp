@@ -4,8 +4,8 @@
 #include <cmath>
 #include <verisq/plane_cut.hpp>
 
-#include "host/mesh/rims.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
+#include "verify/containment/rims.hpp"
 #include "verisq/mesh_topology.hpp"
 
 namespace verisq {

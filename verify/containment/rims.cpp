@@ -1,5 +1,5 @@
 /// At every vertex as many open edges begin as end, for each triangle adds one of both: walks along them close.
-#include "host/mesh/rims.hpp"
+#include "verify/containment/rims.hpp"
 
 #include <cstdint>
 #include <map>
