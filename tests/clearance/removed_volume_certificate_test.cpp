@@ -122,7 +122,7 @@ ProvenRemovedVolume checked(const Removal& removal, const RemovedVolumeCertifica
 
 TEST(RemovedVolumeCertificate, ProvesWhatWasFoundAsClosely) {
   for (const Removal& removal : removals()) {
-    const auto [found, proof] = certified(removal, 0.05);
+    const auto [found, proof] = certified(removal, 0.1);
     std::cout << removal.name << ": exact " << removal.exact << ", found [" << found.volume.lo << ", "
               << found.volume.hi << "], proved [" << proof.volume.lo << ", " << proof.volume.hi << "], "
               << proof.certificate.cubes.size() << " cubes\n";
@@ -177,12 +177,12 @@ Removal screw() {
   const Vector3d spin(0.1, 0.2, 0.6);
   const Vector3d axis = spin.normalized() * std::sin(spin.norm() / 2.0);
   const std::vector<Pose> path{{}, {point_of(way), {std::cos(spin.norm() / 2.0), axis[0], axis[1], axis[2]}}};
-  return {"a screw", stem, path, {{}, Plane{{}, {0.0, 0.0, -1.0}}}, counted_of_screw(stem, way, spin, 0.25)};
+  return {"a screw", stem, path, {{}, Plane{{}, {0.0, 0.0, -1.0}}}, counted_of_screw(stem, way, spin, 0.35)};
 }
 
 TEST(RemovedVolumeCertificate, OfAScrewContainsWhatALatticeCounts) {
   const Removal removal = screw();
-  const auto [found, proof] = certified(removal, 0.05);
+  const auto [found, proof] = certified(removal, 0.15);
   std::cout << "counted " << removal.exact << ", found [" << found.volume.lo << ", " << found.volume.hi << "], proved ["
             << proof.volume.lo << ", " << proof.volume.hi << "]\n";
   EXPECT_GE(removal.exact, proof.volume.lo);
@@ -296,7 +296,7 @@ TEST(RemovedVolumeCertificate, IsOfNoOtherImplantWayOrBone) {
   RandomCases random(17);
   std::size_t tried = 0;
   for (const Removal& removal : removals()) {
-    const CertifiedRemovedVolume own = certified(removal, 0.05).certified;
+    const CertifiedRemovedVolume own = certified(removal, 0.1).certified;
     for (std::size_t n = 0; n < of_each; ++n) {
       std::vector<Removal> others(4, removal);
       for (Primitive& primitive : others[0].implant.primitives)
@@ -308,7 +308,7 @@ TEST(RemovedVolumeCertificate, IsOfNoOtherImplantWayOrBone) {
       for (BoneSurface& surface : others[3].bone.surfaces)
         for (Point& vertex : surface.mesh.vertices) vertex[0] += random.uniform(50.0, 60.0);
       for (const Removal& other : others) {
-        const RemovedVolume truth = removed_volume(other.path, other.implant, other.bone, {.relative_tolerance = 0.1});
+        const RemovedVolume truth = removed_volume(other.path, other.implant, other.bone, {.relative_tolerance = 0.2});
         if (own.volume.lo <= truth.volume.hi && truth.volume.lo <= own.volume.hi) continue;  // it may well be true
         EXPECT_NE(check(own.volume, checked(other, own.certificate).volume).verdict, Verdict::proved) << removal.name;
         ++tried;

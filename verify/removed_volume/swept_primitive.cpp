@@ -29,6 +29,13 @@ Vector3<double> corner_of(const Cube& cube, std::size_t k) {
   return corner;
 }
 
+/// Exactly.
+PreciseVector in_127_bits(const Vector3<double>& v) {
+  PreciseVector result;
+  for (std::size_t i = 0; i < 3; ++i) result[i] = {Real(v[i].lower()), Real(v[i].upper())};
+  return result;
+}
+
 /// The smaller value at each corner.
 void lower(CornerHeights& heights, const CornerHeights& others) {
   for (std::size_t k = 0; k < 8; ++k) heights[k] = Interval(std::min(heights[k].lower(), others[k].lower()));
@@ -48,11 +55,25 @@ struct SweptPrimitive::Placement {
 
 /// A plane that moves with the primitive, which lies behind it, during a part of a leg.
 struct SweptPrimitive::Facing {
+  PartOfLeg times;
   CornerHeights heights;  ///< what is swept of the cube lies where they are not positive
   double sag;             ///< by which they were lowered, for what the plane does between begin and end
   double time;            ///< when the gauge at the cube's centre is least, about
   double gauge;           ///< there and then, about
 };
+
+/// Whether it leaves nothing out, however short its part of a leg is. About: proposes what need not be halved.
+bool SweptPrimitive::is_beyond_nothing(const Facing& deepest) {
+  return std::ranges::all_of(deepest.heights, [&](const Interval& h) { return h.lower() + deepest.sag <= 0.0; });
+}
+
+/// Whether it lets little more in than the deepest one does, however short the part of that is. About, likewise.
+bool SweptPrimitive::is_above(const Facing& other, const Facing& deepest, double allowed) {
+  for (std::size_t k = 0; k < 8; ++k) {
+    if (other.heights[k].lower() < deepest.heights[k].lower() + deepest.sag - allowed) return false;
+  }
+  return true;
+}
 
 SweptPrimitive::SweptPrimitive(const Primitive& primitive, const EnclosedPath& path)
     : path_(path),
@@ -114,7 +135,7 @@ double SweptPrimitive::sag(const Cube& cube, const PartOfLeg& times) const {
 SweptPrimitive::Facing SweptPrimitive::facing(const Cube& cube, const PartOfLeg& times) const {
   const MovingGauge moving = moving_gauge(times.leg);
   const Vector3d centre(cube.centre[0], cube.centre[1], cube.centre[2]);
-  Facing result{};
+  Facing result{times, {}, 0.0, 0.0, 0.0};
   result.time = moving.nearest_time(times.begin, times.end, centre);
   const MovingGauge::Slope slope = moving.slope(result.time, centre);
   result.gauge = slope.value;
@@ -123,7 +144,7 @@ SweptPrimitive::Facing SweptPrimitive::facing(const Cube& cube, const PartOfLeg&
   const Vector3<double> v = exact_vector({own[0], own[1], own[2]});
 
   if (path_.motion(times.leg).turns) result.sag = (Interval(sag(cube, times)) * length<double>(v)).upper();
-  const Interval below = Interval(bounds_.support_up(v)) + Interval(result.sag);
+  const Interval below = Interval(bounds_.support_up(in_127_bits(v)).to_double(Direction::up)) + Interval(result.sag);
   for (const double time : {times.begin, times.end}) {
     const Placement at = placement(times.leg, time);
     const Vector3<double> normal = at.rotation * v;
@@ -140,30 +161,34 @@ SweptPrimitive::Facing SweptPrimitive::facing(const Cube& cube, const PartOfLeg&
   return result;
 }
 
-/// Parts of legs are halved until what their planes do in between matters little beside the square of the cube.
+/// Parts of legs are halved where what their planes do in between decides, beside the square of the cube.
 SweptPrimitive::InCube SweptPrimitive::in(const Cube& cube, std::span<const PartOfLeg> times) const {
   const double allowed = cube.half_width * std::min(1.0, cube.half_width / smallest_semi_axis_) / 8.0;
-  InCube result;
-  double least = infinity;
-  std::vector<PartOfLeg> open(times.rbegin(), times.rend());
-  while (!open.empty()) {
-    const PartOfLeg part = open.back();
-    open.pop_back();
-    const Facing found = facing(cube, part);
-    if (all_positive(found.heights)) continue;
-    const std::optional<double> half = found.sag > allowed ? middle_of(part) : std::nullopt;
-    if (half) {
-      open.push_back({part.leg, *half, part.end});
-      open.push_back({part.leg, part.begin, *half});
-      continue;
+  std::vector<Facing> open;
+  std::vector<PartOfLeg> next(times.begin(), times.end());
+  while (!next.empty()) {
+    for (const PartOfLeg& part : next) {
+      Facing found = facing(cube, part);
+      if (!all_positive(found.heights)) open.push_back(std::move(found));
     }
-    if (result.times.empty()) result.outer = found.heights;
+    next.clear();
+    if (open.empty()) return {};
+    const Facing deepest = *std::ranges::min_element(open, {}, &Facing::gauge);
+    if (is_beyond_nothing(deepest)) break;
+    std::erase_if(open, [&](const Facing& other) {
+      const bool decides = other.sag > allowed && !is_above(other, deepest, allowed);
+      const std::optional<double> half = decides ? middle_of(other.times) : std::nullopt;
+      if (!half) return false;
+      next.push_back({other.times.leg, other.times.begin, *half});
+      next.push_back({other.times.leg, *half, other.times.end});
+      return true;
+    });
+  }
+  const Facing& deepest = *std::ranges::min_element(open, {}, &Facing::gauge);
+  InCube result{.times = {}, .outer = deepest.heights, .deepest = {deepest.times.leg, deepest.time}};
+  for (const Facing& found : open) {
     lower(result.outer, found.heights);
-    if (result.times.empty() || found.gauge < least) {
-      least = found.gauge;
-      result.deepest = {part.leg, found.time};
-    }
-    result.times.push_back(part);
+    result.times.push_back(found.times);
   }
   return result;
 }
@@ -176,8 +201,8 @@ CornerHeights SweptPrimitive::inner(const Cube& cube, const Moment& moment) cons
   const Matrix3<double> to_own = at.rotation.transpose();
   CornerHeights heights;
   for (std::size_t k = 0; k < 8; ++k) {
-    const double gauge = bounds_.gauge_up(to_own * (corner_of(cube, k) - at.origin));
-    heights[k] = Interval(subtract(gauge, 1.0, Direction::up));
+    const Real gauge = bounds_.gauge_up(in_127_bits(to_own * (corner_of(cube, k) - at.origin)));
+    heights[k] = Interval(subtract(gauge.to_double(Direction::up), 1.0, Direction::up));
   }
   return heights;
 }

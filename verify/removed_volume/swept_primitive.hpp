@@ -60,10 +60,12 @@ class SweptPrimitive {
   [[nodiscard]] MovingGauge moving_gauge(std::uint32_t leg) const;
   [[nodiscard]] Facing facing(const Cube& cube, const PartOfLeg& times) const;
   [[nodiscard]] double sag(const Cube& cube, const PartOfLeg& times) const;
+  [[nodiscard]] static bool is_beyond_nothing(const Facing& deepest);
+  [[nodiscard]] static bool is_above(const Facing& other, const Facing& deepest, double allowed);
   [[nodiscard]] std::optional<double> middle_of(const PartOfLeg& times) const;
 
   const EnclosedPath& path_;
-  SuperquadricBounds<double> bounds_;
+  SuperquadricBounds<Real> bounds_;
   Matrix3<double> rotation_;     ///< from the primitive's own frame
   Vector3<double> translation_;  ///< its origin: the focus
   Interval radius_;              ///< of a sphere about it that contains the primitive
