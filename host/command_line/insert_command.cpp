@@ -150,6 +150,25 @@ std::optional<InsertionAnswer> certify(const InsertArguments& arguments, std::sp
   return answer;
 }
 
+/// With a resection nothing of them: its rows are not those of the mesh.
+std::optional<InsertionAnswer> certify_points(const InsertArguments& arguments, std::span<const Pose> path,
+                                              const Model& implant, const Mesh& bone, const InsertionOptions& options,
+                                              Insertion& insertion, InsertReport& report) {
+  if (arguments.resection) return answer_about(arguments, path, implant);
+  return certify(arguments, path, implant, bone, options, insertion, report);
+}
+
+/// Of whatever was not interrupted.
+void write_certificate(const std::string& file, const std::optional<InsertionAnswer>& answer, InsertReport& report) {
+  if (!answer || (answer->rows.empty() && !answer->removed)) {
+    tell(fmt::format("interrupted; {} is not written", file));
+    return;
+  }
+  write_answer(file, *answer);
+  report.certificate = file;
+  report.certified_points = !answer->rows.empty();
+}
+
 /// Returns the name of the file that holds the map; empty when an interrupted search left none.
 std::string write_map(const Mesh& bone, const Insertion& insertion, MapWriter writer, const std::string& output) {
   writer.append(bone.vertices, insertion.rows);
@@ -383,11 +402,8 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   Insertion insertion = smallest_distance_along(path, implant, bone.vertices, options);
   bar.reset();  // the line is cleared before anything else is said
   std::optional<InsertionAnswer> certified;
-  if (!arguments.certificate_file.empty() && !insertion.summary.interrupted) {
-    // A resection's rows are not those of the mesh.
-    certified = arguments.resection ? answer_about(arguments, path, implant)
-                                    : certify(arguments, path, implant, bone, options, insertion, report);
-  }
+  if (!arguments.certificate_file.empty() && !insertion.summary.interrupted)
+    certified = certify_points(arguments, path, implant, bone, options, insertion, report);
 
   count(insertion, report);
   if (on_triangles && !insertion.summary.interrupted) {
@@ -403,15 +419,8 @@ ExitStatus run_insert(const InsertArguments& arguments) {
     report.volume_seconds = volume_time.seconds();
   }
   if (certified && report.removed) certified->removed = certify_removal(arguments, path, implant, *region, report);
-  if (certified && certified->rows.empty() && !certified->removed) certified.reset();
   report.output = write_map(bone, insertion, std::move(writer), arguments.output);
-  if (certified) {
-    write_answer(arguments.certificate_file, *certified);
-    report.certificate = arguments.certificate_file;
-    report.certified_points = !certified->rows.empty();
-  } else if (!arguments.certificate_file.empty()) {
-    tell(fmt::format("interrupted; {} is not written", arguments.certificate_file));
-  }
+  if (!arguments.certificate_file.empty()) write_certificate(arguments.certificate_file, certified, report);
   report.poses = path.size();
   report.units = implant.units;
   report.tolerance = options.tolerance;

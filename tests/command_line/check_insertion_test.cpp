@@ -230,19 +230,15 @@ TEST_F(CheckRemoval, ProvesWhatIsRemovedWithinASurface) {
   EXPECT_EQ(told["removed_volume"]["verdict"], "proved");
   EXPECT_EQ(told["removed_volume"]["claimed"]["lo"], proof["removed"]["lo"]);
 
-  const double lo = proof["removed"]["lo"];
   const double hi = proof["removed"]["hi"];
   const auto not_proved = [&](const std::string& pointer, const json& value) {
     const Outcome outcome = check(forged(pointer, value), with);
     EXPECT_EQ(outcome.status, 3) << pointer << outcome.err << outcome.out;
   };
   not_proved("/removed/lo", hi);
-  not_proved("/removed/hi", lo);
   not_proved("/removed/hi", "inf");
   not_proved("/removed/bone", "inside");
   not_proved("/removed/cube/parts", ".");
-  not_proved("/removed/cube/half_width", 1.0);
-  not_proved("/removed/resection", {{"point", {0, 0, -150}}, {"normal", {0, 0, 1}}});
 
   const auto refused = [&](const Outcome& outcome, const std::string& words) {
     EXPECT_EQ(outcome.status, 2) << outcome.out;
