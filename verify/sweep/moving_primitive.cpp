@@ -172,10 +172,30 @@ double MovingPrimitive::offset_along(const Plane& plane, const Plane& other, dou
   return (Interval(other.outer.offset) + apart).upper();
 }
 
-/// Stretches are halved where the slack of their half-spaces decides.
-SweptPart MovingPrimitive::part(const Cube& cube, std::span<const TimeStretch> stretches) const {
+/// Takes away what holds nothing of the cube, and stretches where the slack of their half-spaces decides, whose halves
+/// it returns.
+std::vector<TimeStretch> MovingPrimitive::halved(std::vector<Plane>& planes, const Plane& deepest,
+                                                 const Cube& cube) const {
   const double half_width = cube.half_width;
   const double allowed = half_width * std::min(1.0, half_width / smallest_semi_axis_) / 8.0;
+  const double least = deepest.outer.offset - deepest.slack;  // about: no better half-space is to be had
+  const double reach = reach_up(deepest.outer.normal, half_width);
+  std::vector<TimeStretch> halves;
+  if (!(least < reach)) return halves;
+  std::erase_if(planes, [&](const Plane& other) {
+    const double offset = offset_along(deepest, other, half_width);
+    if (offset < -reach) return true;  // it holds nothing of the cube
+    if (offset <= least + allowed || other.slack <= allowed || !is_divisible(other.stretch)) return false;
+    const double middle = middle_of(other.stretch);
+    halves.push_back({other.stretch.leg, other.stretch.begin, middle});
+    halves.push_back({other.stretch.leg, middle, other.stretch.end});
+    return true;
+  });
+  return halves;
+}
+
+SweptPart MovingPrimitive::part(const Cube& cube, std::span<const TimeStretch> stretches) const {
+  const double half_width = cube.half_width;
   SweptPart result;
   std::vector<Plane> planes;
   const auto add = [&](const TimeStretch& stretch) {
@@ -190,20 +210,7 @@ SweptPart MovingPrimitive::part(const Cube& cube, std::span<const TimeStretch> s
     result.inner.reset();
     if (std::isfinite(inner.offset) && !holds_nothing(inner, half_width)) result.inner = inner;
 
-    const double least = deepest.outer.offset - deepest.slack;  // about: no better half-space is to be had
-    const double reach = reach_up(deepest.outer.normal, half_width);
-    std::vector<TimeStretch> halves;
-    if (!result.covered && least < reach) {
-      std::erase_if(planes, [&](const Plane& other) {
-        const double offset = offset_along(deepest, other, half_width);
-        if (offset < -reach) return true;  // it holds nothing of the cube
-        if (offset <= least + allowed || other.slack <= allowed || !is_divisible(other.stretch)) return false;
-        const double middle = middle_of(other.stretch);
-        halves.push_back({other.stretch.leg, other.stretch.begin, middle});
-        halves.push_back({other.stretch.leg, middle, other.stretch.end});
-        return true;
-      });
-    }
+    const std::vector<TimeStretch> halves = result.covered ? std::vector<TimeStretch>() : halved(planes, deepest, cube);
     if (halves.empty()) break;
     for (const TimeStretch& half : halves) add(half);
   }

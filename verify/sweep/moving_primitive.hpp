@@ -52,6 +52,8 @@ class MovingPrimitive {
   [[nodiscard]] Placement placement(std::size_t leg, double time) const;
   [[nodiscard]] MovingGauge moving_gauge(std::size_t leg) const;
   [[nodiscard]] Plane plane(const Cube& cube, const TimeStretch& stretch) const;
+  [[nodiscard]] std::vector<TimeStretch> halved(std::vector<Plane>& planes, const Plane& deepest,
+                                                const Cube& cube) const;
   [[nodiscard]] static double offset_along(const Plane& plane, const Plane& other, double half_width);
   [[nodiscard]] double middle_of(const TimeStretch& stretch) const;
   [[nodiscard]] bool is_divisible(const TimeStretch& stretch) const;
