@@ -1,4 +1,5 @@
 /// Certificate files: what is written is read again bit for bit; what is not of the format is refused.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <array>
