@@ -170,14 +170,7 @@ int checked_orientation(const std::vector<Triangle>& triangles) try {
 }  // namespace
 
 CornerHeights heights_above(const Cube& cube, const Point& point, const Vector& normal) {
-  const Interval at_centre = normal.dot(way(point, cube.centre));
-  const Vector step = normal * Interval(cube.half_width);
-  CornerHeights heights;
-  for (std::size_t k = 0; k < 8; ++k) {
-    heights[k] = at_centre;
-    for (std::size_t i = 0; i < 3; ++i) heights[k] += (k >> i & 1U) != 0 ? step[i] : -step[i];
-  }
-  return heights;
+  return linear_heights(normal.dot(way(point, cube.centre)), normal * Interval(cube.half_width));
 }
 
 /// What lies behind one triangle, or behind two with a common edge: behind both where they are convex, behind one of

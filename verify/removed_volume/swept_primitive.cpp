@@ -149,12 +149,7 @@ SweptPrimitive::Facing SweptPrimitive::facing(const Cube& cube, const PartOfLeg&
     const Placement at = placement(times.leg, time);
     const Vector3<double> normal = at.rotation * v;
     const Interval at_centre = normal.dot(exact_vector(cube.centre) - at.origin) - below;
-    const Vector3<double> step = normal * Interval(cube.half_width);
-    CornerHeights heights;
-    for (std::size_t k = 0; k < 8; ++k) {
-      heights[k] = at_centre;
-      for (std::size_t i = 0; i < 3; ++i) heights[k] += (k >> i & 1U) != 0 ? step[i] : -step[i];
-    }
+    const CornerHeights heights = linear_heights(at_centre, normal * Interval(cube.half_width));
     if (time == times.begin) result.heights = heights;
     lower(result.heights, heights);
   }

@@ -190,6 +190,15 @@ class Dissection {
 
 }  // namespace
 
+CornerHeights linear_heights(const Interval& at_centre, const Vector3<double>& rise) {
+  CornerHeights heights;
+  for (std::size_t k = 0; k < 8; ++k) {
+    heights[k] = at_centre;
+    for (std::size_t i = 0; i < 3; ++i) heights[k] += (k >> i & 1U) != 0 ? rise[i] : -rise[i];
+  }
+  return heights;
+}
+
 CornerHeights negative(const CornerHeights& heights) {
   CornerHeights result;
   std::ranges::transform(heights, result.begin(), [](const Interval& height) { return -height; });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "verify/numbers/interval.hpp"
+#include "verify/numbers/vector.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -13,6 +14,10 @@ namespace verisq::verify {
 /// are those of a function that is linear on each of the six tetrahedra between the corner 0 and the corner 7 along the
 /// edges; meant is the part of the cube where it is not positive.
 using CornerHeights = std::array<Interval, 8>;
+
+/// Of a function that is linear on the whole cube: its value at the centre, and by how much it rises from there to the
+/// sides of larger x, y and z.
+[[nodiscard]] CornerHeights linear_heights(const Interval& at_centre, const Vector3<double>& rise);
 
 [[nodiscard]] CornerHeights negative(const CornerHeights& heights);
 
