@@ -68,6 +68,7 @@ struct NearPrimitive {
 struct RegionCube {
   Cube cube{};
   int level = 0;
+  std::uint32_t place = 0;  ///< in the tree of all cubes
   std::vector<NearPrimitive> primitives = {};
   std::vector<DividedSurface::Piece> surfaces = {};
   Enclosure removed{0.0, 0.0};
@@ -103,6 +104,34 @@ double cube_volume(const Cube& cube) {
   return edge * edge * edge;  // exact: powers of two
 }
 
+/// Which cubes have been divided.
+class CubeTree {
+ public:
+  /// The first of eight octants, one after the other. Precondition: it has none yet.
+  std::uint32_t divide(std::uint32_t place) {
+    octants_[place] = static_cast<std::uint32_t>(octants_.size());
+    octants_.resize(octants_.size() + 8, 0);
+    return octants_[place];
+  }
+
+  [[nodiscard]] std::vector<CubeDivision> in_preorder() const {
+    std::vector<CubeDivision> cubes;
+    cubes.reserve(octants_.size());
+    std::vector<std::uint32_t> open{0};
+    while (!open.empty()) {
+      const std::uint32_t first = octants_[open.back()];
+      open.pop_back();
+      cubes.push_back(first > 0 ? CubeDivision::divided : CubeDivision::none);
+      if (first == 0) continue;
+      for (std::uint32_t k = 8; k > 0; --k) open.push_back(first + k - 1);
+    }
+    return cubes;
+  }
+
+ private:
+  std::vector<std::uint32_t> octants_{0};  // of each cube the first octant; 0: it is not divided
+};
+
 class RemovalSearch {
  public:
   RemovalSearch(std::span<const Pose> path, const Model& implant, const BoneRegion& bone,
@@ -114,6 +143,7 @@ class RemovalSearch {
 
   RemovedVolume operator()() {
     RegionCube root = root_cube();
+    found_.divided = {.centre = root.cube.centre, .half_width = root.cube.half_width};
     evaluate(root);
     found_.cubes = 1;
     settle_or_open(std::move(root));
@@ -125,6 +155,7 @@ class RemovalSearch {
       if (found_.within_tolerance || found_.interrupted || found_.cubes >= options_.most_cubes) break;
       if (!divide()) break;
     }
+    found_.divided.cubes = tree_.in_preorder();
     return std::move(found_);
   }
 
@@ -271,18 +302,23 @@ class RemovalSearch {
 
   void divide(std::span<const RegionCube> parents) {
     std::vector<std::vector<RegionCube>> children(parents.size());
-    in_parallel(parents.size(), [&](std::size_t n) { children[n] = parts_of(parents[n]); });
+    std::vector<std::uint32_t> octants;
+    for (const RegionCube& parent : parents) octants.push_back(tree_.divide(parent.place));
+    in_parallel(parents.size(), [&](std::size_t n) { children[n] = parts_of(parents[n], octants[n]); });
     found_.cubes += 8 * parents.size();
     for (auto& siblings : children)
       for (RegionCube& child : siblings) settle_or_open(std::move(child));
   }
 
-  [[nodiscard]] std::vector<RegionCube> parts_of(const RegionCube& parent) const {
+  /// `octants` is the place of the first one.
+  [[nodiscard]] std::vector<RegionCube> parts_of(const RegionCube& parent, std::uint32_t octants) const {
     std::vector<RegionCube> children;
     const double half_width = parent.cube.half_width / 2.0;
     for (unsigned octant = 0; octant < 8; ++octant) {
-      RegionCube child{
-          .cube = {parent.cube.centre, half_width}, .level = parent.level + 1, .primitives = parent.primitives};
+      RegionCube child{.cube = {parent.cube.centre, half_width},
+                       .level = parent.level + 1,
+                       .place = octants + octant,
+                       .primitives = parent.primitives};
       for (std::size_t i = 0; i < 3; ++i)
         child.cube.centre[i] += (octant >> i & 1U) != 0 ? half_width : -half_width;  // exact
       for (std::size_t n = 0; n < surfaces_.size(); ++n) {
@@ -300,6 +336,7 @@ class RemovalSearch {
   std::vector<DividedSurface> surfaces_;
   std::optional<Plane> resection_;
   std::vector<RegionCube> open_;
+  CubeTree tree_;
   Enclosure settled_{0.0, 0.0};
   RemovedVolume found_{};
 };

@@ -49,8 +49,8 @@ constexpr const char* closing_words =
     "  fit --bound\n"
     "             give each implant's --model, as it lies in its own file, and the --mesh: that no pose of the range\n"
     "             fits better is proved (of the file of --bound-certificate-file)\n"
-    "  insert     give the implant's --model and the bone's --mesh: the smallest distance of every vertex along the\n"
-    "             whole way is proved\n"
+    "  insert     give the implant's --model, the bone's --mesh and, where there was one, the surface --within: the\n"
+    "             smallest distance of every vertex along the whole way is proved, and how much bone is taken away\n"
     "  deviation  give --model and --mesh or --points: how far these lie from the model's surface is proved, at most,\n"
     "             in the mean, and percentiles; and how far the model's surface lies from them, at most\n"
     "  features   what its landmarks say is enclosed once more, at 127 bits\n"
@@ -108,6 +108,8 @@ ExitStatus check_certificate(const CheckArguments& arguments) {
   const Answer answer = read_answer(arguments.certificate);
   if (!arguments.poses.empty() && !has_poses(answer))
     refuse(fmt::format("--poses: {} is neither of a path, nor of a way in, nor of poses", arguments.certificate));
+  if (!arguments.within.empty() && !std::holds_alternative<InsertionAnswer>(answer))
+    refuse(fmt::format("--within: {} is of no way in", arguments.certificate));
   if (const auto* const fit = std::get_if<FitAnswer>(&answer)) return run_fit_check(*fit, arguments);
   if (const auto* const best = std::get_if<BestFitAnswer>(&answer)) return run_best_fit_check(*best, arguments);
   if (const auto* const way = std::get_if<InsertionAnswer>(&answer)) return run_insertion_check(*way, arguments);
@@ -138,6 +140,8 @@ void declare_check(Options& options, CheckArguments& arguments) {
   options.add(
       "--poses", arguments.poses, "FILE",
       "Of a --certificate of a path, a way in, or poses: refuses it unless it is of the poses of this file, .csv");
+  options.add("--within", arguments.within, "FILE",
+              "Of a --certificate of bone that is removed around a cavity: the bone's outer surface, a mesh");
   options.add("--surface-map", arguments.surface_map, "FILE",
               "Of the --certificate of a fit that had one: the map of whole triangles");
   options.add("--octree", arguments.octree, "FILE",
@@ -157,6 +161,7 @@ ExitStatus run_check(const CheckArguments& given) {
     refuse("give one of --map, --certificate and --octree");
   }
   if (!given.surface_map.empty() && given.certificate.empty()) refuse("--surface-map: only with --certificate");
+  if (!given.within.empty() && given.certificate.empty()) refuse("--within: only with --certificate");
   if (!given.poses.empty() && given.certificate.empty()) refuse("--poses: only with --certificate");
   if (given.sample && given.octree.empty()) refuse("--sample: only with --octree");
   CheckArguments arguments = given;

@@ -22,6 +22,7 @@ struct CheckArguments {
   std::string certificate;
   std::string octree;
   std::string poses;                    ///< that a certificate is to be of; empty: any
+  std::string within;                   ///< the bone's outer surface of a way in along a cavity; empty: none
   std::string surface_map;              ///< of the fit, of whole triangles
   std::optional<std::uint64_t> sample;  ///< of the octree, how many cubes; nothing: all
   double point_radius = 0.0;

@@ -6,11 +6,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <numbers>
+#include <optional>
+#include <utility>
 #include <vector>
 #include <verisq/bone_region.hpp>
 #include <verisq/certificate_file.hpp>
 #include <verisq/certified_insertion.hpp>
+#include <verisq/certified_removed_volume.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/least_removal.hpp>
 #include <verisq/map_file.hpp>
@@ -36,6 +40,7 @@
 #include "host/command_line/stopwatch.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/maps/summary_count.hpp"
+#include "host/threads/parallel.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -67,7 +72,7 @@ constexpr const char* closing_words =
     "  verisq insert --implant fitted.json --mesh femur.stl --along 0,0,-1 --length 120 -o removal.vtp \\\n"
     "    --certificate-file removal.json\n"
     "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
-    "    --along 0,0,-1 --length 100 -o removal.vtp\n"
+    "    --along 0,0,-1 --length 100 -o removal.vtp --certificate-file removal.json\n"
     "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
     "    --along 0,0,-1 --length 100 --search-cone 15 --search-turn 20 -o removal.vtp";
 
@@ -95,7 +100,7 @@ void check_usage(const InsertArguments& arguments) {
                                         arguments.inputs.poses.value_or(""), arguments.within.value_or("")};
   refuse_to_overwrite("-o", arguments.output, inputs);
   command_line::check_usage(arguments.report, inputs, {arguments.output, arguments.certificate_file});
-  if (!arguments.certificate_file.empty() && arguments.resection)
+  if (!arguments.certificate_file.empty() && arguments.resection && !arguments.cavity && !arguments.bone)
     refuse("--certificate-file: not with --resection, which leaves a part of the mesh out: cut it first");
   check_certificate_file(arguments.certificate_file, inputs);
 }
@@ -107,6 +112,16 @@ void require_certificates(const InsertArguments& arguments, const Model& implant
       fmt::format("--certificate-file: {}: ways in of bent models, or of csg other than the union of all primitives, "
                   "have no certificates",
                   arguments.inputs.implant));
+}
+
+/// Nothing is claimed yet.
+InsertionAnswer answer_about(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant) {
+  return {.model = subject_file(arguments.inputs.implant),
+          .mesh = subject_file(arguments.inputs.mesh),
+          .units = implant.units,
+          .pose = arguments.inputs.pose,
+          .path = {path.begin(), path.end()},
+          .rows = {}};
 }
 
 /// Rows that certificates prove to the tolerance are theirs from here on; others stay as they were found. Nothing where
@@ -123,12 +138,7 @@ std::optional<InsertionAnswer> certify(const InsertArguments& arguments, std::sp
     insertion.summary.interrupted = true;
     return std::nullopt;
   }
-  InsertionAnswer answer{.model = subject_file(arguments.inputs.implant),
-                         .mesh = subject_file(arguments.inputs.mesh),
-                         .units = implant.units,
-                         .pose = arguments.inputs.pose,
-                         .path = {path.begin(), path.end()},
-                         .rows = {}};
+  InsertionAnswer answer = answer_about(arguments, path, implant);
   for (std::size_t n = 0; n < insertion.rows.size(); ++n) {
     const MapResult& proven = certified.rows[n];
     const bool looser = proven.status == Status::wide && proven.distance.width() > insertion.rows[n].distance.width();
@@ -138,6 +148,25 @@ std::optional<InsertionAnswer> certify(const InsertArguments& arguments, std::sp
   }
   insertion.summary = recounted(insertion.summary, insertion.rows);
   return answer;
+}
+
+/// With a resection nothing of them: its rows are not those of the mesh.
+std::optional<InsertionAnswer> certify_points(const InsertArguments& arguments, std::span<const Pose> path,
+                                              const Model& implant, const Mesh& bone, const InsertionOptions& options,
+                                              Insertion& insertion, InsertReport& report) {
+  if (arguments.resection) return answer_about(arguments, path, implant);
+  return certify(arguments, path, implant, bone, options, insertion, report);
+}
+
+/// Of whatever was not interrupted.
+void write_certificate(const std::string& file, const std::optional<InsertionAnswer>& answer, InsertReport& report) {
+  if (!answer || (answer->rows.empty() && !answer->removed)) {
+    tell(fmt::format("interrupted; {} is not written", file));
+    return;
+  }
+  write_answer(file, *answer);
+  report.certificate = file;
+  report.certified_points = !answer->rows.empty();
 }
 
 /// Returns the name of the file that holds the map; empty when an interrupted search left none.
@@ -223,6 +252,34 @@ RemovedVolume removed_volume_of(const InsertArguments& arguments, std::span<cons
                          }});
 }
 
+/// The volume is the certificate's from here on, unless that is wider than asked for, and than what was found. Nothing
+/// where it was interrupted.
+std::optional<RemovalAnswer> certify_removal(const InsertArguments& arguments, std::span<const Pose> path,
+                                             const Model& implant, const BoneRegion& bone, InsertReport& report) {
+  RemovedVolume& found = *report.removed;
+  ProgressBar bar(!arguments.no_progress, "cubes");
+  CertifiedRemovedVolume certified = certified_removed_volume(
+      path, implant, bone, found,
+      {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+       .interrupted = interrupted,
+       .progress = [&bar](double done) { bar.update_state("certificate of the removed volume", done); }});
+  if (certified.interrupted) return std::nullopt;
+  const double allowed = std::max(report.least_volume_tolerance, report.volume_tolerance * certified.volume.lo);
+  const bool within_tolerance = certified.volume.width() <= allowed;
+  if (within_tolerance || certified.volume.width() <= found.volume.width()) {
+    found.volume = certified.volume;
+    found.within_tolerance = within_tolerance;
+  }
+  report.certified_volume = certified.volume;
+  RemovalAnswer answer{.bone = arguments.bone ? BoneSide::inside : BoneSide::outside,
+                       .within = {},
+                       .resection = bone.resection,
+                       .volume = certified.volume,
+                       .certificate = std::move(certified.certificate)};
+  if (arguments.within) answer.within = subject_file(*arguments.within);
+  return answer;
+}
+
 MeshClearance surface_along(std::span<const Pose> path, const Model& implant, const Mesh& bone,
                             const InsertionOptions& options) {
   return mesh_clearance_along(path, implant, bone,
@@ -301,9 +358,10 @@ void declare_insert(Options& options, InsertArguments& arguments) {
               "Default: 0.02, or 1e-7 of the cube about the implant's bounding sphere");
   add_device(options, arguments.device);
   options.require("-o,--output", arguments.output, "FILE", map_explanation);
-  options.add("--certificate-file", arguments.certificate_file, "FILE",
-              "The rows with what proves each again, for `verisq check --certificate`: .json. The map gets what these "
-              "prove");
+  options.add(
+      "--certificate-file", arguments.certificate_file, "FILE",
+      "The rows with what proves each again, and the volume of --cavity or --bone with what proves that, for "
+      "`verisq check --certificate`: .json. The map gets what these prove. With --resection of the volume alone");
   declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
@@ -345,7 +403,7 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   bar.reset();  // the line is cleared before anything else is said
   std::optional<InsertionAnswer> certified;
   if (!arguments.certificate_file.empty() && !insertion.summary.interrupted)
-    certified = certify(arguments, path, implant, bone, options, insertion, report);
+    certified = certify_points(arguments, path, implant, bone, options, insertion, report);
 
   count(insertion, report);
   if (on_triangles && !insertion.summary.interrupted) {
@@ -360,13 +418,9 @@ ExitStatus run_insert(const InsertArguments& arguments) {
     report.least_volume_tolerance = least_volume_tolerance_of(arguments, implant);
     report.volume_seconds = volume_time.seconds();
   }
+  if (certified && report.removed) certified->removed = certify_removal(arguments, path, implant, *region, report);
   report.output = write_map(bone, insertion, std::move(writer), arguments.output);
-  if (certified) {
-    write_answer(arguments.certificate_file, *certified);
-    report.certificate = arguments.certificate_file;
-  } else if (!arguments.certificate_file.empty()) {
-    tell(fmt::format("interrupted; {} is not written", arguments.certificate_file));
-  }
+  if (!arguments.certificate_file.empty()) write_certificate(arguments.certificate_file, certified, report);
   report.poses = path.size();
   report.units = implant.units;
   report.tolerance = options.tolerance;

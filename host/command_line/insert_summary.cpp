@@ -75,6 +75,15 @@ std::optional<JsonObject> json_of_search(const InsertReport& report) {
                     {"proven_worse", report.search->worse}};
 }
 
+const char* subjects_of_certificate(const InsertReport& report) {
+  if (!report.certified_volume) return "the distances of the points alone";
+  return report.certified_points ? "the distances of the points, and of the removed bone" : "the removed bone alone";
+}
+
+bool is_volume_certified_less(const InsertReport& report) {
+  return report.certified_volume && report.certified_volume->width() > report.removed->volume.width();
+}
+
 }  // namespace
 
 void count(const Insertion& insertion, InsertReport& report) {
@@ -119,9 +128,11 @@ std::string readable(const InsertReport& report) {
                       summary.device_seconds, summary.host_seconds);
   text += fmt::format("map                  {}\n", report.output.empty() ? "not kept" : report.output);
   if (!report.certificate.empty()) {
-    text += fmt::format("certificate          {}, of the distances of the points alone\n", report.certificate);
+    text += fmt::format("certificate          {}, of {}\n", report.certificate, subjects_of_certificate(report));
     if (report.looser_certificates > 0)
       text += fmt::format("  proves less        of {} points than the map says\n", report.looser_certificates);
+    if (is_volume_certified_less(report))
+      text += fmt::format("  proves less        of the removed bone: {}\n", outward_digits(*report.certified_volume));
   }
   if (!report.page.empty()) text += fmt::format("report               {}\n", report.page);
   if (!report.picture.empty()) text += fmt::format("picture              {}\n", report.picture);
@@ -210,6 +221,7 @@ std::string json(const InsertReport& report) {
   if (!report.certificate.empty()) {
     object.set("certificate", report.certificate);
     object.set("looser_certificates", report.looser_certificates);
+    object.set("certified_volume", report.certified_volume ? JsonValue(*report.certified_volume) : JsonValue());
   }
   if (!report.page.empty()) object.set("report", report.page);
   if (!report.picture.empty()) object.set("png", report.picture);

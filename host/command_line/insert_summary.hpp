@@ -26,15 +26,17 @@ struct InsertReport {
   double seconds = 0.0;                       ///< wall time of all
   std::optional<MeshClearance> surface = {};  ///< of whole triangles along the path, where asked for
   double surface_seconds = 0.0;
-  std::optional<RemovedVolume> removed = {};  ///< where asked for
-  double volume_tolerance = 0.0;              ///< of the volume's lower end
-  double least_volume_tolerance = 0.0;        ///< in cubic units: so wide it may be, however small the volume is
-  double volume_seconds = 0.0;                ///< wall time of the volume
-  std::optional<WayIn> way = {};              ///< of paths that are not given pose by pose
-  std::optional<LeastRemoval> search = {};    ///< of that way among others, where asked for
-  std::string certificate = {};               ///< the certificates' file; empty when not written
-  std::uint64_t looser_certificates = 0;      ///< rows of which they prove less than the map says
-  std::string page = {};                      ///< the report's file; empty when not written
+  std::optional<RemovedVolume> removed = {};       ///< where asked for
+  double volume_tolerance = 0.0;                   ///< of the volume's lower end
+  double least_volume_tolerance = 0.0;             ///< in cubic units: so wide it may be, however small the volume is
+  double volume_seconds = 0.0;                     ///< wall time of the volume
+  std::optional<WayIn> way = {};                   ///< of paths that are not given pose by pose
+  std::optional<LeastRemoval> search = {};         ///< of that way among others, where asked for
+  std::string certificate = {};                    ///< the certificates' file; empty when not written
+  bool certified_points = false;                   ///< they are of the rows
+  std::uint64_t looser_certificates = 0;           ///< rows of which they prove less than the map says
+  std::optional<Enclosure> certified_volume = {};  ///< what they prove of the removed volume
+  std::string page = {};                           ///< the report's file; empty when not written
   std::string picture = {};
   double degrees_off = 0.0;  ///< its direction of the one that was given, about
 

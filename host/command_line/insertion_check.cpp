@@ -1,17 +1,21 @@
-/// All processors check, one thread counts.
+/// All processors check, of rows one thread counts.
 #include "host/command_line/insertion_check.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
+#include <verisq/deviation_certificate.hpp>
 #include <verisq/insertion_certificate.hpp>
 #include <verisq/mesh_file.hpp>
+#include <verisq/removed_volume_certificate.hpp>
 
 #include "host/command_line/certificate_check.hpp"
 #include "host/command_line/check_summary.hpp"
@@ -30,16 +34,35 @@ namespace {
 
 constexpr std::size_t rows_at_a_time = 1024;  // between which progress is shown
 
+/// What is claimed of the bone that is taken away, and what became of it.
+struct RemovalReport {
+  Enclosure claimed;
+  Finding finding;
+  ProvenRemovedVolume proven;
+  std::vector<std::size_t> rims;
+  double seconds;
+
+  [[nodiscard]] bool is_proved() const {
+    return finding.verdict == Verdict::proved && !proven.interrupted && std::isfinite(claimed.width());
+  }
+};
+
 struct InsertionCheckReport {
   CheckReport rows;
+  std::optional<RemovalReport> removed = {};
   // By what is proven, whatever is claimed.
   std::uint64_t proven_cut = 0;
   std::uint64_t proven_untouched = 0;
   std::uint64_t unbounded = 0;  ///< rows that claim nothing of an end
 
   [[nodiscard]] std::uint64_t undecided() const { return rows.rows() - proven_cut - proven_untouched; }
+  [[nodiscard]] bool interrupted() const { return rows.interrupted || (removed && removed->proven.interrupted); }
+  [[nodiscard]] double seconds() const { return rows.seconds + (removed ? removed->seconds : 0.0); }
+  [[nodiscard]] bool all_proved() const {
+    return rows.all_proved() && unbounded == 0 && (!removed || removed->is_proved());
+  }
   /// Of all vertices, and of no answer that is another one's.
-  [[nodiscard]] bool tells_counts() const { return rows.refuted == 0 && !rows.interrupted; }
+  [[nodiscard]] bool tells_counts() const { return rows.rows() > 0 && rows.refuted == 0 && !rows.interrupted; }
   [[nodiscard]] bool tells_smallest() const { return tells_counts() && std::isfinite(rows.smallest.width()); }
 };
 
@@ -58,6 +81,12 @@ void refuse_other_subjects(const InsertionAnswer& answer, const CheckArguments& 
   refuse_other_file(arguments.models.front(), "model", answer.model, certificate);
   refuse_other_file(arguments.inputs.mesh, "mesh", answer.mesh, certificate);
   refuse_other_poses(arguments.poses, answer.path, certificate);
+  const bool has_within = answer.removed && answer.removed->within;
+  if (has_within && arguments.within.empty())
+    refuse(fmt::format("{}: is of bone within a surface: give it by --within", certificate));
+  if (!has_within && !arguments.within.empty())
+    refuse(fmt::format("{}: is not of bone within a surface: not with --within", certificate));
+  if (has_within) refuse_other_file(arguments.within, "mesh", *answer.removed->within, certificate);
 }
 
 void count(const CheckedRow& row, InsertionCheckReport& report) {
@@ -92,10 +121,67 @@ InsertionCheckReport checked(const InsertionAnswer& answer, const Model& implant
   return report;
 }
 
-std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& report,
-                     const CheckArguments& arguments) {
+BoneRegion region_of(const RemovalAnswer& removed, const Mesh& mesh, const CheckArguments& arguments) {
+  BoneRegion region{.surfaces = {{mesh, removed.bone}}, .resection = removed.resection};
+  if (removed.within) region.surfaces.push_back({read_mesh(arguments.within), BoneSide::inside});
+  return region;
+}
+
+RemovalReport checked_removal(const InsertionAnswer& answer, const Model& implant, const Mesh& mesh,
+                              const CheckArguments& arguments) {
+  const RemovalAnswer& removed = *answer.removed;
+  const RemovedVolumeChecker checker(implant, answer.path, region_of(removed, mesh, arguments));
+  ProgressBar bar(!arguments.no_progress, "cubes");
+  const Stopwatch time;
+  const ProvenRemovedVolume proven =
+      checker(removed.certificate, {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                    .interrupted = interrupted,
+                                    .progress = [&bar](double done) { bar.update_state("removed volume", done); }});
+  return {removed.volume, check(removed.volume, proven.volume), proven, checker.rims(), time.seconds()};
+}
+
+std::string bone_in_words(const RemovalAnswer& removed) {
+  std::string words = removed.bone == BoneSide::inside ? "inside the mesh" : "outside of the mesh";
+  if (removed.within) words += fmt::format(", within {}", removed.within->name);
+  if (removed.resection) {
+    const auto& [point, normal] = *removed.resection;
+    words += fmt::format(", before the plane through ({}) with the normal ({})", fmt::join(point, ", "),
+                         fmt::join(normal, ", "));
+  }
+  return words;
+}
+
+std::string removal_in_words(const RemovalAnswer& removed, const RemovalReport& report, const std::string& units) {
+  const auto& [claimed, finding, proven, rims, seconds] = report;
+  const std::string cubed = units.empty() ? units : units + "^3";
+  if (proven.interrupted) return "removed bone         interrupted: nothing is said\n";
+  std::string text =
+      fmt::format("removed bone         {}{}, {}\n", exact_text(claimed), cubed, name_of(finding.verdict));
+  if (!std::isfinite(claimed.width())) text += "  WITHOUT AN END     nothing is claimed on one side at least\n";
+  if (finding.verdict != Verdict::proved)
+    text += fmt::format("  proven of it       {}{}\n", exact_text(finding.proven), cubed);
+  text += fmt::format("  bone is            {}\n", bone_in_words(removed));
+  text += fmt::format("  closed over        {} rims\n", fmt::join(rims, " and "));
+  return text + fmt::format("  cubes              {}, {:.3g} s\n", proven.cubes, seconds);
+}
+
+JsonObject object_of(const RemovalAnswer& removed, const RemovalReport& report) {
+  JsonObject object{{"verdict", name_of(report.finding.verdict)},
+                    {"claimed", report.claimed},
+                    {"proven", report.finding.proven},
+                    {"bone", removed.bone == BoneSide::inside ? "inside" : "outside"},
+                    {"within", removed.within ? JsonValue(removed.within->name) : JsonValue()},
+                    {"rims", report.rims},
+                    {"cubes", report.proven.cubes},
+                    {"seconds", report.seconds}};
+  const auto& plane = removed.resection;
+  object.set("resection",
+             plane ? JsonValue(JsonObject{{"point", plane->point}, {"normal", plane->normal}}) : JsonValue());
+  return object;
+}
+
+std::string rows_in_words(const InsertionCheckReport& report, const std::string& units) {
   const CheckReport& rows = report.rows;
-  const std::string units = rows.units.empty() ? std::string() : " " + rows.units;
   std::string text = verdicts_in_words(rows);
   if (report.unbounded > 0)
     text +=
@@ -110,12 +196,27 @@ std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& 
     text += fmt::format("  proven untouched   {}\n", report.proven_untouched);
     text += fmt::format("  undecided          {}\n", report.undecided());
   }
+  return text;
+}
+
+const char* what_is_not_claimed(const InsertionAnswer& answer) {
+  if (!answer.removed) return "what lies between the vertices, how much bone is removed";
+  return answer.rows.empty() ? "distances" : "the distances of what lies between the vertices";
+}
+
+std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& report,
+                     const CheckArguments& arguments) {
+  const CheckReport& rows = report.rows;
+  const std::string units = rows.units.empty() ? std::string() : " " + rows.units;
+  std::string text = answer.rows.empty() ? std::string() : rows_in_words(report, units);
+  if (report.removed) text += removal_in_words(*answer.removed, *report.removed, units);
   if (answer.pose) text += fmt::format("model moved by       {}: translation, quaternion\n", option_text(*answer.pose));
   text += path_in_words(answer.path, "way", "the implant's", units);
   text += meant_in_words(arguments.poses, "way");
-  text += "not claimed          what lies between the vertices, how much bone is removed\n";
-  text += fmt::format("time                 {:.3g} s\n", rows.seconds);
-  text += fmt::format("certificate          {}{}\n", arguments.certificate, rows.interrupted ? " (interrupted)" : "");
+  text += fmt::format("not claimed          {}\n", what_is_not_claimed(answer));
+  text += fmt::format("time                 {:.3g} s\n", report.seconds());
+  text +=
+      fmt::format("certificate          {}{}\n", arguments.certificate, report.interrupted() ? " (interrupted)" : "");
   return rows.first ? text + readable(*rows.first, rows.elements) : text;
 }
 
@@ -134,6 +235,9 @@ std::string json(const InsertionAnswer& answer, const InsertionCheckReport& repo
                           {"proven_cut", counts ? JsonValue(report.proven_cut) : JsonValue()},
                           {"proven_untouched", counts ? JsonValue(report.proven_untouched) : JsonValue()},
                           {"undecided", counts ? JsonValue(report.undecided()) : JsonValue()},
+                          {"removed_volume", report.removed && !report.removed->proven.interrupted
+                                                 ? JsonValue(object_of(*answer.removed, *report.removed))
+                                                 : JsonValue()},
                           {"pose", answer.pose ? JsonValue(*answer.pose) : JsonValue()},
                           {"path_begin", answer.path.front()},
                           {"path_end", answer.path.back()},
@@ -142,8 +246,8 @@ std::string json(const InsertionAnswer& answer, const InsertionCheckReport& repo
                           {"path_degrees", degrees_of(answer.path)},
                           {"first", rows.first ? JsonValue(object_of(*rows.first, rows.elements)) : JsonValue()},
                           {"units", rows.units},
-                          {"seconds", rows.seconds},
-                          {"interrupted", rows.interrupted},
+                          {"seconds", report.seconds()},
+                          {"interrupted", report.interrupted()},
                           {"certificate", arguments.certificate}};
   return object.text() + "\n";
 }
@@ -155,15 +259,17 @@ ExitStatus run_insertion_check(const InsertionAnswer& answer, const CheckArgumen
   const Model implant = read_model_at(answer.pose, arguments.models.front());
   refuse_other_units(implant.units, "model", answer.units, arguments.certificate);
   const Mesh bone = read_mesh(arguments.inputs.mesh);
-  if (bone.vertices.size() != answer.rows.size()) {
+  const bool has_rows = !answer.rows.empty();
+  if (has_rows && bone.vertices.size() != answer.rows.size()) {
     refuse(fmt::format("{}: {} rows for the {} vertices of {}", arguments.certificate, answer.rows.size(),
                        bone.vertices.size(), arguments.inputs.mesh));
   }
   watch_for_interruption();
-  const InsertionCheckReport report = checked(answer, implant, bone.vertices, arguments);
+  InsertionCheckReport report = checked(answer, implant, has_rows ? bone.vertices : std::vector<Point>(), arguments);
+  if (answer.removed) report.removed = checked_removal(answer, implant, bone, arguments);
   fmt::print("{}", arguments.json ? json(answer, report, arguments) : readable(answer, report, arguments));
-  if (report.rows.interrupted) return ExitStatus::interrupted;
-  return report.rows.all_proved() && report.unbounded == 0 ? ExitStatus::verified : ExitStatus::unverified;
+  if (report.interrupted()) return ExitStatus::interrupted;
+  return report.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
 }
 
 }  // namespace verisq::command_line

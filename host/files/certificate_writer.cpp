@@ -14,6 +14,7 @@
 #include "host/files/certificate_size.hpp"
 #include "host/files/cover_digits.hpp"
 #include "host/files/deviation_answer.hpp"
+#include "host/files/insertion_answer.hpp"
 #include "host/files/output_file.hpp"
 #include "host/files/pair_proof.hpp"
 
@@ -67,6 +68,17 @@ OrderedJson json_of(const InsertionAnswer::Row& row) {
   add_certificate(object["deepest"], row.certificate.at_deepest);
   object["parts"] = OrderedJson::array();
   for (const WayPart& part : row.certificate.parts) object["parts"].push_back(json_of(part));
+  return object;
+}
+
+OrderedJson json_of(const RemovalAnswer& removed) {
+  OrderedJson object = json_of(removed.volume);
+  object["bone"] = removed.bone == BoneSide::inside ? "inside" : "outside";
+  if (removed.within) object["within"] = json_of(*removed.within);
+  if (const auto& plane = removed.resection) object["resection"] = {{"point", plane->point}, {"normal", plane->normal}};
+  object["cube"] = {{"centre", removed.certificate.centre},
+                    {"half_width", removed.certificate.half_width},
+                    {"parts", text_of(removed.certificate.cubes)}};
   return object;
 }
 
@@ -346,6 +358,7 @@ void write_answer(const std::filesystem::path& path, const InsertionAnswer& answ
   if (!answer.units.empty()) head["units"] = answer.units;
   if (answer.pose) head["pose"] = json_of(*answer.pose);
   head["path"] = json_of(answer.path);
+  if (answer.removed) head["removed"] = json_of(*answer.removed);
   write_lines(path, head, "rows", answer.rows.size(), "vertices",
               [&](std::size_t i) { return json_of(answer.rows[i]); });
 }

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 #include <verisq/best_fit_certificate.hpp>
+#include <verisq/bone_side.hpp>
 #include <verisq/clearance_claim.hpp>
 #include <verisq/clearance_report.hpp>
 #include <verisq/deviation_certificate.hpp>
@@ -22,6 +23,8 @@
 #include <verisq/model.hpp>
 #include <verisq/pair_certificate.hpp>
 #include <verisq/path_certificate.hpp>
+#include <verisq/plane.hpp>
+#include <verisq/removed_volume_certificate.hpp>
 #include <verisq/side_checker.hpp>
 
 namespace verisq {
@@ -105,7 +108,17 @@ struct BestFitAnswer {
 /// Precondition: as of `terms_of`.
 [[nodiscard]] BestFitClaim claim_of(const BestFitAnswer& answer);
 
-/// The kind `insertion`: the smallest signed distance of each of a bone's vertices to an implant along its way in.
+/// How much bone an implant takes away on its way in.
+struct RemovalAnswer {
+  BoneSide bone;                      ///< of the mesh
+  std::optional<SubjectFile> within;  ///< a mesh in which bone lies, too
+  std::optional<Plane> resection;     ///< bone lies before it
+  Enclosure volume;                   ///< the claim, in cubic units
+  RemovedVolumeCertificate certificate;
+};
+
+/// The kind `insertion`: the smallest signed distance of each of a bone's vertices to an implant along its way in, how
+/// much bone it takes away, or both.
 struct InsertionAnswer {
   struct Row {
     Enclosure distance;  ///< the claim
@@ -117,7 +130,8 @@ struct InsertionAnswer {
   std::string units;         ///< free text; empty when not given
   std::optional<Pose> pose;  ///< moves the model first (verisq/posed_model.hpp)
   std::vector<Pose> path;    ///< at least one
-  std::vector<Row> rows;     ///< in the order of the vertices
+  std::vector<Row> rows;     ///< in the order of the vertices; none where only a volume is claimed
+  std::optional<RemovalAnswer> removed = {};
 };
 
 /// The kind `deviation`: how far a mesh, or the points of a cloud, and a model's surface lie apart.

@@ -3,33 +3,14 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <vector>
+#include <verisq/bone_side.hpp>
 #include <verisq/enclosure.hpp>
-#include <verisq/mesh.hpp>
 #include <verisq/model.hpp>
-#include <verisq/plane.hpp>
+#include <verisq/removed_volume_certificate.hpp>
 
 namespace verisq {
-
-enum class BoneSide : std::uint8_t {
-  inside,   ///< of the surface: it is the bone's outer one
-  outside,  ///< it is that of a cavity in the bone
-};
-
-/// A surface, closed over its rims by fans about their means, and on which side of it bone may be. Inside is where the
-/// closed surface winds about a point as it does about its volume, outside where it does not wind.
-struct BoneSurface {
-  Mesh mesh;
-  BoneSide bone;
-};
-
-/// Bone is where all of these say so; without any, everywhere.
-struct BoneRegion {
-  std::vector<BoneSurface> surfaces = {};
-  std::optional<Plane> resection = {};  ///< what lies beyond has been cut off before
-};
 
 /// Largest width of the volume's enclosure that is usually asked for, divided by its lower end.
 inline constexpr double usual_volume_tolerance = 0.02;
@@ -50,9 +31,10 @@ struct RemovedVolumeOptions {
 struct RemovedVolume {
   Enclosure volume;  ///< of all bone that lies in the implant at some time, in cubic model units
   bool within_tolerance = false;
-  std::uint64_t cubes = 0;             ///< looked at
-  std::vector<std::size_t> rims = {};  ///< of each surface, over which it was closed
-  bool interrupted = false;            ///< what is told is proven all the same
+  std::uint64_t cubes = 0;                ///< looked at
+  std::vector<std::size_t> rims = {};     ///< of each surface, over which it was closed
+  bool interrupted = false;               ///< what is told is proven all the same
+  RemovedVolumeCertificate divided = {};  ///< the cubes of the search: certified_removed_volume.hpp
 };
 
 /// The implant, a union of convex primitives, moves by the poses after its primitives' own, between them as in

@@ -4,6 +4,7 @@
 #include <verisq/area_within.hpp>
 #include <verisq/best_fit_certificate.hpp>
 #include <verisq/bone_region.hpp>
+#include <verisq/bone_side.hpp>
 #include <verisq/cavity.hpp>
 #include <verisq/certificate.hpp>
 #include <verisq/certificate_file.hpp>
@@ -13,6 +14,7 @@
 #include <verisq/certified_equilibrium.hpp>
 #include <verisq/certified_insertion.hpp>
 #include <verisq/certified_path.hpp>
+#include <verisq/certified_removed_volume.hpp>
 #include <verisq/check_options.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
@@ -76,6 +78,7 @@
 #include <verisq/published_method.hpp>
 #include <verisq/recovery.hpp>
 #include <verisq/removed_volume.hpp>
+#include <verisq/removed_volume_certificate.hpp>
 #include <verisq/report.hpp>
 #include <verisq/side_checker.hpp>
 #include <verisq/sides.hpp>

@@ -161,8 +161,7 @@ TEST_F(CheckInsertion, NeedsWhatHasCertificates) {
   refused(with({"--certificate-file", mesh_}), "is a .json");
   EXPECT_EQ(with({"--certificate-file", path("no_folder/c.json")}).status, 1);
   refused(with({"--certificate-file", implant_}), "--certificate-file");
-  refused(with({"--certificate-file", path("c.json"), "--resection", "0,0,0,0,0,1", "--cavity"}),
-          "not with --resection");
+  refused(with({"--certificate-file", path("c.json"), "--resection", "0,0,0,0,0,1"}), "not with --resection");
   std::filesystem::create_symlink(path("c.json"), path("d.json"));
   refused(run({"insert", "--implant", implant_, "--mesh", mesh_, "--along", "0,0,-1", "--length", "60", "-o",
                path("c.json"), "--certificate-file", path("d.json")}),
@@ -171,6 +170,99 @@ TEST_F(CheckInsertion, NeedsWhatHasCertificates) {
   refused(run({"insert", "--implant", bent, "--mesh", mesh_, "--along", "0,0,-1", "--length", "60", "-o", map_,
                "--certificate-file", path("c.json")}),
           "ways in of bent models");
+}
+
+/// A box about the cavity is the bone's outer surface.
+class CheckRemoval : public ProofFileTest {
+ protected:
+  static constexpr const char* box =
+      "OFF\n8 12 0\n50 -60 -260\n170 -60 -260\n50 60 -260\n170 60 -260\n50 -60 -60\n170 -60 -60\n50 60 -60\n"
+      "170 60 -60\n3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n"
+      "3 1 3 5\n3 3 7 5\n";
+
+  [[nodiscard]] Outcome insert(const Arguments& more) const {
+    Arguments arguments{"insert",   "--implant",    implant_, "--mesh",
+                        mesh_,      "--along",      "0,0,-1", "--length",
+                        "60",       "-o",           map_,     "--tol",
+                        "4",        "--device",     "host",   "--no-progress",
+                        "--cavity", "--volume-tol", "0.5",    "--certificate-file",
+                        proof_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  [[nodiscard]] Outcome check(const std::string& proof, const Arguments& more = {}) const {
+    Arguments arguments{places::check_program(), "--model", implant_,       "--mesh", mesh_,
+                        "--certificate",         proof,     "--no-progress"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Process(arguments, folder_.path()).wait();
+  }
+
+  void SetUp() override {
+    std::ifstream in(places::example("stem_mm.json"));
+    json stem = json::parse(in);
+    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
+    (void)write("stem.json", stem.dump());
+  }
+
+  std::string implant_ = path("stem.json");
+  std::string mesh_ = places::example("cavity.off");
+  std::string map_ = path("map.csv");
+};
+
+TEST_F(CheckRemoval, ProvesWhatIsRemovedWithinASurface) {
+  const std::string outer = write("box.off", box);
+  const Outcome made = insert({"--within", outer, "--json"});
+  ASSERT_EQ(made.status, 0) << made.err << made.out;
+  const json summary = json::parse(made.out);
+  const json proof = document();
+  EXPECT_EQ(summary["certified_volume"]["lo"], proof["removed"]["lo"]);
+  EXPECT_EQ(summary["removed_volume"]["hi"], proof["removed"]["hi"]);
+  EXPECT_EQ(proof["removed"]["bone"], "outside");
+
+  const Arguments with{"--within", outer};
+  const Outcome proved = check(proof_, with);
+  EXPECT_EQ(proved.status, 0) << proved.err << proved.out;
+  EXPECT_THAT(proved.out, HasSubstr("points               786\n  proved             786\n"));
+  EXPECT_THAT(proved.out, HasSubstr(" mm^3, proved\n  bone is            outside of the mesh, within box.off\n"));
+  EXPECT_THAT(proved.out, HasSubstr("not claimed          the distances of what lies between the vertices\n"));
+  const json told = json::parse(check(proof_, {"--within", outer, "--json"}).out);
+  EXPECT_EQ(told["removed_volume"]["verdict"], "proved");
+  EXPECT_EQ(told["removed_volume"]["claimed"]["lo"], proof["removed"]["lo"]);
+
+  const double hi = proof["removed"]["hi"];
+  const auto not_proved = [&](const std::string& pointer, const json& value) {
+    const Outcome outcome = check(forged(pointer, value), with);
+    EXPECT_EQ(outcome.status, 3) << pointer << outcome.err << outcome.out;
+  };
+  not_proved("/removed/lo", hi);
+  not_proved("/removed/hi", "inf");
+  not_proved("/removed/bone", "inside");
+  not_proved("/removed/cube/parts", ".");
+
+  const auto refused = [&](const Outcome& outcome, const std::string& words) {
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  refused(check(proof_), "is of bone within a surface: give it by --within");
+  refused(check(proof_, {"--within", mesh_}), "is about another mesh");
+  json without = proof;
+  without["removed"].erase("within");
+  refused(check(write("forged.json", without.dump()), with), "is not of bone within a surface");
+  refused(run({"check", "--model", implant_, "--mesh", mesh_, "--map", map_, "--within", outer}),
+          "--within: only with --certificate");
+}
+
+TEST_F(CheckRemoval, IsOfTheVolumeAloneWhereAResectionLeavesOutVertices) {
+  const Outcome made = insert({"--resection", "100,0,-70,0,0,2"});
+  ASSERT_EQ(made.status, 0) << made.err << made.out;
+  EXPECT_THAT(made.out, HasSubstr(", of the removed bone alone\n"));
+  EXPECT_EQ(document()["rows"].size(), 0U);
+  const Outcome proved = check(proof_);
+  EXPECT_EQ(proved.status, 0) << proved.err << proved.out;
+  EXPECT_THAT(proved.out, HasSubstr("before the plane through (100, 0, -70) with the normal (0, 0, 1)"));
+  EXPECT_THAT(proved.out, Not(HasSubstr("points   ")));
+  EXPECT_EQ(check(forged("/removed/resection/point/2", -90.0)).status, 3);
 }
 
 }  // namespace

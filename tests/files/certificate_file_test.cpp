@@ -1,4 +1,5 @@
 /// Certificate files: what is written is read again bit for bit; what is not of the format is refused.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <array>
@@ -537,13 +538,24 @@ TEST(CertificateFile, OfAWayInGivesTheSameBitsAgain) {
   Certificate deep{{{3, {0.1, -1e-320, 1e300}}}, Point{1.0 / 3.0, 0.0, -2.0}};
   deep.witness = Point{0.5, 0.25, 1e-5};
   deep.cover = {true, false, true, false, false};
+  const auto divided_cube = [] {
+    RemovedVolumeCertificate cube{.centre = {0.1, -2.0, 1e-7}, .half_width = 0.25};
+    cube.cubes.assign(17, CubeDivision::none);
+    cube.cubes[0] = cube.cubes[3] = CubeDivision::divided;
+    return cube;
+  };
   const InsertionCertificate certificate{0.625, deep, {{0.5, {{{1, 2, 3}, {4, 5, 6}}}, deep}, {2.0, {}, {}}}};
   const InsertionAnswer written{.model = {"m.json", hash},
                                 .mesh = {"b.stl", hash},
                                 .units = "mm",
                                 .pose = Pose{{1.0, 2.0, 3.0}, {0.5, 0.5, 0.5, 0.5}},
                                 .path = {Pose{}, Pose{{0.1, 0.0, 0.0}, {1.0, 0.1, 0.0, 0.0}}},
-                                .rows = {{{-infinity, 0.1}, certificate}, {{-0.5, infinity}, {}}}};
+                                .rows = {{{-infinity, 0.1}, certificate}, {{-0.5, infinity}, {}}},
+                                .removed = RemovalAnswer{.bone = BoneSide::outside,
+                                                         .within = SubjectFile{"f.stl", hash},
+                                                         .resection = Plane{{0.1, 1e-300, 2.0}, {0.0, 0.5, -1.0 / 3.0}},
+                                                         .volume = {1.0 / 3.0, infinity},
+                                                         .certificate = divided_cube()}};
   write_answer(folder / "way.json", written);
   const Answer any = read_answer(folder / "way.json");
   const auto& read = std::get<InsertionAnswer>(any);
@@ -555,6 +567,48 @@ TEST(CertificateFile, OfAWayInGivesTheSameBitsAgain) {
     EXPECT_EQ(read.rows[n].distance, written.rows[n].distance);
     EXPECT_EQ(read.rows[n].certificate, written.rows[n].certificate);
   }
+  ASSERT_TRUE(read.removed && read.removed->within && read.removed->resection);
+  const RemovalAnswer& removed = *read.removed;
+  EXPECT_EQ(removed.bone, BoneSide::outside);
+  EXPECT_EQ(removed.within->name, "f.stl");
+  EXPECT_EQ(removed.resection->point, written.removed->resection->point);
+  EXPECT_EQ(removed.resection->normal, written.removed->resection->normal);
+  EXPECT_EQ(removed.volume, written.removed->volume);
+  EXPECT_EQ(removed.certificate.centre, divided_cube().centre);
+  EXPECT_EQ(removed.certificate.half_width, divided_cube().half_width);
+  EXPECT_EQ(removed.certificate.cubes, divided_cube().cubes);
+}
+
+/// Whatever its cubes are, they are read; what is no letter, side or number is refused.
+TEST(CertificateFileTest, RemovedVolumesAreOfLettersAndSides) {
+  const std::string digest(64, 'a');
+  const auto text = [&](const std::string& removed) {
+    return fmt::format(R"({{"format": "verisq-certificate/1", "kind": "insertion",
+      "models": [{{"file": "m", "sha256": "{0}"}}], "mesh": {{"file": "b", "sha256": "{0}"}},
+      "path": [{{"translation": [0, 0, 0], "quaternion": [1, 0, 0, 0]}}], "rows": [], "removed": {1}}})",
+                       digest, removed);
+  };
+  const auto claim = [&](const std::string& bone, const std::string& width, const std::string& parts) {
+    return text(fmt::format(R"({{"lo": 0, "hi": 1, "bone": "{}", "cube": {{"centre": [0, 0, 0], "half_width": {},
+                               "parts": "{}"}}}})",
+                            bone, width, parts));
+  };
+  const auto refused = [&](const std::string& json, const std::string& why) {
+    try {
+      (void)parse_answer(json, "c.json");
+      ADD_FAILURE() << why;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(why));
+    }
+  };
+  EXPECT_EQ(
+      std::get<InsertionAnswer>(parse_answer(claim("inside", "0", ""), "c.json")).removed->certificate.cubes.size(),
+      0U);
+  refused(claim("beside", "1", "."), "bone = \"beside\": must be \"inside\" or \"outside\"");
+  refused(claim("inside", "-1", "."), "half_width = -1: must be at least 0");
+  refused(claim("inside", "1", "dx"), "must consist of the letters d and .");
+  refused(claim("inside", "1", std::string((std::size_t{1} << 23U) + 1, '.')), "must be no more than 8388608 parts");
+  refused(text(R"({"lo": 0, "hi": 1, "bone": "inside"})"), "cube");
 }
 
 }  // namespace

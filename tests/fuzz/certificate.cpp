@@ -102,7 +102,14 @@ void check_answer(const FitAnswer& answer) {
 }
 
 void check_answer(const InsertionAnswer& answer) {
-  check(!answer.path.empty() && !answer.rows.empty(), "there are a way and vertices");
+  check(!answer.path.empty() && (!answer.rows.empty() || answer.removed), "there are a way, and vertices or a volume");
+  if (const auto& removed = answer.removed) {
+    check(!std::isnan(removed->volume.lo) && !std::isnan(removed->volume.hi), "a claim has two ends");
+    check(finite(removed->certificate.centre) && removed->certificate.half_width >= 0.0, "a cube is finite");
+    check(removed->certificate.cubes.size() <= most_cubes_of_certificate, "cubes are not too many");
+    if (const auto& plane = removed->resection)
+      check(finite(plane->point) && finite(plane->normal) && plane->normal != Point{}, "a resection is a plane");
+  }
   for (const Pose& pose : answer.path) check_pose(pose);
   for (const auto& [claim, certificate] : answer.rows) {
     check(!std::isnan(claim.lo) && !std::isnan(claim.hi), "a claim has two ends");
@@ -192,7 +199,9 @@ std::vector<SubjectFile> subjects_of(const BestFitAnswer& answer) {
 }
 
 std::vector<SubjectFile> subjects_of(const InsertionAnswer& answer) {
-  return {answer.model, answer.mesh};
+  std::vector<SubjectFile> subjects{answer.model, answer.mesh};
+  if (answer.removed && answer.removed->within) subjects.push_back(*answer.removed->within);
+  return subjects;
 }
 
 template <class Posed>

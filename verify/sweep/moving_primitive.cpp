@@ -3,7 +3,6 @@
 /// corners prove both half-spaces.
 #include "verify/sweep/moving_primitive.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,26 +17,10 @@
 namespace verisq::verify {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 Point point_of(const Vector3d& x) {
   return {x[0], x[1], x[2]};
-}
-
-double nearest(const Interval& x) {
-  return 0.5 * x.lower() + 0.5 * x.upper();
-}
-
-Vector3d nearest(const Vector3<double>& x) {
-  return {nearest(x[0]), nearest(x[1]), nearest(x[2])};
-}
-
-Matrix3d nearest(const Matrix3<double>& m) {
-  Matrix3d result;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) result(i, j) = nearest(m(static_cast<std::size_t>(i), static_cast<std::size_t>(j)));
-  return result;
 }
 
 /// {x : |x_i - centre_i| <= half_width}
@@ -48,13 +31,6 @@ Vector3<double> box_of(const Cube& cube) {
 
 bool is_usable(const Vector3d& v) {
   return v.allFinite() && v.norm() > 0.0;
-}
-
-/// The rotation by a vector's length about it.
-Matrix3d turn(const Vector3d& by) {
-  const double angle = by.norm();
-  if (!(angle > 0.0)) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, by / angle).toRotationMatrix();
 }
 
 constexpr std::array<Point, 8> corners_of_cube{
@@ -75,27 +51,6 @@ struct MovingPrimitive::Placement {
   EnclosedPose path;
   Matrix3<double> rotation;
   Vector3<double> origin;
-};
-
-/// The motion of one leg, in floating point.
-struct MovingPrimitive::Floating {
-  Matrix3d path_rotation;  ///< at its begin, like the next
-  Vector3d path_translation;
-  Vector3d velocity;
-  Vector3d spin;
-  Matrix3d own_rotation;
-  Vector3d own_translation;
-
-  /// How fast a point that is fixed in the implant's frame moves where x is.
-  [[nodiscard]] Vector3d speed(double time, const Vector3d& x) const {
-    return spin.cross(x - path_translation - time * velocity) + velocity;
-  }
-  /// Of the primitive's own frame: x there, and the rotation from there.
-  [[nodiscard]] std::pair<Vector3d, Matrix3d> local(double time, const Vector3d& x) const {
-    const Matrix3d path = turn(time * spin) * path_rotation;
-    const Vector3d in_model = path.transpose() * (x - path_translation - time * velocity);
-    return {own_rotation.transpose() * (in_model - own_translation), path * own_rotation};
-  }
 };
 
 /// A half-space that holds what is swept of a cube during a stretch, and what it comes from.
@@ -154,72 +109,23 @@ MovingPrimitive::Placement MovingPrimitive::placement(std::size_t leg, double ti
   return at;
 }
 
-MovingPrimitive::Floating MovingPrimitive::floating(std::size_t leg) const {
-  const EnclosedPose start = path_.pose(leg, 0.0);
-  const EnclosedMotion& motion = path_.motion(leg);
-  return {nearest(start.rotation), nearest(start.translation), nearest(motion.velocity),
-          nearest(motion.spin),    nearest(rotation_),         nearest(translation_)};
-}
-
-/// Where the gauge at x is least, by a falling and a rising end: exactly so of a convex function of time, as along a
-/// straight leg. Nothing depends on it but how tight the bounds are.
-double MovingPrimitive::nearest_time(const Floating& motion, const TimeStretch& stretch, const Vector3d& x) const {
-  const auto derivative = [&](double time) {
-    const auto local = motion.local(time, x);
-    return -(local.second * gauge_(local.first).gradient).dot(motion.speed(time, x));
-  };
-  double begin = stretch.begin;
-  double end = stretch.end;
-  double at_begin = derivative(begin);
-  if (!(at_begin < 0.0)) return begin;
-  double at_end = derivative(end);
-  if (!(at_end > 0.0)) return end;
-  constexpr int most_steps = 40;
-  constexpr double close = 1e-5;
-  double time = begin;
-  for (int step = 0, side = 0; step < most_steps; ++step) {
-    const double before = time;
-    time = std::clamp((begin * at_end - end * at_begin) / (at_end - at_begin), begin, end);
-    if (std::abs(time - before) <= close * (stretch.end - stretch.begin)) break;
-    const double here = derivative(time);
-    if (!std::isfinite(here)) return stretch.begin;
-    // The Illinois method: an end that stays counts half.
-    if (here < 0.0) {
-      begin = time;
-      at_begin = here;
-      if (side == -1) at_end /= 2.0;
-      side = -1;
-    } else {
-      end = time;
-      at_end = here;
-      if (side == 1) at_begin /= 2.0;
-      side = 1;
-    }
-  }
-  return time;
+MovingGauge MovingPrimitive::moving_gauge(std::size_t leg) const {
+  return {gauge_, {rotation_, translation_}, path_.pose(leg, 0.0), path_.motion(leg)};
 }
 
 /// Let v be a vector fixed in the implant's frame that is n at the time s, and phi(t) = v·y(t) for y(t) = R^T(x - t)
 /// (docs/mathematics.md §23): phi(t) >= phi(s) - max((t - s) -phi'(s)) - (t - s)² |n| |y''| / 2.
 MovingPrimitive::Plane MovingPrimitive::plane(const Cube& cube, const TimeStretch& stretch) const {
   const EnclosedMotion& motion = path_.motion(stretch.leg);
-  const Floating floating_motion = floating(stretch.leg);
+  const MovingGauge gauge = moving_gauge(stretch.leg);
   const Vector3d centre(cube.centre[0], cube.centre[1], cube.centre[2]);
-  double time = nearest_time(floating_motion, stretch, centre);
+  double time = gauge.nearest_time(stretch.begin, stretch.end, centre);
   const bool is_between = stretch.begin < time && time < stretch.end;
   if (motion.turns) time = std::clamp(std::round(time / path_.step()) * path_.step(), stretch.begin, stretch.end);
+  const MovingGauge::Slope slope = gauge.slope(time, centre);
+  const Vector3d normal = gauge.normal(time, is_between, slope, centre);
 
-  const auto local = floating_motion.local(time, centre);
-  const auto expansion = gauge_(local.first);
-  const Vector3d slope = local.second * expansion.gradient;
-  Vector3d normal = slope;
-  if (is_between) {  // the plane touches what is swept: it moves along itself
-    const Vector3d speed = floating_motion.speed(time, centre);
-    normal -= speed * (normal.dot(speed) / speed.squaredNorm());
-  }
-  normal = is_usable(normal) ? Vector3d(normal / normal.norm()) : Vector3d::UnitX();
-
-  Plane result{{point_of(normal), 0.0}, stretch, 0.0, expansion.value, slope, placement(stretch.leg, time)};
+  Plane result{{point_of(normal), 0.0}, stretch, 0.0, slope.value, slope.gradient, placement(stretch.leg, time)};
   const Placement& at = result.at;
   const Vector3<double> n = exact_vector(result.outer.normal);
   const Vector3<double> way = box_of(cube) - at.path.translation;  // of all points of the cube
@@ -266,10 +172,30 @@ double MovingPrimitive::offset_along(const Plane& plane, const Plane& other, dou
   return (Interval(other.outer.offset) + apart).upper();
 }
 
-/// Stretches are halved where the slack of their half-spaces decides.
-SweptPart MovingPrimitive::part(const Cube& cube, std::span<const TimeStretch> stretches) const {
+/// Takes away what holds nothing of the cube, and stretches where the slack of their half-spaces decides, whose halves
+/// it returns.
+std::vector<TimeStretch> MovingPrimitive::halved(std::vector<Plane>& planes, const Plane& deepest,
+                                                 const Cube& cube) const {
   const double half_width = cube.half_width;
   const double allowed = half_width * std::min(1.0, half_width / smallest_semi_axis_) / 8.0;
+  const double least = deepest.outer.offset - deepest.slack;  // about: no better half-space is to be had
+  const double reach = reach_up(deepest.outer.normal, half_width);
+  std::vector<TimeStretch> halves;
+  if (!(least < reach)) return halves;
+  std::erase_if(planes, [&](const Plane& other) {
+    const double offset = offset_along(deepest, other, half_width);
+    if (offset < -reach) return true;  // it holds nothing of the cube
+    if (offset <= least + allowed || other.slack <= allowed || !is_divisible(other.stretch)) return false;
+    const double middle = middle_of(other.stretch);
+    halves.push_back({other.stretch.leg, other.stretch.begin, middle});
+    halves.push_back({other.stretch.leg, middle, other.stretch.end});
+    return true;
+  });
+  return halves;
+}
+
+SweptPart MovingPrimitive::part(const Cube& cube, std::span<const TimeStretch> stretches) const {
+  const double half_width = cube.half_width;
   SweptPart result;
   std::vector<Plane> planes;
   const auto add = [&](const TimeStretch& stretch) {
@@ -284,20 +210,7 @@ SweptPart MovingPrimitive::part(const Cube& cube, std::span<const TimeStretch> s
     result.inner.reset();
     if (std::isfinite(inner.offset) && !holds_nothing(inner, half_width)) result.inner = inner;
 
-    const double least = deepest.outer.offset - deepest.slack;  // about: no better half-space is to be had
-    const double reach = reach_up(deepest.outer.normal, half_width);
-    std::vector<TimeStretch> halves;
-    if (!result.covered && least < reach) {
-      std::erase_if(planes, [&](const Plane& other) {
-        const double offset = offset_along(deepest, other, half_width);
-        if (offset < -reach) return true;  // it holds nothing of the cube
-        if (offset <= least + allowed || other.slack <= allowed || !is_divisible(other.stretch)) return false;
-        const double middle = middle_of(other.stretch);
-        halves.push_back({other.stretch.leg, other.stretch.begin, middle});
-        halves.push_back({other.stretch.leg, middle, other.stretch.end});
-        return true;
-      });
-    }
+    const std::vector<TimeStretch> halves = result.covered ? std::vector<TimeStretch>() : halved(planes, deepest, cube);
     if (halves.empty()) break;
     for (const TimeStretch& half : halves) add(half);
   }

@@ -12,6 +12,7 @@
 #include "verify/sets/cube.hpp"
 #include "verify/sweep/clipped_cube.hpp"
 #include "verify/sweep/enclosed_path.hpp"
+#include "verify/sweep/moving_gauge.hpp"
 
 namespace verisq::verify {
 
@@ -46,13 +47,13 @@ class MovingPrimitive {
 
  private:
   struct Placement;
-  struct Floating;
   struct Plane;
 
   [[nodiscard]] Placement placement(std::size_t leg, double time) const;
-  [[nodiscard]] Floating floating(std::size_t leg) const;
-  [[nodiscard]] double nearest_time(const Floating& motion, const TimeStretch& stretch, const Eigen::Vector3d& x) const;
+  [[nodiscard]] MovingGauge moving_gauge(std::size_t leg) const;
   [[nodiscard]] Plane plane(const Cube& cube, const TimeStretch& stretch) const;
+  [[nodiscard]] std::vector<TimeStretch> halved(std::vector<Plane>& planes, const Plane& deepest,
+                                                const Cube& cube) const;
   [[nodiscard]] static double offset_along(const Plane& plane, const Plane& other, double half_width);
   [[nodiscard]] double middle_of(const TimeStretch& stretch) const;
   [[nodiscard]] bool is_divisible(const TimeStretch& stretch) const;

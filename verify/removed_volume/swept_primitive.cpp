@@ -1,0 +1,212 @@
+/// The gauge is convex in x, so at no point of a tetrahedron above what lies linearly between its values at the
+/// corners; the height above a plane that moves with the primitive is, at every time, linear in x, so the least of
+/// several is concave, and nowhere below what lies between (docs/mathematics.md §23).
+#include "verify/removed_volume/swept_primitive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "verify/analysis/in_binary64.hpp"
+#include "verify/numbers/rounding.hpp"
+#include "verify/proof/posed_superquadric.hpp"
+#include "verify/sweep/exact_vector.hpp"
+
+namespace verisq::verify {
+namespace {
+
+using Eigen::Vector3d;
+
+/// All points of the cube.
+Vector3<double> range_of(const Cube& cube) {
+  const Interval about(-cube.half_width, cube.half_width);
+  return exact_vector(cube.centre) + Vector3<double>(about, about, about);
+}
+
+Vector3<double> corner_of(const Cube& cube, std::size_t k) {
+  Vector3<double> corner = exact_vector(cube.centre);
+  for (std::size_t i = 0; i < 3; ++i) corner[i] += Interval((k >> i & 1U) != 0 ? cube.half_width : -cube.half_width);
+  return corner;
+}
+
+/// Exactly.
+PreciseVector in_127_bits(const Vector3<double>& v) {
+  PreciseVector result;
+  for (std::size_t i = 0; i < 3; ++i) result[i] = {Real(v[i].lower()), Real(v[i].upper())};
+  return result;
+}
+
+/// The smaller value at each corner.
+void lower(CornerHeights& heights, const CornerHeights& others) {
+  for (std::size_t k = 0; k < 8; ++k) heights[k] = Interval(std::min(heights[k].lower(), others[k].lower()));
+}
+
+bool all_positive(const CornerHeights& heights) {
+  return std::ranges::all_of(heights, [](const Interval& height) { return height.lower() > 0.0; });
+}
+
+}  // namespace
+
+/// The primitive at one time: from its own frame to that of the bone.
+struct SweptPrimitive::Placement {
+  Matrix3<double> rotation;
+  Vector3<double> origin;
+};
+
+/// A plane that moves with the primitive, which lies behind it, during a part of a leg.
+struct SweptPrimitive::Facing {
+  PartOfLeg times;
+  CornerHeights heights;  ///< what is swept of the cube lies where they are not positive
+  double sag;             ///< by which they were lowered, for what the plane does between begin and end
+  double time;            ///< when the gauge at the cube's centre is least, about
+  double gauge;           ///< there and then, about
+};
+
+/// Whether it leaves nothing out, however short its part of a leg is. About: proposes what need not be halved.
+bool SweptPrimitive::is_beyond_nothing(const Facing& deepest) {
+  return std::ranges::all_of(deepest.heights, [&](const Interval& h) { return h.lower() + deepest.sag <= 0.0; });
+}
+
+/// Whether it lets little more in than the deepest one does, however short the part of that is. About, likewise.
+bool SweptPrimitive::is_above(const Facing& other, const Facing& deepest, double allowed) {
+  for (std::size_t k = 0; k < 8; ++k) {
+    if (other.heights[k].lower() < deepest.heights[k].lower() + deepest.sag - allowed) return false;
+  }
+  return true;
+}
+
+SweptPrimitive::SweptPrimitive(const Primitive& primitive, const EnclosedPath& path)
+    : path_(path),
+      bounds_(primitive.superquadric),
+      smallest_semi_axis_(std::ranges::min(primitive.superquadric.semi_axes)),
+      gauge_(NormFunction<double>::gauge(primitive.superquadric)) {
+  const PosedSuperquadric posed(primitive);
+  rotation_ = in_binary64(posed.motion().rotation);
+  translation_ = in_binary64(posed.motion().translation);
+  radius_ = in_binary64(posed.radius());
+}
+
+std::vector<PartOfLeg> SweptPrimitive::whole_path() const {
+  std::vector<PartOfLeg> whole;
+  for (std::uint32_t leg = 0; leg < path_.legs(); ++leg) whole.push_back({leg, 0.0, 1.0});
+  return whole;
+}
+
+// The origin moves on a curve with |x''| <= |w|² |R p|: no farther from its chord than an eighth of that.
+std::array<Interval, 3> SweptPrimitive::box() const {
+  std::array<Interval, 3> box;
+  for (std::uint32_t leg = 0; leg < path_.legs(); ++leg) {
+    const Interval bow = square(length<double>(path_.motion(leg).spin)) * length<double>(translation_) / Interval(8);
+    const double about = (radius_ + bow).upper();
+    const Vector3<double> begin = placement(leg, 0.0).origin;
+    const Vector3<double> end = placement(leg, 1.0).origin;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Interval reached = hull(begin[i], end[i]) + Interval(-about, about);
+      box[i] = leg == 0 ? reached : hull(box[i], reached);
+    }
+  }
+  return box;
+}
+
+SweptPrimitive::Placement SweptPrimitive::placement(std::uint32_t leg, double time) const {
+  const EnclosedPose at = path_.pose(leg, time);
+  return {at.rotation * rotation_, at.rotation * translation_ + at.translation};
+}
+
+MovingGauge SweptPrimitive::moving_gauge(std::uint32_t leg) const {
+  return {gauge_, {rotation_, translation_}, path_.pose(leg, 0.0), path_.motion(leg)};
+}
+
+/// Let y = R^T (x - t) be where the implant has a point x of the cube, and v a vector of length 1 of its frame. Then
+/// |(v·y)''| <= |w|² |x - t| + 2 |w| |t'|, and v·y lies, between two times, above its chord less an eighth of that and
+/// of the square of the time between. Precondition: the leg turns.
+double SweptPrimitive::sag(const Cube& cube, const PartOfLeg& times) const {
+  const EnclosedMotion& motion = path_.motion(times.leg);
+  const Interval spin = length<double>(motion.spin);
+  const Interval speed = length<double>(motion.velocity);
+  const Interval lasts = Interval(times.end) - Interval(times.begin);
+  const Interval distance = length<double>(range_of(cube) - path_.pose(times.leg, times.begin).translation);
+  const Interval bend = square(spin) * (distance + speed * lasts) + Interval(2) * spin * speed;
+  return (square(lasts) * bend / Interval(8)).upper();
+}
+
+/// The plane is that through the support point of v, which moves with the primitive: v·z <= h(v) for all points z of
+/// it, and v·z of a point of the cube is linear in that at each time.
+SweptPrimitive::Facing SweptPrimitive::facing(const Cube& cube, const PartOfLeg& times) const {
+  const MovingGauge moving = moving_gauge(times.leg);
+  const Vector3d centre(cube.centre[0], cube.centre[1], cube.centre[2]);
+  Facing result{times, {}, 0.0, 0.0, 0.0};
+  result.time = moving.nearest_time(times.begin, times.end, centre);
+  const MovingGauge::Slope slope = moving.slope(result.time, centre);
+  result.gauge = slope.value;
+  const bool is_between = times.begin < result.time && result.time < times.end;
+  const Vector3d own = moving.own_direction(result.time, moving.normal(result.time, is_between, slope, centre));
+  const Vector3<double> v = exact_vector({own[0], own[1], own[2]});
+
+  if (path_.motion(times.leg).turns) result.sag = (Interval(sag(cube, times)) * length<double>(v)).upper();
+  const Interval below = Interval(bounds_.support_up(in_127_bits(v)).to_double(Direction::up)) + Interval(result.sag);
+  for (const double time : {times.begin, times.end}) {
+    const Placement at = placement(times.leg, time);
+    const Vector3<double> normal = at.rotation * v;
+    const Interval at_centre = normal.dot(exact_vector(cube.centre) - at.origin) - below;
+    const CornerHeights heights = linear_heights(at_centre, normal * Interval(cube.half_width));
+    if (time == times.begin) result.heights = heights;
+    lower(result.heights, heights);
+  }
+  return result;
+}
+
+/// Parts of legs are halved where what their planes do in between decides, beside the square of the cube.
+SweptPrimitive::InCube SweptPrimitive::in(const Cube& cube, std::span<const PartOfLeg> times) const {
+  const double allowed = cube.half_width * std::min(1.0, cube.half_width / smallest_semi_axis_) / 8.0;
+  std::vector<Facing> open;
+  std::vector<PartOfLeg> next(times.begin(), times.end());
+  while (!next.empty()) {
+    for (const PartOfLeg& part : next) {
+      Facing found = facing(cube, part);
+      if (!all_positive(found.heights)) open.push_back(std::move(found));
+    }
+    next.clear();
+    if (open.empty()) return {};
+    const Facing deepest = *std::ranges::min_element(open, {}, &Facing::gauge);
+    if (is_beyond_nothing(deepest)) break;
+    std::erase_if(open, [&](const Facing& other) {
+      const bool decides = other.sag > allowed && !is_above(other, deepest, allowed);
+      const std::optional<double> half = decides ? middle_of(other.times) : std::nullopt;
+      if (!half) return false;
+      next.push_back({other.times.leg, other.times.begin, *half});
+      next.push_back({other.times.leg, *half, other.times.end});
+      return true;
+    });
+  }
+  const Facing& deepest = *std::ranges::min_element(open, {}, &Facing::gauge);
+  InCube result{.times = {}, .outer = deepest.heights, .deepest = {deepest.times.leg, deepest.time}};
+  for (const Facing& found : open) {
+    lower(result.outer, found.heights);
+    result.times.push_back(found.times);
+  }
+  return result;
+}
+
+CornerHeights SweptPrimitive::inner(const Cube& cube, const Moment& moment) const {
+  const auto& [leg, time] = moment;
+  const double step = path_.step();
+  const bool turns = path_.motion(leg).turns;
+  const Placement at = placement(leg, turns ? std::clamp(std::round(time / step) * step, 0.0, 1.0) : time);
+  const Matrix3<double> to_own = at.rotation.transpose();
+  CornerHeights heights;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Real gauge = bounds_.gauge_up(in_127_bits(to_own * (corner_of(cube, k) - at.origin)));
+    heights[k] = Interval(subtract(gauge.to_double(Direction::up), 1.0, Direction::up));
+  }
+  return heights;
+}
+
+/// Nothing where it cannot be halved at a time at which the path is known.
+std::optional<double> SweptPrimitive::middle_of(const PartOfLeg& times) const {
+  const double middle = std::round((times.begin + times.end) / (2.0 * path_.step())) * path_.step();
+  if (!(times.begin < middle && middle < times.end)) return std::nullopt;
+  return middle;
+}
+
+}  // namespace verisq::verify
