@@ -8,6 +8,7 @@
 #include <verisq/certificate.hpp>
 #include <verisq/certificate_file.hpp>
 #include <verisq/certified_best_fit.hpp>
+#include <verisq/certified_contact.hpp>
 #include <verisq/certified_deviation.hpp>
 #include <verisq/certified_distance.hpp>
 #include <verisq/certified_equilibrium.hpp>
@@ -22,6 +23,7 @@
 #include <verisq/closest_points.hpp>
 #include <verisq/columns.hpp>
 #include <verisq/contact_area.hpp>
+#include <verisq/contact_certificate.hpp>
 #include <verisq/containment.hpp>
 #include <verisq/deviation.hpp>
 #include <verisq/deviation_certificate.hpp>
