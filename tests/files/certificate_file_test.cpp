@@ -335,7 +335,7 @@ TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
   };
   refused("/kind", "recovery",
           "kind = \"recovery\": must be \"pair\", \"poses\", \"path\", \"fit\", \"best_fit\", \"insertion\", "
-          "\"deviation\", "
+          "\"deviation\", \"contact\", "
           "\"features\" or \"equilibrium\"");
   refused("/kind", "pair", "answers = [...]: unknown key");
   refused("/answers", nlohmann::json::array(), "answers = []: must not be empty");
