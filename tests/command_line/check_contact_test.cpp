@@ -2,14 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <verisq/mesh_file.hpp>
 
 #include "tests/fixtures/places.hpp"
 #include "tests/fixtures/proof_file_test.hpp"
+#include "tests/fixtures/sample_meshes.hpp"
 
 namespace verisq::testing {
 namespace {
@@ -20,22 +21,24 @@ using ::testing::HasSubstr;
 class CheckContact : public ProofFileTest {
  protected:
   void SetUp() override {
-    std::ifstream in(places::example("stem_mm.json"));
-    json stem = json::parse(in);
-    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
-    stem["areas"] = {{{"name", "upper"}, {"weight", 3}, {"box", {{-999, -999, -150}, {999, 999, 999}}}}};
-    (void)write("stem.json", stem.dump());
+    Mesh mesh = sphere_mesh(2);
+    for (Point& vertex : mesh.vertices)
+      for (double& x : vertex) x *= 6.0;
+    write_mesh(mesh_, mesh);
+    (void)write("egg.json", R"({"format": "verisq-model/1", "units": "mm",
+      "areas": [{"name": "upper", "weight": 3, "box": [[-9, -9, 0], [9, 9, 9]]}],
+      "primitives": [{"name": "egg", "superquadric": {"semi_axes": [4, 5, 4.5], "exponents": [1, 0.8]}}]})");
     const Outcome outcome = fit({"-o", fitted_, "--contact-certificate-file", proof_, "--json"});
     ASSERT_TRUE(outcome.status == 0 || outcome.status == 3) << outcome.err;
     said_ = json::parse(outcome.out);
   }
 
-  [[nodiscard]] Outcome fit(const Arguments& more, const std::string& mesh = places::example("cavity.off")) const {
+  [[nodiscard]] Outcome fit(const Arguments& more) const {
     Arguments arguments{"fit",
                         "--implant",
-                        path("stem.json"),
+                        path("egg.json"),
                         "--mesh",
-                        mesh,
+                        mesh_,
                         "--any-side",
                         "--on",
                         "vertices",
@@ -66,7 +69,7 @@ class CheckContact : public ProofFileTest {
     EXPECT_EQ(outcome.status, 3) << pointer << " " << value << outcome.out << outcome.err;
   }
 
-  std::string mesh_ = places::example("cavity.off");
+  std::string mesh_ = path("sphere.off");
   std::string fitted_ = path("fitted.json");
   json said_;
 };
@@ -113,7 +116,7 @@ TEST_F(CheckContact, NeverProvesAForgery) {
   expect_not_proved("/of_mesh/within/hi", "inf");
   expect_not_proved("/distance", 0.9);
   expect_not_proved("/distance", 1.1);
-  const std::size_t triangles = 1568;
+  const std::size_t triangles = 128;
   expect_not_proved("/region_runs", {{1, triangles}});
   expect_not_proved("/triangles", json::array());
   expect_not_proved("/triangles/0", {{"triangle", document()["triangles"][0]["triangle"]}, {"pieces", ""}});
@@ -127,7 +130,7 @@ TEST_F(CheckContact, IsOfNoOtherModelMeshOrForm) {
   refused(check(forged("/models/0/sha256", std::string(64, '0'))), "is about another model");
   refused(check(forged("/mesh/sha256", std::string(64, '0'))), "is about another mesh");
   refused(check(forged("/units", "cm")), "units = \"cm\"");
-  refused(check(forged("/region_runs", {{0, 100}})), "region_runs: are of 100 triangles, and the mesh has 1568");
+  refused(check(forged("/region_runs", {{0, 100}})), "region_runs: are of 100 triangles, and the mesh has 128");
   refused(check(forged("/vertices", json::array({document()["vertices"][0]}))),
           "is of 1 vertices, and the mesh has 786");
   refused(check(forged("/triangles/0/triangle", 99999)), "triangle");
@@ -144,12 +147,12 @@ TEST_F(CheckContact, NothingIsLostWhereAFileCannotBe) {
   };
   const std::string other = path("f.json");
   refused(fit({"-o", other, "--contact-certificate-file", "c.txt"}), "--contact-certificate-file c.txt: is a .json");
-  refused(fit({"-o", other, "--contact-certificate-file", path("stem.json")}), "--contact-certificate-file");
+  refused(fit({"-o", other, "--contact-certificate-file", path("egg.json")}), "--contact-certificate-file");
   refused(fit({"-o", other, "--contact-certificate-file", other}), "two outputs");
   refused(fit({"-o", other, "--contact-certificate-file", proof_, "--resection", "0,0,0,0,0,1"}),
           "not with --resection");
-  const std::string cloud = write("cloud.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n");
-  refused(fit({"-o", other, "--contact-certificate-file", proof_}, cloud), "has no triangles");
+  (void)write("sphere.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n");
+  refused(fit({"-o", other, "--contact-certificate-file", proof_}), "has no triangles");
 }
 
 }  // namespace
