@@ -70,8 +70,8 @@ const std::vector<Case>& cases() {
   const Mesh coarse = torus_mesh(3.0, 1.0, 4, 3);
   static const std::vector<Case> all{
       certified({"", {ball(2.0)}, {}}, torus, 0.7, 0.02), certified({"", {soap}, {}}, torus, 0.7, 0.05),
-      certified({"", {soap, side}, {}}, torus, 0.7, 0.1), certified({"", {bent, side}, {}}, coarse, 0.5, 0.15),
-      certified({"", {soap, side}, difference}, coarse, 0.5, 0.5)};
+      certified({"", {soap, side}, {}}, torus, 0.7, 0.1), certified({"", {bent, side}, {}}, coarse, 0.5, 0.2),
+      certified({"", {soap, side}, difference}, coarse, 0.5, 0.7)};
   return all;
 }
 
