@@ -5,7 +5,6 @@
 #include <pybind11/stl.h>
 
 #include <cstddef>
-#include <tuple>
 
 #include "python/module/interruption.hpp"
 #include "python/module/python_mesh.hpp"
@@ -34,9 +33,9 @@ py::dict claims_of(const PythonCertifiedContact& self) {
 
 bool is_proved(const PythonCertifiedContact& self, const PythonModel& model, const PythonMesh& mesh) {
   const Model& exact = model.exact("is_proved");
-  const auto& [terms, triangles] = std::tie(self.terms, mesh.mesh.triangles);
+  const ContactTerms& terms = self.terms;
   if (mesh.mesh.vertices.size() != self.certificate.vertices.size()) return false;
-  if (terms.regions > 0 && terms.region_of.size() != triangles.size()) return false;
+  if (terms.regions > 0 && terms.region_of.size() != mesh.mesh.triangles.size()) return false;
   Interruption interruption;
   const auto interrupted = interruption.poll();
   return without_lock(interruption, [&] {
