@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "host/mesh/extent.hpp"
-#include "host/mesh/rims.hpp"
 #include "host/threads/parallel.hpp"
+#include "verify/containment/rims.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/path_check.hpp"
 #include "verify/sweep/clipped_cube.hpp"
@@ -131,13 +131,13 @@ class RemovalSearch {
  private:
   void add(const BoneSurface& surface) {
     check_surface_has_sides(surface.mesh);
-    const Closing closing = closing_over_rims(surface.mesh);
+    const verify::Closing closing = verify::closing_over_rims(surface.mesh);
     const double volume = signed_volume(surface.mesh) + signed_volume(closing.mesh);
     const double size = 2.0 * extent_of(surface.mesh.vertices).half_size();
     if (!(std::abs(volume) > least_share_enclosed * size * size * size))
       throw Error(ErrorKind::input, "removed volume: a surface encloses nothing, closed over its rims");
     const verify::Side side = surface.bone == BoneSide::inside ? verify::Side::inside : verify::Side::outside;
-    surfaces_.emplace_back(closed_triangles(surface.mesh, closing), volume > 0.0 ? 1 : -1, side);
+    surfaces_.emplace_back(verify::closed_triangles(surface.mesh, closing), volume > 0.0 ? 1 : -1, side);
     found_.rims.push_back(closing.rims);
   }
 

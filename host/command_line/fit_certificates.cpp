@@ -13,7 +13,6 @@
 #include <verisq/certificate_file.hpp>
 #include <verisq/certified_best_fit.hpp>
 #include <verisq/clearance_claim.hpp>
-#include <verisq/uncertain_model.hpp>
 
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/messages.hpp"
@@ -21,7 +20,6 @@
 #include "host/command_line/triangle_stream.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/threads/parallel.hpp"
-#include "verify/proof/convex_union.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -69,8 +67,8 @@ void declare_certificates(Options& options, FitArguments& arguments) {
               "proves it again: .csv .vtp");
   options.add(
       "--certificate-file", arguments.certificate_file, "FILE",
-      "What these distances say together, F, the smallest, the areas, for `verisq check --certificate` with the "
-      "maps, which get --certificates: .json");
+      "What these distances say together, F, the smallest, the areas, and on which side the parts of the implant lie, "
+      "for `verisq check --certificate` with the maps, which get --certificates: .json");
 }
 
 std::optional<double> write_bound_certificate(const FitProblem& problem, const FitSolution& solution,
@@ -124,27 +122,14 @@ void check_certificates(const FitArguments& arguments) {
 void refuse_what_has_no_certificates(const FitProblem& problem, const FitArguments& arguments) {
   if (!arguments.surface_map.empty() && problem.mesh.triangles.empty())
     refuse(fmt::format("--surface-map: {}: has no triangles", arguments.mesh));
-  if (!certifies(arguments) || arguments.report.html.empty()) return;
-  for (std::size_t i = 0; i < problem.series.size(); ++i) {
-    if (verify::is_union(bracket(problem.series[i]).largest)) continue;
-    refuse(
-        fmt::format("--report with --certificates: {}: the page proves unions of primitives, not other csg; write "
-                    "the certificates by --map alone",
-                    problem.names[i]));
-  }
-}
-
-bool has_covers(const FitArguments& arguments) {
-  return certifies(arguments) && arguments.report.html.empty();
 }
 
 MapContents contents_of(const FitArguments& arguments) {
-  if (has_covers(arguments)) return MapContents::covered;
-  return certifies(arguments) ? MapContents::certified : MapContents::enclosures;
+  return certifies(arguments) ? MapContents::covered : MapContents::enclosures;
 }
 
 void write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
-                        const MapOptions& options, const FitArguments& arguments) {
+                        std::vector<SideClaim> sides, const MapOptions& options, const FitArguments& arguments) {
   std::optional<Enclosure> surface;
   if (!arguments.surface_map.empty()) surface = write_surface_map(problem, fitted, options, arguments);
   if (arguments.certificate_file.empty()) return;
@@ -152,7 +137,8 @@ void write_certificates(const FitProblem& problem, const Model& fitted, const Cl
                                                      .mesh = subject_file(arguments.mesh),
                                                      .units = problem.units,
                                                      .terms = stated_terms(problem),
-                                                     .claims = claims_of(clearance, surface)});
+                                                     .claims = claims_of(clearance, surface),
+                                                     .sides = std::move(sides)});
 }
 
 }  // namespace verisq::command_line

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 #include <verisq/clearance.hpp>
 #include <verisq/fit_problem.hpp>
 #include <verisq/fit_solution.hpp>
 #include <verisq/map.hpp>
 #include <verisq/map_file.hpp>
+#include <verisq/side_checker.hpp>
 
 #include "host/command_line/fit_command.hpp"
 
@@ -22,12 +24,8 @@ void declare_certificates(Options& options, FitArguments& arguments);
 /// Throws Error(input) where nothing keeps them, or they would be of another mesh than the file's.
 void check_certificates(const FitArguments& arguments);
 
-/// Throws Error(input) for what has no triangles, and for models that no page proves, where these are asked for. Before
-/// the search: whatever is chosen has the set operations of its file.
+/// Throws Error(input) for what has no triangles, where their map is asked for.
 void refuse_what_has_no_certificates(const FitProblem& problem, const FitArguments& arguments);
-
-/// A page proves by single primitives alone, and so its map does.
-[[nodiscard]] bool has_covers(const FitArguments& arguments);
 
 /// Of the map of the vertices.
 [[nodiscard]] MapContents contents_of(const FitArguments& arguments);
@@ -35,7 +33,7 @@ void refuse_what_has_no_certificates(const FitProblem& problem, const FitArgumen
 /// Writes the map of whole triangles and the certificate file, where they are asked for. Precondition: the fitted
 /// model's file is written. `options`: tolerance and device. Throws Error(failure), and as TriangleMapper.
 void write_certificates(const FitProblem& problem, const Model& fitted, const Clearance& clearance,
-                        const MapOptions& options, const FitArguments& arguments);
+                        std::vector<SideClaim> sides, const MapOptions& options, const FitArguments& arguments);
 
 /// Writes the certificate of the bound, where it is asked for and not interrupted. Returns the upper end that it
 /// proves: hardly more than the bound's.

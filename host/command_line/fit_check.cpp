@@ -19,6 +19,7 @@
 #include "host/command_line/interruption.hpp"
 #include "host/command_line/json_value.hpp"
 #include "host/command_line/map_check.hpp"
+#include "host/command_line/side_check.hpp"
 #include "host/command_line/stated_terms.hpp"
 #include "host/errors/refusal.hpp"
 
@@ -30,11 +31,15 @@ struct FitCheckReport {
   std::optional<CheckReport> surface = {};  ///< of triangles, where the fit claims something of them
   Clearance proven = {};                    ///< what the vertices' distances say together
   std::vector<Finding> findings = {};       ///< one a claim; none of an interrupted check
+  SideCheckReport sides = {};
 
-  [[nodiscard]] bool interrupted() const { return vertices.interrupted || (surface && surface->interrupted); }
+  [[nodiscard]] bool interrupted() const {
+    return vertices.interrupted || (surface && surface->interrupted) || sides.interrupted;
+  }
   [[nodiscard]] VerdictCounts counts() const { return counted(findings, std::identity()); }
   [[nodiscard]] bool all_proved() const {
-    return vertices.all_proved() && (!surface || surface->all_proved()) && counts().are_all_proved();
+    return vertices.all_proved() && (!surface || surface->all_proved()) && counts().are_all_proved() &&
+           sides.all_proved();
   }
 };
 
@@ -154,8 +159,10 @@ std::string claims_in_words(const FitAnswer& answer, const FitCheckReport& repor
 std::string readable(const FitAnswer& answer, const FitCheckReport& report, const CheckArguments& arguments) {
   std::string text = readable(report.vertices);
   if (report.surface) text += readable(*report.surface);
-  text += claims_in_words(answer, report) + criterion_in_words(answer.terms, answer.units);
-  text += fmt::format("not claimed          {}sides, areas in contact, changes of features, how near the best fit is\n",
+  text += claims_in_words(answer, report) + sides_in_words(answer, report.sides);
+  text += criterion_in_words(answer.terms, answer.units);
+  text += fmt::format("not claimed          {}{}areas in contact, changes of features, how near the best fit is\n",
+                      answer.sides.empty() ? "whether the implant lies inside, outside or beside the mesh, " : "",
                       claims_surface(answer) ? "" : "what lies between the vertices, ");
   return text + fmt::format("certificate          {}\n", arguments.certificate);
 }
@@ -178,6 +185,7 @@ std::string json(const FitAnswer& answer, const FitCheckReport& report, const Ch
                           {"vertices", object_of(report.vertices)},
                           {"surface", report.surface ? JsonValue(object_of(*report.surface)) : JsonValue()},
                           {"claims", claims_of(answer, report)},
+                          {"sides", sides_of(answer, report.sides)},
                           {"penetration_limit", answer.terms.penetration_limit},
                           {"proven_within_limit", report.proven.proven_shallow},
                           {"proven_too_deep", report.proven.proven_too_deep},
@@ -199,6 +207,7 @@ ExitStatus run_fit_check(const FitAnswer& answer, const CheckArguments& argument
   FitCheckReport report{};
   const std::vector<Enclosure> distances = check_vertices(arguments, report);
   const std::optional<Enclosure> surface = check_surface(arguments, report);
+  if (!report.interrupted()) report.sides = checked_sides(answer, arguments);
   if (!report.interrupted()) judge_claims(answer, distances, surface, arguments, report);
   fmt::print("{}", arguments.json ? json(answer, report, arguments) : readable(answer, report, arguments));
   if (report.interrupted()) return ExitStatus::interrupted;

@@ -73,9 +73,10 @@ constexpr const char* closing_words =
     "--certificate-file, --map and --surface-map keep what proves it again: `verisq check --certificate FILE\n"
     "--model FITTED --mesh F --map MAP --surface-map MAP` proves every distance, and F, the smallest distance of the\n"
     "vertices and of the whole surface, the deepest penetration, how many vertices keep the limit and the numbers of\n"
-    "every area. --bound-certificate-file does the same for the bound, from the implants' files and the mesh.\n"
-    "--contact-certificate-file does it for the mesh's areas in contact. Sides, changes of features and the area in\n"
-    "contact of the implant's own surface have no certificates.\n"
+    "every area; and on which side of the mesh each primitive lies. --bound-certificate-file does the same for the\n"
+    "bound, from the implants' files and the mesh. What the implant changes is proved by `verisq features --landmarks\n"
+    "F --implant FITTED --certificate-file`, the mesh's areas in contact by --contact-certificate-file; that of the\n"
+    "implant's own surface has no certificate.\n"
     "\n"
     "Ctrl-C ends the search, or the bound: the best pose so far is proven and written. A second Ctrl-C stops at once;\n"
     "once the proof runs, -o is written already.\n"
@@ -440,7 +441,7 @@ ExitStatus run_fit(const FitArguments& arguments) {
                                    {.tolerance = tolerance,
                                     .device = arguments.device,
                                     .certificates = certifies(arguments),
-                                    .covers = has_covers(arguments)},
+                                    .covers = certifies(arguments)},
                                    !arguments.no_progress, map);
   const FitProof& proof = mapped.proof;
   std::optional<InstrumentClearance> instrument;
@@ -484,8 +485,10 @@ ExitStatus run_fit(const FitArguments& arguments) {
   explain(summary);
   hint_where_to_look(summary, arguments);
   if (arguments.report.any()) write_report(problem, summary, mapped, arguments);
-  write_certificates(problem, found.model, proof.clearance, {.tolerance = tolerance, .device = arguments.device},
-                     arguments);
+  std::vector<SideClaim> sides;
+  if (proof.sides) sides = claims_of(*proof.sides, summary.required_sides);
+  write_certificates(problem, found.model, proof.clearance, std::move(sides),
+                     {.tolerance = tolerance, .device = arguments.device}, arguments);
   fmt::print("{}", arguments.json ? json(summary) : readable(summary));
   if (was_interrupted(solution) || contact_file == ContactFile::interrupted) return ExitStatus::interrupted;
   if (contact_file == ContactFile::too_large) return ExitStatus::unverified;

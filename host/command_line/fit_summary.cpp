@@ -107,22 +107,16 @@ std::string_view surface_name(FitSurface surface) {
   return surface == FitSurface::cavity ? "cavity" : "bone";
 }
 
-std::string_view side_name(SurfaceSide side) {
-  if (side == SurfaceSide::any) return "any";
-  return side == SurfaceSide::inside ? "inside" : "outside";
-}
-
 /// What was found, after the primitive's name.
 std::string in_words(SideFinding finding, SurfaceSide required, FitSurface surface) {
-  const std::string_view side = side_name(required);
+  const std::string_view side = to_string(required);
   const std::string_view other = required == SurfaceSide::inside ? "outside" : "inside";
   const std::string_view name = surface_name(surface);
   switch (finding) {
     case SideFinding::kept: return fmt::format("is proven to lie {} the {}", side, name);
     case SideFinding::other_side: return fmt::format("is proven to lie {} the {}, at least in part", other, name);
     case SideFinding::enters_surface:
-      return fmt::format("is not proven to lie {} the {}: the implant is not proven to keep off its surface", side,
-                         name);
+      return fmt::format("is not proven to lie {} the {}: it is not proven to keep off its surface", side, name);
     case SideFinding::reaches_through:
       return fmt::format("is not proven to lie {} the {}: it is not proven to keep off the openings", side, name);
     case SideFinding::no_deep_point:
@@ -132,6 +126,8 @@ std::string in_words(SideFinding finding, SurfaceSide required, FitSurface surfa
       return fmt::format("is not proven to lie {} the {}: the side of its centre is not decided", side, name);
     case SideFinding::strongly_bent:
       return fmt::format("is not proven to lie {} the {}: its bend is too strong for the limit", side, name);
+    case SideFinding::several_parts:
+      return fmt::format("is not proven to lie {} the {}, which is in several parts", side, name);
   }
   return "";
 }
@@ -171,7 +167,7 @@ Lines side_lines(const FitSummary& summary) {
     });
     std::string text = proven.empty() ? "" : fmt::format("proven of {}{}", proven, exemption(summary));
     if (!open.empty()) text += fmt::format("{}NOT PROVEN of {}", proven.empty() ? "" : "; ", open);
-    lines.push_back({fmt::format("{} the {}", side_name(side), surface_name(summary.side_of)), text});
+    lines.push_back({fmt::format("{} the {}", to_string(side), surface_name(summary.side_of)), text});
   }
   const std::string anywhere =
       names_where(summary, [](SurfaceSide required, SideFinding) { return required == SurfaceSide::any; });
@@ -499,7 +495,7 @@ JsonValue sides_json(const FitSummary& summary) {
     const bool asked = summary.required_sides[k] != SurfaceSide::any;
     sides.push_back(JsonObject{
         {"primitive", name_of(summary, k)},
-        {"required", std::string(side_name(summary.required_sides[k]))},
+        {"required", std::string(to_string(summary.required_sides[k]))},
         {"found", asked ? JsonValue(std::string(to_string(summary.sides->of_primitives[k]))) : JsonValue()}});
   }
   return JsonObject{{"of", std::string(surface_name(summary.side_of))},

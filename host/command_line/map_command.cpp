@@ -79,13 +79,12 @@ double tolerance_of(const MapArguments& arguments, const Model& largest) {
                              : default_tolerance(tolerance_of_distances, bounding_radius(largest), "the model");
 }
 
-/// A page proves by single primitives alone, and so its map does; and what is not exact. Distances of triangles to
-/// unions of convex primitives are the least of theirs.
+/// What is not exact is proven by single primitives alone. Distances of triangles to unions of convex primitives are
+/// the least of theirs.
 bool has_covers(const UncertainModel& model, const MapArguments& arguments) {
   const bool convex = is_union_of_convex(bracket(model).largest);
   const bool single = convex && (arguments.on == MapElements::triangles || model.primitives.size() == 1);
-  return arguments.certificates && arguments.report.html.empty() && arguments.point_radius == 0.0 && is_exact(model) &&
-         !single;
+  return arguments.certificates && arguments.point_radius == 0.0 && is_exact(model) && !single;
 }
 
 /// The library refuses the same without naming file and option.
@@ -97,20 +96,12 @@ void refuse_what_needs_convexity(const UncertainModel& uncertain, const MapArgum
                        arguments.inputs.model));
   };
   if (arguments.certificates && arguments.on == MapElements::triangles && !has_covers(uncertain, arguments))
-    refuse_option("--certificates with --on triangles and --report, --point-radius or intervals");
-  if (arguments.certificates && !verify::is_union(model)) {
-    if (!arguments.report.html.empty()) {
-      refuse(
-          fmt::format("--report with --certificates: {}: the page proves unions of primitives, not other csg; write "
-                      "the certificates by -o alone",
-                      arguments.inputs.model));
-    }
-    if (arguments.point_radius > 0.0) {
-      refuse(
-          fmt::format("--certificates with --point-radius: {}: not supported for csg other than the union of all "
-                      "primitives",
-                      arguments.inputs.model));
-    }
+    refuse_option("--certificates with --on triangles and --point-radius or intervals");
+  if (arguments.certificates && !verify::is_union(model) && arguments.point_radius > 0.0) {
+    refuse(
+        fmt::format("--certificates with --point-radius: {}: not supported for csg other than the union of all "
+                    "primitives",
+                    arguments.inputs.model));
   }
   if (arguments.method == Method::published) refuse_option("--method published");
 }
@@ -425,9 +416,8 @@ void declare_map(Options& options, MapArguments& arguments) {
   options.add_flag(
       "--certificates", arguments.certificates,
       "Write what proves each enclosure again, for `verisq check`: .csv .vtp; the page of --report then proves itself\n"
-      "again in any browser, but for set operations; there, rows in overlaps are proven by one primitive alone, and "
-      "may\n"
-      "be wide. What single primitives do not prove, of bends, overlaps and set operations, the host proves by covers");
+      "again in any browser. What single primitives do not prove, of bends, overlaps and set operations, the host\n"
+      "proves by covers");
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
 }

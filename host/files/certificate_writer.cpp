@@ -327,6 +327,9 @@ void write_answer(const std::filesystem::path& path, const FitAnswer& answer) {
     object.update(json_of(claim.value));
     document["claims"].push_back(std::move(object));
   }
+  for (const SideClaim& claim : answer.sides) {
+    document["sides"].push_back({{"primitive", claim.primitive}, {"side", to_string(claim.side)}});
+  }
   write_sized(path, text_of(document, -1) + "\n");
 }
 

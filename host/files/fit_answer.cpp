@@ -57,6 +57,29 @@ std::vector<ClearanceClaim> read_clearance_claims(const JsonValue& value) {
   return claims;
 }
 
+SurfaceSide read_surface_side(const JsonValue& value) {
+  const std::string side = value.name();
+  for (const SurfaceSide known : {SurfaceSide::inside, SurfaceSide::outside}) {
+    if (side == to_string(known)) return known;
+  }
+  value.fail("must be inside or outside");
+}
+
+/// Missing: none.
+std::vector<SideClaim> read_side_claims(const JsonValue& root) {
+  std::vector<SideClaim> claims;
+  const auto sides = root.find("sides");
+  if (!sides) return claims;
+  std::set<std::size_t> seen;
+  for (std::size_t i = 0; i < sides->size(); ++i) {
+    const JsonValue claim = sides->element(i);
+    claim.check_keys({"primitive", "side"});
+    claims.push_back({read_index(claim.at("primitive")), read_surface_side(claim.at("side"))});
+    if (!seen.insert(claims.back().primitive).second) claim.fail("is of a primitive before");
+  }
+  return claims;
+}
+
 }  // namespace
 
 std::vector<AreaRun> read_area_runs(const JsonValue& value, std::size_t areas) {
@@ -83,15 +106,16 @@ StatedTerms read_terms(const JsonValue& root) {
 }
 
 FitAnswer read_fit(const JsonValue& root) {
-  root.check_keys(
-      {"format", "kind", "models", "mesh", "units", "criterion", "penetration_limit", "areas", "area_runs", "claims"});
+  root.check_keys({"format", "kind", "models", "mesh", "units", "criterion", "penetration_limit", "areas", "area_runs",
+                   "claims", "sides"});
   const JsonValue models = root.at("models");
   if (models.size() != 1) models.fail("must be an array of one model");
   return {.model = read_subject_file(models.element(0)),
           .mesh = read_subject_file(root.at("mesh")),
           .units = units_of(root),
           .terms = read_terms(root),
-          .claims = read_clearance_claims(root.at("claims"))};
+          .claims = read_clearance_claims(root.at("claims")),
+          .sides = read_side_claims(root)};
 }
 
 std::uint64_t points_of(const StatedTerms& stated) {

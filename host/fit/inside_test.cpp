@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "host/mesh/extent.hpp"
-#include "host/mesh/rims.hpp"
+#include "verify/containment/rims.hpp"
 
 namespace verisq::fit_search {
 namespace {
@@ -32,7 +32,8 @@ int passage(const Point& p, const Triangle& triangle) {
 }  // namespace
 
 InsideTest::InsideTest(const Mesh& mesh)
-    : triangles_(closed_triangles(mesh, closing_over_rims(mesh))), columns_(columns_a_side * columns_a_side) {
+    : triangles_(verify::closed_triangles(mesh, verify::closing_over_rims(mesh))),
+      columns_(columns_a_side * columns_a_side) {
   const Extent extent = extent_of(mesh.vertices);  // which the means of rims do not leave
   lower_ = extent.lower;
   upper_ = extent.upper;

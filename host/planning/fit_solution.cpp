@@ -147,11 +147,8 @@ FitProof prove_fit(const FitProblem& problem, const FitSolution& solution, const
                  .gap = {}};
   if (!problem.cavity.triangles.empty()) proof.surface = prove_surface(problem, fit.model, options);
   if (problem.surface != FitSurface::unsided) {
-    proof.sides = prove_sides(fit.model, problem.mesh, *proof.surface, problem.options.sides[fit.implant],
-                              {.penetration_limit = problem.options.penetration_limit,
-                               .tolerance = problem.options.surface_tolerance,
-                               .device = problem.options.device,
-                               .interrupted = options.interrupted});
+    proof.sides = prove_sides(fit.model, problem.mesh, problem.options.sides[fit.implant],
+                              problem.options.penetration_limit, options.interrupted);
   }
   proof.conditions = planning::conditions_of(problem, fit, proof);
   if (solution.bound) proof.gap = proven_gap(*solution.bound, proof.clearance);

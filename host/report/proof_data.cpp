@@ -68,28 +68,60 @@ Json poses(const Report& report) {
   return column_text(std::move(numbers));
 }
 
+/// Points that some rows have.
+struct RowPoints {
+  std::vector<std::uint32_t> rows;
+  std::vector<double> points;
+
+  void add(std::size_t row, const std::optional<Point>& point) {
+    if (!point) return;
+    rows.push_back(static_cast<std::uint32_t>(row));
+    append(points, *point);
+  }
+};
+
+/// Of all rows one after the other, eight a byte, the highest first.
+struct CoverBits {
+  std::vector<std::uint32_t> ends;
+  std::vector<std::uint8_t> bytes;
+  std::uint32_t count = 0;
+
+  void add(const std::vector<bool>& cover) {
+    for (const bool bit : cover) {
+      if (count % 8 == 0) bytes.push_back(0);
+      bytes.back() |= static_cast<std::uint8_t>((bit ? 0x80U : 0U) >> (count++ % 8));
+    }
+    ends.push_back(count);
+  }
+};
+
 Json columns_of(std::span<const Certificate> certificates) {
   std::vector<std::uint32_t> ends;
   std::vector<std::uint32_t> primitives;
   std::vector<double> vectors;
-  std::vector<std::uint32_t> escaping;
-  std::vector<double> escapes;
-  for (const Certificate& certificate : certificates) {
+  RowPoints escapes;
+  RowPoints witnesses;
+  CoverBits covers;
+  for (std::size_t row = 0; row < certificates.size(); ++row) {
+    const Certificate& certificate = certificates[row];
     for (const auto& [primitive, vector] : certificate.normals) {
       primitives.push_back(primitive);
       append(vectors, vector);
     }
-    if (certificate.escape) {
-      escaping.push_back(static_cast<std::uint32_t>(ends.size()));
-      append(escapes, *certificate.escape);
-    }
     ends.push_back(static_cast<std::uint32_t>(primitives.size()));
+    escapes.add(row, certificate.escape);
+    witnesses.add(row, certificate.witness);
+    covers.add(certificate.cover);
   }
   return {{"normals_end", column_text(std::move(ends))},
           {"primitives", column_text(std::move(primitives))},
           {"normals", column_text(std::move(vectors))},
-          {"escaping", column_text(std::move(escaping))},
-          {"escapes", column_text(std::move(escapes))}};
+          {"escaping", column_text(std::move(escapes.rows))},
+          {"escapes", column_text(std::move(escapes.points))},
+          {"witnessing", column_text(std::move(witnesses.rows))},
+          {"witnesses", column_text(std::move(witnesses.points))},
+          {"covers_end", column_text(std::move(covers.ends))},
+          {"covers", column_text(std::move(covers.bytes))}};
 }
 
 }  // namespace

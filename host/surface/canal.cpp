@@ -17,11 +17,11 @@
 #include <verisq/mesh_topology.hpp>
 
 #include "host/mesh/extent.hpp"
-#include "host/mesh/rims.hpp"
 #include "host/surface/cgal_mesh.hpp"
 #include "host/surface/grid_samples.hpp"
 #include "host/surface/largest_part.hpp"
 #include "host/surface/level_surface.hpp"
+#include "verify/containment/rims.hpp"
 
 namespace verisq {
 namespace {
@@ -65,7 +65,7 @@ ClosedBone closed_over_rims(const Mesh& mesh) {
                                               edges));
   }
   Mesh closed = surface::indexed_mesh(surface::halfedge_mesh(mesh));  // turned alike, as the closing expects it
-  const Closing closing = closing_over_rims(closed);
+  const verify::Closing closing = verify::closing_over_rims(closed);
   if (closing.rims > 0) closed.vertices = closing.mesh.vertices;
   closed.triangles.insert(closed.triangles.end(), closing.mesh.triangles.begin(), closing.mesh.triangles.end());
   return {std::move(closed), closing.rims};

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <verisq/surface.hpp>
 
-#include "host/mesh/rims.hpp"
 #include "host/surface/cgal_mesh.hpp"
+#include "verify/containment/rims.hpp"
 
 namespace verisq {
 namespace {
@@ -32,7 +32,7 @@ SurfaceCheck check_surface(const Mesh& surface, std::span<const Point> points) {
   const bool has_rims = !topology.closed() && topology.manifold() && topology.oriented();
   return {.topology = topology,
           .volume = signed_volume(surface),
-          .rims = has_rims ? closing_over_rims(surface).rims : 0,
+          .rims = has_rims ? verify::closing_over_rims(surface).rims : 0,
           .self_intersecting = CGAL::Polygon_mesh_processing::does_self_intersect(mesh),
           .farthest_point = farthest(mesh, points)};
 }

@@ -23,6 +23,7 @@
 #include <verisq/model.hpp>
 #include <verisq/pair_certificate.hpp>
 #include <verisq/path_certificate.hpp>
+#include <verisq/side_checker.hpp>
 
 namespace verisq {
 
@@ -81,13 +82,14 @@ struct StatedTerms {
 [[nodiscard]] ClearanceTerms terms_of(const StatedTerms& stated);
 
 /// The kind `fit`: what a fit claims of the distances of a bone's vertices to the fitted model. What proves them is the
-/// map with certificates of these vertices.
+/// map with certificates of these vertices; model and mesh alone are what proves the sides.
 struct FitAnswer {
   SubjectFile model;  ///< the fitted one
   SubjectFile mesh;
   std::string units;  ///< free text; empty when not given
   StatedTerms terms;
   std::vector<ClearanceClaim> claims;
+  std::vector<SideClaim> sides = {};  ///< inside or outside of the mesh, at most one a primitive
 };
 
 /// The kind `best_fit`: how good a fit of a bone's vertices can be at best.

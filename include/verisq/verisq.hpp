@@ -79,6 +79,7 @@
 #include <verisq/recovery.hpp>
 #include <verisq/removed_volume.hpp>
 #include <verisq/report.hpp>
+#include <verisq/side_checker.hpp>
 #include <verisq/sides.hpp>
 #include <verisq/signed_distance.hpp>
 #include <verisq/stance_analysis.hpp>
@@ -89,6 +90,7 @@
 #include <verisq/stance_model.hpp>
 #include <verisq/stance_motion.hpp>
 #include <verisq/stance_stability.hpp>
+#include <verisq/surface_side.hpp>
 #include <verisq/triangle_distance.hpp>
 #include <verisq/triangle_search.hpp>
 #include <verisq/uncertain_model.hpp>

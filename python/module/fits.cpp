@@ -311,7 +311,17 @@ PythonFit solved(FitRequest request, const std::optional<double>& bound, double 
           std::move(certified_contact)};
 }
 
-/// Every distance by its certificate, and then what they say together.
+/// Of what was found of sides.
+bool are_sides_proved(const PythonFit& self, const Mesh& mesh, const CheckOptions& options) {
+  if (!self.proof.sides) return true;
+  const std::vector<SideClaim> claims = claims_of(*self.proof.sides, self.required_sides);
+  if (claims.empty()) return true;
+  const SideChecker checker(self.solution.fit.model, mesh, self.terms.penetration_limit);
+  return std::ranges::all_of(claims,
+                             [&](const SideClaim& claim) { return checker(claim, options) == SideFinding::kept; });
+}
+
+/// Every distance by its certificate, and then what they say together; and sides.
 bool is_proved(const PythonFit& self, const PythonMesh& mesh) {
   if (!self.map.certificates) throw py::value_error("certificates: fit(..., certificates=True) keeps them");
   const std::vector<Certificate>& certificates = self.map.certificates->certificates;
@@ -335,7 +345,8 @@ bool is_proved(const PythonFit& self, const PythonMesh& mesh) {
     }
     if (proven.size() < vertices.size()) return false;
     const std::vector<Finding> claims = check(claims_of(self.proof.clearance), clearance_of(self.terms, proven));
-    return all && std::ranges::all_of(claims, [](const Finding& f) { return f.verdict == Verdict::proved; });
+    return all && std::ranges::all_of(claims, [](const Finding& f) { return f.verdict == Verdict::proved; }) &&
+           are_sides_proved(self, mesh.mesh, {.interrupted = interrupted});
   });
 }
 
@@ -560,10 +571,11 @@ void declare_class_of_fits(py::module_& module) {
       .def("is_proved", is_proved, py::arg("mesh"),
            "is_proved(mesh) -> bool\n\nProves again, by MPFR alone, the distance of every vertex from its certificate, "
            "and from\nthese objective, smallest_distance, deepest_penetration, how many vertices keep the limit and "
-           "the\nnumbers of all areas; of the bound certified_bound, of contact certified_contact. Sides, changes "
-           "and surface have no certificates. "
-           "Raises\n"
-           "ValueError without certificates, and for a mesh of other vertices than the fit's.")
+           "the\nnumbers of all areas; and the sides that are \"proven\"; of the bound certified_bound, of contact "
+           "certified_contact.\n"
+           "Changes and surface have no certificates. Raises ValueError without certificates, and for a mesh of other "
+           "vertices than the "
+           "fit's.")
       .def("__repr__", representation)
       .def(pickled<PythonFit>());
 }

@@ -1,5 +1,5 @@
-// A model file (docs/formats.md, section 2) as primitives to prove with: the union of convex superquadrics. Whatever
-// else there is is refused in words.
+// A model file (docs/formats.md, section 2) as primitives and a set of them to prove with. Whatever else there is is
+// refused in words.
 import { nearestBinary64 } from "./decimal.js";
 import { Numeral, parseJson } from "./json_text.js";
 
@@ -10,6 +10,7 @@ const keys = {
   model: ["format", "units", "primitives", "csg", "landmarks", "areas"],
   primitive: ["name", "superquadric", "bend", "pose"],
   superquadric: ["semi_axes", "exponents", "taper"],
+  bend: ["curvature", "angle_deg"],
   pose: ["translation", "quaternion"],
 };
 
@@ -49,45 +50,59 @@ function pose(value) {
   return { translation: read("translation", 3, [0, 0, 0]), quaternion: read("quaternion", 4, [1, 0, 0, 0]) };
 }
 
-function requireStraight(bend) {
-  if (bend === undefined) return;
-  if (!(bend instanceof Map) || number(bend.get("curvature"), "curvature") !== 0) {
-    throw new CannotProve("bent superquadrics");
-  }
+// null where it moves nothing.
+function bend(value) {
+  if (value === undefined) return null;
+  const entries = object(value, "bend");
+  const curvature = number(entries.get("curvature"), "curvature");
+  const angleDegrees = number(entries.get("angle_deg"), "angle_deg");
+  return curvature === 0 ? null : { curvature, angleDegrees };
 }
 
 function primitive(value) {
   const entries = object(value, "primitive");
-  requireStraight(entries.get("bend"));
-  return { name: entries.get("name"), ...superquadric(entries.get("superquadric")), ...pose(entries.get("pose")) };
+  return {
+    name: entries.get("name"),
+    ...superquadric(entries.get("superquadric")),
+    bend: bend(entries.get("bend")),
+    ...pose(entries.get("pose")),
+  };
 }
 
-// The names in a tree of unions.
-function namesIn(csg) {
-  if (typeof csg === "string") return [csg];
-  const operands = csg instanceof Map && csg.size === 1 ? csg.get("union") : undefined;
-  if (!Array.isArray(operands)) throw new CannotProve("set operations other than unions");
-  return operands.flatMap(namesIn);
+// Indices of primitives, and { operation, operands }.
+function setOf(csg, names) {
+  if (typeof csg === "string") {
+    const index = names.indexOf(csg);
+    if (index < 0) throw new Error(`csg: no primitive is called ${csg}`);
+    return index;
+  }
+  const [operation, operands] = csg instanceof Map && csg.size === 1 ? [...csg][0] : [];
+  const least = { union: 1, intersection: 1, difference: 2 }[operation];
+  if (!Array.isArray(operands) || !(operands.length >= least)) throw new Error("csg: no set operation");
+  return { operation, operands: operands.map((operand) => setOf(operand, names)) };
 }
 
-function requireUnionOfAll(csg, primitives) {
-  if (csg === undefined) return;
-  const names = new Set(namesIn(csg));
-  if (!primitives.every(({ name }) => names.has(name))) throw new CannotProve("models that leave primitives out");
-}
+const isTreeOfUnions = (set) =>
+  typeof set === "number" || (set.operation === "union" && set.operands.every(isTreeOfUnions));
+const primitivesIn = (set) => (typeof set === "number" ? [set] : set.operands.flatMap(primitivesIn));
 
 // Of lengths; empty where the model does not say.
 export function unitsOf(text) {
   return object(parseJson(text.replace(/^\ufeff/, "")), "model").get("units") ?? "";
 }
 
-// [{ name, semiAxes, exponents, taper, translation, quaternion }, ...]
-export function primitivesOf(text) {
+// { primitives: [{ name, semiAxes, exponents, taper, bend, translation, quaternion }, ...], set, isUnion }: whether the
+// set is the union of all primitives.
+export function modelOf(text) {
   const entries = object(parseJson(text.replace(/^\ufeff/, "")), "model");
   if (entries.get("format") !== "verisq-model/1") throw new Error("the model's format is not verisq-model/1");
   const list = entries.get("primitives");
   if (!Array.isArray(list) || list.length === 0) throw new Error("the model has no primitives");
   const primitives = list.map(primitive);
-  requireUnionOfAll(entries.get("csg"), primitives);
-  return primitives;
+  const names = primitives.map(({ name }) => name);
+  if (new Set(names).size !== names.length) throw new Error("the model's primitives do not have different names");
+  const all = { operation: "union", operands: [...primitives.keys()] };
+  const set = entries.has("csg") ? setOf(entries.get("csg"), names) : all;
+  const isUnion = isTreeOfUnions(set) && new Set(primitivesIn(set)).size === primitives.length;
+  return { primitives, set, isUnion };
 }

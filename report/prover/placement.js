@@ -17,18 +17,22 @@ export class Placement {
       [sum(x, y, w, z), diagonal(y, [x, z]), difference(y, z, w, x)],
       [difference(x, z, w, y), sum(y, z, w, x), diagonal(z, [x, y])],
     ];
-    this.rotation = rows.map((row) => row.map((entry) => intervals.div(entry, length)));
+    const rotation = rows.map((row) => row.map((entry) => intervals.div(entry, length)));
+    this.toOwn = [0, 1, 2].map((k) => rotation.map((row) => row[k])); // its rows
+  }
+
+  // Where a point of the axis of the primitive's frame stands.
+  onAxis(height) {
+    const { intervals, translation, toOwn } = this;
+    return intervals.translated(
+      translation,
+      toOwn[2].map((component) => intervals.mul(component, height)),
+    );
   }
 
   // The point of the primitive's frame, about its centre.
   local(point) {
-    const { intervals, rotation } = this;
-    const moved = intervals.difference(point, this.translation);
-    return [0, 1, 2].map((k) =>
-      intervals.dot(
-        rotation.map((row) => row[k]),
-        moved,
-      ),
-    );
+    const { intervals } = this;
+    return intervals.product(this.toOwn, intervals.difference(point, this.translation));
   }
 }

@@ -85,6 +85,29 @@ export class RealNumbers {
     this.mpfr.mpfr_pow(result, base, exponent, side);
     return result;
   }
+
+  // Between two neighbours, of functions that MPFR rounds correctly.
+  sine(a) {
+    return this.between(this.mpfr.mpfr_sin, a);
+  }
+  cosine(a) {
+    return this.between(this.mpfr.mpfr_cos, a);
+  }
+  arctangent(a) {
+    return this.between(this.mpfr.mpfr_atan, a);
+  }
+  halfTurn() {
+    return this.between(this.mpfr.mpfr_const_pi);
+  }
+  between(operation, ...operands) {
+    const lo = this.fresh();
+    if (operation(lo, ...operands, down) === 0) return { lo, hi: lo };
+    const hi = this.fresh();
+    this.mpfr.mpfr_set(hi, lo, down);
+    this.mpfr.mpfr_nextabove(hi);
+    return { lo, hi };
+  }
+
   // Exact.
   negative(a) {
     const result = this.fresh();

@@ -1,6 +1,7 @@
 // Gauge and support function of a superquadric, tapered or not, one side at a time (docs/mathematics.md, sections 1, 4
 // and 18). Points are given about the focus, which is the centre where there is no taper.
 import { down, up } from "./real_numbers.js";
+import { inside, open, outside } from "./set_tree.js";
 
 // The norm (s^p + t^p)^(1/p) of two numbers, for p = 2/eps, or for the conjugate exponent q = 2/(2 - eps).
 class PlaneNorm {
@@ -40,6 +41,12 @@ class PlaneNorm {
     if (this.kind === "sum") return s + t;
     if (this.kind === "euclidean") return Math.hypot(s, t);
     return large * (1 + (small / large) ** this.approximateExponent) ** (1 / this.approximateExponent);
+  }
+
+  // Its gradient where s, t >= 0 are not both 0, alike.
+  approximateGradient(s, t) {
+    const norm = this.approximate(s, t);
+    return [s, t].map((part) => (part / norm) ** (this.approximateExponent - 1));
   }
 }
 
@@ -100,15 +107,44 @@ export class SuperquadricBounds {
     return reals.sub(norm, side === up ? tilt.lo : tilt.hi, side);
   }
 
-  // Every point of the box w lies in the solid; none does.
+  // Every point of the box w lies in the solid.
   contains(w) {
     return this.reals.isAtMost(this.numerator(w, up), this.fall.lo);
   }
-  excludes(w) {
-    return (
-      this.reals.isBelow(this.reals.zero, this.distanceDown(w)) ||
-      this.reals.isBelow(this.fall.hi, this.numerator(w, down))
-    );
+
+  // Where all points of a box lie, which may be wide, by the gauge; strict.
+  place(w) {
+    const { reals } = this;
+    if (reals.isBelow(this.fall.hi, this.leastNumerator(w))) return outside;
+    return reals.isBelow(this.largestNumerator(w), this.fall.lo) ? inside : open;
+  }
+
+  // Over any box, also a wide one: convex along z, and so largest at one of its ends there.
+  largestNumerator([x, y, z]) {
+    if (!this.isTapered) return this.norm([x, y, z], up);
+    const at = (height) => this.numerator([x, y, { lo: height, hi: height }], up);
+    return this.reals.greatest(at(z.lo), at(z.hi));
+  }
+  // No less than at the box's least |coordinates|, nor than any plane below the norm says: with (a, b) of the dual norm
+  // D, N >= (a r + b z/a3)/D.
+  leastNumerator(w) {
+    const { intervals, reals } = this;
+    const plainly = this.numerator(w, down);
+    if (!this.isTapered || w[2].lo === w[2].hi) return plainly;
+    const [x, y] = [0, 1].map((k) => reals.div(intervals.abs(w[k]).lo, this.axes[k].lo, down));
+    const r = this.section.of(x, y, down);
+    const height = intervals.div(w[2], this.axes[2]);
+    const middle = (reals.toNumber(height.lo, down) + reals.toNumber(height.hi, up)) / 2;
+    const slopes = this.whole.approximateGradient(reals.toNumber(r, down), Math.abs(middle));
+    if (!slopes.every(Number.isFinite)) return plainly;
+    const [a, b] = slopes.map((slope) => reals.exact(slope));
+    const dual = this.dualWhole.of(a, b, up);
+    if (!reals.isBelow(reals.zero, dual)) return plainly;
+    // Of z/a3: the plane's slope less k; the plane is lowest at an end.
+    const share = intervals.div({ lo: b, hi: b }, { lo: dual, hi: dual });
+    const slope = intervals.sub(middle < 0 ? intervals.negative(share) : share, this.k);
+    const ofSection = reals.mul(r, reals.div(a, dual, down), down);
+    return reals.greatest(plainly, reals.add(ofSection, intervals.mul(slope, height).lo, down));
   }
 
   // An upper bound of the gauge over the box w, which has points other than the origin.
@@ -117,7 +153,12 @@ export class SuperquadricBounds {
     return this.isTapered ? this.reals.div(numerator, this.fall.lo, up) : numerator;
   }
 
-  // An upper bound of the support function, v thin.
+  // The same over any box, also a wide one.
+  gaugeOver(w) {
+    return this.reals.div(this.largestNumerator(w), this.fall.lo, up);
+  }
+
+  // An upper bound of the support function over the box v.
   supportUp(v) {
     const { intervals, reals } = this;
     const [x, y] = [0, 1].map((k) => reals.mul(intervals.abs(v[k]).hi, this.axes[k].hi, up));
@@ -172,5 +213,20 @@ export class SuperquadricBounds {
     const norm = this.whole.approximate(this.section.approximate(Math.abs(x) / a1, Math.abs(y) / a2), Math.abs(z) / a3);
     const k = this.approximateK;
     return (norm - (k * z) / a3) / (1 - k * k);
+  }
+
+  // Its gradient, alike; not finite at the focus.
+  approximateGaugeGradient([x, y, z]) {
+    const [a1, a2, a3] = this.semiAxes;
+    const [ux, uy, uz] = [Math.abs(x) / a1, Math.abs(y) / a2, Math.abs(z) / a3];
+    const r = this.section.approximate(ux, uy);
+    const [ofSection, ofHeight] = this.whole.approximateGradient(r, uz);
+    const [ofX, ofY] = r > 0 ? this.section.approximateGradient(ux, uy) : [0, 0];
+    const k = this.approximateK;
+    return [
+      (Math.sign(x) * ofSection * ofX) / a1,
+      (Math.sign(y) * ofSection * ofY) / a2,
+      (Math.sign(z) * ofHeight - k) / a3,
+    ].map((component) => component / (1 - k * k));
   }
 }

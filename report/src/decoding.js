@@ -44,18 +44,23 @@ function isDrawnAt(vertices, positions, centre) {
   });
 }
 
+function requireRising(ends, name) {
+  if (!ends.every((end, row) => end >= (ends[row - 1] ?? 0))) throw new BrokenReport(`${name}: falls`);
+}
+
 // `verisqProver.proverOf` takes it, with the claims: vertices, and certificates as the model's text says.
 function proofOf(proof, report, positions, claims) {
   const { certificates } = proof;
   const numbers = (name, Numbers, length) => numbersOf(certificates[name], Numbers, length, `proof.${name}`);
   const normalsEnd = numbers("normals_end", Uint32Array, positions.length / 3);
   const escaping = numbers("escaping", Uint32Array);
+  const witnessing = numbers("witnessing", Uint32Array);
+  const coversEnd = numbers("covers_end", Uint32Array, positions.length / 3);
   const vertices = numbersOf(proof.vertices, Float64Array, positions.length, "proof.vertices");
   if (!isDrawnAt(vertices, positions, report.centre)) throw new BrokenReport("what is drawn is not what is proven");
   const count = normalsEnd.at(-1) ?? 0;
-  if (!normalsEnd.every((end, row) => end >= (normalsEnd[row - 1] ?? 0))) {
-    throw new BrokenReport("proof.normals_end: falls");
-  }
+  requireRising(normalsEnd, "proof.normals_end");
+  requireRising(coversEnd, "proof.covers_end");
   return {
     ...claims,
     model: proof.model,
@@ -71,6 +76,10 @@ function proofOf(proof, report, positions, claims) {
     normals: numbers("normals", Float64Array, 3 * count),
     escaping,
     escapes: numbers("escapes", Float64Array, 3 * escaping.length),
+    witnessing,
+    witnesses: numbers("witnesses", Float64Array, 3 * witnessing.length),
+    coversEnd,
+    covers: numbers("covers", Uint8Array, Math.ceil((coversEnd.at(-1) ?? 0) / 8)),
   };
 }
 

@@ -9,7 +9,7 @@ const redrawMilliseconds = 400;
 
 const withoutProof =
   "This page holds no certificates: it shows what verisq has proven, and cannot prove it again. Pages of " +
-  "verisq map --certificates --report, of unions of convex primitives, can.";
+  "verisq map --certificates --report can.";
 
 function offer({ meshName, modelName }) {
   return (

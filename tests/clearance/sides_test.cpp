@@ -13,11 +13,11 @@
 #include "host/fit/bent_projection.hpp"
 #include "host/fit/inside_test.hpp"
 #include "host/mesh/eigen_points.hpp"
-#include "host/mesh/rims.hpp"
 #include "tests/fixtures/error_matchers.hpp"
 #include "tests/fixtures/random.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
 #include "verify/containment/closed_surface.hpp"
+#include "verify/containment/rims.hpp"
 #include "verify/deviation/triangle_tree.hpp"
 #include "verisq/signed_distance.hpp"
 
@@ -52,7 +52,7 @@ Mesh bowl(double height) {
 }
 
 std::optional<int> winding(const Point& point, const Mesh& mesh) {
-  return verify::ClosedSurface(closed_triangles(mesh, closing_over_rims(mesh))).winding_number(point);
+  return verify::ClosedSurface(verify::closed_triangles(mesh, verify::closing_over_rims(mesh))).winding_number(point);
 }
 
 /// The sum of the triangles' solid angles over 4 pi (Van Oosterom and Strackee, The solid angle of a plane triangle,
@@ -87,7 +87,7 @@ TEST(WindingNumber, IsThatOfTheSolidAngles) {
   Random random(1);
   for (const Mesh& mesh : meshes) {
     Mesh closed = mesh;
-    const Closing closing = closing_over_rims(mesh);
+    const verify::Closing closing = verify::closing_over_rims(mesh);
     if (closing.rims > 0) closed = join(mesh, closing.mesh);
     for (int i = 0; i < 60; ++i) {
       const Point point{random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3)};
@@ -142,18 +142,18 @@ TEST(InsideTest, AgreesWithTheProof) {
 }
 
 TEST(ClosingOverRims, ClosesEveryRim) {
-  EXPECT_EQ(closing_over_rims(sphere_mesh(1)).rims, 0U);
-  EXPECT_EQ(closing_over_rims(bowl(0.3)).rims, 1U);
+  EXPECT_EQ(verify::closing_over_rims(sphere_mesh(1)).rims, 0U);
+  EXPECT_EQ(verify::closing_over_rims(bowl(0.3)).rims, 1U);
   Mesh tube = bowl(0.5);
   std::erase_if(tube.triangles, [&](const auto& corners) {
     return std::ranges::any_of(corners, [&](std::uint32_t v) { return tube.vertices[v][2] < -0.5; });
   });
-  const Closing closing = closing_over_rims(tube);
+  const verify::Closing closing = verify::closing_over_rims(tube);
   EXPECT_EQ(closing.rims, 2U);
   EXPECT_EQ(closing.mesh.triangles.size(), closing.edges);
   Mesh closed{closing.mesh.vertices, tube.triangles};
   closed.triangles.insert(closed.triangles.end(), closing.mesh.triangles.begin(), closing.mesh.triangles.end());
-  EXPECT_EQ(closing_over_rims(closed).rims, 0U);
+  EXPECT_EQ(verify::closing_over_rims(closed).rims, 0U);
 }
 
 Primitive ellipsoid(const Point& centre, const Point& semi_axes) {
@@ -162,11 +162,7 @@ Primitive ellipsoid(const Point& centre, const Point& semi_axes) {
 
 std::vector<SideFinding> findings(const Model& model, const Mesh& surface, const std::vector<SurfaceSide>& required,
                                   double limit = 0.0) {
-  const MeshClearance clearance =
-      mesh_clearance(model, surface, {.penetration_limit = limit, .tolerance = 1e-3, .device = "host"});
-  return prove_sides(model, surface, clearance, required,
-                     {.penetration_limit = limit, .tolerance = 1e-3, .device = "host"})
-      .of_primitives;
+  return prove_sides(model, surface, required, limit).of_primitives;
 }
 
 SideFinding finding(const Primitive& primitive, const Mesh& surface, SurfaceSide required, double limit = 0.0) {

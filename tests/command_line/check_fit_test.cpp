@@ -86,7 +86,9 @@ TEST_F(CheckFit, ProvesEveryDistanceAndWhatTheySayTogether) {
   EXPECT_THAT(outcome.out, HasSubstr("  proved   mean distance of the vertices, area upper: ["));
   EXPECT_THAT(outcome.out, HasSubstr("limit                0.01 mm: kept, proven of all 786 vertices\n"));
   EXPECT_THAT(outcome.out, HasSubstr("area upper           weight 3, "));
-  EXPECT_THAT(outcome.out, HasSubstr("not claimed          sides, areas in contact"));
+  EXPECT_THAT(outcome.out, HasSubstr("not claimed          whether the implant lies inside, outside or beside the "
+                                     "mesh, areas in contact"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("sides of the mesh")));
   const Outcome as_json = check_with(map_, surface_, proof_, {"--json"});
   const json object = json::parse(as_json.out);
   EXPECT_EQ(object["kind"], "fit");
@@ -147,6 +149,106 @@ TEST_F(CheckFit, IsOfNoOtherModelMeshOrMap) {
   refused(check_with(map_, surface_, proof_), "is about another model");
 }
 
+/// Of a bowl with one rim, in which a ball lies, and another one beside it.
+class CheckSidesOfFit : public ProofFileTest {
+ protected:
+  void SetUp() override {
+    (void)write("balls.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+      {"name": "ball", "superquadric": {"semi_axes": [2, 2, 2], "exponents": [1, 1]}},
+      {"name": "neck", "superquadric": {"semi_axes": [1, 1, 4], "exponents": [1, 1]},
+       "pose": {"translation": [0, 0, 4]}}]})");
+    std::string off = "OFF\n17 24 0\n0 0 -4\n";
+    for (const int height : {-2, 3})
+      for (const char* const corner : {"4 0", "3 3", "0 4", "-3 3", "-4 0", "-3 -3", "0 -4", "3 -3"})
+        off += std::string(corner) + " " + std::to_string(height) + "\n";
+    const auto triangle = [&](int a, int b, int c) {
+      off += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
+    };
+    for (int i = 0; i < 8; ++i) {
+      const int next = (i + 1) % 8;
+      triangle(0, 1 + next, 1 + i);
+      triangle(1 + i, 1 + next, 9 + next);
+      triangle(1 + i, 9 + next, 9 + i);
+    }
+    (void)write("bowl.off", off);
+    const Outcome outcome = fit({});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+
+  [[nodiscard]] Outcome fit(const Arguments& more) const {
+    Arguments arguments{"fit",
+                        "--implant",
+                        path("balls.json"),
+                        "--mesh",
+                        path("bowl.off"),
+                        "--cavity",
+                        "--gap",
+                        "2",
+                        "--crossing",
+                        "neck",
+                        "-o",
+                        path("f.json"),
+                        "--map",
+                        path("m.csv"),
+                        "--certificate-file",
+                        proof_,
+                        "--samples",
+                        "16",
+                        "--device",
+                        "host",
+                        "--rotation-range",
+                        "5",
+                        "--translation-range",
+                        "1",
+                        "--penetration-limit",
+                        "0.001",
+                        "--no-progress"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  [[nodiscard]] Outcome check_with(const std::string& proof, const Arguments& more = {}) const {
+    Arguments arguments{
+        places::check_program(), "--model",       path("f.json"), "--mesh",       path("bowl.off"), "--map",
+        path("m.csv"),           "--certificate", proof,          "--no-progress"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Process(arguments, folder_.path()).wait();
+  }
+};
+
+TEST_F(CheckSidesOfFit, ProvesThemOfModelAndMeshAlone) {
+  const Outcome outcome = check_with(proof_);
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("sides of the mesh    1\n  proved             1\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  proved   ball: all of it that is deeper in it than 0.001 mm lies inside of the "
+                                     "mesh, whose normals point outward, closed over its rim by fans\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  of neck nothing is claimed: may lie on any side\n"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("beside the mesh")));
+  const json object = json::parse(check_with(proof_, {"--json"}).out);
+  EXPECT_EQ(object["sides"]["rims"], 1);
+  EXPECT_EQ(object["sides"]["faces_outward"], true);
+  EXPECT_EQ(object["sides"]["claims"],
+            json::array({{{"primitive", "ball"}, {"side", "inside"}, {"verdict", "proved"}}}));
+}
+
+TEST_F(CheckSidesOfFit, NeverProvesAForgery) {
+  const auto check_of = [&](const json& sides) { return check_with(forged("/sides", sides)); };
+  const Outcome other = check_of({{{"primitive", 0}, {"side", "outside"}}});
+  EXPECT_EQ(other.status, 3) << other.err;
+  EXPECT_THAT(other.out, HasSubstr("  refuted  ball: all of it"));
+  const Outcome through = check_of({{{"primitive", 0}, {"side", "inside"}}, {{"primitive", 1}, {"side", "inside"}}});
+  EXPECT_EQ(through.status, 3) << through.err;
+  EXPECT_THAT(through.out, HasSubstr("  unproved neck: all of it"));
+  const auto refused = [&](const json& sides, const std::string& words) {
+    const Outcome outcome = check_of(sides);
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  refused({{{"primitive", 2}, {"side", "inside"}}}, "sides: primitive 2 of");
+  refused({{{"primitive", 0}, {"side", "any"}}}, "must be inside or outside");
+  refused({{{"primitive", 0}, {"side", "inside"}}, {{"primitive", 0}, {"side", "inside"}}}, "is of a primitive before");
+}
+
 TEST_F(CheckFit, SaysThatTheLimitIsExceeded) {
   const Outcome fitted = fit({"-o", fitted_, "--map", map_, "--surface-map", surface_, "--certificate-file", proof_,
                               "--pose-start", "8,0,0,1,0,0,0"});
@@ -177,7 +279,8 @@ TEST_F(CheckFit, OfVerticesAloneSaysSo) {
   const Outcome outcome = run({"check", "--model", fitted_, "--mesh", mesh_, "--map", path("map.vtp"), "--certificate",
                                alone, "--no-progress"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("not claimed          what lies between the vertices, sides, areas in contact"));
+  EXPECT_THAT(outcome.out, HasSubstr("not claimed          whether the implant lies inside, outside or beside the "
+                                     "mesh, what lies between the vertices, areas in contact"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("distance of the whole surface")));
 }
 

@@ -1503,7 +1503,6 @@ TEST_F(CommandLine, RefusesWhatNeedsConvexityForOtherSolids) {
     if (name != std::string("bow.json")) {
       expect_refused(with({"--certificates", "--point-radius", "0.1"}),
                      {"--certificates", "--point-radius", name, "not supported", "csg"});
-      expect_refused(with({"--certificates", "--report", path("page.html")}), {"--report", name, "csg"});
     }
     expect_refused(with({"--certificates", "--on", "triangles", "--point-radius", "0.1"}),
                    {"--certificates with --on triangles", "--point-radius", name, "not supported", "bends"});

@@ -142,7 +142,8 @@ FitAnswer fit_answer() {
           .mesh = {"bone.off", sha256("bone")},
           .units = "mm",
           .terms = stated_terms(),
-          .claims = {{"objective", "", {-infinity, 0.7}}, {"mean_distance", "proximal", {0.1, 0.2}}}};
+          .claims = {{"objective", "", {-infinity, 0.7}}, {"mean_distance", "proximal", {0.1, 0.2}}},
+          .sides = {{2, SurfaceSide::outside}, {0, SurfaceSide::inside}}};
 }
 
 TEST(CertificateFile, GivesTheSameBitsOfAFitAgain) {
@@ -162,6 +163,10 @@ TEST(CertificateFile, GivesTheSameBitsOfAFitAgain) {
   const ClearanceTerms terms = terms_of(read.terms);
   EXPECT_THAT(terms.area_of, ::testing::ElementsAre(1, 1, 1, 1, 0, 0, 1));
   EXPECT_EQ(runs_of(terms.area_of), written.terms.area_runs);
+  ASSERT_EQ(read.sides.size(), 2U);
+  EXPECT_EQ(read.sides[0].primitive, 2U);
+  EXPECT_EQ(read.sides[0].side, SurfaceSide::outside);
+  EXPECT_EQ(read.sides[1].side, SurfaceSide::inside);
 }
 
 /// Of a valid document in which what stands at `pointer` is another value.
@@ -196,6 +201,9 @@ TEST(CertificateFile, RefusesWhatIsNoFit) {
   refused("/claims", nlohmann::json::array(), "must not be empty");
   refused("/claims/1", {{"what", "objective"}, {"lo", 0.0}, {"hi", 1.0}}, "is claimed before");
   refused("/claims/0/lo", "nothing", "claims[0].lo");
+  refused("/sides/0/side", "any", "must be inside or outside");
+  refused("/sides/0/primitive", -1, "must be an index");
+  refused("/sides/1/primitive", 2, "is of a primitive before");
   refused("/surface", 1, "surface");
 }
 

@@ -98,6 +98,7 @@ void check_answer(const FitAnswer& answer) {
   for (const ClearanceClaim& claim : answer.claims) {
     check(!std::isnan(claim.value.lo) && !std::isnan(claim.value.hi), "a claim has two ends");
   }
+  for (const SideClaim& claim : answer.sides) check(claim.side != SurfaceSide::any, "a side is one");
 }
 
 void check_answer(const InsertionAnswer& answer) {

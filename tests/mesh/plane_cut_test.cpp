@@ -4,8 +4,8 @@
 #include <cmath>
 #include <verisq/plane_cut.hpp>
 
-#include "host/mesh/rims.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
+#include "verify/containment/rims.hpp"
 #include "verisq/mesh_topology.hpp"
 
 namespace verisq {
@@ -51,7 +51,7 @@ TEST(PlaneCut, KeepsOneSide) {
   EXPECT_TRUE(topology.manifold());
   EXPECT_TRUE(topology.oriented());
   EXPECT_EQ(topology.components, 1U);
-  EXPECT_EQ(closing_over_rims(cut.mesh).rims, 1U);
+  EXPECT_EQ(verify::closing_over_rims(cut.mesh).rims, 1U);
 }
 
 TEST(PlaneCut, BothSidesMakeTheWhole) {

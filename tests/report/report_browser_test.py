@@ -4,6 +4,7 @@ import argparse
 import base64
 import csv
 import hashlib
+import itertools
 import json
 import math
 import os
@@ -526,16 +527,39 @@ def normals_of(row):
     return [(int(primitive), [float(number) for number in vector]) for primitive, *vector in found]
 
 
+def points_of(rows, what):
+    """The rows that have one, and the points."""
+    found = [(k, [float(row[f"{what}_{axis}"]) for axis in "xyz"]) for k, row in enumerate(rows) if row[f"{what}_x"]]
+    return encoded("I", [k for k, _ in found]), encoded("d", flat(point for _, point in found))
+
+
+def cover_of(row):
+    """The bits, which say themselves where they end: one cell more is left than halved."""
+    bits, left = [], 1
+    for bit in (int(digit, 16) >> place & 1 for digit in row["cover"] for place in (3, 2, 1, 0)):
+        if left > 0:
+            bits.append(bit)
+            left += 1 if bit else -1
+    return bits
+
+
+def ends_of(lists):
+    return encoded("I", list(itertools.accumulate(len(found) for found in lists)))
+
+
 def certificate_columns(rows):
     """The certificates of a .csv as the data of a page has them."""
     normals = [normals_of(row) for row in rows]
-    ends = [sum(len(found) for found in normals[:k + 1]) for k in range(len(rows))]
-    escapes = [(k, [float(row[f"escape_{axis}"]) for axis in "xyz"]) for k, row in enumerate(rows) if row["escape_x"]]
-    return {"normals_end": encoded("I", ends),
+    escaping, escapes = points_of(rows, "escape")
+    witnessing, witnesses = points_of(rows, "witness")
+    covers = [cover_of(row) for row in rows]
+    bits = flat(covers)
+    covered = [sum(bit << 7 - place for place, bit in enumerate(bits[k:k + 8])) for k in range(0, len(bits), 8)]
+    return {"normals_end": ends_of(normals),
             "primitives": encoded("I", [primitive for found in normals for primitive, _ in found]),
             "normals": encoded("d", [number for found in normals for _, vector in found for number in vector]),
-            "escaping": encoded("I", [k for k, _ in escapes]),
-            "escapes": encoded("d", flat(vector for _, vector in escapes))}
+            "escaping": escaping, "escapes": escapes, "witnessing": witnessing, "witnesses": witnesses,
+            "covers_end": ends_of(covers), "covers": encoded("B", covered)}
 
 
 def other_digit(text):
@@ -558,6 +582,8 @@ def forged(rows):
              lambda row: change(row, "normal_x", other_digit),
              lambda row: change(row, "normal_z", lambda text: str(-float(text))),
              lambda row: change(row, "escape_y", other_digit),
+             lambda row: change(row, "witness_y", other_digit),
+             lambda row: change(row, "cover", lambda text: "0"),
              lambda row: change(row, "primitive", lambda text: str(1 - int(text))),
              lambda row: change(row, "primitive", lambda text: "7"),
              lambda row: row | {"further_normals": ""},
@@ -700,12 +726,29 @@ class ProvingReport(unittest.TestCase):
     def test_what_has_no_proofs_here_is_said(self):
         for change, words in (
                 ({"superquadric": {"semi_axes": [[7, 7.1], 5, 9], "exponents": [0.5, 1]}}, "intervals for numbers"),
-                ({"bend": {"curvature": 0.01, "angle_deg": 0}}, "bent superquadrics")):
+                ({"bend": {"curvature": 0.2, "angle_deg": 0}}, "not proven to be one-to-one")):
             first, *others = self.model["primitives"]
             model = json.dumps(self.model | {"primitives": [first | change, *others]})
             result, _ = self.prove(self.forged_page("not_here.html", self.rows, model=model))
             self.assertIn("This page cannot prove", result)
             self.assertIn(words, result)
+
+    def test_bends_and_what_is_cut_out_of_them_are_proved(self):
+        peg, ball = self.model["primitives"]
+        bent = peg | {"bend": {"curvature": 0.02, "angle_deg": 40}}
+        for name, csg in (("bent", {"union": ["peg", "ball"]}), ("cut_out", {"difference": ["peg", "ball"]})):
+            model = self.folder / f"{name}.json"
+            model.write_text(json.dumps(self.model | {"primitives": [bent, ball], "csg": csg}))
+            page = self.written(model, name)
+            result, _ = self.prove(page)
+            self.assertTrue(result.startswith(f"All {len(self.rows)} vertices are proved, in "), f"{name}: {result}")
+            text = page.read_text()
+            page.write_text(text.replace('\\"curvature\\": 0.02', '\\"curvature\\": 0.0202'))
+            self.assertNotEqual(page.read_text(), text)
+            result, _ = self.prove(page)
+            self.assertNotIn("All", result)
+            if name == "bent":  # covers refute nothing
+                self.assertNotIn(" 0 refuted", result)
 
     def test_no_number_of_the_page_weakens_the_claims(self):
         poses = encoded("d", [math.inf, 0, 0, 1, 0, 0, 0] * 2)

@@ -402,11 +402,12 @@ TEST(HtmlReport, HoldsEveryBitOfTheCertificates) {
   const TemporaryFolder folder;
   const auto model = folder.file("ball.json", "{ \"format\": \"\u00b5\" }\n");
   const auto mesh = folder.file("mesh.off", "abc");
-  const std::vector<Certificate> certificates{
+  std::vector<Certificate> certificates{
       {{{0, {0.1, -0.0, 5e-324}}, {3, {1e300, 2.0, 1.0 / 3.0}}}, Point{1.0, 2.0, 0.1}},
       {},
       {{{1, {1.0, 0.0, 0.0}}}, std::nullopt},
-      {{}, Point{-1.0, 0.0, 7.0}}};
+      {{}, Point{-1.0, 0.0, 7.0}, {}, Point{0.1, -2.0, 5.0}, {true, false, true, false, false}}};
+  certificates[1].cover = {true, true, false, false, true, false, false};
   Report report = report_of();
   report.proof = ReportProof{.certificates = certificates, .model_file = model, .mesh_file = mesh};
   const nlohmann::json proof = written_data(report).at("proof");
@@ -424,6 +425,10 @@ TEST(HtmlReport, HoldsEveryBitOfTheCertificates) {
               ElementsAre(0.1, 0.0, 5e-324, 1e300, 2.0, 1.0 / 3.0, 1.0, 0.0, 0.0));
   EXPECT_THAT(numbers_in<std::uint32_t>(columns.at("escaping")), ElementsAre(0, 3));
   EXPECT_THAT(numbers_in<double>(columns.at("escapes")), ElementsAre(1.0, 2.0, 0.1, -1.0, 0.0, 7.0));
+  EXPECT_THAT(numbers_in<std::uint32_t>(columns.at("witnessing")), ElementsAre(3));
+  EXPECT_THAT(numbers_in<double>(columns.at("witnesses")), ElementsAre(0.1, -2.0, 5.0));
+  EXPECT_THAT(numbers_in<std::uint32_t>(columns.at("covers_end")), ElementsAre(0, 7, 7, 12));
+  EXPECT_THAT(numbers_in<std::uint8_t>(columns.at("covers")), ElementsAre(0b11001001, 0b01000000));
 
   report.proof->moved = true;
   EXPECT_THAT(numbers_in<double>(written_data(report).at("proof").at("poses")), ElementsAre(0, 0, 0, 1, 0, 0, 0));

@@ -7,7 +7,7 @@
 
 #include "verify/numbers/vector.hpp"
 #include "verify/proof/superquadric.hpp"
-#include "verify/proposals/support_mapping.hpp"
+#include "verify/proposals/section_mapping.hpp"
 #include "verify/sets/bend.hpp"
 #include "verisq/model.hpp"
 
@@ -57,29 +57,15 @@ class SectionedPrimitive {
   [[nodiscard]] Coordinates<double> support_point(const Coordinates<double>& direction, const Section& section) const;
 
  private:
-  using Plain = Coordinates<double>;
-
   [[nodiscard]] End end_at(double height) const;
-  [[nodiscard]] Plain turned(const Plain& v) const;
-  [[nodiscard]] Plain turned_back(const Plain& v) const;
-  [[nodiscard]] Plain bent(const Plain& unbent) const;
-  [[nodiscard]] Plain farthest(double c, double across, double slope) const;
-  [[nodiscard]] Plain farthest_at(double height, double c, double across) const;
-  [[nodiscard]] double scale_at(double height) const;
-  [[nodiscard]] double scale_slope_at(double height) const;
-  [[nodiscard]] double slope_towards(const Plain& n, const Section& section) const;
 
-  Superquadric superquadric_;
+  double half_length_;
   double curvature_ = 0.0;
   std::optional<BendMap<double>> map_;  ///< where there is a bend
   SuperquadricBounds<double> bounds_;
-  Interval focus_;       ///< along z
-  double extent_ = 0.0;  ///< at least the largest |r|
-  // About:
-  double cosine_ = 1.0, sine_ = 0.0;  ///< of the bend's direction
-  double taper_;                      ///< k of docs/mathematics.md §18
-  SuperquadricSet<double> unbent_;
-  SuperquadricSet<double> untapered_;
+  Interval focus_;          ///< along z
+  double extent_ = 0.0;     ///< at least the largest |r|
+  SectionMapping mapping_;  ///< proposes slopes and farthest points
 };
 
 }  // namespace verisq::verify

@@ -1,11 +1,11 @@
-/// The rims of an open mesh, and the triangles that close it over them.
+/// The rims of an open mesh, and the triangles that close it over them (docs/mathematics.md §22).
 #pragma once
 
 #include <cstddef>
 #include <vector>
 #include <verisq/mesh.hpp>
 
-namespace verisq {
+namespace verisq::verify {
 
 struct Closing {
   Mesh mesh;              ///< a fan over each rim, about the mean of its vertices; no triangle where the mesh is closed
@@ -21,4 +21,4 @@ struct Closing {
 /// The triangles of both: a closed surface.
 [[nodiscard]] std::vector<Triangle> closed_triangles(const Mesh& mesh, const Closing& closing);
 
-}  // namespace verisq
+}  // namespace verisq::verify

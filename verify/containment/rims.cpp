@@ -1,5 +1,5 @@
 /// At every vertex as many open edges begin as end, for each triangle adds one of both: walks along them close.
-#include "host/mesh/rims.hpp"
+#include "verify/containment/rims.hpp"
 
 #include <cstdint>
 #include <map>
@@ -9,7 +9,7 @@
 
 #include "verify/deviation/triangle_tree.hpp"
 
-namespace verisq {
+namespace verisq::verify {
 namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
@@ -69,10 +69,10 @@ Closing closing_over_rims(const Mesh& mesh) {
 }
 
 std::vector<Triangle> closed_triangles(const Mesh& mesh, const Closing& closing) {
-  std::vector<Triangle> triangles = verify::triangles_of(mesh);
-  const std::vector<Triangle> openings = verify::triangles_of(closing.mesh);
+  std::vector<Triangle> triangles = triangles_of(mesh);
+  const std::vector<Triangle> openings = triangles_of(closing.mesh);
   triangles.insert(triangles.end(), openings.begin(), openings.end());
   return triangles;
 }
 
-}  // namespace verisq
+}  // namespace verisq::verify

@@ -1,0 +1,114 @@
+/// Primitives by their names, one after the other.
+#include "host/command_line/side_check.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <functional>
+#include <string_view>
+#include <verisq/mesh_file.hpp>
+#include <verisq/model_file.hpp>
+#include <verisq/side_checker.hpp>
+
+#include "host/command_line/check_summary.hpp"
+#include "host/command_line/interruption.hpp"
+#include "host/command_line/progress_bar.hpp"
+#include "host/command_line/stated_terms.hpp"
+#include "host/errors/refusal.hpp"
+#include "host/threads/parallel.hpp"
+
+namespace verisq::command_line {
+namespace {
+
+std::vector<std::string> names_of(const Model& model) {
+  std::vector<std::string> names;
+  for (const Primitive& primitive : model.primitives)
+    names.push_back(primitive.name.empty() ? fmt::format("primitives[{}]", names.size()) : primitive.name);
+  return names;
+}
+
+void refuse_other_primitives(const FitAnswer& answer, const Model& model, const CheckArguments& arguments) {
+  for (const SideClaim& claim : answer.sides) {
+    if (claim.primitive >= model.primitives.size()) {
+      refuse(fmt::format("{}: sides: primitive {} of {}, which has {}", arguments.certificate, claim.primitive,
+                         arguments.models.front(), model.primitives.size()));
+    }
+  }
+}
+
+/// Which surface that is: how it is turned, and how it is closed where it is not.
+std::string mesh_in_words(const SideCheckReport& report) {
+  std::string text = "the mesh";
+  if (report.outward) text += fmt::format(", whose normals point {}", *report.outward ? "outward" : "inward");
+  if (report.rims == 0) return text;
+  const std::string over = report.rims == 1 ? "its rim" : fmt::format("its {} rims", report.rims);
+  return text + fmt::format(", closed over {} by fans", over);
+}
+
+/// What lies less deep may be anywhere.
+std::string depth_in_words(const FitAnswer& answer) {
+  const double limit = answer.terms.penetration_limit;
+  if (limit == 0.0) return "all of it";
+  return fmt::format("all of it that is deeper in it than {}", with_units(fmt::format("{}", limit), answer.units));
+}
+
+}  // namespace
+
+bool SideCheckReport::all_proved() const {
+  return std::ranges::all_of(verdicts, [](Verdict verdict) { return verdict == Verdict::proved; });
+}
+
+SideCheckReport checked_sides(const FitAnswer& answer, const CheckArguments& arguments) {
+  SideCheckReport report;
+  if (answer.sides.empty()) return report;
+  const Model model = read_model(arguments.models.front());
+  refuse_other_primitives(answer, model, arguments);
+  report.names = names_of(model);
+  const SideChecker checker(model, read_mesh(arguments.inputs.mesh), answer.terms.penetration_limit);
+  report.rims = checker.rims();
+  report.outward = checker.faces_outward();
+  ProgressBar bar(!arguments.no_progress, "%");
+  const CheckOptions options{.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                             .interrupted = interrupted,
+                             .progress = [&bar](double done) { bar.update_state("sides", done); }};
+  for (const SideClaim& claim : answer.sides) report.verdicts.push_back(verdict_of(checker(claim, options)));
+  report.interrupted = interrupted();
+  if (report.interrupted) report.verdicts.clear();
+  return report;
+}
+
+std::string sides_in_words(const FitAnswer& answer, const SideCheckReport& report) {
+  if (answer.sides.empty()) return "";
+  if (report.interrupted) return fmt::format("sides                {}, not judged\n", answer.sides.size());
+  std::string text = verdicts_in_words("sides of the mesh", counted(report.verdicts, [](Verdict verdict) {
+                                         return Finding{verdict, {}};
+                                       }));
+  std::vector<std::string> others = report.names;
+  for (std::size_t i = 0; i < answer.sides.size(); ++i) {
+    const auto& [primitive, side] = answer.sides[i];
+    text += fmt::format("  {:<8} {}: {} lies {} of {}\n", name_of(report.verdicts[i]), report.names[primitive],
+                        depth_in_words(answer), to_string(side), mesh_in_words(report));
+    others[primitive].clear();
+  }
+  std::erase(others, "");
+  if (others.empty()) return text;
+  return text + fmt::format("  of {} nothing is claimed: may lie on any side\n", fmt::join(others, ", "));
+}
+
+JsonValue sides_of(const FitAnswer& answer, const SideCheckReport& report) {
+  if (answer.sides.empty()) return {};
+  JsonValue::Array claims;
+  for (std::size_t i = 0; i < answer.sides.size(); ++i) {
+    const auto& [primitive, side] = answer.sides[i];
+    claims.push_back(JsonObject{
+        {"primitive", report.names[primitive]},
+        {"side", std::string(to_string(side))},
+        {"verdict", report.interrupted ? JsonValue() : JsonValue(std::string(name_of(report.verdicts[i])))}});
+  }
+  return JsonObject{{"rims", report.rims},
+                    {"faces_outward", report.outward ? JsonValue(*report.outward) : JsonValue()},
+                    {"claims", claims}};
+}
+
+}  // namespace verisq::command_line

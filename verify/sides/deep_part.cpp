@@ -1,0 +1,227 @@
+/// Half-spaces of sections, moved inward by the limit; normals are proposed in floating point.
+#include "verify/sides/deep_part.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "verify/proof/certificate.hpp"
+#include "verify/proof/contained_ball.hpp"
+#include "verify/proposals/gjk.hpp"
+#include "verify/sets/bend_range.hpp"
+
+namespace verisq::verify {
+
+namespace {
+
+/// A checker's work is bounded: so many, and more of them for each triangle.
+constexpr std::size_t most_cases = 2048;
+constexpr std::size_t most_cases_a_triangle = 64;
+/// Of the largest semi-axis: parts of triangles so small are not halved any more.
+constexpr double smallest_extent = 0x1p-30;
+/// Of the smallest semi-axis, how much deeper than the limit the centre has to be: balls that nearly touch the surface
+/// take long to prove.
+constexpr double depth_to_spare = 0x1p-10;
+/// GJK has to tell a direction, not a distance.
+constexpr GjkTolerance<double> rough{.relative = 1e-6, .absolute = 0.0, .most_steps = 40};
+
+using Plain = Coordinates<double>;
+
+PreciseInterval curvature_of(const Primitive& primitive) {
+  return is_bent(primitive) ? abs(PreciseInterval(Real(primitive.bend->curvature))) : PreciseInterval(0);
+}
+
+Plain about(const PreciseVector& v) {
+  return {v[0].lower().to_double(Direction::down), v[1].lower().to_double(Direction::down),
+          v[2].lower().to_double(Direction::down)};
+}
+
+Plain cross(const Plain& a, const Plain& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+double distance(const Plain& a, const Plain& b) {
+  const Plain way = difference(b, a);
+  return std::sqrt(dot(way, way));
+}
+
+/// About the diagonal of their box.
+template <class Corners>
+double extent_of(const Corners& corners) {
+  Plain lower = corners[0].about;
+  Plain upper = lower;
+  for (const auto& corner : corners) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      lower[i] = std::min(lower[i], corner.about[i]);
+      upper[i] = std::max(upper[i], corner.about[i]);
+    }
+  }
+  return distance(lower, upper);
+}
+
+/// Of a triangle, from corner to corner.
+template <class Corners>
+std::pair<std::size_t, std::size_t> longest_side(const Corners& corners) {
+  std::pair<std::size_t, std::size_t> longest{0, 1};
+  for (const auto& [from, to] : {std::pair<std::size_t, std::size_t>{1, 2}, {2, 0}}) {
+    if (distance(corners[from].about, corners[to].about) >
+        distance(corners[longest.first].about, corners[longest.second].about))
+      longest = {from, to};
+  }
+  return longest;
+}
+
+/// Let x be deeper than L in a bent primitive. Its distance from the axis about which the bend turns is above
+/// w = (1 - ke)/k + L with e >= max |r|, since x and the point L nearer to the axis lie in it. The point y that is L
+/// from x lies in it, too, and on the way the angle about the axis changes continuously, by less than asin(L/w), which
+/// is at most u/√(1 - u²), u = L/w; the height before the bend by a k-th of that:
+///     L/(1 - ke + kL)/√(1 - u²),  u = kL/(1 - ke + kL).
+double height_beyond(const Primitive& primitive, double limit) {
+  if (!is_bent(primitive)) return 0.0;
+  const PreciseInterval k = curvature_of(primitive);
+  const PreciseInterval length{Real(limit)};
+  const PreciseInterval nearest = PreciseInterval(1) - k * extent(*primitive.bend, primitive.superquadric) + k * length;
+  const PreciseInterval u = k * length / nearest;
+  return (length / (nearest * sqrt(PreciseInterval(1) - square(u)))).upper().to_double(Direction::up);
+}
+
+}  // namespace
+
+DeepPart::DeepPart(const Primitive& primitive, double limit)
+    : primitive_(primitive),
+      limit_(limit),
+      sections_(primitive),
+      mapping_(primitive),
+      nearest_(primitive.superquadric),
+      focus_(focus(primitive.superquadric)[2].lower().to_double(Direction::down)),
+      beyond_(height_beyond(primitive, limit)) {}
+
+bool DeepPart::is_connected() const {
+  return !is_bent(primitive_) || is_connected_below(limit_, *primitive_.bend, primitive_.superquadric);
+}
+
+/// The ball of radius ρ about the bent centre, where W = 1: along a segment from there W >= 1 - kρ, and no step is
+/// longer before the bend than by 1/(1 - kρ), so that what is bent to the ball lies in the ball of radius ρ/(1 - kρ).
+bool DeepPart::holds_centre() const {
+  const Superquadric& solid = primitive_.superquadric;
+  const double radius = limit_ + depth_to_spare * std::ranges::min(solid.semi_axes);
+  if (!(radius > limit_)) return false;
+  const PreciseInterval exact{Real(radius)};
+  const PreciseInterval stretch = PreciseInterval(1) - curvature_of(primitive_) * exact;
+  if (!(stretch.lower() > Real(0))) return false;
+  const double unbent = (exact / stretch).upper().to_double(Direction::up);
+  return std::isfinite(unbent) && contains_ball(solid, SuperquadricBounds<Real>(solid), -focus(solid), unbent);
+}
+
+/// As is_connected_below and the bend ask, heights are those of the whole primitive, -a3 to a3.
+PosedSections::Section DeepPart::widened(const PosedSections::Section& section) const {
+  const auto [lowest, highest] = sections_.whole();
+  return {std::max(lowest, subtract(section.lower, beyond_, Direction::down)),
+          std::min(highest, add(section.upper, beyond_, Direction::up))};
+}
+
+/// If x of the section lies deeper than L, so that a point beyond x + L n/|n| still lies in the primitive, at a height
+/// of the widened section, then n·x + L |n| is below what that section reaches. Where all corners have at least as
+/// much, no point of their triangles is such an x.
+bool DeepPart::are_apart(const Case& part) const {
+  const PosedSections::Section section = widened(part.section);
+  const SectionMapping::Section plain = mapping_.section(section.lower, section.upper);
+  const Plain n = proposed_normal(part.corners, plain);
+  const double slope = mapping_.slope(n, plain);
+  if (!usable({n[0], n[1], n[2]}) || !std::isfinite(slope) || gap(n, part.corners, plain) < 0.0) return false;
+  const PreciseVector normal = precise(Point{n[0], n[1], n[2]});
+  const PreciseInterval reach(sections_.reach(normal, section, slope));
+  const PreciseInterval inward = PreciseInterval(Real(limit_)) * length<Real>(normal);
+  const Real least = (reach - inward).upper();
+  return std::ranges::all_of(part.corners,
+                             [&](const Corner& corner) { return normal.dot(corner.exact).lower() >= least; });
+}
+
+bool DeepPart::keeps_off(std::span<const Triangle> triangles) const {
+  Corners corners;
+  corners.reserve(3 * triangles.size());
+  for (const Triangle& triangle : triangles) {
+    for (const Point& corner : triangle) {
+      const PreciseVector local = sections_.motion().local_point(corner);
+      corners.push_back({local, about(local)});
+    }
+  }
+  std::vector<Case> open{{std::move(corners), sections_.whole(), 0.0}};
+  open.front().extent = extent_of(open.front().corners);
+  for (std::size_t cases = 0; !open.empty(); ++cases) {
+    const Case part = std::move(open.back());
+    open.pop_back();
+    if (part.corners.empty() || are_apart(part)) continue;
+    Halves both = halves(part);
+    if (!both || cases >= most_cases + most_cases_a_triangle * triangles.size()) return false;
+    for (Case& half : *both) open.push_back(std::move(half));
+  }
+  return true;
+}
+
+/// Of the section where that is longer; else of the triangles, or of the one across its longest side.
+DeepPart::Halves DeepPart::halves(const Case& part) const {
+  const auto& [corners, section, extent] = part;
+  if (is_bent(primitive_) && section.upper - section.lower >= extent) {
+    const auto sections = verify::halves(section);
+    if (!sections) return std::nullopt;
+    return std::array{Case{corners, (*sections)[0], extent}, Case{corners, (*sections)[1], extent}};
+  }
+  if (corners.size() > 3) {
+    const auto middle = corners.begin() + static_cast<std::ptrdiff_t>(corners.size() / 6 * 3);
+    std::array both{Case{{corners.begin(), middle}, section, 0.0}, Case{{middle, corners.end()}, section, 0.0}};
+    for (Case& half : both) half.extent = extent_of(half.corners);
+    return both;
+  }
+  if (!(extent > smallest_extent * std::ranges::max(primitive_.superquadric.semi_axes))) return std::nullopt;
+  const auto [from, to] = longest_side(corners);
+  const PreciseVector middle = (corners[from].exact + corners[to].exact) / PreciseInterval(2);
+  std::array both{part, part};
+  both[0].corners[to] = both[1].corners[from] = {middle, about(middle)};
+  for (Case& half : both) half.extent = extent_of(half.corners);
+  return both;
+}
+
+// --- Proposals ---
+
+/// About by how much all corners are beyond what the section reaches less the limit.
+double DeepPart::gap(const Plain& n, const Corners& corners, const SectionMapping::Section& section) const {
+  double least = infinity;
+  for (const Corner& corner : corners) least = std::min(least, dot(n, corner.about));
+  return (least - dot(n, mapping_.support_point(n, section))) / std::sqrt(dot(n, n)) + limit_;
+}
+
+/// Of the surface where it is nearest.
+Coordinates<double> DeepPart::normal_near(const Plain& x) const {
+  const Plain unbent = mapping_.unbent(x);
+  return mapping_.bent_normal(nearest_({unbent[0], unbent[1], unbent[2] - focus_}).normal, unbent);
+}
+
+/// GJK's where there is a gap; where a triangle enters the primitive, its own normal or the surface's.
+Coordinates<double> DeepPart::proposed_normal(const Corners& corners, const SectionMapping::Section& section) const {
+  const auto of_section = [&](const Plain& v) { return mapping_.support_point(v, section); };
+  const auto of_corners = [&](const Plain& v) {
+    return std::ranges::max_element(corners, {}, [&](const Corner& corner) { return dot(v, corner.about); })->about;
+  };
+  Plain best = gjk<double>(of_section, of_corners, corners[0].about, rough).separation;
+  double largest = gap(best, corners, section);
+  if (largest >= 0.0 || corners.size() > 3) return best;
+  const auto offer = [&](const Plain& n) {
+    const double value = gap(n, corners, section);
+    if (!(value > largest)) return;
+    best = n;
+    largest = value;
+  };
+  const std::array vertices{corners[0].about, corners[1].about, corners[2].about};
+  const auto& [a, b, c] = vertices;
+  const Plain own = cross(difference(b, a), difference(c, a));
+  offer(own);
+  offer({-own[0], -own[1], -own[2]});
+  offer(normal_near({(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0}));
+  for (const Plain& vertex : vertices) offer(normal_near(vertex));
+  return best;
+}
+
+}  // namespace verisq::verify
