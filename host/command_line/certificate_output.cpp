@@ -11,11 +11,10 @@
 
 namespace verisq::command_line {
 
-void check_certificate_file(const std::string& file, const std::vector<std::string>& inputs) {
+void check_certificate_file(const std::string& file, const std::vector<std::string>& inputs, const char* option) {
   if (file.empty()) return;
-  if (std::filesystem::path(file).extension() != ".json")
-    refuse(fmt::format("--certificate-file {}: is a .json", file));
-  refuse_to_overwrite("--certificate-file", file, inputs);
+  if (std::filesystem::path(file).extension() != ".json") refuse(fmt::format("{} {}: is a .json", option, file));
+  refuse_to_overwrite(option, file, inputs);
   const OutputFile trial(file);  // leaves nothing behind
 }
 

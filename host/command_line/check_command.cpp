@@ -10,6 +10,7 @@
 #include "host/command_line/best_fit_check.hpp"
 #include "host/command_line/certificate_check.hpp"
 #include "host/command_line/check_summary.hpp"
+#include "host/command_line/contact_check.hpp"
 #include "host/command_line/deviation_check.hpp"
 #include "host/command_line/equilibrium_check.hpp"
 #include "host/command_line/features_check.hpp"
@@ -49,6 +50,10 @@ constexpr const char* closing_words =
     "  fit --bound\n"
     "             give each implant's --model, as it lies in its own file, and the --mesh: that no pose of the range\n"
     "             fits better is proved (of the file of --bound-certificate-file)\n"
+    "  fit --contact-certificate-file\n"
+    "             give the fitted --model and the --mesh: how much of its area, and of each area's, is in contact "
+    "with\n"
+    "             the implant is proved\n"
     "  insert     give the implant's --model, the bone's --mesh and, where there was one, the surface --within: the\n"
     "             smallest distance of every vertex along the whole way is proved, and how much bone is taken away\n"
     "  deviation  give --model and --mesh or --points: how far these lie from the model's surface is proved, at most,\n"
@@ -115,6 +120,7 @@ ExitStatus check_certificate(const CheckArguments& arguments) {
   if (const auto* const way = std::get_if<InsertionAnswer>(&answer)) return run_insertion_check(*way, arguments);
   if (const auto* const deviation = std::get_if<DeviationAnswer>(&answer))
     return run_deviation_check(*deviation, arguments);
+  if (const auto* const contact = std::get_if<ContactAnswer>(&answer)) return run_contact_check(*contact, arguments);
   if (const auto* const features = std::get_if<FeaturesAnswer>(&answer))
     return run_features_check(*features, arguments);
   if (const auto* const standing = std::get_if<EquilibriumAnswer>(&answer))

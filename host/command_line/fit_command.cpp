@@ -19,6 +19,7 @@
 
 #include "host/command_line/certificate_output.hpp"
 #include "host/command_line/choice.hpp"
+#include "host/command_line/contact_certificate.hpp"
 #include "host/command_line/default_tolerance.hpp"
 #include "host/command_line/fit_certificates.hpp"
 #include "host/command_line/fit_instrument.hpp"
@@ -74,7 +75,8 @@ constexpr const char* closing_words =
     "vertices and of the whole surface, the deepest penetration, how many vertices keep the limit and the numbers of\n"
     "every area; and on which side of the mesh each primitive lies. --bound-certificate-file does the same for the\n"
     "bound, from the implants' files and the mesh. What the implant changes is proved by `verisq features --landmarks\n"
-    "F --implant FITTED --certificate-file`; areas in contact have no certificates.\n"
+    "F --implant FITTED --certificate-file`, the mesh's areas in contact by --contact-certificate-file; that of the\n"
+    "implant's own surface has no certificate.\n"
     "\n"
     "Ctrl-C ends the search, or the bound: the best pose so far is proven and written. A second Ctrl-C stops at once;\n"
     "once the proof runs, -o is written already.\n"
@@ -102,10 +104,11 @@ void check_outputs(const FitArguments& arguments) {
   if (!arguments.map.empty()) check_output("--map", arguments.map);
   if (!arguments.surface_map.empty()) check_output("--surface-map", arguments.surface_map);
   check_certificate_file(arguments.certificate_file, inputs);
-  check_certificate_file(arguments.bound_certificate, inputs);
+  check_certificate_file(arguments.bound_certificate, inputs, "--bound-certificate-file");
+  check_certificate_file(arguments.contact_certificate, inputs, "--contact-certificate-file");
   check_usage(arguments.report, inputs,
               {arguments.output, arguments.map, arguments.surface_map, arguments.certificate_file,
-               arguments.bound_certificate});
+               arguments.bound_certificate, arguments.contact_certificate});
 }
 
 void refuse_what_cannot_be_drawn(const FitArguments& arguments, const Mesh& mesh) {
@@ -405,6 +408,7 @@ void declare_fit(Options& options, FitArguments& arguments) {
   options.add("--map", arguments.map, "FILE",
               "The proven distance of every vertex, by extension: .csv .npy .vtp .ply .json");
   declare_certificates(options, arguments);
+  declare_contact_certificate(options, arguments);
   declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
@@ -413,9 +417,11 @@ void declare_fit(Options& options, FitArguments& arguments) {
 ExitStatus run_fit(const FitArguments& arguments) {
   check_outputs(arguments);
   check_certificates(arguments);
+  check_contact_certificate(arguments);
   const FitProblem problem = fit_problem(read_fit_request(arguments));
   refuse_what_cannot_be_drawn(arguments, problem.mesh);
   refuse_what_has_no_certificates(problem, arguments);
+  refuse_what_has_no_contact(problem, arguments);
   const std::vector<Instrument> instruments = read_instruments(problem, arguments);
   for (const std::string& notice : problem.notices) tell(notice);
 
@@ -440,6 +446,10 @@ ExitStatus run_fit(const FitArguments& arguments) {
   const FitProof& proof = mapped.proof;
   std::optional<InstrumentClearance> instrument;
   if (!instruments.empty()) instrument = prove_instrument(problem, found, instruments[found.implant]);
+  const double proof_seconds = proof_time.seconds();
+  const ContactFile contact_file = write_contact_certificate(problem, found, proof, arguments);
+  const std::string contact_certificate =
+      contact_file == ContactFile::written ? arguments.contact_certificate : std::string();
   const FitSummary summary{.fit = found,
                            .clearance = proof.clearance,
                            .surface = proof.surface,
@@ -464,13 +474,14 @@ ExitStatus run_fit(const FitArguments& arguments) {
                            .tolerance = tolerance,
                            .units = problem.units,
                            .search_seconds = search_seconds,
-                           .proof_seconds = proof_time.seconds(),
+                           .proof_seconds = proof_seconds,
                            .output = arguments.output,
                            .map = arguments.map,
                            .surface_map = arguments.surface_map,
                            .certificate_file = arguments.certificate_file,
                            .bound_certificate = arguments.bound_certificate,
-                           .certified_upper = certified_upper};
+                           .certified_upper = certified_upper,
+                           .contact_certificate = contact_certificate};
   explain(summary);
   hint_where_to_look(summary, arguments);
   if (arguments.report.any()) write_report(problem, summary, mapped, arguments);
@@ -479,7 +490,8 @@ ExitStatus run_fit(const FitArguments& arguments) {
   write_certificates(problem, found.model, proof.clearance, std::move(sides),
                      {.tolerance = tolerance, .device = arguments.device}, arguments);
   fmt::print("{}", arguments.json ? json(summary) : readable(summary));
-  if (was_interrupted(solution)) return ExitStatus::interrupted;
+  if (was_interrupted(solution) || contact_file == ContactFile::interrupted) return ExitStatus::interrupted;
+  if (contact_file == ContactFile::too_large) return ExitStatus::unverified;
   const std::optional<double> gap = arguments.bound ? std::optional(*arguments.bound / 100.0) : std::nullopt;
   return is_as_asked(problem, solution, proof, gap) ? ExitStatus::verified : ExitStatus::unverified;
 }

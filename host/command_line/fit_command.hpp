@@ -45,6 +45,7 @@ struct FitArguments {
       bound;                  ///< percent: a proof that no pose of the range is better by more; nothing: not asked for
   double bound_time = 300.0;  ///< seconds for it
   std::string bound_certificate;
+  std::string contact_certificate;    ///< of areas in contact; empty when not asked for
   std::optional<std::string> labels;  ///< a property of the mesh's vertices
   std::vector<Area> weights;
   std::optional<double> tolerance;

@@ -247,12 +247,6 @@ Lines bound_lines(const FitSummary& summary) {
   return lines;
 }
 
-/// Of shares, rounded outward.
-Enclosure in_percent(const Enclosure& share) {
-  return {std::max(0.0, verify::multiply(100.0, share.lo, verify::Direction::down)),
-          std::min(100.0, verify::multiply(100.0, share.hi, verify::Direction::up))};
-}
-
 /// What is asked of contact, after its enclosure.
 std::string verdict_of_contact(const FitSummary& summary, const std::string& name) {
   std::string text;
@@ -268,7 +262,7 @@ std::string verdict_of_contact(const FitSummary& summary, const std::string& nam
 ReportLine contact_line(const FitSummary& summary, const std::string& name, const AreaWithin& contact) {
   constexpr int digits = 4;
   const std::string squares = summary.units.empty() ? std::string() : fmt::format(" {}^2", summary.units);
-  return {"  " + name, fmt::format("{} %, {} of {}{}{}", outward_digits(in_percent(contact.share), digits),
+  return {"  " + name, fmt::format("{} %, {} of {}{}{}", outward_digits(claim_of(contact).percent, digits),
                                    outward_digits(contact.within, digits), outward_digits(contact.area, digits),
                                    squares, verdict_of_contact(summary, name))};
 }
@@ -412,6 +406,7 @@ Lines run_lines(const FitSummary& summary) {
                                  upper == -infinity ? "no pose keeps the limit"
                                                     : fmt::format("of F at most {}", upper_digits(upper)))});
   }
+  if (!summary.contact_certificate.empty()) lines.push_back({"contact certificate", summary.contact_certificate});
   return lines;
 }
 
@@ -552,7 +547,7 @@ JsonValue constraints_json(const FitSummary& summary) {
 }
 
 JsonObject contact_json(const std::string& name, const AreaWithin& contact) {
-  return {{"name", name}, {"area", contact.area}, {"within", contact.within}, {"percent", in_percent(contact.share)}};
+  return {{"name", name}, {"area", contact.area}, {"within", contact.within}, {"percent", claim_of(contact).percent}};
 }
 
 JsonValue contacts_json(const FitSummary& summary) {
@@ -731,6 +726,7 @@ std::string json(const FitSummary& summary) {
       {"surface_map", summary.surface_map},
       {"certificate_file", summary.certificate_file},
       {"bound_certificate_file", summary.certified_upper ? summary.bound_certificate : std::string()},
+      {"contact_certificate_file", summary.contact_certificate},
   };
   return object.text() + "\n";
 }

@@ -62,6 +62,7 @@ struct FitSummary {
   std::string bound_certificate = {};  ///< likewise
   /// Of the bound, what that proves; nothing where it was not written.
   std::optional<double> certified_upper = {};
+  std::string contact_certificate = {};  ///< empty when not written
 };
 
 /// The objective if every point of the cavity were served perfectly: the sum of the weights, rounded up.

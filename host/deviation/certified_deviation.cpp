@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "host/deviation/allowed_width.hpp"
+#include "host/deviation/certified_samples.hpp"
 #include "host/deviation/certified_surface.hpp"
 #include "host/deviation/sample_size.hpp"
 #include "host/threads/parallel_steps.hpp"
 #include "verify/deviation/proven_triangle.hpp"
-#include "verify/proof/convex_union.hpp"
 #include "verisq/signed_distance.hpp"
 
 namespace verisq {
@@ -27,27 +27,29 @@ constexpr int most_halvings_for_mean = 4;
 
 constexpr std::size_t bytes_of_triangle = 30;  // of a certificate file, without samples
 
+/// From where to the model.
+const DistanceStatistics& statistics_of(const Deviation& found) {
+  return found.from_mesh ? *found.from_mesh : found.of_vertices;
+}
+
 class DeviationProver {
  public:
   /// `interrupted` must outlive this.
   DeviationProver(const Model& model, const Deviation& found, const DeviationOptions& options,
                   const SeenInterruption& interrupted)
-      : model_(model), convex_(verify::is_one_convex_primitive(model)), interrupted_(interrupted) {
+      : samples_(model,
+                 share_of_samples * allowed_width(statistics_of(found).largest.lo, options, bounding_radius(model))),
+        interrupted_(interrupted) {
     const auto allowed = [&, radius = bounding_radius(model)](double size) {
       return allowed_width(size, options, radius);
     };
-    const DistanceStatistics& statistics = found.from_mesh ? *found.from_mesh : found.of_vertices;
-    tolerance_ = share_of_samples * allowed(statistics.largest.lo);
+    const DistanceStatistics& statistics = statistics_of(found);
     largest_ = std::max(statistics.largest.hi, statistics.largest.lo + 0.25 * allowed(statistics.largest.lo));
     if (statistics.mean) mean_width_ = 0.5 * allowed(statistics.mean->lo);
-    if (!verify::is_union(model) || model.primitives.size() == 1) return;
-    for (const Primitive& primitive : model.primitives) {
-      each_.push_back({SignedDistance(Model{model.units, {primitive}, {}}), is_bent(primitive)});
-    }
   }
 
   [[nodiscard]] CertifiedEnclosure at(const Point& x) const {
-    return model_.certified(x, tolerance_, [this] { return interrupted_(); });
+    return samples_.at(x, [this] { return interrupted_(); });
   }
 
   /// Leaves samples out that only mean and percentiles need, so that about so many bytes are enough: halvings, and if
@@ -84,11 +86,6 @@ class DeviationProver {
   }
 
  private:
-  struct OnePrimitive {
-    SignedDistance distance;
-    bool bent;
-  };
-
   /// As often as so many bytes allow.
   void halve_for_mean(const Mesh& mesh, std::span<const CertifiedEnclosure> vertices, double bytes) {
     while (halvings_for_mean_ < most_halvings_for_mean) {
@@ -116,7 +113,7 @@ class DeviationProver {
     const auto& [a, b, c] = mesh.triangles[n];
     return {.corners = {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]},
             .triangle = static_cast<std::uint32_t>(n),
-            .convex = convex_,
+            .convex = samples_.convex(),
             .at_corners = {vertices[a].distance, vertices[b].distance, vertices[c].distance}};
   }
 
@@ -134,7 +131,7 @@ class DeviationProver {
   /// Where a sample has no tight certificate smaller pieces would not be told better.
   [[nodiscard]] bool is_divisible(const verify::TrianglePiece& piece, const verify::PieceDistances& distances,
                                   const TriangleProof& proof) const {
-    const bool is_tight = piece.at_centre.width() <= 4.0 * tolerance_;
+    const bool is_tight = piece.at_centre.width() <= 4.0 * samples_.tolerance();
     if (!is_tight || proof.samples.size() >= most_samples_of_triangle) return false;
     return piece.halvings < (distances.range.hi > largest_ ? most_halvings_for_largest : halvings_for_mean_);
   }
@@ -152,7 +149,7 @@ class DeviationProver {
     piece.at_centre = {std::max(widened.lo, by_corners.lo), std::min(widened.hi, by_corners.hi)};
     verify::PieceDistances distances = distances_on(piece, shape);
     if (!is_enough(piece, distances) && !piece.convex) {
-      piece.convex = is_one_convex(centre, reach_of(piece.at_centre, shape, off), sample.certificate);
+      piece.convex = samples_.is_one_convex(centre, reach_of(piece.at_centre, shape, off), sample.certificate);
       if (piece.convex) distances = distances_on(piece, shape);
     }
     if (is_enough(piece, distances) || !is_divisible(piece, distances, proof)) {
@@ -163,31 +160,12 @@ class DeviationProver {
     const verify::LongestSide side = verify::longest_side(piece.corners);
     proof.pieces.push_back(PieceProof::halved);
     proof.samples.push_back(at(side.middle));
-    piece.convex = convex_;
+    piece.convex = samples_.convex();
     const auto parts = verify::halves(piece, side, verify::widened(proof.samples.back().distance, off));
     for (const verify::TrianglePiece& part : parts) prove(part, off, proof);
   }
 
-  /// Whether all of the model within reach is one convex primitive; adds the normals that say so.
-  [[nodiscard]] bool is_one_convex(const Point& x, double reach, Certificate& certificate) const {
-    std::vector<Normal> others;
-    bool one_near = false;
-    for (std::uint32_t i = 0; i < each_.size(); ++i) {
-      const CertifiedEnclosure one = each_[i].distance.certified(x, tolerance_);
-      if (!(one.distance.lo >= reach)) {
-        if (std::exchange(one_near, true) || each_[i].bent) return false;
-        continue;
-      }
-      for (const auto& [primitive, v] : one.certificate.normals) others.push_back({i, v});
-    }
-    certificate.normals.insert(certificate.normals.end(), others.begin(), others.end());
-    return one_near;
-  }
-
-  SignedDistance model_;
-  std::vector<OnePrimitive> each_;  ///< of a union of several
-  bool convex_;
-  double tolerance_;
+  CertifiedSamples samples_;
   double largest_;  ///< what no piece need be proven to be farther than
   int halvings_for_mean_ = 0;
   std::vector<bool> counts_for_mean_;  ///< of each triangle

@@ -3,11 +3,10 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
+#include "host/deviation/contact_tolerance.hpp"
 #include "host/deviation/deviation_check.hpp"
 #include "host/deviation/mapped_distances.hpp"
 #include "host/errors/refusal.hpp"
@@ -15,14 +14,9 @@
 #include "verify/deviation/mesh_distances.hpp"
 #include "verify/deviation/model_distances.hpp"
 #include "verify/deviation/triangle_tree.hpp"
-#include "verisq/signed_distance.hpp"
 
 namespace verisq {
 namespace {
-
-/// Of the bounding radius: distances are asked for to this, of solids that are told at once; and of others.
-constexpr double fine = 1e-6;
-constexpr double coarse = 1e-3;
 
 void check_options(const Model& model, const ContactAreaOptions& options) {
   if (!(options.distance >= 0.0 && std::isfinite(options.distance)))
@@ -30,11 +24,6 @@ void check_options(const Model& model, const ContactAreaOptions& options) {
   if (!(options.share_width > 0.0)) refuse(fmt::format("the width {} is not above 0", options.share_width));
   if (!options.counted.empty() && options.counted.size() != model.primitives.size())
     refuse(fmt::format("{} primitives count or do not, of {}", options.counted.size(), model.primitives.size()));
-}
-
-double tolerance_of(const Model& model) {
-  const double share = is_union_of_convex(model) ? fine : coarse;
-  return std::min(share * bounding_radius(model), std::numeric_limits<double>::max());
 }
 
 verify::DeviationSearch search_of(const Model& model, const MappedDistances& to_model,
@@ -48,7 +37,7 @@ verify::DeviationSearch search_of(const Model& model, const MappedDistances& to_
                                  .most_samples = options.most_samples};
   if (model.primitives.size() == 1 && !model.csg) return search;
   const MapOptions of_primitives{
-      .tolerance = tolerance_of(model), .device = options.device, .interrupted = options.interrupted};
+      .tolerance = contact_tolerance(model), .device = options.device, .interrupted = options.interrupted};
   for (const Primitive& primitive : model.primitives)
     search.to_each_primitive.emplace_back(MappedDistances({model.units, {primitive}, {}}, of_primitives));
   if (is_union_of_convex(model)) search.to_primitives = search.to_each_primitive;
@@ -63,7 +52,7 @@ ContactAreas contact_areas(const Model& model, const Mesh& mesh, const ContactAr
   check_regions(mesh, options.region_of, options.regions);
   check_options(model, options);
   const MappedDistances to_model(
-      model, {.tolerance = tolerance_of(model), .device = options.device, .interrupted = options.interrupted});
+      model, {.tolerance = contact_tolerance(model), .device = options.device, .interrupted = options.interrupted});
   std::vector<Enclosure> at_vertices(mesh.vertices.size(), {-infinity, infinity});
   // What an interrupted map leaves is not specified.
   if (!to_model(mesh.vertices, at_vertices)) at_vertices.assign(mesh.vertices.size(), {-infinity, infinity});

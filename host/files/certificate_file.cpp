@@ -7,6 +7,7 @@
 #include "host/files/best_fit_answer.hpp"
 #include "host/files/certificate_fields.hpp"
 #include "host/files/certificate_size.hpp"
+#include "host/files/contact_answer.hpp"
 #include "host/files/deviation_answer.hpp"
 #include "host/files/equilibrium_answer.hpp"
 #include "host/files/features_answer.hpp"
@@ -88,12 +89,13 @@ Answer parse_answer(std::string_view json, std::string_view name) {
   if (kind == "best_fit") return read_best_fit(root);
   if (kind == "insertion") return read_insertion(root);
   if (kind == "deviation") return read_deviation(root);
+  if (kind == "contact") return read_contact(root);
   if (kind == "features") return read_features(root);
   if (kind == "equilibrium") return read_equilibrium(root);
   if (kind == "path") return read_path_answer(root);
   root.at("kind").fail(
-      "must be \"pair\", \"poses\", \"path\", \"fit\", \"best_fit\", \"insertion\", \"deviation\", \"features\" or "
-      "\"equilibrium\"");
+      "must be \"pair\", \"poses\", \"path\", \"fit\", \"best_fit\", \"insertion\", \"deviation\", \"contact\", "
+      "\"features\" or \"equilibrium\"");
 }
 
 Answer read_answer(const std::filesystem::path& path) {

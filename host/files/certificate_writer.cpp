@@ -219,6 +219,20 @@ OrderedJson json_of(const TriangleProof& proof) {
   return object;
 }
 
+OrderedJson json_of(const ContactClaim& claim) {
+  return {{"area", json_of(claim.area)}, {"within", json_of(claim.within)}, {"percent", json_of(claim.percent)}};
+}
+
+OrderedJson json_of(const VertexProof& proof) {
+  return proof.own ? json_of(*proof.own) : OrderedJson(proof.told_by);
+}
+
+OrderedJson json_of(const DividedTriangle& divided) {
+  OrderedJson object{{"triangle", divided.triangle}};
+  object.update(json_of(divided.proof));
+  return object;
+}
+
 OrderedJson json_of(const CertifiedPoint& point) {
   OrderedJson object{{"point", point.point}};
   object.update(json_of(point.signed_distance));
@@ -232,6 +246,12 @@ OrderedJson json_of(const SurfaceProof& proof) {
   object["off"] = OrderedJson::array();
   for (const CertifiedPoint& point : proof.off) object["off"].push_back(json_of(point));
   return object;
+}
+
+OrderedJson json_of(const std::vector<AreaRun>& runs) {
+  OrderedJson array = OrderedJson::array();
+  for (const auto& [area, points] : runs) array.push_back({area, points});
+  return array;
 }
 
 OrderedJson json_of(const FemurLandmarks& landmarks) {
@@ -289,8 +309,7 @@ void add_terms(OrderedJson& document, const StatedTerms& terms) {
   document["penetration_limit"] = terms.penetration_limit;
   document["areas"] = OrderedJson::array();
   for (const Area& area : terms.areas) document["areas"].push_back({{"name", area.name}, {"weight", area.weight}});
-  document["area_runs"] = OrderedJson::array();
-  for (const auto& [area, points] : terms.area_runs) document["area_runs"].push_back({area, points});
+  document["area_runs"] = json_of(terms.area_runs);
 }
 
 void write_sized(const std::filesystem::path& path, const std::string& text) {
@@ -394,6 +413,26 @@ void write_answer(const std::filesystem::path& path, const DeviationAnswer& answ
   LinesText lines(path, head);
   lines.add("vertices", vertices.size(), "vertices", [&](std::size_t i) { return json_of(vertices[i]); });
   lines.add("triangles", triangles.size(), "triangles", [&](std::size_t n) { return json_of(triangles[n]); });
+  lines.write();
+}
+
+void write_answer(const std::filesystem::path& path, const ContactAnswer& answer) {
+  OrderedJson head{{"format", "verisq-certificate/1"}, {"kind", "contact"}};
+  head["models"] = OrderedJson::array({json_of(answer.model)});
+  head["mesh"] = json_of(answer.mesh);
+  if (!answer.units.empty()) head["units"] = answer.units;
+  head["distance"] = answer.distance;
+  head["regions"] = answer.regions;
+  head["region_runs"] = json_of(answer.region_runs);
+  head["of_mesh"] = json_of(answer.claims.of_mesh);
+  head["by_region"] = OrderedJson::array();
+  for (const ContactClaim& claim : answer.claims.by_region) head["by_region"].push_back(json_of(claim));
+  const auto& [vertices, triangles] = answer.certificate;
+  LinesText lines(path, head);
+  lines.add("vertices", vertices.size(), "vertices",
+            [&vertices = vertices](std::size_t i) { return json_of(vertices[i]); });
+  lines.add("triangles", triangles.size(), "triangles",
+            [&triangles = triangles](std::size_t i) { return json_of(triangles[i]); });
   lines.write();
 }
 

@@ -19,11 +19,6 @@ CertifiedEnclosure distance_and_certificate(const JsonValue& value) {
   return {{value.at("lo").number_or_infinity(), value.at("hi").number_or_infinity()}, read_certificate(value)};
 }
 
-CertifiedEnclosure read_sample(const JsonValue& value) {
-  value.check_keys({"lo", "hi", "normals", "escape", "witness", "cover"});
-  return distance_and_certificate(value);
-}
-
 CertifiedPoint read_point(const JsonValue& value) {
   value.check_keys({"point", "lo", "hi", "normals", "escape", "witness", "cover"});
   return {finite_numbers<3>(value.at("point")), distance_and_certificate(value)};
@@ -52,20 +47,6 @@ std::string text_by(const std::vector<Proof>& proofs, std::string_view of) {
   std::string text;
   for (const Proof proof : proofs) text += of[static_cast<std::size_t>(proof)];
   return text;
-}
-
-TriangleProof read_triangle(const JsonValue& value) {
-  value.check_keys({"pieces", "samples"});
-  TriangleProof proof;
-  const JsonValue pieces = value.at("pieces");
-  proof.pieces = read_letters<PieceProof>(pieces, letters, "must consist of the letters c, h and .");
-  const auto samples = value.find("samples");
-  if (samples) proof.samples = read_samples(*samples);
-  const auto expected = proof.pieces.size() - std::ranges::count(proof.pieces, PieceProof::corners);
-  if (proof.samples.size() != expected) {
-    samples.value_or(pieces).fail(fmt::format("must be of {} samples, one for each c and h", expected));
-  }
-  return proof;
 }
 
 std::vector<double> read_percentiles(const JsonValue& value) {
@@ -125,6 +106,24 @@ void read_other_way(const JsonValue& root, DeviationAnswer& answer) {
 
 }  // namespace
 
+CertifiedEnclosure read_sample(const JsonValue& value) {
+  value.check_keys({"lo", "hi", "normals", "escape", "witness", "cover"});
+  return distance_and_certificate(value);
+}
+
+TriangleProof read_triangle_proof(const JsonValue& value) {
+  TriangleProof proof;
+  const JsonValue pieces = value.at("pieces");
+  proof.pieces = read_letters<PieceProof>(pieces, letters, "must consist of the letters c, h and .");
+  const auto samples = value.find("samples");
+  if (samples) proof.samples = read_samples(*samples);
+  const auto expected = proof.pieces.size() - std::ranges::count(proof.pieces, PieceProof::corners);
+  if (proof.samples.size() != expected) {
+    samples.value_or(pieces).fail(fmt::format("must be of {} samples, one for each c and h", expected));
+  }
+  return proof;
+}
+
 DeviationAnswer read_deviation(const JsonValue& root) {
   root.check_keys({"format", "kind", "models", "mesh", "units", "pose", "percentiles", "of_vertices", "from_mesh",
                    "from_model", "hausdorff", "vertices", "triangles", "surface"});
@@ -149,7 +148,8 @@ DeviationAnswer read_deviation(const JsonValue& root) {
   if (from_mesh) answer.from_mesh = read_summary(*from_mesh, answer.percentiles.size());
   answer.certificate.triangles.reserve(triangles.size());
   for (std::size_t n = 0; n < triangles.size(); ++n) {
-    answer.certificate.triangles.push_back(read_triangle(triangles.element(n)));
+    triangles.element(n).check_keys({"pieces", "samples"});
+    answer.certificate.triangles.push_back(read_triangle_proof(triangles.element(n)));
   }
   read_other_way(root, answer);
   return answer;

@@ -9,6 +9,12 @@ namespace verisq {
 /// Fails at the first value that is not such a one's.
 [[nodiscard]] DeviationAnswer read_deviation(const JsonValue& root);
 
+/// Keys "lo", "hi" and those of its certificate, and no others. Fails likewise.
+[[nodiscard]] CertifiedEnclosure read_sample(const JsonValue& value);
+
+/// The keys "pieces" and "samples" of an object: as many samples as pieces need. Fails likewise.
+[[nodiscard]] TriangleProof read_triangle_proof(const JsonValue& value);
+
 /// One letter each, as the format has them.
 [[nodiscard]] std::string text_of(const std::vector<PieceProof>& pieces);
 [[nodiscard]] std::string text_of(const std::vector<PatchProof>& patches);

@@ -41,21 +41,6 @@ std::vector<Area> read_claimed_areas(const JsonValue& value) {
   return areas;
 }
 
-/// In all no more points than a mesh has indices for.
-std::vector<AreaRun> read_area_runs(const JsonValue& value, std::size_t areas) {
-  constexpr std::uint64_t most_points = std::uint64_t{1} << 32U;
-  std::vector<AreaRun> runs;
-  std::uint64_t points = 0;
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    const JsonValue run = value.element(i);
-    if (run.size() != 2) run.fail("must be an area's index and a number of points");
-    runs.push_back({read_area_index(run.element(0), areas), read_index(run.element(1))});
-    points += runs.back().points;
-    if (points > most_points) run.fail(fmt::format("must leave no more than {} points in all", most_points));
-  }
-  return runs;
-}
-
 std::vector<ClearanceClaim> read_clearance_claims(const JsonValue& value) {
   std::vector<ClearanceClaim> claims;
   std::set<std::pair<std::string, std::string>> seen;
@@ -97,6 +82,20 @@ std::vector<SideClaim> read_side_claims(const JsonValue& root) {
 
 }  // namespace
 
+std::vector<AreaRun> read_area_runs(const JsonValue& value, std::size_t areas) {
+  constexpr std::uint64_t most_points = std::uint64_t{1} << 32U;
+  std::vector<AreaRun> runs;
+  std::uint64_t points = 0;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const JsonValue run = value.element(i);
+    if (run.size() != 2) run.fail("must be an area's index and a number of points");
+    runs.push_back({read_area_index(run.element(0), areas), read_index(run.element(1))});
+    points += runs.back().points;
+    if (points > most_points) run.fail(fmt::format("must leave no more than {} points in all", most_points));
+  }
+  return runs;
+}
+
 StatedTerms read_terms(const JsonValue& root) {
   StatedTerms terms{.fitness = read_criterion(root.at("criterion")),
                     .penetration_limit = nonnegative_number(root.at("penetration_limit")),
@@ -120,7 +119,11 @@ FitAnswer read_fit(const JsonValue& root) {
 }
 
 std::uint64_t points_of(const StatedTerms& stated) {
-  return std::transform_reduce(stated.area_runs.begin(), stated.area_runs.end(), std::uint64_t{0}, std::plus<>(),
+  return points_of(stated.area_runs);
+}
+
+std::uint64_t points_of(std::span<const AreaRun> runs) {
+  return std::transform_reduce(runs.begin(), runs.end(), std::uint64_t{0}, std::plus<>(),
                                [](const AreaRun& run) { return run.points; });
 }
 
@@ -133,11 +136,15 @@ std::vector<AreaRun> runs_of(std::span<const std::uint32_t> area_of) {
   return runs;
 }
 
+std::vector<std::uint32_t> areas_of(std::span<const AreaRun> runs) {
+  std::vector<std::uint32_t> areas;
+  areas.reserve(points_of(runs));
+  for (const auto& [area, points] : runs) areas.insert(areas.end(), points, area);
+  return areas;
+}
+
 ClearanceTerms terms_of(const StatedTerms& stated) {
-  ClearanceTerms terms{stated.fitness, stated.penetration_limit, stated.areas, {}};
-  terms.area_of.reserve(points_of(stated));
-  for (const auto& [area, points] : stated.area_runs) terms.area_of.insert(terms.area_of.end(), points, area);
-  return terms;
+  return {stated.fitness, stated.penetration_limit, stated.areas, areas_of(stated.area_runs)};
 }
 
 }  // namespace verisq

@@ -153,19 +153,23 @@ std::optional<Enclosure> share_named(const FitProblem& problem, const ContactAre
   return area ? std::optional(contact.by_region[*area].share) : std::nullopt;
 }
 
+ContactAreaOptions contact_options(const FitProblem& problem, std::size_t implant,
+                                   const std::function<bool()>& interrupted) {
+  return {.distance = contact_distance(problem),
+          .share_width = problem.contacts.empty() ? share_width : asked_share_width,
+          .region_of = area_of_triangles(problem),
+          .regions = static_cast<std::uint32_t>(problem.cavity.areas.size()),
+          .of_model = asks_of_implant(problem),
+          .counted = primitives_with_a_side(problem, implant),
+          .most_samples = most_samples,
+          .device = problem.options.device,
+          .interrupted = interrupted};
+}
+
 std::optional<ContactAreas> proven_contact(const FitProblem& problem, std::size_t implant, const Model& posed,
                                            const MapOptions& options) {
   if (problem.mesh.triangles.empty()) return std::nullopt;
-  return contact_areas(posed, problem.mesh,
-                       {.distance = contact_distance(problem),
-                        .share_width = problem.contacts.empty() ? share_width : asked_share_width,
-                        .region_of = area_of_triangles(problem),
-                        .regions = static_cast<std::uint32_t>(problem.cavity.areas.size()),
-                        .of_model = asks_of_implant(problem),
-                        .counted = primitives_with_a_side(problem, implant),
-                        .most_samples = most_samples,
-                        .device = problem.options.device,
-                        .interrupted = options.interrupted});
+  return contact_areas(posed, problem.mesh, contact_options(problem, implant, options.interrupted));
 }
 
 }  // namespace verisq::planning

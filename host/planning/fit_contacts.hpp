@@ -1,6 +1,8 @@
 /// How much of bone and implant is in contact, as it is asked for and proven.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <verisq/contact_area.hpp>
@@ -24,6 +26,10 @@ void check_contacts(const FitProblem& problem);
 /// The share that the name is of; nothing where it was not asked for.
 [[nodiscard]] std::optional<Enclosure> share_named(const FitProblem& problem, const ContactAreas& contact,
                                                    std::string_view name);
+
+/// Of the implant of the series.
+[[nodiscard]] ContactAreaOptions contact_options(const FitProblem& problem, std::size_t implant,
+                                                 const std::function<bool()>& interrupted);
 
 /// Of the posed implant of the series; nothing for a mesh without triangles.
 [[nodiscard]] std::optional<ContactAreas> proven_contact(const FitProblem& problem, std::size_t implant,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <verisq/fit_solution.hpp>
 
@@ -152,6 +153,13 @@ FitProof prove_fit(const FitProblem& problem, const FitSolution& solution, const
   proof.conditions = planning::conditions_of(problem, fit, proof);
   if (solution.bound) proof.gap = proven_gap(*solution.bound, proof.clearance);
   return proof;
+}
+
+CertifiedContact certified_contact(const FitProblem& problem, const Fit& fit, const FitProof& proof,
+                                   const std::function<bool()>& interrupted,
+                                   const std::function<void(double)>& progress) {
+  return certified_contact(fit.model, problem.mesh, *proof.contact,
+                           planning::contact_options(problem, fit.implant, interrupted), progress);
 }
 
 bool is_as_asked(const FitProblem& problem, const FitSolution& solution, const FitProof& proof,

@@ -14,6 +14,7 @@
 #include <verisq/bone_side.hpp>
 #include <verisq/clearance_claim.hpp>
 #include <verisq/clearance_report.hpp>
+#include <verisq/contact_certificate.hpp>
 #include <verisq/deviation_certificate.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/equilibrium_certificate.hpp>
@@ -61,7 +62,7 @@ struct PoseAnswers {
   std::vector<PosedAnswer> answers;
 };
 
-/// So many points, one after the other, are of an area.
+/// So many points, or triangles, one after the other, are of an area.
 struct AreaRun {
   std::uint32_t area;  ///< index of `StatedTerms::areas`
   std::uint64_t points;
@@ -78,6 +79,7 @@ struct StatedTerms {
 
 /// How many vertices the runs are of.
 [[nodiscard]] std::uint64_t points_of(const StatedTerms& stated);
+[[nodiscard]] std::uint64_t points_of(std::span<const AreaRun> runs);
 [[nodiscard]] std::vector<AreaRun> runs_of(std::span<const std::uint32_t> area_of);
 /// Precondition: `points_of` as many as fit into memory.
 [[nodiscard]] ClearanceTerms terms_of(const StatedTerms& stated);
@@ -150,6 +152,21 @@ struct DeviationAnswer {
   DeviationCertificate certificate;
 };
 
+/// The kind `contact`: how much of a mesh's area is in contact with a model.
+struct ContactAnswer {
+  SubjectFile model;
+  SubjectFile mesh;
+  std::string units;                 ///< free text; empty when not given
+  double distance;                   ///< as `ContactTerms`
+  std::vector<std::string> regions;  ///< names of the regions of triangles
+  std::vector<AreaRun> region_runs;  ///< of all triangles in their order; none without regions
+  ContactClaims claims;              ///< of as many regions
+  ContactCertificate certificate;
+};
+
+/// Precondition: no more triangles than fit into memory.
+[[nodiscard]] ContactTerms terms_of(const ContactAnswer& answer);
+
 /// The kind `features`: what a surgeon measures of a femur, by its landmarks, which are all the proof.
 struct FeaturesAnswer {
   std::optional<SubjectFile> implant;  ///< a model, where it changes the bone
@@ -177,7 +194,7 @@ struct PathAnswer {
 };
 
 using Answer = std::variant<PairAnswer, PoseAnswers, FitAnswer, BestFitAnswer, InsertionAnswer, DeviationAnswer,
-                            FeaturesAnswer, EquilibriumAnswer, PathAnswer>;
+                            ContactAnswer, FeaturesAnswer, EquilibriumAnswer, PathAnswer>;
 
 /// Of any kind. Throws as `read_pair_answer`.
 [[nodiscard]] Answer read_answer(const std::filesystem::path& path);
@@ -200,6 +217,7 @@ void write_answer(const std::filesystem::path& path, const FitAnswer& answer);
 void write_answer(const std::filesystem::path& path, const BestFitAnswer& answer);
 void write_answer(const std::filesystem::path& path, const InsertionAnswer& answer);
 void write_answer(const std::filesystem::path& path, const DeviationAnswer& answer);
+void write_answer(const std::filesystem::path& path, const ContactAnswer& answer);
 void write_answer(const std::filesystem::path& path, const FeaturesAnswer& answer);
 void write_answer(const std::filesystem::path& path, const EquilibriumAnswer& answer);
 void write_answer(const std::filesystem::path& path, const PathAnswer& answer);

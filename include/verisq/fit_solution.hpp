@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <vector>
+#include <verisq/certified_contact.hpp>
 #include <verisq/clearance.hpp>
 #include <verisq/contact_area.hpp>
 #include <verisq/features.hpp>
@@ -75,6 +76,12 @@ struct FitProof {
 /// prove_sides.
 [[nodiscard]] FitProof prove_fit(const FitProblem& problem, const FitSolution& solution, const MapOptions& options,
                                  const Sink<Point>& sink);
+
+/// What proves the areas in contact of `proof` again, as certified_contact; not that of the implant's own surface.
+/// `interrupted` as `FitSolutionOptions` have it. Precondition: they are there.
+[[nodiscard]] CertifiedContact certified_contact(
+    const FitProblem& problem, const Fit& fit, const FitProof& proof, const std::function<bool()>& interrupted,
+    const std::function<void(double)>& progress = [](double) {});
 
 /// Every row is verified, nothing proven too deep, sides and features are kept, and a bound, where there is one, is as
 /// near as `gap`.

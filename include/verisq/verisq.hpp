@@ -9,6 +9,7 @@
 #include <verisq/certificate.hpp>
 #include <verisq/certificate_file.hpp>
 #include <verisq/certified_best_fit.hpp>
+#include <verisq/certified_contact.hpp>
 #include <verisq/certified_deviation.hpp>
 #include <verisq/certified_distance.hpp>
 #include <verisq/certified_equilibrium.hpp>
@@ -24,6 +25,7 @@
 #include <verisq/closest_points.hpp>
 #include <verisq/columns.hpp>
 #include <verisq/contact_area.hpp>
+#include <verisq/contact_certificate.hpp>
 #include <verisq/containment.hpp>
 #include <verisq/deviation.hpp>
 #include <verisq/deviation_certificate.hpp>

@@ -30,10 +30,6 @@ inline constexpr std::size_t member_count<Deviation> = 12;
 template <>
 inline constexpr std::size_t member_count<DistanceSummary> = 3;
 template <>
-inline constexpr std::size_t member_count<TriangleProof> = 2;
-template <>
-inline constexpr std::size_t member_count<CertifiedEnclosure> = 2;
-template <>
 inline constexpr std::size_t member_count<CertifiedPoint> = 2;
 template <>
 inline constexpr std::size_t member_count<SurfaceProof> = 4;

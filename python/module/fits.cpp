@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 #include <verisq/certified_best_fit.hpp>
+#include <verisq/certified_contact.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance_claim.hpp>
 #include <verisq/error.hpp>
@@ -28,6 +29,7 @@
 
 #include "python/module/arrays.hpp"
 #include "python/module/certified_bound.hpp"
+#include "python/module/certified_contact.hpp"
 #include "python/module/declarations.hpp"
 #include "python/module/interruption.hpp"
 #include "python/module/landmarks.hpp"
@@ -85,8 +87,9 @@ struct PythonFit {
   bool as_asked;
   ClearanceTerms terms;
   std::optional<PythonCertifiedBound> certified_bound;
+  std::optional<PythonCertifiedContact> certified_contact;
 
-  static constexpr std::size_t members = 8;
+  static constexpr std::size_t members = 9;
 };
 
 /// "implant", or "implants[k]" where there are several.
@@ -196,7 +199,8 @@ struct FoundFit {
   std::vector<MapResult> rows;
   std::vector<Certificate> certificates;  ///< none, or one a row
   double tolerance;
-  std::optional<CertifiedBestFit> best;  ///< nothing without certificates or a bound
+  std::optional<CertifiedBestFit> best;          ///< nothing without certificates or a bound
+  std::optional<CertifiedContact> contact = {};  ///< nothing without certificates or triangles
 };
 
 /// Searches and proves, without Python's lock.
@@ -232,6 +236,8 @@ class FitRun {
                              .interrupted = interrupted_},
                             sink);
     if (certificates_ && found.solution.bound) found.best = certified_bound(*found.solution.bound);
+    if (certificates_ && found.proof.contact)
+      found.contact = certified_contact(problem_, found.solution.fit, found.proof, interrupted_);
     return found;
   }
 
@@ -266,6 +272,13 @@ class FitRun {
   std::atomic<Clock::duration> end_{Clock::duration::max()};
 };
 
+PythonCertifiedContact contact_with_names(const FitProblem& problem, CertifiedContact contact) {
+  PythonCertifiedContact result{
+      {}, std::move(contact.terms), std::move(contact.claims), std::move(contact.certificate)};
+  for (const Area& area : problem.cavity.areas) result.areas.push_back(area.name);
+  return result;
+}
+
 PythonFit solved(FitRequest request, const std::optional<double>& bound, double bound_time,
                  const std::optional<double>& tolerance, bool certificates) {
   check_ranges(request);
@@ -283,6 +296,8 @@ PythonFit solved(FitRequest request, const std::optional<double>& bound, double 
   PythonModel model(fit.model, posed(problem.implant_landmarks[fit.implant], fit.pose));
   std::optional<PythonCertifiedBound> certified_bound;
   if (found.best) certified_bound = {std::move(found.best->claim), std::move(found.best->certificate)};
+  std::optional<PythonCertifiedContact> certified_contact;
+  if (found.contact) certified_contact = contact_with_names(problem, std::move(*found.contact));
   PythonMap map = map_of_rows(found.rows, found.proof.clearance.map, found.tolerance);
   if (certificates) map.certificates = std::make_shared<CertificateList>(std::move(found.certificates));
   return {std::move(model),
@@ -292,7 +307,8 @@ PythonFit solved(FitRequest request, const std::optional<double>& bound, double 
           std::move(sides),
           as_asked,
           {problem.options.fitness, problem.options.penetration_limit, problem.cavity.areas, problem.cavity.area_of},
-          std::move(certified_bound)};
+          std::move(certified_bound),
+          std::move(certified_contact)};
 }
 
 /// Of what was found of sides.
@@ -544,6 +560,9 @@ void declare_class_of_fits(py::module_& module) {
           "bound", [](const PythonFit& self) { return self.solution.bound; }, "FitBound, or None.")
       .def_readonly("certified_bound", &PythonFit::certified_bound,
                     "CertifiedBound: the same with what proves it again; None without certificates=True or a bound.")
+      .def_readonly("certified_contact", &PythonFit::certified_contact,
+                    "CertifiedContact: contact with what proves it again, but for the implant's own surface; None\n"
+                    "without certificates=True, or triangles.")
       .def_property_readonly(
           "gap", [](const PythonFit& self) { return self.proof.gap; },
           "What the objective is below the bound at most, as a share of it, proven; None where that is not known.")
@@ -552,10 +571,10 @@ void declare_class_of_fits(py::module_& module) {
       .def("is_proved", is_proved, py::arg("mesh"),
            "is_proved(mesh) -> bool\n\nProves again, by MPFR alone, the distance of every vertex from its certificate, "
            "and from\nthese objective, smallest_distance, deepest_penetration, how many vertices keep the limit and "
-           "the\nnumbers of all areas; and the sides that are \"proven\"; of the bound certified_bound. Contact, "
-           "changes "
-           "and surface\n"
-           "have no certificates. Raises ValueError without certificates, and for a mesh of other vertices than the "
+           "the\nnumbers of all areas; and the sides that are \"proven\"; of the bound certified_bound, of contact "
+           "certified_contact.\n"
+           "Changes and surface have no certificates. Raises ValueError without certificates, and for a mesh of other "
+           "vertices than the "
            "fit's.")
       .def("__repr__", representation)
       .def(pickled<PythonFit>());
@@ -565,6 +584,7 @@ void declare_class_of_fits(py::module_& module) {
 
 void declare_fits(py::module_& module) {
   declare_class_of_certified_bounds(module);
+  declare_class_of_certified_contacts(module);
   declare_areas(module);
   declare_conditions(module);
   declare_class_of_fits(module);
@@ -608,8 +628,8 @@ void declare_fits(py::module_& module) {
       "bound, bound_time: asks for a proof that no pose is better by more than so many percent; seconds for it.\n"
       "seed, samples: the same seed on the same device gives the same pose; poses sampled first.\n"
       "tolerance: of the map, default 1e-6 of the fitted model's bounding_radius.\n"
-      "certificates: keep what proves the map's rows again, for Fit.is_proved and Checker, and the bound; not with a\n"
-      "    resection.\n\n"
+      "certificates: keep what proves the map's rows again, for Fit.is_proved and Checker, the bound, and the mesh's\n"
+      "    areas in contact; not with a resection.\n\n"
       "Ctrl-C ends it: KeyboardInterrupt. Raises ValueError for numbers and words out of range, Error as `verisq fit`\n"
       "does, by its options' names.");
 }

@@ -5,6 +5,7 @@
 #include <verisq/certificate.hpp>
 #include <verisq/closest_point.hpp>
 #include <verisq/closest_points.hpp>
+#include <verisq/deviation_certificate.hpp>
 #include <verisq/enclosure.hpp>
 #include <verisq/features.hpp>
 #include <verisq/map.hpp>
@@ -71,6 +72,13 @@ template <>
 inline constexpr std::size_t member_count<SurroundedPrimitive> = 3;
 template <>
 inline constexpr std::size_t member_count<PairCertificate> = 8;
+
+// Certificates of distances from triangles
+
+template <>
+inline constexpr std::size_t member_count<CertifiedEnclosure> = 2;
+template <>
+inline constexpr std::size_t member_count<TriangleProof> = 2;
 
 // Features of femurs
 

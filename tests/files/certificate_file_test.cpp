@@ -344,7 +344,7 @@ TEST(CertificateFile, OfManyPosesGivesTheSameBitsAgain) {
   };
   refused("/kind", "recovery",
           "kind = \"recovery\": must be \"pair\", \"poses\", \"path\", \"fit\", \"best_fit\", \"insertion\", "
-          "\"deviation\", "
+          "\"deviation\", \"contact\", "
           "\"features\" or \"equilibrium\"");
   refused("/kind", "pair", "answers = [...]: unknown key");
   refused("/answers", nlohmann::json::array(), "answers = []: must not be empty");
@@ -402,6 +402,69 @@ TEST(CertificateFile, OfADeviationGivesTheSameBitsAgain) {
   EXPECT_EQ(surface->off[0].signed_distance.distance, (Enclosure{-infinity, -0.1}));
   EXPECT_EQ(surface->farthest.point, written_surface.farthest.point);
   EXPECT_EQ(surface->farthest.signed_distance.certificate, certificate);
+}
+
+ContactAnswer contact_answer() {
+  const Certificate certificate{
+      {{1, {0.1, -0.0, 5e-324}}}, Point{1, 2, 3}, {}, Point{0.1, 0.2, 0.3}, {true, false, false}};
+  const ContactClaim claim{{0.1, 1.0 / 3.0}, {0.0, infinity}, {5e-324, 100.0}};
+  return {.model = {"m.json", sha256("m")},
+          .mesh = {"b.stl", sha256("b")},
+          .units = "mm",
+          .distance = 1.0 / 3.0,
+          .regions = {"upper", "elsewhere"},
+          .region_runs = {{1, 2}, {0, 1}},
+          .claims = {claim, {claim, claim}},
+          .certificate = {.vertices = {{{}, 2}, {{}, 2}, {CertifiedEnclosure{{-infinity, 0.1}, certificate}, 2}},
+                          .triangles = {{1,
+                                         {{PieceProof::halved, PieceProof::corners, PieceProof::centre},
+                                          {{{0.1, 0.2}, {}}, {{0.3, 0.4}, certificate}}}}}}};
+}
+
+TEST(CertificateFile, OfContactGivesTheSameBitsAgain) {
+  const TemporaryFolder folder;
+  const ContactAnswer written = contact_answer();
+  write_answer(folder / "proof.json", written);
+  const auto read = std::get<ContactAnswer>(read_answer(folder / "proof.json"));
+  EXPECT_EQ(read.model.sha256, written.model.sha256);
+  EXPECT_EQ(read.mesh.sha256, written.mesh.sha256);
+  EXPECT_EQ(read.distance, written.distance);
+  EXPECT_EQ(read.regions, written.regions);
+  EXPECT_THAT(terms_of(read).region_of, ::testing::ElementsAre(1, 1, 0));
+  EXPECT_EQ(read.claims.of_mesh.percent, written.claims.of_mesh.percent);
+  EXPECT_EQ(read.claims.by_region[1].within, written.claims.by_region[1].within);
+  const auto& [vertices, triangles] = read.certificate;
+  ASSERT_EQ(vertices.size(), 3U);
+  EXPECT_FALSE(vertices[0].own.has_value());
+  EXPECT_EQ(vertices[1].told_by, 2U);
+  EXPECT_EQ(vertices[2].own->certificate, written.certificate.vertices[2].own->certificate);
+  ASSERT_EQ(triangles.size(), 1U);
+  EXPECT_EQ(triangles[0].triangle, 1U);
+  EXPECT_EQ(triangles[0].proof.pieces, written.certificate.triangles[0].proof.pieces);
+  EXPECT_EQ(triangles[0].proof.samples.size(), 2U);
+}
+
+TEST(CertificateFile, RefusesWhatIsNoContact) {
+  const TemporaryFolder folder;
+  write_answer(folder / "proof.json", contact_answer());
+  std::ifstream in(folder / "proof.json");
+  const nlohmann::json valid = nlohmann::json::parse(in);
+  const auto refused = [&](const std::string& pointer, const nlohmann::json& value, const std::string& message) {
+    expect_refused_change(valid, pointer, value, message);
+  };
+  refused("/models", nlohmann::json::array(), "must be an array of one model");
+  refused("/distance", -1.0, "must be at least 0");
+  refused("/regions/1", "upper", "is the name of a region before");
+  refused("/regions/1", "a\nb", "no control characters");
+  refused("/region_runs/0/0", 2, "must be below 2");
+  refused("/by_region", nlohmann::json::array(), "must be 2 claims, one a region");
+  refused("/of_mesh/share", 1, "unknown key");
+  refused("/vertices/0", 1, "must be the index of a vertex that has a certificate");
+  refused("/vertices/0", 3, "must be the index of a vertex that has a certificate");
+  refused("/vertices/0", -1, "must be an index");
+  refused("/triangles/0/samples", nlohmann::json::array(), "must be of 2 samples");
+  refused("/triangles/0/pieces", "x", "must consist of the letters c, h and .");
+  refused("/triangles/1", valid["triangles"][0], "must be above those before");
 }
 
 TEST(CertificateFile, OfFeaturesGivesTheSameBitsAgain) {

@@ -142,6 +142,22 @@ void check_answer(const DeviationAnswer& answer) {
   check(surface->off.size() == static_cast<std::size_t>(off), "each patch off the boundary has a point");
 }
 
+void check_answer(const ContactAnswer& answer) {
+  check(answer.distance >= 0.0, "a distance is not negative");
+  check(answer.claims.by_region.size() == answer.regions.size(), "each region is claimed");
+  for (const AreaRun& run : answer.region_runs) check(run.area < answer.regions.size(), "a region is there");
+  check(points_of(answer.region_runs) <= std::uint64_t{1} << 32U, "as many triangles as a mesh may have");
+  check(!std::isnan(answer.claims.of_mesh.within.lo), "a claim has two ends");
+  const auto& [vertices, triangles] = answer.certificate;
+  for (const auto& [own, told_by] : vertices)
+    check(own || (told_by < vertices.size() && vertices[told_by].own), "a vertex is told");
+  for (const auto& [triangle, proof] : triangles) {
+    const auto without = std::ranges::count(proof.pieces, PieceProof::corners);
+    check(proof.samples.size() + static_cast<std::size_t>(without) == proof.pieces.size(),
+          "each piece that needs one has a sample");
+  }
+}
+
 void check_answer(const FeaturesAnswer& answer) {
   const FeatureClaims& claims = answer.claims;
   check(claims.landmark_radius >= 0.0, "a radius is not negative");
@@ -178,6 +194,10 @@ std::vector<SubjectFile> subjects_of(const EquilibriumAnswer& answer) {
 }
 
 std::vector<SubjectFile> subjects_of(const DeviationAnswer& answer) {
+  return {answer.model, answer.mesh};
+}
+
+std::vector<SubjectFile> subjects_of(const ContactAnswer& answer) {
   return {answer.model, answer.mesh};
 }
 

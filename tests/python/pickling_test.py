@@ -93,6 +93,7 @@ def one_of_each():
         stance.narrowed("mp", 41.0, 42.0), stance.equilibrium(uncertain=[]), stance.certified_equilibrium(uncertain=[]), stance.stability(uncertain=[]), stance.simulate(0.01, uncertain=[]),
         stance.bounce(stance.cylinders[0], uncertain=[]), verisq.PoseUncertainty(0.5, 0.5, (0, 0, 1), 16),
         features, features.features[0], recovery, recovery.stages[0], recovery.stages[0].to_model, fit, fit.bound, fit.certified_bound,
+        fit.certified_contact,
         fit.areas[0], fit.conditions[0], fit.contact["contact"], rival_fit().finalists[0], femur(), *verisq.devices()[:1],
     ]
     return {type(each).__name__: each for each in results}

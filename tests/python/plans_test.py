@@ -123,6 +123,25 @@ class Fits(Files):
         self.assertIsNone(verisq.fit(self.implant, self.cavity, surface="any", on="vertices", certificates=True,
                                      **self.ARGUMENTS).certified_bound)
 
+    def test_certificates_prove_contact(self):
+        labels = np.where(self.cavity.vertices[:, 0] > 0, 7, -1)
+        found = verisq.fit(self.implant, self.cavity, surface="any", on="vertices", labels=labels, certificates=True,
+                           **self.ARGUMENTS)
+        contact = found.certified_contact
+        self.assertEqual(contact.distance, 0.75)  # the gap and half of it
+        self.assertEqual(list(contact.claims), ["contact", "contact:-1", "contact:7"])
+        for name, within in found.contact.items():
+            self.assertLessEqual(contact.claims[name]["percent"].lo, 100 * within.share.lo)
+            self.assertGreaterEqual(contact.claims[name]["percent"].hi, 100 * within.share.hi)
+            self.assertGreater(contact.claims[name]["area"].lo, 0)
+        self.assertTrue(contact.is_proved(found.model, self.cavity))
+        self.assertTrue(pickle.loads(pickle.dumps(contact)).is_proved(found.model, self.cavity))
+        moved = verisq.Mesh(self.cavity.vertices + [0.5, 0, 0], self.cavity.triangles)
+        self.assertFalse(contact.is_proved(found.model, moved))
+        self.assertFalse(contact.is_proved(found.model, verisq.Mesh(np.eye(3), [[0, 1, 2]])))
+        self.assertIsNone(verisq.fit(self.implant, self.cavity, surface="any", on="vertices",
+                                     **self.ARGUMENTS).certified_contact)
+
     def test_labels_bounds_and_features(self):
         labels = np.where(self.cavity.vertices[:, 0] > 0, 7, -1)
         landmarks = {"head_centre": [0, 0, 8], "shaft_proximal": [0, 0, 0], "shaft_distal": [0, 0, -100]}

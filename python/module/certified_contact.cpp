@@ -1,0 +1,69 @@
+/// Proves areas in contact again, of the model and the mesh that it is given.
+#include "python/module/certified_contact.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <cstddef>
+
+#include "python/module/interruption.hpp"
+#include "python/module/python_mesh.hpp"
+#include "python/module/python_model.hpp"
+#include "python/module/result_members.hpp"
+
+namespace verisq::python {
+
+namespace {
+
+namespace py = pybind11;
+
+py::dict numbers_of(const ContactClaim& claim) {
+  using namespace py::literals;  // NOLINT(google-build-using-namespace): pybind11's way to name arguments
+  return py::dict("area"_a = claim.area, "within"_a = claim.within, "percent"_a = claim.percent);
+}
+
+/// By the names that `keep` knows them by.
+py::dict claims_of(const PythonCertifiedContact& self) {
+  py::dict result;
+  result["contact"] = numbers_of(self.claims.of_mesh);
+  for (std::size_t k = 0; k < self.areas.size(); ++k)
+    result[py::str("contact:" + self.areas[k])] = numbers_of(self.claims.by_region[k]);
+  return result;
+}
+
+bool is_proved(const PythonCertifiedContact& self, const PythonModel& model, const PythonMesh& mesh) {
+  const Model& exact = model.exact("is_proved");
+  const ContactTerms& terms = self.terms;
+  if (mesh.mesh.vertices.size() != self.certificate.vertices.size()) return false;
+  if (terms.regions > 0 && terms.region_of.size() != mesh.mesh.triangles.size()) return false;
+  Interruption interruption;
+  const auto interrupted = interruption.poll();
+  return without_lock(interruption, [&] {
+    CheckOptions options;
+    options.interrupted = interrupted;
+    return are_proved(self.claims, ContactChecker(exact)(mesh.mesh, terms, self.certificate, options));
+  });
+}
+
+}  // namespace
+
+void declare_class_of_certified_contacts(py::module_& module) {
+  py::class_<PythonCertifiedContact>(module, "CertifiedContact", "How much of a mesh is in contact, proven twice.")
+      .def_property_readonly(
+          "distance", [](const PythonCertifiedContact& self) { return self.terms.distance; },
+          "No farther from the model's surface is contact.")
+      .def_property_readonly("claims", claims_of,
+                             "For the mesh and each area, by the names of `keep`, a dictionary of Enclosures: \"area\" "
+                             "of all,\n\"within\" of what is in contact, \"percent\".")
+      .def("is_proved", is_proved, py::arg("model"), py::arg("mesh"),
+           "is_proved(model, mesh) -> bool\n\n"
+           "Proves every number again, of this model (Fit.model) and this mesh, by MPFR and the certificates alone.")
+      .def("__repr__",
+           [](const PythonCertifiedContact& self) {
+             const auto& [lo, hi] = self.claims.of_mesh.percent;
+             return fmt::format("<verisq.CertifiedContact: {} to {} % in contact>", lo, hi);
+           })
+      .def(pickled<PythonCertifiedContact>());
+}
+
+}  // namespace verisq::python
