@@ -12,6 +12,7 @@
 #include <vector>
 #include <verisq/bone_region.hpp>
 #include <verisq/certified_insertion.hpp>
+#include <verisq/certified_removed_volume.hpp>
 #include <verisq/error.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/removed_volume.hpp>
@@ -28,7 +29,11 @@
 namespace verisq::python {
 
 template <>
-inline constexpr std::size_t member_count<RemovedVolume> = 5;
+inline constexpr std::size_t member_count<RemovedVolume> = 6;
+template <>
+inline constexpr std::size_t member_count<RemovedVolumeCertificate> = 3;
+template <>
+inline constexpr std::size_t member_count<CertifiedRemovedVolume> = 3;
 template <>
 inline constexpr std::size_t member_count<WayPart> = 3;
 template <>
@@ -140,6 +145,33 @@ RemovedVolume volume(const PythonModel& implant, const py::handle& path, const p
   return without_lock(interruption, [&] { return verisq::removed_volume(way, exact, region, options); });
 }
 
+CertifiedRemovedVolume certified_volume(const PythonModel& implant, const py::handle& path, const py::object& cavity,
+                                        const py::object& within, const py::object& bone, const py::object& resection,
+                                        const std::optional<double>& relative_tolerance) {
+  const RemovedVolume found = volume(implant, path, cavity, within, bone, resection, relative_tolerance);
+  const std::vector<Pose> way = poses(path, "path");
+  const BoneRegion region = bone_region(cavity, within, bone, plane(resection));
+  Interruption interruption;
+  const auto interrupted = interruption.poll();
+  return without_lock(interruption, [&] {
+    return verisq::certified_removed_volume(way, implant.exact("certified_removed_volume"), region, found,
+                                            {.interrupted = interrupted});
+  });
+}
+
+bool is_volume_proved(const CertifiedRemovedVolume& self, const PythonModel& implant, const py::handle& path,
+                      const py::object& cavity, const py::object& within, const py::object& bone,
+                      const py::object& resection) {
+  const RemovedVolumeChecker checker(implant.exact("is_proved"), poses(path, "path"),
+                                     bone_region(cavity, within, bone, plane(resection)));
+  Interruption interruption;
+  const auto interrupted = interruption.poll();
+  return without_lock(interruption, [&] {
+    const ProvenRemovedVolume proven = checker(self.certificate, {.interrupted = interrupted});
+    return !proven.interrupted && self.volume.lo <= proven.volume.lo && proven.volume.hi <= self.volume.hi;
+  });
+}
+
 std::string representation(const RemovedVolume& self) {
   return fmt::format("<verisq.RemovedVolume: in [{}, {}]>", self.volume.lo, self.volume.hi);
 }
@@ -155,6 +187,18 @@ void declare_insertions(py::module_& module) {
       .def_readonly("cubes", &RemovedVolume::cubes, "Looked at.")
       .def("__repr__", representation)
       .def(pickled<RemovedVolume>());
+  py::class_<CertifiedRemovedVolume>(module, "CertifiedRemovedVolume", "What certified_removed_volume() proves.")
+      .def_readonly("volume", &CertifiedRemovedVolume::volume, "Enclosure: as RemovedVolume.volume.")
+      .def("is_proved", is_volume_proved, py::arg("implant"), py::arg("path"), py::kw_only(),
+           py::arg("cavity") = py::none(), py::arg("within") = py::none(), py::arg("bone") = py::none(),
+           py::arg("resection") = py::none(),
+           "is_proved(implant, path, *, cavity=None, within=None, bone=None, resection=None) -> bool\n\n"
+           "Proves it again, of this implant, this path and this bone, by the certificate alone.")
+      .def("__repr__",
+           [](const CertifiedRemovedVolume& self) {
+             return fmt::format("<verisq.CertifiedRemovedVolume: in [{}, {}]>", self.volume.lo, self.volume.hi);
+           })
+      .def(pickled<CertifiedRemovedVolume>());
   module.def("straight_path", straight, py::arg("direction"), py::arg("length"), py::kw_only(),
              py::arg("last") = py::none(), py::arg("steps") = 1,
              "straight_path(direction, length, *, last=None, steps=1) -> array\n\n"
@@ -200,6 +244,12 @@ void declare_insertions(py::module_& module) {
       "what was cut off. The enclosure's width divided by its lower end is at most relative_tolerance; default:\n"
       "0.02, or 1e-7 of the cube about the implant's bounding sphere. Raises ValueError unless there is either\n"
       "cavity or bone, Error as `verisq insert` does.");
+  module.def("certified_removed_volume", certified_volume, py::arg("implant"), py::arg("path"), py::kw_only(),
+             py::arg("cavity") = py::none(), py::arg("within") = py::none(), py::arg("bone") = py::none(),
+             py::arg("resection") = py::none(), py::arg("relative_tolerance") = py::none(),
+             "certified_removed_volume(implant, path, *, cavity=None, within=None, bone=None, resection=None,\n"
+             "    relative_tolerance=None) -> CertifiedRemovedVolume\n\n"
+             "As removed_volume(), with what proves the volume again. The volume is what that proves.");
 }
 
 }  // namespace verisq::python

@@ -22,7 +22,8 @@ What proves an answer again
 Whole surfaces and solids
     deviation, certified_deviation, mesh_clearance, prove_containment, octree, recover
 Implants
-    fit; map_along, certified_map_along, straight_path, removed_volume for their way in
+    fit; map_along, certified_map_along, straight_path, removed_volume,
+    certified_removed_volume for their way in
 Stance
     StanceModel, Equilibrium, CertifiedEquilibrium, Stability, Motion, Bounce
 Femurs
@@ -48,6 +49,7 @@ from ._verisq import (
     CertifiedEquilibrium,
     CertifiedPair,
     CertifiedPath,
+    CertifiedRemovedVolume,
     CertifiedWay,
     Checker,
     ClosestPairMap,
@@ -93,6 +95,7 @@ from ._verisq import (
     certified_distance,
     certified_distance_along,
     certified_map_along,
+    certified_removed_volume,
     closest_pairs,
     closest_points,
     detect_femur,
@@ -151,6 +154,7 @@ __all__ = [
     "CertifiedEquilibrium",
     "CertifiedPair",
     "CertifiedPath",
+    "CertifiedRemovedVolume",
     "CertifiedWay",
     "Checker",
     "ClosestPairMap",
@@ -199,6 +203,7 @@ __all__ = [
     "certified_distance",
     "certified_distance_along",
     "certified_map_along",
+    "certified_removed_volume",
     "closest_pairs",
     "closest_points",
     "detect_femur",

@@ -580,6 +580,30 @@ def removed_volume(
     resection: ArrayLike | None = None,
     relative_tolerance: float | None = None,
 ) -> RemovedVolume: ...
+class CertifiedRemovedVolume:
+    @property
+    def volume(self) -> Enclosure: ...
+    def is_proved(
+        self,
+        implant: Model,
+        path: ArrayLike,
+        *,
+        cavity: Mesh | None = None,
+        within: Mesh | None = None,
+        bone: Mesh | None = None,
+        resection: ArrayLike | None = None,
+    ) -> bool: ...
+
+def certified_removed_volume(
+    implant: Model,
+    path: ArrayLike,
+    *,
+    cavity: Mesh | None = None,
+    within: Mesh | None = None,
+    bone: Mesh | None = None,
+    resection: ArrayLike | None = None,
+    relative_tolerance: float | None = None,
+) -> CertifiedRemovedVolume: ...
 
 class AreaClearance:
     @property

@@ -90,6 +90,7 @@ def one_of_each():
         verisq.prove_containment(ball(3.0), mesh, "within", device="host"), verisq.octree(model, depth=3, device="host"),
         verisq.certified_map_along(ball(2.0), points, verisq.straight_path([0, 0, -1], length=1), device="host"),
         verisq.removed_volume(ball(2.0), verisq.straight_path([0, 0, -1], length=1), bone=mesh, relative_tolerance=0.5),
+        verisq.certified_removed_volume(ball(2.0), verisq.straight_path([0, 0, -1], length=1), bone=mesh, relative_tolerance=0.5),
         stance.narrowed("mp", 41.0, 42.0), stance.equilibrium(uncertain=[]), stance.certified_equilibrium(uncertain=[]), stance.stability(uncertain=[]), stance.simulate(0.01, uncertain=[]),
         stance.bounce(stance.cylinders[0], uncertain=[]), verisq.PoseUncertainty(0.5, 0.5, (0, 0, 1), 16),
         features, features.features[0], recovery, recovery.stages[0], recovery.stages[0].to_model, fit, fit.bound, fit.certified_bound,

@@ -200,6 +200,12 @@ class WaysIn(Files):
         removed = verisq.removed_volume(self.implant, path, bone=bone, relative_tolerance=0.5)
         self.assertEqual(list(removed.volume), ends(said["removed_volume"]))
         self.assertTrue(removed.within_tolerance)
+        certified = verisq.certified_removed_volume(self.implant, path, bone=bone, relative_tolerance=0.5)
+        self.assertLess(certified.volume[0], removed.volume[1])
+        self.assertGreater(certified.volume[1], removed.volume[0])
+        self.assertTrue(certified.is_proved(self.implant, path, bone=bone))
+        farther = path + [[0, 0, -1.0, 0, 0, 0, 0]]
+        self.assertFalse(certified.is_proved(self.implant, farther, bone=bone))
 
     def test_are_proved_again(self):
         points = self.cavity.vertices[::16] * 0.95
