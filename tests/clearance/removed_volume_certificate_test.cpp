@@ -396,10 +396,12 @@ TEST(RemovedVolumeCertificate, RefusesWhatHasNone) {
   refused(removal.implant, removal.path, torn, "removed volume", ": a surface that its rims do not close");
   BoneRegion flat = removal.bone;
   flat.surfaces[0].mesh.triangles.resize(1);
-  refused(removal.implant, removal.path, flat, "removed volume", ": a surface that encloses nothing");
+  refused(removal.implant, removal.path, flat, "removed volume",
+          ": a surface that encloses nothing, as far as can be proven");
   BoneRegion cloud = removal.bone;
   cloud.surfaces[0].mesh.triangles.clear();
-  refused(removal.implant, removal.path, cloud, "removed volume", ": a surface that encloses nothing");
+  refused(removal.implant, removal.path, cloud, "removed volume",
+          ": a surface that encloses nothing, as far as can be proven");
   refused(removal.implant, removal.path, {{{}}, {}}, "removed volume", ": a surface without triangles");
 }
 

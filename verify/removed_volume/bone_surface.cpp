@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "verify/analysis/cross_product.hpp"
 #include "verify/analysis/finite_point.hpp"
+#include "verify/containment/orientation.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/numbers/vector.hpp"
 #include "verify/sweep/exact_vector.hpp"
@@ -113,58 +113,20 @@ std::optional<Point> place_at(const Cube& cube, const Point& at) {
   return place;
 }
 
-/// An edge as its two ends in order, and which way it is run through.
-struct DirectedEdge {
-  std::array<Point, 2> ends;
-  int direction;
-};
-
-/// That is all that winding numbers ask for.
-bool each_edge_is_run_through_both_ways(const std::vector<Triangle>& triangles) {
-  std::vector<DirectedEdge> edges;
-  for (const Triangle& triangle : triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Point& from = triangle[k];
-      const Point& to = triangle[(k + 1) % 3];
-      if (from < to) edges.push_back({{from, to}, 1});
-      if (to < from) edges.push_back({{to, from}, -1});
-    }
-  }
-  std::ranges::sort(edges, {}, &DirectedEdge::ends);
-  for (auto edge = edges.begin(); edge != edges.end();) {
-    const std::array<Point, 2> ends = edge->ends;
-    int sum = 0;
-    for (; edge != edges.end() && edge->ends == ends; ++edge) sum += edge->direction;
-    if (sum != 0) return false;
-  }
-  return true;
-}
-
-/// Of six times the volume that the surface encloses: that of the tetrahedra between each triangle and one point.
-SignOf sign_of_volume(const std::vector<Triangle>& triangles) {
-  const Point& from = triangles.front().front();
-  Interval sum(0);
-  for (const auto& [a, b, c] : triangles) sum += way(from, a).dot(cross(way(from, b), way(from, c)));
-  return sign(sum);
-}
-
 std::vector<Triangle> checked_triangles(const Mesh& mesh, const Closing& closing) {
   std::vector<Triangle> triangles = closed_triangles(mesh, closing);
   if (triangles.empty()) throw Error(ErrorKind::input, "removed volume: a surface without triangles");
   for (const Triangle& triangle : triangles)
     if (!std::ranges::all_of(triangle, is_finite))
       throw Error(ErrorKind::input, "removed volume: a surface that is not finite");
-  if (!each_edge_is_run_through_both_ways(triangles))
-    throw Error(ErrorKind::input, "removed volume: a surface that its rims do not close");
+  if (!is_closed(triangles)) throw Error(ErrorKind::input, "removed volume: a surface that its rims do not close");
   return triangles;
 }
 
-int checked_orientation(const std::vector<Triangle>& triangles) try {
-  const SignOf sign = sign_of_volume(triangles);
-  if (sign == SignOf::unknown) throw Error(ErrorKind::input, "removed volume: a surface that encloses nothing");
-  return sign == SignOf::positive ? 1 : -1;
-} catch (const std::domain_error&) {
-  throw Error(ErrorKind::input, "removed volume: a surface whose numbers overflow");
+int checked_orientation(const std::vector<Triangle>& triangles) {
+  const std::optional<int> orientation = orientation_of(triangles);
+  if (!orientation) throw Error(ErrorKind::input, "removed volume: a surface that encloses nothing, as far as can be proven");
+  return *orientation;
 }
 
 }  // namespace

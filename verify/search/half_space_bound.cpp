@@ -49,7 +49,7 @@ double HalfSpaceBound::lower(const Solid& solid, const Triangle& triangle) {
   double largest = proposed(best);
   for (const Plain& n : {own, Plain{-own[0], -own[1], -own[2]}}) {
     const double value = proposed(n);
-    if (!(value > largest)) continue;
+    if (!(value > largest) && !std::isnan(largest)) continue;
     best = n;
     largest = value;
   }

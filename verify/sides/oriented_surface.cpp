@@ -1,4 +1,4 @@
-/// Edges are counted, with the way they are run through; the volume's sign is that of an interval.
+/// Edges are counted, with the way they are run through.
 #include "verify/sides/oriented_surface.hpp"
 
 #include <algorithm>
@@ -7,8 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "verify/analysis/largest_coordinate.hpp"
-#include "verify/numbers/interval.hpp"
+#include "verify/containment/orientation.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq::verify {
@@ -49,14 +48,6 @@ Closing closing_of(const Mesh& mesh) {
   return closing_over_rims(mesh);
 }
 
-/// Every edge is run through as often one way as the other, so that there is a winding number off the surface.
-void require_closed(Mesh mesh, const Closing& closing) {
-  mesh.triangles.insert(mesh.triangles.end(), closing.mesh.triangles.begin(), closing.mesh.triangles.end());
-  for (const auto& [edge, runs] : runs_through(mesh)) {
-    if (runs.forward != runs.backward) throw Error(ErrorKind::failure, "a surface is not closed over its rims");
-  }
-}
-
 /// Of the triangles, by the edges that they share.
 std::size_t components_of(const Mesh& mesh) {
   std::vector<std::size_t> root(mesh.triangles.size());
@@ -81,32 +72,6 @@ std::size_t components_of(const Mesh& mesh) {
   return components;
 }
 
-/// Products of three differences stay far from overflow.
-constexpr double largest_size = 1e100;
-
-/// Of six times the volume, the sum of the tetrahedra between the triangles and a corner.
-std::optional<int> orientation_of(const std::vector<Triangle>& triangles) {
-  for (const Triangle& triangle : triangles) {
-    if (largest_coordinate(triangle) > largest_size) return std::nullopt;
-  }
-  const Point& apex = triangles[0][0];
-  const auto from_apex = [&](const Point& x) {
-    return std::array{Interval(x[0]) - Interval(apex[0]), Interval(x[1]) - Interval(apex[1]),
-                      Interval(x[2]) - Interval(apex[2])};
-  };
-  Interval volume(0);
-  for (const Triangle& triangle : triangles) {
-    const auto a = from_apex(triangle[0]);
-    const auto b = from_apex(triangle[1]);
-    const auto c = from_apex(triangle[2]);
-    volume +=
-        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-  }
-  if (volume.lower() > 0.0) return 1;
-  if (volume.upper() < 0.0) return -1;
-  return std::nullopt;
-}
-
 }  // namespace
 
 OrientedSurface::OrientedSurface(const Mesh& mesh)
@@ -114,7 +79,7 @@ OrientedSurface::OrientedSurface(const Mesh& mesh)
       components_(components_of(mesh)),
       closed_(closed_triangles(mesh, closing_)),
       orientation_(orientation_of(closed_.triangles())) {
-  require_closed(mesh, closing_);
+  if (!is_closed(closed_.triangles())) throw Error(ErrorKind::failure, "a surface is not closed over its rims");
 }
 
 std::optional<OrientedSurface::Side> OrientedSurface::side_of(const Point& point) const {
