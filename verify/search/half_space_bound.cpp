@@ -38,7 +38,9 @@ double HalfSpaceBound::lower(const Solid& solid, const Triangle& triangle) {
   const PosedTriangle posed(triangle, solid.posed.motion());
   std::array<Plain, 3> corners;
   std::ranges::transform(posed.corners(), corners.begin(), about);
-  const auto& [a, b, c] = corners;
+  const Plain& a = corners[0];
+  const Plain& b = corners[1];
+  const Plain& c = corners[2];
   const auto proposed = [&](const Plain& n) {
     const double least = std::min({dot(n, a), dot(n, b), dot(n, c)});
     return (least - dot(n, solid.set(n))) / std::sqrt(dot(n, n));
