@@ -125,7 +125,8 @@ std::vector<Triangle> checked_triangles(const Mesh& mesh, const Closing& closing
 
 int checked_orientation(const std::vector<Triangle>& triangles) {
   const std::optional<int> orientation = orientation_of(triangles);
-  if (!orientation) throw Error(ErrorKind::input, "removed volume: a surface that encloses nothing, as far as can be proven");
+  if (!orientation)
+    throw Error(ErrorKind::input, "removed volume: a surface that encloses nothing, as far as can be proven");
   return *orientation;
 }
 
