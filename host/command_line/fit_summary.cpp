@@ -128,6 +128,8 @@ std::string in_words(SideFinding finding, SurfaceSide required, FitSurface surfa
       return fmt::format("is not proven to lie {} the {}: its bend is too strong for the limit", side, name);
     case SideFinding::several_parts:
       return fmt::format("is not proven to lie {} the {}, which is in several parts", side, name);
+    case SideFinding::no_volume:
+      return fmt::format("is not proven to lie {} the {}, which encloses nothing", side, name);
   }
   return "";
 }

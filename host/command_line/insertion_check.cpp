@@ -127,10 +127,23 @@ BoneRegion region_of(const RemovalAnswer& removed, const Mesh& mesh, const Check
   return region;
 }
 
+/// What is wrong with them is told with the names of the meshes.
+RemovedVolumeChecker removal_checker(const InsertionAnswer& answer, const Model& implant, const Mesh& mesh,
+                                     const CheckArguments& arguments) {
+  const BoneRegion region = region_of(*answer.removed, mesh, arguments);
+  try {
+    return {implant, answer.path, region};
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    const std::string within = arguments.within.empty() ? "" : ", " + arguments.within;
+    refuse(fmt::format("{}{}: {}", arguments.inputs.mesh, within, error.what()));
+  }
+}
+
 RemovalReport checked_removal(const InsertionAnswer& answer, const Model& implant, const Mesh& mesh,
                               const CheckArguments& arguments) {
   const RemovalAnswer& removed = *answer.removed;
-  const RemovedVolumeChecker checker(implant, answer.path, region_of(removed, mesh, arguments));
+  const RemovedVolumeChecker checker = removal_checker(answer, implant, mesh, arguments);
   ProgressBar bar(!arguments.no_progress, "cubes");
   const Stopwatch time;
   const ProvenRemovedVolume proven =
@@ -171,6 +184,7 @@ JsonObject object_of(const RemovalAnswer& removed, const RemovalReport& report) 
                     {"proven", report.finding.proven},
                     {"bone", removed.bone == BoneSide::inside ? "inside" : "outside"},
                     {"within", removed.within ? JsonValue(removed.within->name) : JsonValue()},
+                    {"without_an_end", !std::isfinite(report.claimed.width())},
                     {"rims", report.rims},
                     {"cubes", report.proven.cubes},
                     {"seconds", report.seconds}};

@@ -53,6 +53,23 @@ std::string depth_in_words(const FitAnswer& answer) {
   return fmt::format("all of it that is deeper in it than {}", with_units(fmt::format("{}", limit), answer.units));
 }
 
+/// What is wrong with the mesh is told with its name.
+SideChecker checker_of(const Model& model, const CheckArguments& arguments, double penetration_limit) try {
+  return {model, read_mesh(arguments.inputs.mesh), penetration_limit};
+} catch (const Error& error) {
+  const bool is_named = std::string_view(error.what()).starts_with(arguments.inputs.mesh);
+  if (error.kind() != ErrorKind::input || is_named) throw;
+  refuse(fmt::format("{}: {}", arguments.inputs.mesh, error.what()));
+}
+
+/// Primitives of which nothing is claimed.
+std::vector<std::string> others_of(const FitAnswer& answer, const SideCheckReport& report) {
+  std::vector<std::string> others = report.names;
+  for (const SideClaim& claim : answer.sides) others[claim.primitive].clear();
+  std::erase(others, "");
+  return others;
+}
+
 }  // namespace
 
 bool SideCheckReport::all_proved() const {
@@ -65,7 +82,7 @@ SideCheckReport checked_sides(const FitAnswer& answer, const CheckArguments& arg
   const Model model = read_model(arguments.models.front());
   refuse_other_primitives(answer, model, arguments);
   report.names = names_of(model);
-  const SideChecker checker(model, read_mesh(arguments.inputs.mesh), answer.terms.penetration_limit);
+  const SideChecker checker = checker_of(model, arguments, answer.terms.penetration_limit);
   report.rims = checker.rims();
   report.outward = checker.faces_outward();
   ProgressBar bar(!arguments.no_progress, "%");
@@ -84,16 +101,15 @@ std::string sides_in_words(const FitAnswer& answer, const SideCheckReport& repor
   std::string text = verdicts_in_words("sides of the mesh", counted(report.verdicts, [](Verdict verdict) {
                                          return Finding{verdict, {}};
                                        }));
-  std::vector<std::string> others = report.names;
   for (std::size_t i = 0; i < answer.sides.size(); ++i) {
     const auto& [primitive, side] = answer.sides[i];
     text += fmt::format("  {:<8} {}: {} lies {} of {}\n", name_of(report.verdicts[i]), report.names[primitive],
                         depth_in_words(answer), to_string(side), mesh_in_words(report));
-    others[primitive].clear();
   }
-  std::erase(others, "");
-  if (others.empty()) return text;
-  return text + fmt::format("  of {} nothing is claimed: may lie on any side\n", fmt::join(others, ", "));
+  const std::vector<std::string> others = others_of(answer, report);
+  if (!others.empty())
+    text += fmt::format("  of {} nothing is claimed: may lie on any side\n", fmt::join(others, ", "));
+  return text + "  are these the sides and the limit that were meant? That is not proved, but for you to see\n";
 }
 
 JsonValue sides_of(const FitAnswer& answer, const SideCheckReport& report) {
@@ -108,7 +124,9 @@ JsonValue sides_of(const FitAnswer& answer, const SideCheckReport& report) {
   }
   return JsonObject{{"rims", report.rims},
                     {"faces_outward", report.outward ? JsonValue(*report.outward) : JsonValue()},
-                    {"claims", claims}};
+                    {"penetration_limit", answer.terms.penetration_limit},
+                    {"claims", claims},
+                    {"not_claimed", others_of(answer, report)}};
 }
 
 }  // namespace verisq::command_line

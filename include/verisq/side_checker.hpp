@@ -29,11 +29,13 @@ enum class SideFinding : std::uint8_t {
   no_deep_point,    ///< it has no point that is known to lie deeper than the limit of penetration
   on_the_surface,   ///< rounding leaves its point's side open
   strongly_bent,    ///< its points deeper than the limit of penetration are not known to be connected
-  several_parts,    ///< the surface is in several parts, and inside of which it is to be nobody says
+  several_parts,    ///< the surface is in several parts, and nobody says of which that is the side
+  no_volume,        ///< it is not proven that the surface, closed over its rims, encloses anything
 };
 
 /// "proven", "other side", "not off the surface", "not off the openings", "centre not deep enough", "centre not
-/// decided", "bend too strong for the limit", "surface in several parts".
+/// decided", "bend too strong for the limit", "surface in several parts",
+/// "surface encloses nothing".
 [[nodiscard]] constexpr std::string_view to_string(SideFinding finding) {
   switch (finding) {
     case SideFinding::kept: return "proven";
@@ -43,9 +45,10 @@ enum class SideFinding : std::uint8_t {
     case SideFinding::no_deep_point: return "centre not deep enough";
     case SideFinding::on_the_surface: return "centre not decided";
     case SideFinding::strongly_bent: return "bend too strong for the limit";
-    case SideFinding::several_parts: break;
+    case SideFinding::several_parts: return "surface in several parts";
+    case SideFinding::no_volume: break;
   }
-  return "surface in several parts";
+  return "surface encloses nothing";
 }
 
 /// `proved` where it is kept, `refuted` where the other side is, else `unproved`.
@@ -65,8 +68,9 @@ class SideChecker {
   /// Kept: no point of the surface, nor of the fans that close it over its rims, lies deeper in the primitive than the
   /// limit; those points that do are connected, the centre among them, which is on that side: hence all of them are
   /// (docs/mathematics.md §22). Inside is where the closed surface winds about a point as it does about its volume,
-  /// outside where it does not wind; where it is in several parts, nobody knows of which inside would be. Nothing is
-  /// kept once interrupted. Precondition: a primitive that there is.
+  /// outside where it does not wind. Of a surface in several parts, as of one whose triangles do not share their
+  /// vertices, nothing is kept, nor of one that encloses nothing, nor once interrupted. Precondition: a primitive that
+  /// there is.
   [[nodiscard]] SideFinding operator()(const SideClaim& claim, const CheckOptions& options = {}) const;
 
   /// Whether the closed surface's normals point outward, as a bone's; nothing where that is not proven.

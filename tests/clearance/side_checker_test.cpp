@@ -100,7 +100,18 @@ TEST(SideChecker, IsOfOneSurface) {
   EXPECT_EQ(verdict(ellipsoid({0.0, 0.0, 0.0}, small), join(sphere_mesh(2), bead), SurfaceSide::inside),
             Verdict::unproved);
   EXPECT_EQ(verdict(ellipsoid({1.5, 0.0, 0.0}, small), join(sphere_mesh(2), bead), SurfaceSide::outside),
-            Verdict::proved);
+            Verdict::unproved);
+  // Triangles that do not share vertices, each closed by a fan of its own, wind about nothing.
+  const Mesh ball = sphere_mesh(2);
+  Mesh soup;
+  for (const auto& corners : ball.triangles) {
+    const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+    for (const std::uint32_t v : corners) soup.vertices.push_back(ball.vertices[v]);
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  EXPECT_EQ(SideChecker(alone(ellipsoid({}, small)), soup, 0.0)({0, SurfaceSide::outside}), SideFinding::several_parts);
+  soup.triangles.resize(1);
+  EXPECT_EQ(SideChecker(alone(ellipsoid({}, small)), soup, 0.0)({0, SurfaceSide::outside}), SideFinding::no_volume);
 }
 
 TEST(SideChecker, IsOfBentPrimitives) {

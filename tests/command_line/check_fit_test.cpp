@@ -227,6 +227,7 @@ TEST_F(CheckSidesOfFit, ProvesThemOfModelAndMeshAlone) {
   const json object = json::parse(check_with(proof_, {"--json"}).out);
   EXPECT_EQ(object["sides"]["rims"], 1);
   EXPECT_EQ(object["sides"]["faces_outward"], true);
+  EXPECT_EQ(object["sides"]["not_claimed"], json::array({"neck"}));
   EXPECT_EQ(object["sides"]["claims"],
             json::array({{{"primitive", "ball"}, {"side", "inside"}, {"verdict", "proved"}}}));
 }

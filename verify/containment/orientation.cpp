@@ -16,6 +16,26 @@ namespace {
 /// Products of three differences stay far from overflow.
 constexpr double largest_size = 1e100;
 
+/// What encloses less of the cube about it encloses nothing, but for roundings, as of the mean that closes a rim.
+constexpr double smallest_share = 0x1p-40;
+
+/// About: only what is negligible depends on it.
+double volume_of_cube_about(std::span<const Triangle> triangles) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    double low = triangles[0][0][i];
+    double high = low;
+    for (const Triangle& triangle : triangles) {
+      for (const Point& corner : triangle) {
+        low = std::min(low, corner[i]);
+        high = std::max(high, corner[i]);
+      }
+    }
+    largest = std::max(largest, high - low);
+  }
+  return largest * largest * largest;
+}
+
 /// An edge as its two ends in order, and which way it is run through.
 struct DirectedEdge {
   std::array<Point, 2> ends;
@@ -56,8 +76,9 @@ std::optional<int> orientation_of(std::span<const Triangle> triangles) {
   const Point& from = triangles.front().front();
   Interval sum(0);
   for (const auto& [a, b, c] : triangles) sum += way(from, a).dot(cross(way(from, b), way(from, c)));
-  if (sum.lower() > 0.0) return 1;
-  if (sum.upper() < 0.0) return -1;
+  const double least = 6.0 * smallest_share * volume_of_cube_about(triangles);
+  if (sum.lower() > least) return 1;
+  if (sum.upper() < -least) return -1;
   return std::nullopt;
 }
 

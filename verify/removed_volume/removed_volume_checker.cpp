@@ -156,10 +156,11 @@ struct RemovedVolumeChecker::State {
 
   /// Those octants of a cube in which bone may be removed. Nothing where it is not divided, or not into octants that
   /// binary64 holds.
-  [[nodiscard]] std::optional<std::vector<CubeInCase>> octants(const CubeInCase& of, const Division& division) const {
+  [[nodiscard]] std::optional<std::vector<CubeInCase>> octants(const CubeInCase& of, const Division& division,
+                                                               const std::function<bool()>& interrupted) const {
     if (!division.is_divided(of.index)) return std::nullopt;
     std::vector<CubeInCase> result;
-    const std::shared_ptr<const SweepingPrimitives> sweeping = narrowed(of);
+    const std::shared_ptr<const SweepingPrimitives> sweeping = narrowed(of, interrupted);
     std::size_t index = of.index + 1;
     for (unsigned octant = 0; octant < 8; ++octant) {
       const std::optional<Cube> cube = octant_of(of.cube, octant);
@@ -177,7 +178,7 @@ struct RemovedVolumeChecker::State {
   }
 
   /// Of the bone in a cube.
-  [[nodiscard]] Enclosure removed_in(const CubeInCase& here) const try {
+  [[nodiscard]] Enclosure removed_in(const CubeInCase& here, const std::function<bool()>& interrupted) const try {
     const Cube& cube = here.cube;
     BracketedPart part;
     if (resection) part = before(*resection, cube);
@@ -186,7 +187,7 @@ struct RemovedVolumeChecker::State {
     verify::UnionOfParts inner;
     verify::UnionOfParts outer;
     for (const auto& [k, times] : *here.primitives) {
-      const SweptPrimitive::InCube found = primitives[k].in(cube, times);
+      const SweptPrimitive::InCube found = primitives[k].in(cube, times, interrupted);
       if (found.times.empty()) continue;
       outer.push_back(found.outer);
       if (known) inner.push_back(primitives[k].inner(cube, found.deepest));
@@ -207,7 +208,7 @@ struct RemovedVolumeChecker::State {
       all_undivided = true;
       std::vector<CubeInCase> smaller;
       for (CubeInCase& part : parts) {
-        auto divided = octants(part, division);
+        auto divided = octants(part, division, interrupted);
         all_undivided = all_undivided && !divided;
         if (divided) {
           std::ranges::move(*divided, std::back_inserter(smaller));
@@ -228,10 +229,10 @@ struct RemovedVolumeChecker::State {
     while (!open.empty() && !interrupted()) {
       const CubeInCase here = std::move(open.back());
       open.pop_back();
-      if (auto parts = octants(here, division)) {
+      if (auto parts = octants(here, division, interrupted)) {
         std::ranges::move(*parts, std::back_inserter(open));
       } else {
-        sum = sum_of(sum, removed_in(here));
+        sum = sum_of(sum, removed_in(here, interrupted));
       }
     }
     return sum;
@@ -258,10 +259,11 @@ struct RemovedVolumeChecker::State {
   }
 
   /// What may sweep anything of this cube.
-  [[nodiscard]] std::shared_ptr<const SweepingPrimitives> narrowed(const CubeInCase& here) const try {
+  [[nodiscard]] std::shared_ptr<const SweepingPrimitives> narrowed(const CubeInCase& here,
+                                                                   const std::function<bool()>& interrupted) const try {
     SweepingPrimitives result;
     for (const auto& [k, times] : *here.primitives) {
-      SweptPrimitive::InCube found = primitives[k].in(here.cube, times);
+      SweptPrimitive::InCube found = primitives[k].in(here.cube, times, interrupted);
       if (!found.times.empty()) result.push_back({k, std::move(found.times)});
     }
     return std::make_shared<const SweepingPrimitives>(std::move(result));

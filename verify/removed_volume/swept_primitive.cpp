@@ -157,12 +157,14 @@ SweptPrimitive::Facing SweptPrimitive::facing(const Cube& cube, const PartOfLeg&
 }
 
 /// Parts of legs are halved where what their planes do in between decides, beside the square of the cube.
-SweptPrimitive::InCube SweptPrimitive::in(const Cube& cube, std::span<const PartOfLeg> times) const {
+SweptPrimitive::InCube SweptPrimitive::in(const Cube& cube, std::span<const PartOfLeg> times,
+                                          const std::function<bool()>& interrupted) const {
   const double allowed = cube.half_width * std::min(1.0, cube.half_width / smallest_semi_axis_) / 8.0;
   std::vector<Facing> open;
   std::vector<PartOfLeg> next(times.begin(), times.end());
   while (!next.empty()) {
     for (const PartOfLeg& part : next) {
+      if (interrupted()) return {};
       Facing found = facing(cube, part);
       if (!all_positive(found.heights)) open.push_back(std::move(found));
     }

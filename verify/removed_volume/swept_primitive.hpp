@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -46,8 +47,10 @@ class SweptPrimitive {
     Moment deepest = {};                ///< likewise: when to look from within; proves nothing
   };
 
-  /// Of what is swept at these times. Precondition: what is swept at others does not meet the cube.
-  [[nodiscard]] InCube in(const Cube& cube, std::span<const PartOfLeg> times) const;
+  /// Of what is swept at these times; once `interrupted`, which is polled, nothing of the kind is meant. Precondition:
+  /// what is swept at others does not meet the cube.
+  [[nodiscard]] InCube in(const Cube& cube, std::span<const PartOfLeg> times,
+                          const std::function<bool()>& interrupted) const;
 
   /// A part of the cube that lies in the primitive about then.
   [[nodiscard]] CornerHeights inner(const Cube& cube, const Moment& moment) const;

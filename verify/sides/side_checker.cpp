@@ -98,8 +98,8 @@ SideFinding SideChecker::operator()(const SideClaim& claim, const CheckOptions& 
   const std::span<const Triangle> triangles = surface.triangles();
   if (!keep_off(part, triangles.first(surface.triangles_of_mesh()), options)) return SideFinding::enters_surface;
   if (!keep_off(part, triangles.subspan(surface.triangles_of_mesh()), options)) return SideFinding::reaches_through;
-  const bool is_of_one = claim.side == SurfaceSide::outside || surface.components() == 1;
-  return is_of_one ? SideFinding::kept : SideFinding::several_parts;
+  if (surface.components() > 1) return SideFinding::several_parts;
+  return surface.faces_outward() ? SideFinding::kept : SideFinding::no_volume;
 }
 
 }  // namespace verisq
