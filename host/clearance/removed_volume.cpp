@@ -13,6 +13,7 @@
 
 #include "host/mesh/extent.hpp"
 #include "host/threads/parallel.hpp"
+#include "verify/containment/orientation.hpp"
 #include "verify/containment/rims.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/path_check.hpp"
@@ -44,8 +45,6 @@ constexpr double centre_bits = 0x1p10;
 constexpr int deepest_level = 30;
 /// Of the tolerance is left to the cubes that are not divided in a round.
 constexpr double share_of_rest = 0.5;
-/// Of the cube about a surface: what encloses less encloses nothing, but for roundings.
-constexpr double least_share_enclosed = 1e-12;
 /// Cubes that are divided between two polls.
 constexpr std::size_t cubes_between_polls = 256;
 
@@ -163,12 +162,11 @@ class RemovalSearch {
   void add(const BoneSurface& surface) {
     check_surface_has_sides(surface.mesh);
     const verify::Closing closing = verify::closing_over_rims(surface.mesh);
-    const double volume = signed_volume(surface.mesh) + signed_volume(closing.mesh);
-    const double size = 2.0 * extent_of(surface.mesh.vertices).half_size();
-    if (!(std::abs(volume) > least_share_enclosed * size * size * size))
-      throw Error(ErrorKind::input, "removed volume: a surface encloses nothing, closed over its rims");
+    std::vector<Triangle> triangles = verify::closed_triangles(surface.mesh, closing);
+    const std::optional<int> orientation = verify::orientation_of(triangles);
+    if (!orientation) throw Error(ErrorKind::input, "removed volume: a surface encloses nothing, closed over its rims");
     const verify::Side side = surface.bone == BoneSide::inside ? verify::Side::inside : verify::Side::outside;
-    surfaces_.emplace_back(verify::closed_triangles(surface.mesh, closing), volume > 0.0 ? 1 : -1, side);
+    surfaces_.emplace_back(std::move(triangles), *orientation, side);
     found_.rims.push_back(closing.rims);
   }
 

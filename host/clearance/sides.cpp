@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "host/threads/parallel.hpp"
+#include "verify/containment/orientation.hpp"
 #include "verify/containment/rims.hpp"
 #include "verify/sets/set_tree.hpp"
+#include "verify/sides/oriented_surface.hpp"
 #include "verisq/error.hpp"
-#include "verisq/mesh_topology.hpp"
 
 namespace verisq {
 
@@ -32,16 +33,12 @@ std::vector<SideClaim> claims_of(const Sides& sides, std::span<const SurfaceSide
 }
 
 bool faces_outward(const Mesh& surface) {
-  return signed_volume(surface) + signed_volume(verify::closing_over_rims(surface).mesh) > 0.0;
+  const auto triangles = verify::closed_triangles(surface, verify::closing_over_rims(surface));
+  return verify::orientation_of(triangles) == 1;
 }
 
 void check_surface_has_sides(const Mesh& surface) {
-  const MeshTopology topology = mesh_topology(surface);
-  if (topology.triangles == 0) throw Error(ErrorKind::input, "has no triangles, so that it has no sides");
-  if (topology.non_manifold_edges > 0 || !topology.oriented()) {
-    throw Error(ErrorKind::input,
-                "has no sides: edges of more than two triangles, or triangles that are not turned alike");
-  }
+  verify::require_sides(surface);
 }
 
 Sides prove_sides(const Model& model, const Mesh& surface, std::span<const SurfaceSide> required,

@@ -134,17 +134,13 @@ std::string in_words(SideFinding finding, SurfaceSide required, FitSurface surfa
   return "";
 }
 
-std::string name_of(const FitSummary& summary, std::size_t primitive) {
-  const std::string& name = summary.fit.model.primitives[primitive].name;
-  return name.empty() ? fmt::format("primitives[{}]", primitive) : name;
-}
-
 /// Of those primitives.
 template <class Holds>
 std::string names_where(const FitSummary& summary, const Holds& holds) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < summary.required_sides.size(); ++k) {
-    if (holds(summary.required_sides[k], summary.sides->of_primitives[k])) names.push_back(name_of(summary, k));
+    if (holds(summary.required_sides[k], summary.sides->of_primitives[k]))
+      names.push_back(name_of_primitive(summary.fit.model, k));
   }
   return fmt::format("{}", fmt::join(names, ", "));
 }
@@ -496,7 +492,7 @@ JsonValue sides_json(const FitSummary& summary) {
   for (std::size_t k = 0; k < summary.required_sides.size(); ++k) {
     const bool asked = summary.required_sides[k] != SurfaceSide::any;
     sides.push_back(JsonObject{
-        {"primitive", name_of(summary, k)},
+        {"primitive", name_of_primitive(summary.fit.model, k)},
         {"required", std::string(to_string(summary.required_sides[k]))},
         {"found", asked ? JsonValue(std::string(to_string(summary.sides->of_primitives[k]))) : JsonValue()}});
   }
@@ -656,8 +652,8 @@ std::vector<std::string> broken_sides(const FitSummary& summary) {
   for (std::size_t k = 0; k < summary.required_sides.size(); ++k) {
     const SideFinding found = summary.sides->of_primitives[k];
     if (found == SideFinding::kept) continue;
-    sentences.push_back(
-        fmt::format("{} {}", name_of(summary, k), in_words(found, summary.required_sides[k], summary.side_of)));
+    sentences.push_back(fmt::format("{} {}", name_of_primitive(summary.fit.model, k),
+                                    in_words(found, summary.required_sides[k], summary.side_of)));
   }
   return sentences;
 }

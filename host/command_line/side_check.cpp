@@ -23,8 +23,7 @@ namespace {
 
 std::vector<std::string> names_of(const Model& model) {
   std::vector<std::string> names;
-  for (const Primitive& primitive : model.primitives)
-    names.push_back(primitive.name.empty() ? fmt::format("primitives[{}]", names.size()) : primitive.name);
+  for (std::size_t k = 0; k < model.primitives.size(); ++k) names.push_back(name_of_primitive(model, k));
   return names;
 }
 

@@ -295,11 +295,7 @@ std::vector<Enclosure> approximate_distances(const Model& model, const Mesh& mes
   return rows;
 }
 
-/// Both hold the exact value, and so does all between.
-Enclosure hull(const Enclosure& a, const Enclosure& b) {
-  return {std::min(a.lo, b.lo), std::max(a.hi, b.hi)};
-}
-
+/// Both hold the exact values, and so does all between.
 ContactClaim claim_between(const AreaWithin& found, const AreaWithin& proven) {
   const ContactClaim a = claim_of(found);
   const ContactClaim b = claim_of(proven);

@@ -203,6 +203,20 @@ class StrictEvents final : public nlohmann::json_sax<Json> {
   std::vector<Level> levels_;
 };
 
+/// Of UTF-8, as JSON is: those that terminals obey, of which some begin with C2, and those that end a line or turn what
+/// follows round, U+2028 to U+202E and U+2066 to U+2069.
+bool has_control_characters(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = [&](std::size_t k) { return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0U; };
+    if (byte(0) < 0x20 || byte(0) == 0x7f) return true;
+    if (byte(0) == 0xc2 && byte(1) < 0xa0) return true;
+    if (byte(0) != 0xe2) continue;
+    if (byte(1) == 0x80 && byte(2) >= 0xa8 && byte(2) <= 0xae) return true;
+    if (byte(1) == 0x81 && byte(2) >= 0xa6 && byte(2) <= 0xa9) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 // Two passes: a single one, by the parser's callback, looks at all elements of an array after each of them.
@@ -250,24 +264,6 @@ std::string JsonValue::text() const {
   if (!value_->is_string()) fail("must be a string");
   return value_->get<std::string>();
 }
-
-namespace {
-
-/// Of UTF-8, as JSON is: those that terminals obey, of which some begin with C2, and those that end a line or turn what
-/// follows round, U+2028 to U+202E and U+2066 to U+2069.
-bool has_control_characters(std::string_view text) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = [&](std::size_t k) { return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0U; };
-    if (byte(0) < 0x20 || byte(0) == 0x7f) return true;
-    if (byte(0) == 0xc2 && byte(1) < 0xa0) return true;
-    if (byte(0) != 0xe2) continue;
-    if (byte(1) == 0x80 && byte(2) >= 0xa8 && byte(2) <= 0xae) return true;
-    if (byte(1) == 0x81 && byte(2) >= 0xa6 && byte(2) <= 0xa9) return true;
-  }
-  return false;
-}
-
-}  // namespace
 
 std::string JsonValue::line() const {
   const std::string line = text();

@@ -56,8 +56,7 @@ std::vector<FitCondition> conditions_of_sides(const FitProblem& problem, const F
   if (!proof.sides) return conditions;
   for (std::size_t k = 0; k < fit.model.primitives.size(); ++k) {
     if (problem.options.sides[fit.implant][k] == SurfaceSide::any) continue;
-    const std::string& name = fit.model.primitives[k].name;
-    FitCondition condition{.name = fmt::format("side of {}", name.empty() ? fmt::format("primitives[{}]", k) : name)};
+    FitCondition condition{.name = fmt::format("side of {}", name_of_primitive(fit.model, k))};
     const SideFinding finding = proof.sides->of_primitives[k];
     if (finding == SideFinding::kept) condition.kept = true;
     if (finding == SideFinding::other_side) condition.kept = false;

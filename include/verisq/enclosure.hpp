@@ -1,6 +1,7 @@
 /// What every query returns: an interval of binary64 numbers that contains the exact real result.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 namespace verisq {
@@ -17,6 +18,11 @@ struct Enclosure {
   [[nodiscard]] constexpr bool contains(double value) const { return lo <= value && value <= hi; }
   [[nodiscard]] constexpr bool operator==(const Enclosure&) const = default;
 };
+
+/// The numbers of both, and those between.
+[[nodiscard]] constexpr Enclosure hull(const Enclosure& a, const Enclosure& b) {
+  return {std::min(a.lo, b.lo), std::max(a.hi, b.hi)};
+}
 
 /// "Verified" in the sense of docs/formats.md §1: at most `tolerance` wide. False for NaN, and for lo > hi, which
 /// encloses nothing.

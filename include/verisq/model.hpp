@@ -78,6 +78,9 @@ inline constexpr double largest_taper = 100.0;
 /// Whether the primitive has a bend that moves anything: without one it is convex.
 [[nodiscard]] bool is_bent(const Primitive& primitive);
 
+/// Of a primitive, for messages: its own, or "primitives[2]" where it has none. Precondition: it is there.
+[[nodiscard]] std::string name_of_primitive(const Model& model, std::size_t primitive);
+
 /// Whether the model is the union of all its primitives, none of them bent: what the certificates of
 /// docs/mathematics.md §2 are made for. Anything else is searched by branch and bound (§9 to §11).
 [[nodiscard]] bool is_union_of_convex(const Model& model);

@@ -24,8 +24,7 @@ struct Sides {
   [[nodiscard]] bool kept() const;
 };
 
-/// Whether the surface, closed over its rims, faces outward (its signed volume is positive, to nearest). Precondition:
-/// it has sides.
+/// Whether the surface, closed over its rims, is proven to face outward. Precondition: it has sides.
 [[nodiscard]] bool faces_outward(const Mesh& surface);
 
 /// Throws Error(input) unless the triangles enclose a side: manifold, and consistently oriented.

@@ -406,8 +406,7 @@ py::object sides(const PythonFit& self) {
   py::dict result;
   for (std::size_t k = 0; k < self.required_sides.size(); ++k) {
     if (self.required_sides[k] == SurfaceSide::any) continue;
-    const std::string& name = self.solution.fit.model.primitives[k].name;
-    result[py::str(name.empty() ? fmt::format("primitives[{}]", k) : name)] =
+    result[py::str(name_of_primitive(self.solution.fit.model, k))] =
         std::string(to_string(self.proof.sides->of_primitives[k]));
   }
   return result;

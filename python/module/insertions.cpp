@@ -131,39 +131,52 @@ BoneRegion bone_region(const py::object& cavity, const py::object& within, const
   return bone_around(named("cavity", cavity), std::move(outer), resection);
 }
 
-RemovedVolume volume(const PythonModel& implant, const py::handle& path, const py::object& cavity,
-                     const py::object& within, const py::object& bone, const py::object& resection,
-                     const std::optional<double>& relative_tolerance) {
-  const Model& exact = implant.exact("removed_volume");
-  const std::vector<Pose> way = poses(path, "path");
-  const BoneRegion region = bone_region(cavity, within, bone, plane(resection));
+/// An implant's way into a bone, as Python says it.
+struct WayIntoBone {
+  const Model& implant;
+  std::vector<Pose> path;
+  BoneRegion bone;
+};
+
+WayIntoBone way_into_bone(const char* function, const PythonModel& implant, const py::handle& path,
+                          const py::object& cavity, const py::object& within, const py::object& bone,
+                          const py::object& resection) {
+  return {implant.exact(function), poses(path, "path"), bone_region(cavity, within, bone, plane(resection))};
+}
+
+RemovedVolume removed_along(const WayIntoBone& way, const std::optional<double>& relative_tolerance) {
   if (relative_tolerance) check_length(*relative_tolerance, "relative_tolerance");
   Interruption interruption;
   const RemovedVolumeOptions options{.relative_tolerance = relative_tolerance.value_or(usual_volume_tolerance),
-                                     .tolerance = relative_tolerance ? 0.0 : negligible_volume(exact),
+                                     .tolerance = relative_tolerance ? 0.0 : negligible_volume(way.implant),
                                      .interrupted = interruption.poll()};
-  return without_lock(interruption, [&] { return verisq::removed_volume(way, exact, region, options); });
+  return without_lock(interruption, [&] { return verisq::removed_volume(way.path, way.implant, way.bone, options); });
+}
+
+RemovedVolume volume(const PythonModel& implant, const py::handle& path, const py::object& cavity,
+                     const py::object& within, const py::object& bone, const py::object& resection,
+                     const std::optional<double>& relative_tolerance) {
+  return removed_along(way_into_bone("removed_volume", implant, path, cavity, within, bone, resection),
+                       relative_tolerance);
 }
 
 CertifiedRemovedVolume certified_volume(const PythonModel& implant, const py::handle& path, const py::object& cavity,
                                         const py::object& within, const py::object& bone, const py::object& resection,
                                         const std::optional<double>& relative_tolerance) {
-  const RemovedVolume found = volume(implant, path, cavity, within, bone, resection, relative_tolerance);
-  const std::vector<Pose> way = poses(path, "path");
-  const BoneRegion region = bone_region(cavity, within, bone, plane(resection));
+  const WayIntoBone way = way_into_bone("certified_removed_volume", implant, path, cavity, within, bone, resection);
+  const RemovedVolume found = removed_along(way, relative_tolerance);
   Interruption interruption;
   const auto interrupted = interruption.poll();
   return without_lock(interruption, [&] {
-    return verisq::certified_removed_volume(way, implant.exact("certified_removed_volume"), region, found,
-                                            {.interrupted = interrupted});
+    return verisq::certified_removed_volume(way.path, way.implant, way.bone, found, {.interrupted = interrupted});
   });
 }
 
 bool is_volume_proved(const CertifiedRemovedVolume& self, const PythonModel& implant, const py::handle& path,
                       const py::object& cavity, const py::object& within, const py::object& bone,
                       const py::object& resection) {
-  const RemovedVolumeChecker checker(implant.exact("is_proved"), poses(path, "path"),
-                                     bone_region(cavity, within, bone, plane(resection)));
+  const WayIntoBone way = way_into_bone("is_proved", implant, path, cavity, within, bone, resection);
+  const RemovedVolumeChecker checker(way.implant, way.path, way.bone);
   Interruption interruption;
   const auto interrupted = interruption.poll();
   return without_lock(interruption, [&] {

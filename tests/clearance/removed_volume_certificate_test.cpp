@@ -17,6 +17,7 @@
 #include <verisq/insertion.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/removals.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
 
@@ -26,33 +27,14 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using std::numbers::pi;
+using verisq::testing::capsule_beyond;
+using verisq::testing::counted_volume;
 using verisq::testing::expect_error;
-
-Point point_of(const Vector3d& x) {
-  return {x[0], x[1], x[2]};
-}
-
-Primitive ball_at(const Point& centre, double radius) {
-  return {"ball", {{radius, radius, radius}, {1.0, 1.0}}, {centre, {1.0, 0.2, -0.3, 0.1}}, {}};
-}
-
-/// A closed box that faces outward, turned about its corner at `origin`.
-Mesh turned_box(const Vector3d& origin, const Quaterniond& turn, double side) {
-  Mesh mesh;
-  for (unsigned k = 0; k < 8; ++k) {
-    const Vector3d corner((k & 1U) != 0 ? side : 0.0, (k & 2U) != 0 ? side : 0.0, (k & 4U) != 0 ? side : 0.0);
-    mesh.vertices.push_back(point_of(origin + turn * corner));
-  }
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return mesh;
-}
-
-/// A capsule's part beyond a plane along its axis, `d` off it.
-double capsule_beyond(double d) {
-  const double segment = std::acos(d) - d * std::sqrt(1.0 - d * d);
-  return 6.0 * segment + pi / 3.0 * (1.0 - d) * (1.0 - d) * (2.0 + d);
-}
+using verisq::testing::point_of;
+using verisq::testing::Screw;
+using verisq::testing::shaft_and_neck;
+using verisq::testing::turned_ball;
+using verisq::testing::turned_box;
 
 /// A way in, and how much bone it takes away in truth.
 struct Removal {
@@ -70,14 +52,14 @@ const Vector3d corner_of_box(3.0, -2.0, 1.0);
 Removal along_face(const std::string& name, double height, BoneRegion bone, double exact) {
   const Vector3d last = corner_of_box + turn_of_box * Vector3d(20.0, 20.0, height);
   return {name,
-          {"mm", {ball_at({}, 1.0)}, {}},
+          {"mm", {turned_ball({}, 1.0)}, {}},
           straight_path({point_of(last)}, point_of(turn_of_box * Vector3d::UnitX()), 6.0, 1),
           std::move(bone),
           exact};
 }
 
 BoneSurface box_of_bone(BoneSide side, double below = 0.0) {
-  return {turned_box(corner_of_box - turn_of_box * Vector3d(0.0, 0.0, below), turn_of_box, 40.0), side};
+  return {turned_box(corner_of_box - turn_of_box * Vector3d(0.0, 0.0, below), turn_of_box, {40.0, 40.0, 40.0}), side};
 }
 
 std::vector<Removal> removals() {
@@ -97,7 +79,7 @@ std::vector<Removal> removals() {
   return {
       along_face("in an open surface that faces inward", 0.3, {{open_inward}, {}}, whole - capsule_beyond(0.3)),
       {"at a corner",
-       {"mm", {ball_at({}, 1.0)}, {}},
+       {"mm", {turned_ball({}, 1.0)}, {}},
        {{point_of(corner_of_box)}},
        {{box_of_bone(BoneSide::inside)}, {}},
        pi / 6.0},
@@ -107,9 +89,9 @@ std::vector<Removal> removals() {
                  capsule_beyond(0.3) - capsule_beyond(0.5)),
       at_edge,
       along_face("before a resection", 0.3, {{}, Plane{point_of(corner_of_box), point_of(above)}}, capsule_beyond(0.3)),
-      {"on a circle", {"mm", {ball_at({5.0, 0.0, 0.0}, 1.0)}, {}}, circle, {}, 4.0 / 3.0 * pi + 5.0 * 1.2 * pi},
+      {"on a circle", {"mm", {turned_ball({5.0, 0.0, 0.0}, 1.0)}, {}}, circle, {}, 4.0 / 3.0 * pi + 5.0 * 1.2 * pi},
       {"two balls at rest",
-       {"mm", {ball_at({}, 1.0), ball_at({1.0, 0.0, 0.0}, 1.0)}, {}},
+       {"mm", {turned_ball({}, 1.0), turned_ball({1.0, 0.0, 0.0}, 1.0)}, {}},
        {Pose{}},
        {},
        8.0 / 3.0 * pi - 5.0 / 12.0 * pi}};
@@ -143,58 +125,14 @@ TEST(RemovedVolumeCertificate, ProvesWhatWasFoundAsClosely) {
   }
 }
 
-/// g^(2/e1) of a primitive at a point of its model.
-double power_of_gauge_of(const Primitive& primitive, const Vector3d& in_model) {
-  const auto& [t, q] = primitive.pose;
-  const Vector3d x =
-      Quaterniond(q[0], q[1], q[2], q[3]).normalized().inverse() * (in_model - Vector3d(t[0], t[1], t[2]));
-  const auto& [a, e, taper] = primitive.superquadric;
-  const double section =
-      std::pow(std::pow(std::abs(x[0] / a[0]), 2.0 / e[1]) + std::pow(std::abs(x[1] / a[1]), 2.0 / e[1]), e[1] / e[0]);
-  return section + std::pow(std::abs(x[2] / a[2]), 2.0 / e[0]);
-}
-
-/// The middles of small cubes above z = 0 that some primitive holds at one of many times: a screw at constant speed.
-double counted_of_screw(const Model& implant, const Vector3d& way, const Vector3d& spin, double spacing) {
-  constexpr int times = 40;
-  constexpr double reach = 7.0;
-  std::vector<Eigen::Isometry3d> to_model;
-  for (int k = 0; k <= times; ++k) {
-    const double s = static_cast<double>(k) / times;
-    const Eigen::AngleAxisd turn(s * spin.norm(), spin.normalized());
-    to_model.push_back((Eigen::Translation3d(s * way) * turn).inverse());
-  }
-  const auto is_swept = [&](const Vector3d& x) {
-    return std::ranges::any_of(to_model, [&](const Eigen::Isometry3d& at) {
-      return std::ranges::any_of(
-          implant.primitives, [&](const Primitive& primitive) { return power_of_gauge_of(primitive, at * x) <= 1.0; });
-    });
-  };
-  std::size_t count = 0;
-  const auto steps = static_cast<int>(reach / spacing);
-  for (int i = -steps; i < steps; ++i)
-    for (int j = -steps; j < steps; ++j)
-      for (int k = 0; k < steps; ++k) count += is_swept(spacing * Vector3d(i + 0.5, j + 0.5, k + 0.5)) ? 1 : 0;
-  return static_cast<double>(count) * spacing * spacing * spacing;
-}
-
-const Vector3d way_of_screw(1.0, -0.5, 2.0);
-const Vector3d spin_of_screw(0.1, 0.2, 0.6);
-
 /// Of bone above z = 0; how much is not known.
 Removal screw_of(Model implant) {
-  const double half = spin_of_screw.norm() / 2.0;
-  const Vector3d axis = spin_of_screw.normalized() * std::sin(half);
-  const std::vector<Pose> path{{}, {point_of(way_of_screw), {std::cos(half), axis[0], axis[1], axis[2]}}};
-  return {"a screw", std::move(implant), path, {{}, Plane{{}, {0.0, 0.0, -1.0}}}, 0.0};
+  return {"a screw", std::move(implant), Screw().path(), {{}, Plane{{}, {0.0, 0.0, -1.0}}}, 0.0};
 }
 
 TEST(RemovedVolumeCertificate, OfAScrewContainsWhatALatticeCounts) {
-  Removal removal = screw_of({"mm",
-                              {{"shaft", {{1.0, 1.4, 3.0}, {0.7, 0.9}}, {{0.0, 0.0, 1.0}, {1.0, 0.1, 0.0, 0.0}}, {}},
-                               {"neck", {{0.8, 0.8, 2.0}, {0.4, 1.0}}, {{1.0, 0.5, 2.0}, {0.9, 0.3, -0.2, 0.1}}, {}}},
-                              {}});
-  removal.exact = counted_of_screw(removal.implant, way_of_screw, spin_of_screw, 0.35);
+  Removal removal = screw_of(shaft_and_neck());
+  removal.exact = counted_volume(removal.implant, Screw(), 0.35);
   const auto [found, proof] = certified(removal, 0.15);
   std::cout << "counted " << removal.exact << ", found [" << found.volume.lo << ", " << found.volume.hi << "], proved ["
             << proof.volume.lo << ", " << proof.volume.hi << "]\n";
@@ -205,11 +143,9 @@ TEST(RemovedVolumeCertificate, OfAScrewContainsWhatALatticeCounts) {
 
 /// No closed form: but what the search says, by other formulas.
 TEST(RemovedVolumeCertificate, OfTaperedImplantsAgreesWithTheSearch) {
-  Removal removal =
-      screw_of({"mm",
-                {{"shaft", {{1.0, 1.4, 3.0}, {0.7, 0.9}, 1.8}, {{0.0, 0.0, 1.0}, {1.0, 0.1, 0.0, 0.0}}, {}},
-                 {"neck", {{0.8, 0.8, 2.0}, {0.4, 1.0}, 0.6}, {{1.0, 0.5, 2.0}, {0.9, 0.3, -0.2, 0.1}}, {}}},
-                {}});
+  Removal removal = screw_of(shaft_and_neck());
+  removal.implant.primitives[0].superquadric.taper = 1.8;
+  removal.implant.primitives[1].superquadric.taper = 0.6;
   const auto [found, proof] = certified(removal, 0.5);
   EXPECT_LE(proof.volume.lo, found.volume.hi);
   EXPECT_GE(proof.volume.hi, found.volume.lo);

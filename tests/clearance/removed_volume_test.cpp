@@ -12,6 +12,7 @@
 #include <verisq/insertion.hpp>
 
 #include "tests/fixtures/error_matchers.hpp"
+#include "tests/fixtures/removals.hpp"
 #include "tests/oracle/random_cases.hpp"
 
 namespace verisq::oracle {
@@ -20,14 +21,18 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using std::numbers::pi;
+using verisq::testing::capsule_beyond;
+using verisq::testing::counted_volume;
 using verisq::testing::expect_error;
+using verisq::testing::point_of;
+using verisq::testing::rotation_of;
+using verisq::testing::Screw;
+using verisq::testing::shaft_and_neck;
+using verisq::testing::turned_ball;
+using verisq::testing::turned_box;
 
 Model model_of(std::vector<Primitive> primitives) {
   return {"mm", std::move(primitives), {}};
-}
-
-Primitive ball(const Point& centre, double radius) {
-  return {"ball", {{radius, radius, radius}, {1.0, 1.0}}, {centre, {1.0, 0.2, -0.3, 0.1}}, {}};
 }
 
 std::array<double, 4> random_quaternion(RandomCases& random) {
@@ -38,14 +43,6 @@ std::array<double, 4> random_quaternion(RandomCases& random) {
 
 Vector3d random_direction(RandomCases& random) {
   return Vector3d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)).normalized();
-}
-
-Point point_of(const Vector3d& x) {
-  return {x[0], x[1], x[2]};
-}
-
-Quaterniond rotation_of(const std::array<double, 4>& q) {
-  return Quaterniond(q[0], q[1], q[2], q[3]).normalized();
 }
 
 void expect_encloses(const RemovedVolume& found, double exact, double relative_width) {
@@ -63,7 +60,7 @@ RemovedVolume removed(const std::vector<Pose>& path, const Model& implant, const
 TEST(RemovedVolume, OfAnEllipsoidAlongALineIsItsVolumeAndThatOfItsShadow) {
   RandomCases random(1);
   for (int n = 0; n < 12; ++n) {
-    Primitive ellipsoid = ball({random.uniform(-3.0, 3.0), 1.0, 2.0}, 1.0);
+    Primitive ellipsoid = turned_ball({random.uniform(-3.0, 3.0), 1.0, 2.0}, 1.0);
     for (double& a : ellipsoid.superquadric.semi_axes) a = random.uniform(0.5, 3.0);
     ellipsoid.pose.quaternion = random_quaternion(random);
     const Vector3d along = random_direction(random);
@@ -89,7 +86,7 @@ TEST(RemovedVolume, OfASuperquadricAlongItsAxisIsItsVolumeAndThatOfItsSection) {
   for (int n = 0; n < 6; ++n) {
     const double e1 = random.uniform(0.2, 1.9);
     const double e2 = random.uniform(0.2, 1.9);
-    Primitive primitive = ball({}, 1.0);
+    Primitive primitive = turned_ball({}, 1.0);
     primitive.superquadric = {{2.0, 1.0, 3.0}, {e1, e2}};
     primitive.pose.quaternion = random_quaternion(random);
     const Vector3d axis = rotation_of(primitive.pose.quaternion) * Vector3d::UnitZ();
@@ -106,33 +103,14 @@ TEST(RemovedVolume, OfABallThatCirclesIsThatOfATube) {
   std::vector<Pose> path;
   for (const double angle : {0.0, 0.5, 1.2})
     path.push_back({{}, {std::cos(angle / 2.0), 0.0, 0.0, std::sin(angle / 2.0)}});
-  expect_encloses(removed(path, model_of({ball({5.0, 0.0, 0.0}, 1.0)}), {}, 0.1), 4.0 / 3.0 * pi + 5.0 * 1.2 * pi, 0.1);
+  expect_encloses(removed(path, model_of({turned_ball({5.0, 0.0, 0.0}, 1.0)}), {}, 0.1),
+                  4.0 / 3.0 * pi + 5.0 * 1.2 * pi, 0.1);
 }
 
 TEST(RemovedVolume, OfAPoseAloneIsTheVolumeOfTheUnion) {
   // Two balls of radius 1 whose centres are 1 apart share a lens of 5 pi / 12.
-  const Model two = model_of({ball({}, 1.0), ball({1.0, 0.0, 0.0}, 1.0)});
+  const Model two = model_of({turned_ball({}, 1.0), turned_ball({1.0, 0.0, 0.0}, 1.0)});
   expect_encloses(removed({Pose{}}, two, {}, 0.02), 8.0 / 3.0 * pi - 5.0 / 12.0 * pi, 0.02);
-}
-
-/// A closed box that faces outward, turned about its corner at `origin`.
-Mesh box_at(const Vector3d& origin, const Quaterniond& turn, const Vector3d& sides) {
-  Mesh mesh;
-  for (unsigned k = 0; k < 8; ++k) {
-    const Vector3d corner((k & 1U) != 0 ? sides[0] : 0.0, (k & 2U) != 0 ? sides[1] : 0.0,
-                          (k & 4U) != 0 ? sides[2] : 0.0);
-    mesh.vertices.push_back(point_of(origin + turn * corner));
-  }
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return mesh;
-}
-
-/// The capsule between two balls of radius 1, 6 apart: how much of it lies beyond a plane along it, `d` off its axis.
-double capsule_beyond(double d) {
-  const double segment = std::acos(d) - d * std::sqrt(1.0 - d * d);
-  const double cap = pi / 3.0 * (1.0 - d) * (1.0 - d) * (2.0 + d);
-  return 6.0 * segment + cap;
 }
 
 class InBone : public ::testing::Test {
@@ -145,9 +123,9 @@ class InBone : public ::testing::Test {
     return straight_path({point_of(last)}, point_of(turn_ * Vector3d::UnitX()), 6.0, 1);
   }
   [[nodiscard]] BoneRegion box(BoneSide side) const {
-    return {{{box_at(origin_, turn_, {40.0, 40.0, 40.0}), side}}, {}};
+    return {{{turned_box(origin_, turn_, {40.0, 40.0, 40.0}), side}}, {}};
   }
-  const Model ball_ = model_of({ball({}, 1.0)});
+  const Model ball_ = model_of({turned_ball({}, 1.0)});
   const double whole_ = 4.0 / 3.0 * pi + 6.0 * pi;
 };
 
@@ -178,7 +156,7 @@ TEST_F(InBone, ACavityAndAnOuterSurfaceBoundItTogether) {
   const auto at_face = path(20.0, 0.3);
   BoneRegion shell = box(BoneSide::outside);
   shell.surfaces.push_back(
-      {box_at(origin_ + turn_ * Vector3d(0.0, 0.0, -0.2), turn_, {40.0, 40.0, 30.0}), BoneSide::inside});
+      {turned_box(origin_ + turn_ * Vector3d(0.0, 0.0, -0.2), turn_, {40.0, 40.0, 30.0}), BoneSide::inside});
   expect_encloses(removed(at_face, ball_, shell, 0.05), capsule_beyond(0.3) - capsule_beyond(0.5), 0.05);
 }
 
@@ -202,58 +180,19 @@ TEST_F(InBone, WhereNothingIsCutNothingIsRemoved) {
   EXPECT_TRUE(found.within_tolerance);
 }
 
-/// g^(2/e1) of the primitive at a pose.
-double power_of_gauge(const Primitive& primitive, const Vector3d& in_model) {
-  const auto& [t, q] = primitive.pose;
-  const Vector3d x = rotation_of(q).inverse() * (in_model - Vector3d(t[0], t[1], t[2]));
-  const auto& [a, e, taper] = primitive.superquadric;
-  const double section =
-      std::pow(std::pow(std::abs(x[0] / a[0]), 2.0 / e[1]) + std::pow(std::abs(x[1] / a[1]), 2.0 / e[1]), e[1] / e[0]);
-  return section + std::pow(std::abs(x[2] / a[2]), 2.0 / e[0]);
-}
-
-/// The middles of small cubes above z = 0 that some primitive holds at one of many times: a screw at constant speed.
-double counted_volume(const Model& implant, const Vector3d& way, const Vector3d& spin, double spacing) {
-  constexpr int times = 40;
-  constexpr double reach = 7.0;
-  std::vector<Eigen::Isometry3d> to_model;
-  for (int k = 0; k <= times; ++k) {
-    const double s = static_cast<double>(k) / times;
-    const Eigen::AngleAxisd turn(s * spin.norm(), spin.normalized());
-    to_model.push_back((Eigen::Translation3d(s * way) * turn).inverse());
-  }
-  const auto is_swept = [&](const Vector3d& x) {
-    return std::ranges::any_of(to_model, [&](const Eigen::Isometry3d& at) {
-      return std::ranges::any_of(implant.primitives,
-                                 [&](const Primitive& primitive) { return power_of_gauge(primitive, at * x) <= 1.0; });
-    });
-  };
-  std::size_t count = 0;
-  const auto steps = static_cast<int>(reach / spacing);
-  for (int i = -steps; i < steps; ++i)
-    for (int j = -steps; j < steps; ++j)
-      for (int k = 0; k < steps; ++k) count += is_swept(spacing * Vector3d(i + 0.5, j + 0.5, k + 0.5)) ? 1 : 0;
-  return static_cast<double>(count) * spacing * spacing * spacing;
-}
-
 TEST(RemovedVolume, OfAScrewIsWhatALatticeCounts) {
-  const Model stem = model_of({{"shaft", {{1.0, 1.4, 3.0}, {0.7, 0.9}}, {{0.0, 0.0, 1.0}, {1.0, 0.1, 0.0, 0.0}}, {}},
-                               {"neck", {{0.8, 0.8, 2.0}, {0.4, 1.0}}, {{1.0, 0.5, 2.0}, {0.9, 0.3, -0.2, 0.1}}, {}}});
-  const Vector3d way(1.0, -0.5, 2.0);
-  const Vector3d spin(0.1, 0.2, 0.6);
-  const double half = spin.norm() / 2.0;
-  const Vector3d axis = spin.normalized() * std::sin(half);
-  const std::vector<Pose> path{{}, {point_of(way), {std::cos(half), axis[0], axis[1], axis[2]}}};
-  const RemovedVolume found = removed(path, stem, {{}, Plane{{}, {0.0, 0.0, -1.0}}}, 0.05);
+  const Model stem = shaft_and_neck();
+  const Screw screw;
+  const RemovedVolume found = removed(screw.path(), stem, {{}, Plane{{}, {0.0, 0.0, -1.0}}}, 0.05);
   EXPECT_TRUE(found.within_tolerance);
-  const double counted = counted_volume(stem, way, spin, 0.25);
+  const double counted = counted_volume(stem, screw, 0.25);
   EXPECT_GE(counted, found.volume.lo);
   EXPECT_LE(counted, found.volume.hi);
 }
 
 TEST(RemovedVolume, IsValidWhereItEndsEarly) {
   const auto path = straight_path({}, {0.0, 0.0, 1.0}, 6.0, 1);
-  const Model one = model_of({ball({}, 1.0)});
+  const Model one = model_of({turned_ball({}, 1.0)});
   const double exact = 4.0 / 3.0 * pi + 6.0 * pi;
   RemovedVolumeOptions options{.relative_tolerance = 0.0, .most_cubes = 2000};
   const RemovedVolume few = removed_volume(path, one, {}, options);
@@ -269,14 +208,14 @@ TEST(RemovedVolume, IsValidWhereItEndsEarly) {
 
 TEST(RemovedVolume, RefusesWhatHasNone) {
   const std::vector<Pose> rest{Pose{}};
-  Model bent = model_of({ball({}, 1.0)});
+  Model bent = model_of({turned_ball({}, 1.0)});
   bent.primitives[0].bend = Bend{0.1, 0.0};
   const auto refused = [](const auto& action, const std::string& file, const std::string& why) {
     expect_error(action, ErrorKind::input, file, why);
   };
   refused([&] { (void)removed(rest, bent, {}, 0.1); }, "removed volume",
           ": only of unions of convex primitives, without a bend");
-  const Model one = model_of({ball({}, 1.0)});
+  const Model one = model_of({turned_ball({}, 1.0)});
   refused([&] { (void)removed({}, one, {}, 0.1); }, "the path", " has no pose");
   refused([&] { (void)removed(rest, one, {}, -0.1); }, "removed volume",
           ": tolerance -0.1 is not a number of at least 0");

@@ -52,10 +52,7 @@ class CheckBestFit : public ProofFileTest {
   }
 
   [[nodiscard]] Outcome check_of(const std::string& proof, const Arguments& more = {}) const {
-    Arguments arguments{places::check_program(), "--model", stem_,          "--mesh", mesh_,
-                        "--certificate",         proof,     "--no-progress"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Process(arguments, folder_.path()).wait();
+    return checked(proof, {"--model", stem_, "--mesh", mesh_}, more);
   }
 
   void expect_not_proved(const std::string& pointer, const json& value) const {

@@ -59,10 +59,7 @@ class CheckContact : public ProofFileTest {
   }
 
   [[nodiscard]] Outcome check(const std::string& proof, const Arguments& more = {}) const {
-    Arguments arguments{places::check_program(), "--model", fitted_,        "--mesh", mesh_,
-                        "--certificate",         proof,     "--no-progress"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Process(arguments, folder_.path()).wait();
+    return checked(proof, {"--model", fitted_, "--mesh", mesh_}, more);
   }
 
   void expect_not_proved(const std::string& pointer, const json& value) const {

@@ -34,9 +34,7 @@ class CheckDeviation : public ProofFileTest {
   }
 
   [[nodiscard]] Outcome check(const std::string& proof, const Arguments& more = {}) const {
-    Arguments arguments{places::check_program(), "--model", model_, "--certificate", proof, "--no-progress"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Process(arguments, folder_.path()).wait();
+    return checked(proof, {"--model", model_}, more);
   }
 
   void expect_not_proved(const std::string& pointer, const json& value) const {

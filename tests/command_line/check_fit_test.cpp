@@ -57,10 +57,7 @@ class CheckFit : public ProofFileTest {
 
   [[nodiscard]] Outcome check_with(const std::string& map, const std::string& surface, const std::string& proof,
                                    const Arguments& more = {}) const {
-    Arguments arguments{places::check_program(), "--model", fitted_,         "--mesh", mesh_,          "--map", map,
-                        "--surface-map",         surface,   "--certificate", proof,    "--no-progress"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Process(arguments, folder_.path()).wait();
+    return checked(proof, {"--model", fitted_, "--mesh", mesh_, "--map", map, "--surface-map", surface}, more);
   }
 
   void expect_not_proved(const std::string& pointer, const json& value) const {
@@ -208,11 +205,7 @@ class CheckSidesOfFit : public ProofFileTest {
   }
 
   [[nodiscard]] Outcome check_with(const std::string& proof, const Arguments& more = {}) const {
-    Arguments arguments{
-        places::check_program(), "--model",       path("f.json"), "--mesh",       path("bowl.off"), "--map",
-        path("m.csv"),           "--certificate", proof,          "--no-progress"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Process(arguments, folder_.path()).wait();
+    return checked(proof, {"--model", path("f.json"), "--mesh", path("bowl.off"), "--map", path("m.csv")}, more);
   }
 };
 

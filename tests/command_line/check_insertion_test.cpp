@@ -37,10 +37,7 @@ class CheckInsertion : public ProofFileTest {
   }
 
   [[nodiscard]] Outcome check(const std::string& proof, const Arguments& more = {}) const {
-    Arguments arguments{places::check_program(), "--model", implant_,       "--mesh", mesh_,
-                        "--certificate",         proof,     "--no-progress"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Process(arguments, folder_.path()).wait();
+    return checked(proof, {"--model", implant_, "--mesh", mesh_}, more);
   }
 
   void expect_not_proved(const std::string& pointer, const json& value) const {
@@ -192,10 +189,7 @@ class CheckRemoval : public ProofFileTest {
   }
 
   [[nodiscard]] Outcome check(const std::string& proof, const Arguments& more = {}) const {
-    Arguments arguments{places::check_program(), "--model", implant_,       "--mesh", mesh_,
-                        "--certificate",         proof,     "--no-progress"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Process(arguments, folder_.path()).wait();
+    return checked(proof, {"--model", implant_, "--mesh", mesh_}, more);
   }
 
   void SetUp() override {

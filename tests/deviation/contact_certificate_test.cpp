@@ -15,6 +15,7 @@
 #include "host/threads/parallel.hpp"
 #include "tests/deviation/brute_force.hpp"
 #include "tests/fixtures/forged_numbers.hpp"
+#include "tests/fixtures/forged_samples.hpp"
 #include "tests/fixtures/forgeries.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
@@ -24,9 +25,9 @@
 namespace verisq::testing {
 namespace {
 
+using oracle::forge;
 using oracle::moved;
 using oracle::RandomCases;
-using oracle::with_wrong_digit;
 
 struct Case {
   Model model;
@@ -251,27 +252,6 @@ class ContactForger {
 
   oracle::Forgeries& forgeries_;
 };
-
-void forge(CertifiedEnclosure& sample, RandomCases& random) {
-  const double by = random.log_uniform(1e-12, 1.0);
-  switch (random.choice(5)) {
-    case 0: sample.distance = {sample.distance.lo + by, sample.distance.hi + by}; break;
-    case 1: sample.distance = {sample.distance.lo - by, sample.distance.lo - 0.5 * by}; break;
-    case 2: sample.certificate.normals.clear(); break;
-    case 3: sample.distance = {-infinity, infinity}; break;
-    default:
-      for (Normal& normal : sample.certificate.normals) {
-        double& number = normal.vector[random.choice(3)];
-        number = with_wrong_digit(number, random);
-      }
-  }
-}
-
-void forge(TriangleProof& proof, RandomCases& random) {
-  if (random.choice(2) == 0) proof.pieces.pop_back();
-  if (random.choice(2) == 0) proof.pieces.insert(proof.pieces.begin(), PieceProof(random.choice(3)));
-  if (random.choice(2) == 0 && !proof.samples.empty()) proof.samples.pop_back();
-}
 
 /// Changes of a certificate, after which it proves less, or nothing; never what is false.
 void forge(ContactCertificate& certificate, std::size_t what, RandomCases& random) {

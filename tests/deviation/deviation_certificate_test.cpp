@@ -11,6 +11,7 @@
 
 #include "host/threads/parallel.hpp"
 #include "tests/fixtures/forged_numbers.hpp"
+#include "tests/fixtures/forged_samples.hpp"
 #include "tests/fixtures/forgeries.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/fixtures/sample_meshes.hpp"
@@ -22,9 +23,9 @@
 namespace verisq::testing {
 namespace {
 
+using oracle::forge;
 using oracle::moved;
 using oracle::RandomCases;
-using oracle::with_wrong_digit;
 
 const std::vector<double> percentiles{50.0, 95.0};
 
@@ -160,27 +161,6 @@ void try_claims_past(const DistanceStatistics& truth, const DistanceSummary& pro
   for (std::size_t i = 0; i < percentiles.size(); ++i) {
     try_claims_past(truth.percentiles[i], proven.percentiles[i], forgeries);
   }
-}
-
-void forge(CertifiedEnclosure& sample, RandomCases& random) {
-  const double by = random.log_uniform(1e-12, 1.0);
-  switch (random.choice(5)) {
-    case 0: sample.distance = {sample.distance.lo + by, sample.distance.hi + by}; break;
-    case 1: sample.distance = {sample.distance.lo - by, sample.distance.lo - 0.5 * by}; break;
-    case 2: sample.certificate.normals.clear(); break;
-    case 3: sample.distance = {-infinity, infinity}; break;
-    default:
-      for (Normal& normal : sample.certificate.normals) {
-        double& number = normal.vector[random.choice(3)];
-        number = with_wrong_digit(number, random);
-      }
-  }
-}
-
-void forge(TriangleProof& proof, RandomCases& random) {
-  if (random.choice(2) == 0) proof.pieces.pop_back();
-  if (random.choice(2) == 0) proof.pieces.insert(proof.pieces.begin(), PieceProof(random.choice(3)));
-  if (random.choice(2) == 0 && !proof.samples.empty()) proof.samples.pop_back();
 }
 
 /// Whatever is left out or changed, what is proven is true; the claims past the truth are never proved.

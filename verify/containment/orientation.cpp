@@ -17,7 +17,7 @@ namespace {
 constexpr double largest_size = 1e100;
 
 /// What encloses less of the cube about it encloses nothing, but for roundings, as of the mean that closes a rim.
-constexpr double smallest_share = 0x1p-40;
+constexpr double smallest_share = 1e-12;
 
 /// About: only what is negligible depends on it.
 double volume_of_cube_about(std::span<const Triangle> triangles) {

@@ -13,8 +13,8 @@ namespace verisq::verify {
 [[nodiscard]] bool is_closed(std::span<const Triangle> triangles);
 
 /// The sign of the volume that a closed surface encloses: 1 where its normals point outward on the whole, -1 where they
-/// point inward. Nothing where that is not proven, as of coordinates above 1e100, nor where the volume is below a
-/// 2^40th of that of the cube about it: so little roundings enclose. Precondition: at least one triangle, finite.
+/// point inward. Nothing where that is not proven, as of coordinates above 1e100, nor where the volume is below 1e-12
+/// of that of the cube about it: so little roundings enclose. Precondition: at least one triangle, finite.
 [[nodiscard]] std::optional<int> orientation_of(std::span<const Triangle> triangles);
 
 }  // namespace verisq::verify

@@ -29,10 +29,6 @@ struct Polygon {
   void add(const Point& corner) { corners[size++] = corner; }
 };
 
-Point cross(const Point& a, const Point& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 Point middle(const Polygon& polygon) {
   Point sum{};
   for (const Point& corner : polygon.points()) {

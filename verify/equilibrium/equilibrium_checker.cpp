@@ -118,7 +118,7 @@ ProvenEquilibrium prove(const Model& model, const EquilibriumClaims& claims, con
     share += share_of(all[i].ranges, claims.ranges);
     if (!result.standing) result.standing = verify::uniform(model, body.joints, verify::nothing_yet);
     if (!result.of_some) result.of_some = verify::uniform(model, body.joints, nothing_known);
-    verify::add(*result.standing, model, body.joints, proven[i]->ranges, verify::hull);
+    verify::add(*result.standing, model, body.joints, proven[i]->ranges, hull);
     verify::add(*result.of_some, model, body.joints, proven[i]->some, reached);
   }
   const bool all_stands = leaves.are_whole() && result.unproved_parts == 0;

@@ -51,11 +51,6 @@ constexpr Enclosure nothing_known{-infinity, infinity};  ///< of any
 [[nodiscard]] stance::Standing uniform(const stance::Model& model, std::span<const std::size_t> sought,
                                        const Enclosure& number);
 
-/// The numbers of both.
-[[nodiscard]] inline Enclosure hull(const Enclosure& a, const Enclosure& b) {
-  return {std::min(a.lo, b.lo), std::max(a.hi, b.hi)};
-}
-
 [[nodiscard]] inline Enclosure outward(const Interval& a) {
   return {a.lower(), a.upper()};
 }

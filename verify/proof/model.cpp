@@ -30,6 +30,11 @@ bool is_bent(const Primitive& primitive) {
   return primitive.bend && primitive.bend->curvature != 0.0;
 }
 
+std::string name_of_primitive(const Model& model, std::size_t primitive) {
+  const std::string& name = model.primitives[primitive].name;
+  return name.empty() ? "primitives[" + std::to_string(primitive) + "]" : name;
+}
+
 bool is_union_of_convex(const Model& model) {
   return verify::is_union(model) && std::ranges::none_of(model.primitives, is_bent);
 }

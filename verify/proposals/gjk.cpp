@@ -10,11 +10,6 @@ namespace verisq::verify {
 namespace {
 
 template <class Float>
-Coordinates<Float> cross(const Coordinates<Float>& a, const Coordinates<Float>& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-template <class Float>
 using Vertices = std::array<GjkVertex<Float>, 4>;
 
 /// Some vertices of a simplex, by index, and the point of their hull closest to the origin as a convex combination.

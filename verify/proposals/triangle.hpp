@@ -24,6 +24,11 @@ template <class Float>
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+template <class Float>
+[[nodiscard]] Coordinates<Float> cross(const Coordinates<Float>& a, const Coordinates<Float>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 /// Of the segment a b.
 template <class Float>
 [[nodiscard]] Coordinates<Float> closest_to_origin(const Coordinates<Float>& a, const Coordinates<Float>& b) {

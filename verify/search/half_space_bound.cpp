@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 
 #include "verify/proof/triangle_certificate.hpp"
+#include "verify/proposals/best_normal.hpp"
 #include "verisq/enclosure.hpp"
 
 namespace verisq::verify {
@@ -18,10 +18,6 @@ using Plain = Coordinates<double>;
 Plain about(const PreciseVector& x) {
   const Proposal middle = midpoint(x);
   return {static_cast<double>(middle[0]), static_cast<double>(middle[1]), static_cast<double>(middle[2])};
-}
-
-Plain cross(const Plain& a, const Plain& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 }  // namespace
@@ -36,26 +32,15 @@ HalfSpaceBound::HalfSpaceBound(const Model& model) {
 /// The normal of the surface where it is nearest to the centroid, or that of the triangle.
 double HalfSpaceBound::lower(const Solid& solid, const Triangle& triangle) {
   const PosedTriangle posed(triangle, solid.posed.motion());
-  std::array<Plain, 3> corners;
-  std::ranges::transform(posed.corners(), corners.begin(), about);
-  const Plain& a = corners[0];
-  const Plain& b = corners[1];
-  const Plain& c = corners[2];
-  const auto proposed = [&](const Plain& n) {
-    const double least = std::min({dot(n, a), dot(n, b), dot(n, c)});
-    return (least - dot(n, solid.set(n))) / std::sqrt(dot(n, n));
-  };
-  const Plain own = cross(difference(b, a), difference(c, a));
-  Plain best =
-      solid.nearest({(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0}).normal;
-  double largest = proposed(best);
-  for (const Plain& n : {own, Plain{-own[0], -own[1], -own[2]}}) {
-    const double value = proposed(n);
-    if (!(value > largest) && !std::isnan(largest)) continue;
-    best = n;
-    largest = value;
-  }
-  return lower_by_normal(solid.posed, posed, {best[0], best[1], best[2]});
+  TriangleSet<double> set{};
+  std::ranges::transform(posed.corners(), set.corners.begin(), about);
+  const auto& [a, b, c] = set.corners;
+  BestNormal best(solid.set, set);
+  best.offer(
+      solid.nearest({(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0}).normal);
+  best.offer_normals_of(set.corners);
+  const Plain& n = best.normal();
+  return lower_by_normal(solid.posed, posed, {n[0], n[1], n[2]});
 }
 
 /// Let every point of the triangle lie at least m > 0 away from all primitives but K, and less than m deep in K. A ball

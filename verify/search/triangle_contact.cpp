@@ -19,10 +19,6 @@ namespace verisq::verify {
 
 namespace {
 
-Proposal cross(const Proposal& a, const Proposal& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 /// To binary64 without leaving the triangle.
 Weights rounded(long double first, long double second) {
   Weights weights{static_cast<double>(std::clamp(first, 0.0L, 1.0L)),

@@ -22,10 +22,6 @@ double length_of(const Point& v) {
   return std::sqrt(dot(v, v));
 }
 
-Point cross(const Point& a, const Point& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 /// Nothing for what has no direction.
 std::optional<Point> unit_of(const Point& v) {
   const double size = length_of(v);

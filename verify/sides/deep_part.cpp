@@ -9,6 +9,7 @@
 
 #include "verify/proof/certificate.hpp"
 #include "verify/proof/contained_ball.hpp"
+#include "verify/proposals/best_normal.hpp"
 #include "verify/proposals/gjk.hpp"
 #include "verify/sets/bend_range.hpp"
 
@@ -38,16 +39,12 @@ Plain about(const PreciseVector& v) {
           v[2].lower().to_double(Direction::down)};
 }
 
-Plain cross(const Plain& a, const Plain& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 double distance(const Plain& a, const Plain& b) {
   const Plain way = difference(b, a);
   return std::sqrt(dot(way, way));
 }
 
-/// About the diagonal of their box.
+/// About how far apart they are: the diagonal of their box.
 template <class Corners>
 double extent_of(const Corners& corners) {
   Plain lower = corners[0].about;
@@ -128,10 +125,10 @@ PosedSections::Section DeepPart::widened(const PosedSections::Section& section) 
 bool DeepPart::are_apart(const Case& part) const {
   const PosedSections::Section section = widened(part.section);
   const SectionMapping::Section plain = mapping_.section(section.lower, section.upper);
-  const Plain n = proposed_normal(part.corners, plain);
-  const double slope = mapping_.slope(n, plain);
-  if (!usable({n[0], n[1], n[2]}) || !std::isfinite(slope) || gap(n, part.corners, plain) < 0.0) return false;
-  const PreciseVector normal = precise(Point{n[0], n[1], n[2]});
+  const std::optional<Plain> n = proposed_normal(part.corners, plain);
+  const double slope = n ? mapping_.slope(*n, plain) : 0.0;
+  if (!n || !std::isfinite(slope)) return false;
+  const PreciseVector normal = precise(*n);
   const PreciseInterval reach(sections_.reach(normal, section, slope));
   const PreciseInterval inward = PreciseInterval(Real(limit_)) * length<Real>(normal);
   const Real least = (reach - inward).upper();
@@ -148,8 +145,7 @@ bool DeepPart::keeps_off(std::span<const Triangle> triangles) const {
       corners.push_back({local, about(local)});
     }
   }
-  std::vector<Case> open{{std::move(corners), sections_.whole(), 0.0}};
-  open.front().extent = extent_of(open.front().corners);
+  std::vector<Case> open{{std::move(corners), sections_.whole()}};
   for (std::size_t cases = 0; !open.empty(); ++cases) {
     const Case part = std::move(open.back());
     open.pop_back();
@@ -163,35 +159,26 @@ bool DeepPart::keeps_off(std::span<const Triangle> triangles) const {
 
 /// Of the section where that is longer; else of the triangles, or of the one across its longest side.
 DeepPart::Halves DeepPart::halves(const Case& part) const {
-  const auto& [corners, section, extent] = part;
+  const auto& [corners, section] = part;
+  const double extent = extent_of(corners);
   if (is_bent(primitive_) && section.upper - section.lower >= extent) {
     const auto sections = verify::halves(section);
     if (!sections) return std::nullopt;
-    return std::array{Case{corners, (*sections)[0], extent}, Case{corners, (*sections)[1], extent}};
+    return std::array{Case{corners, (*sections)[0]}, Case{corners, (*sections)[1]}};
   }
   if (corners.size() > 3) {
     const auto middle = corners.begin() + static_cast<std::ptrdiff_t>(corners.size() / 6 * 3);
-    std::array both{Case{{corners.begin(), middle}, section, 0.0}, Case{{middle, corners.end()}, section, 0.0}};
-    for (Case& half : both) half.extent = extent_of(half.corners);
-    return both;
+    return std::array{Case{{corners.begin(), middle}, section}, Case{{middle, corners.end()}, section}};
   }
   if (!(extent > smallest_extent * std::ranges::max(primitive_.superquadric.semi_axes))) return std::nullopt;
   const auto [from, to] = longest_side(corners);
   const PreciseVector middle = (corners[from].exact + corners[to].exact) / PreciseInterval(2);
   std::array both{part, part};
   both[0].corners[to] = both[1].corners[from] = {middle, about(middle)};
-  for (Case& half : both) half.extent = extent_of(half.corners);
   return both;
 }
 
 // --- Proposals ---
-
-/// About by how much all corners are beyond what the section reaches less the limit.
-double DeepPart::gap(const Plain& n, const Corners& corners, const SectionMapping::Section& section) const {
-  double least = infinity;
-  for (const Corner& corner : corners) least = std::min(least, dot(n, corner.about));
-  return (least - dot(n, mapping_.support_point(n, section))) / std::sqrt(dot(n, n)) + limit_;
-}
 
 /// Of the surface where it is nearest.
 Coordinates<double> DeepPart::normal_near(const Plain& x) const {
@@ -200,28 +187,23 @@ Coordinates<double> DeepPart::normal_near(const Plain& x) const {
 }
 
 /// GJK's where there is a gap; where a triangle enters the primitive, its own normal or the surface's.
-Coordinates<double> DeepPart::proposed_normal(const Corners& corners, const SectionMapping::Section& section) const {
+std::optional<Point> DeepPart::proposed_normal(const Corners& corners, const SectionMapping::Section& section) const {
   const auto of_section = [&](const Plain& v) { return mapping_.support_point(v, section); };
   const auto of_corners = [&](const Plain& v) {
     return std::ranges::max_element(corners, {}, [&](const Corner& corner) { return dot(v, corner.about); })->about;
   };
-  Plain best = gjk<double>(of_section, of_corners, corners[0].about, rough).separation;
-  double largest = gap(best, corners, section);
-  if (largest >= 0.0 || corners.size() > 3) return best;
-  const auto offer = [&](const Plain& n) {
-    const double value = gap(n, corners, section);
-    if (!(value > largest)) return;
-    best = n;
-    largest = value;
-  };
-  const std::array vertices{corners[0].about, corners[1].about, corners[2].about};
-  const auto& [a, b, c] = vertices;
-  const Plain own = cross(difference(b, a), difference(c, a));
-  offer(own);
-  offer({-own[0], -own[1], -own[2]});
-  offer(normal_near({(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0}));
-  for (const Plain& vertex : vertices) offer(normal_near(vertex));
-  return best;
+  BestNormal best(of_section, of_corners);
+  best.offer(gjk<double>(of_section, of_corners, corners[0].about, rough).separation);
+  if (best.gap() < -limit_ && corners.size() == 3) {
+    const std::array vertices{corners[0].about, corners[1].about, corners[2].about};
+    const auto& [a, b, c] = vertices;
+    best.offer_normals_of(vertices);
+    best.offer(normal_near({(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0}));
+    for (const Plain& vertex : vertices) best.offer(normal_near(vertex));
+  }
+  const Plain& n = best.normal();
+  if (!(best.gap() >= -limit_) || !usable({n[0], n[1], n[2]})) return std::nullopt;
+  return n;
 }
 
 }  // namespace verisq::verify

@@ -45,15 +45,15 @@ class DeepPart {
   struct Case {
     Corners corners;  ///< of each triangle three, one after the other
     PosedSections::Section section;
-    double extent;  ///< about how far apart the corners are
   };
   using Halves = std::optional<std::array<Case, 2>>;
 
   [[nodiscard]] bool are_apart(const Case& part) const;
   [[nodiscard]] PosedSections::Section widened(const PosedSections::Section& section) const;
   [[nodiscard]] Halves halves(const Case& part) const;
-  [[nodiscard]] Plain proposed_normal(const Corners& corners, const SectionMapping::Section& section) const;
-  [[nodiscard]] double gap(const Plain& n, const Corners& corners, const SectionMapping::Section& section) const;
+  /// Nothing where none is about to separate them.
+  [[nodiscard]] std::optional<Point> proposed_normal(const Corners& corners,
+                                                     const SectionMapping::Section& section) const;
   [[nodiscard]] Plain normal_near(const Plain& x) const;
 
   Primitive primitive_;
@@ -61,9 +61,8 @@ class DeepPart {
   PosedSections sections_;
   SectionMapping mapping_;
   NearestNormal nearest_;
-  double focus_;  ///< along z, about: of the unbent solid
-  double
-      beyond_;  ///< how much higher or lower a point may be, before the bend, that is as far from another as `limit_`
+  double focus_;   ///< along z, about: of the unbent solid
+  double beyond_;  ///< how much the height before the bend may change on a way as long as `limit_`
 };
 
 }  // namespace verisq::verify

@@ -36,15 +36,9 @@ std::map<Edge, Runs> runs_through(const Mesh& mesh) {
   return edges;
 }
 
-/// Throws where the rims of the mesh are no closed walks.
+/// Those of the mesh are closed walks only then.
 Closing closing_of(const Mesh& mesh) {
-  if (mesh.triangles.empty()) throw Error(ErrorKind::input, "has no triangles, so that it has no sides");
-  for (const auto& [edge, runs] : runs_through(mesh)) {
-    if (runs.forward > 1 || runs.backward > 1) {
-      throw Error(ErrorKind::input,
-                  "has no sides: edges of more than two triangles, or triangles that are not turned alike");
-    }
-  }
+  require_sides(mesh);
   return closing_over_rims(mesh);
 }
 
@@ -73,6 +67,16 @@ std::size_t components_of(const Mesh& mesh) {
 }
 
 }  // namespace
+
+void require_sides(const Mesh& mesh) {
+  if (mesh.triangles.empty()) throw Error(ErrorKind::input, "has no triangles, so that it has no sides");
+  for (const auto& [edge, runs] : runs_through(mesh)) {
+    if (runs.forward > 1 || runs.backward > 1) {
+      throw Error(ErrorKind::input,
+                  "has no sides: edges of more than two triangles, or triangles that are not turned alike");
+    }
+  }
+}
 
 OrientedSurface::OrientedSurface(const Mesh& mesh)
     : closing_(closing_of(mesh)),

@@ -12,11 +12,14 @@
 
 namespace verisq::verify {
 
+/// Throws Error(input) for a mesh without triangles, and unless every edge is one of at most two triangles, which run
+/// through it in opposite ways. Precondition: triangles of vertices that are there.
+void require_sides(const Mesh& mesh);
+
 /// Immutable: safe to ask from many threads.
 class OrientedSurface {
  public:
-  /// Preconditions: triangles of vertices that are there, finite coordinates. Throws Error(input) where it has no
-  /// triangles, and unless every edge is one of at most two triangles, which run through it in opposite ways.
+  /// Preconditions: triangles of vertices that are there, finite coordinates. Throws as `require_sides`.
   explicit OrientedSurface(const Mesh& mesh);
 
   /// Its triangles, and after them those that close it over its rims.

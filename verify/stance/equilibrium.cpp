@@ -110,7 +110,7 @@ class Subdivision {
         for (const Interval& unknown : ranges.unknowns) taken.postures.push_back(verify::outward(unknown));
         result_.stands += cell.share();
         if (!result_.standing) result_.standing = verify::uniform(model_, problem_.joints, verify::nothing_yet);
-        verify::add(*result_.standing, model_, problem_.joints, ranges, verify::hull);
+        verify::add(*result_.standing, model_, problem_.joints, ranges, hull);
         break;
       }
       case StandingVerdict::not_on_all: result_.not_on_all += cell.share(); break;
