@@ -13,6 +13,7 @@
 
 #include "host/mesh/extent.hpp"
 #include "host/threads/parallel.hpp"
+#include "verify/containment/bone_around_cavity.hpp"
 #include "verify/containment/orientation.hpp"
 #include "verify/containment/rims.hpp"
 #include "verify/numbers/rounding.hpp"
@@ -138,6 +139,7 @@ class RemovalSearch {
       : options_(options), path_(path), resection_(bone.resection) {
     for (const Primitive& primitive : implant.primitives) primitives_.emplace_back(primitive, path_);
     for (const BoneSurface& surface : bone.surfaces) add(surface);
+    verify::require_cavities_in_bone(bone);
   }
 
   RemovedVolume operator()() {

@@ -7,6 +7,7 @@
 #include <verisq/sides.hpp>
 
 #include "host/errors/refusal.hpp"
+#include "verify/containment/bone_around_cavity.hpp"
 
 namespace verisq {
 namespace {
@@ -48,6 +49,11 @@ BoneRegion bone_around(NamedMesh cavity, std::optional<NamedMesh> outer, const s
   if (!outer) return region;
   check_outer_surface("--within", *outer);
   region.surfaces.push_back({std::move(outer->mesh), BoneSide::inside});
+  try {
+    verify::require_cavities_in_bone(region);
+  } catch (const Error& error) {
+    refuse(fmt::format("--within {}: {}", outer->name, error.what()));
+  }
   return region;
 }
 

@@ -16,7 +16,7 @@ struct NamedMesh {
 
 /// Around a cavity, up to the bone's outer surface, the resection, or both. Throws Error(input) naming option and file
 /// as `verisq insert` does, where nothing says where the bone ends, and for surfaces that are not what they should be:
-/// one each, manifold and consistently oriented, the outer one's normals pointing outward.
+/// one each, manifold and consistently oriented, the outer one's normals pointing outward, the cavity not beside it.
 [[nodiscard]] BoneRegion bone_around(NamedMesh cavity, std::optional<NamedMesh> outer,
                                      const std::optional<Plane>& resection);
 

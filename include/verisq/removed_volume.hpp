@@ -39,7 +39,7 @@ struct RemovedVolume {
 
 /// The implant, a union of convex primitives, moves by the poses after its primitives' own, between them as in
 /// insertion.hpp. Throws Error(input) for another model, a path as there, options out of range, a surface as
-/// check_surface_has_sides, and where numbers overflow.
+/// check_surface_has_sides, a cavity beside the bone's outer surface, and where numbers overflow.
 [[nodiscard]] RemovedVolume removed_volume(std::span<const Pose> path, const Model& implant, const BoneRegion& bone,
                                            const RemovedVolumeOptions& options);
 

@@ -39,7 +39,8 @@ class RemovedVolumeChecker {
  public:
   /// Throws Error(input) for another model, for a path without poses, for poses that are not finite or have a zero
   /// quaternion, for a resection that is not finite or has no normal, and for surfaces that are not finite, that are
-  /// not closed with the fans over their rims, each edge run through as often one way as the other, or enclose nothing.
+  /// not closed with the fans over their rims, each edge run through as often one way as the other, or enclose nothing;
+  /// and where a cavity lies beside the bone's outer surface, so that it is not one in that bone.
   RemovedVolumeChecker(const Model& implant, std::span<const Pose> path, const BoneRegion& bone);
   ~RemovedVolumeChecker();
   RemovedVolumeChecker(RemovedVolumeChecker&&) noexcept;

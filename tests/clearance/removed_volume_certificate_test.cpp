@@ -339,6 +339,13 @@ TEST(RemovedVolumeCertificate, RefusesWhatHasNone) {
   refused(removal.implant, removal.path, cloud, "removed volume",
           ": a surface that encloses nothing, as far as can be proven");
   refused(removal.implant, removal.path, {{{}}, {}}, "removed volume", ": a surface without triangles");
+  const Mesh cavity = turned_box({0.0, 0.0, 0.0}, Eigen::Quaterniond::Identity(), {1.0, 1.0, 1.0});
+  const Mesh beside = turned_box({2.0, 0.0, 0.0}, Eigen::Quaterniond::Identity(), {1.0, 1.0, 1.0});
+  BoneRegion elsewhere = removal.bone;
+  elsewhere.surfaces = {{cavity, BoneSide::outside}, {beside, BoneSide::inside}};
+  refused(removal.implant, removal.path, elsewhere, "the cavity",
+          " lies beside the bone's outer surface: nothing of it is inside. Are both of one bone, in the "
+          "same coordinates?");
 }
 
 }  // namespace

@@ -226,6 +226,19 @@ TEST(RemovedVolume, RefusesWhatHasNone) {
       "removed volume", ": the resection's point or normal is not finite, or the normal is zero");
   const BoneRegion cloud{{{Mesh{{{0.0, 0.0, 0.0}}, {}}, BoneSide::inside}}, {}};
   refused([&] { (void)removed(rest, one, cloud, 0.1); }, "has no triangles", ", so that it has no sides");
+  const Mesh cavity = turned_box({-2.0, -2.0, -2.0}, Eigen::Quaterniond::Identity(), {4.0, 4.0, 4.0});
+  const Mesh beside = turned_box({2.5, -9.0, -9.0}, Eigen::Quaterniond::Identity(), {18.0, 18.0, 18.0});
+  refused(
+      [&] {
+        (void)removed(rest, one, {{{cavity, BoneSide::outside}, {beside, BoneSide::inside}}, {}}, 0.1);
+      },
+      "the cavity",
+      " lies beside the bone's outer surface: nothing of it is inside. Are both of one "
+      "bone, in the same coordinates?");
+  // A bar through the bone, whose corners are all outside of it.
+  const Mesh bar = turned_box({-4.0, -1.0, -1.0}, Eigen::Quaterniond::Identity(), {8.0, 2.0, 2.0});
+  const Mesh crossed = turned_box({-3.0, -3.0, -3.0}, Eigen::Quaterniond::Identity(), {6.0, 6.0, 6.0});
+  EXPECT_EQ(removed(rest, one, {{{bar, BoneSide::outside}, {crossed, BoneSide::inside}}, {}}, 0.1).volume.lo, 0.0);
   const std::vector<Pose> far{{{1e200, 0.0, 0.0}}};
   refused([&] { (void)removed(far, one, {}, 0.1); }, "removed volume",
           ": the implant's size, its path or its place leave no exact cubes");

@@ -255,6 +255,11 @@ TEST_F(RemovedBone, RefusesWhatHasNoMeaning) {
   expect_refused(insert_into(box, {"--bone", "--cavity"}), {"give only one of --cavity and --bone"});
   expect_refused(insert_into(box, {"--cavity"}), {"nothing says where the bone around it ends"});
   expect_refused(insert_into(box, {"--bone", "--within", box}), {"--within: only with --cavity"});
+  const std::string beside = write("beside.off",
+                                   "OFF\n4 4 0\n90 0 0\n99 0 0\n90 9 0\n90 0 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n"
+                                   "3 1 2 3\n");
+  expect_refused(insert_into(box, {"--cavity", "--within", beside}),
+                 {"--within", "beside.off", "the cavity lies beside"});
   expect_refused(insert_into(box, {"--volume-tol", "0.1"}), {"--volume-tol: nothing says where bone is"});
   expect_refused(insert_into(box, {"--bone", "--resection", "0,0,1,0,0,0"}), {"--resection: 0,0,1,0,0,0 has a zero"});
   expect_refused(insert_into(box, {"--bone", "--resection", "0,0,-20,0,0,1"}), {"all of", "lies beyond it"});

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "verify/analysis/finite_point.hpp"
+#include "verify/containment/bone_around_cavity.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/check_steps.hpp"
 #include "verify/placement/path_check.hpp"
@@ -132,6 +133,7 @@ struct RemovedVolumeChecker::State {
       surfaces.emplace_back(surface);
       rims.push_back(surfaces.back().rims());
     }
+    verify::require_cavities_in_bone(bone);
   }
 
   /// Whether all that is swept lies there.
