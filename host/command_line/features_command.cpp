@@ -23,6 +23,7 @@
 #include "host/command_line/shared_options.hpp"
 #include "host/errors/refusal.hpp"
 #include "host/features/drawn_axes.hpp"
+#include "host/features/implant_points.hpp"
 
 namespace verisq::command_line {
 namespace {
@@ -119,11 +120,6 @@ std::optional<Surface> meshed(const FeaturesArguments& arguments) {
                  read_model_landmarks(arguments.model)};
 }
 
-const Primitive* primitive_of(const Model& model, const std::string& name) {
-  const auto found = std::ranges::find(model.primitives, name, &Primitive::name);
-  return found == model.primitives.end() ? nullptr : &*found;
-}
-
 /// An implant in its place, with the points that count.
 struct Implant {
   Model model;
@@ -131,32 +127,25 @@ struct Implant {
   std::vector<std::string> notes = {};
 };
 
-/// An option's primitive comes first, then the file's point, then the primitive of the usual name.
-void choose_point(Implant& implant, const FeaturesArguments& arguments, const char* option, const std::string& name,
-                  const NamedLandmark& landmark) {
-  std::optional<Point>& point = implant.points.*landmark.point;
-  if (name.empty() && point) {
-    implant.notes.push_back(fmt::format("{}: as its file names it", landmark.name));
-    return;
-  }
-  const std::string usual = option + 2;  // without the dashes
-  const Primitive* const primitive = primitive_of(implant.model, name.empty() ? usual : name);
-  if (primitive == nullptr && !name.empty())
+void check_primitive(const FeaturesArguments& arguments, const Model& implant, const char* option,
+                     const std::string& name) {
+  if (!name.empty() && std::ranges::count(implant.primitives, name, &Primitive::name) == 0)
     refuse(fmt::format("{}: {} has no primitive \"{}\"", option, arguments.implant, name));
-  if (primitive == nullptr) return;
-  point = primitive->pose.translation;
-  implant.notes.push_back(fmt::format("{}: the centre of its primitive \"{}\"", landmark.name, primitive->name));
 }
 
 Implant read_implant(const FeaturesArguments& arguments) {
-  Implant implant{read_model(arguments.implant), read_model_landmarks(arguments.implant)};
-  choose_point(implant, arguments, "--head", arguments.implant_head, named_landmarks[0]);
-  choose_point(implant, arguments, "--neck", arguments.implant_neck, named_landmarks[1]);
-  if (!implant.points.head_centre) {
+  Model model = read_model(arguments.implant);
+  check_primitive(arguments, model, "--head", arguments.implant_head);
+  check_primitive(arguments, model, "--neck", arguments.implant_neck);
+  std::vector<features::NamedCentre> centres;
+  for (const Primitive& primitive : model.primitives) centres.push_back({primitive.name, primitive.pose.translation});
+  auto [points, notes] = features::implant_points(read_model_landmarks(arguments.implant), centres,
+                                                  {arguments.implant_head, arguments.implant_neck});
+  if (!points.head_centre) {
     refuse(
         fmt::format("{}: names no landmark head_centre and has no primitive \"head\"; give --head", arguments.implant));
   }
-  return implant;
+  return {std::move(model), points, std::move(notes)};
 }
 
 /// The axes, and the implant among them where there is one.

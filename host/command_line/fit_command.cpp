@@ -76,7 +76,7 @@ constexpr const char* closing_words =
     "every area; and on which side of the mesh each primitive lies. --bound-certificate-file does the same for the\n"
     "bound, from the implants' files and the mesh, --contact-certificate-file for the mesh's areas in contact; that\n"
     "of the implant's own surface has no certificate. What the implant changes is proved by `verisq features\n"
-    "--landmarks F --implant FITTED --certificate-file`, but for the distance of the heads.\n"
+    "--landmarks F --implant FITTED --certificate-file`.\n"
     "\n"
     "Ctrl-C ends the search, or the bound: the best pose so far is proven and written. A second Ctrl-C stops at once;\n"
     "once the proof runs, -o is written already.\n"
@@ -329,7 +329,7 @@ KeptFeature parse_kept(std::string_view option, const std::string& text) {
 void declare_preservation(Options& options, FitArguments& arguments) {
   options.add("--landmarks", arguments.landmarks, "FILE",
               "The bone's, as `verisq features -o` writes them: says what the implant changes, of the points that its "
-              "own file names");
+              "own file names, else of the centres of its primitives head and neck");
   options.add("--landmark-radius", arguments.landmark_radius, parse_length, "NUMBER",
               "How well they are known, in model units (default 0)");
   options.add_each("--keep", arguments.kept, parse_kept, "NAME=LO,HI",

@@ -9,6 +9,7 @@
 #include <verisq/fit_problem.hpp>
 
 #include "host/errors/refusal.hpp"
+#include "host/features/implant_points.hpp"
 #include "host/mesh/extent.hpp"
 #include "host/planning/fit_constraints.hpp"
 #include "host/planning/fit_contacts.hpp"
@@ -161,6 +162,24 @@ void tell_of_empty_areas(const Cavity& cavity, std::vector<std::string>& notices
   }
 }
 
+/// Those that count for what the implant changes of the bone, where that is asked for. Precondition: check_implant.
+FemurLandmarks landmarks_of(const FitImplant& implant, FitProblem& problem) {
+  if (!problem.bone) return implant.landmarks;
+  std::vector<features::NamedCentre> centres;
+  for (const auto& [name, semi_axes, exponents, translation, quaternion, bend, taper] : implant.model.primitives)
+    centres.push_back({name, {translation[0].lo, translation[1].lo, translation[2].lo}});
+  const auto [points, notes] = features::implant_points(implant.landmarks, centres);
+  if (points == implant.landmarks && points.head_centre) return points;
+  for (const std::string& note : notes) problem.notices.push_back(fmt::format("{}: {}", implant.name, note));
+  if (!points.head_centre) {
+    problem.notices.push_back(
+        fmt::format("{}: names no landmark head_centre and has no primitive \"head\", of which it could be told what "
+                    "happens to the head",
+                    implant.name));
+  }
+  return points;
+}
+
 void check_labels(const FitRequest& request) {
   if (request.labelled && request.labelled->area_of.size() != request.mesh.vertices.size()) {
     refuse(fmt::format("{}: has {} vertices, of which {} have labels", request.mesh_name, request.mesh.vertices.size(),
@@ -191,7 +210,7 @@ FitProblem fit_problem(FitRequest request) {
     check_implant(implant.model, implant.name);
     problem.names.push_back(implant.name);
     problem.series.push_back(implant.model);
-    problem.implant_landmarks.push_back(implant.landmarks);
+    problem.implant_landmarks.push_back(landmarks_of(implant, problem));
   }
   problem.units = common_units(request.implants);
   if (problem.bone && !problem.units.empty() && problem.units != "mm")

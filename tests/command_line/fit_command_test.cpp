@@ -675,6 +675,29 @@ TEST_F(SidedFitCommand, KeepsWhatIsToBePreserved) {
   EXPECT_EQ(found["asked"][0]["hi"], 0.5);
 }
 
+TEST_F(SidedFitCommand, TakesHeadAndNeckForWhatIsCalledSo) {
+  const auto fit_of = [this](const std::string& primitive) {
+    const std::string implant =
+        write(primitive + ".json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+        {"name": ")" + primitive + R"(", "superquadric": {"semi_axes": [3, 3, 7], "exponents": [0.5, 0.5]}}]})");
+    return run({"fit", "--implant", implant, "--mesh", cavity(), "--cavity", "--device", "host", "--json", "--samples",
+                "16", "--landmarks", landmarks(), "-o", path("fitted.json")});
+  };
+  const Outcome head = fit_of("head");
+  EXPECT_THAT(head.err, HasSubstr("head.json: head_centre: the centre of its primitive \"head\""));
+  const json changes = json::parse(head.out)["changes"];
+  const json again = json::parse(
+      run({"features", "--landmarks", landmarks(), "--implant", path("fitted.json"), "--json"}).out)["changes"];
+  ASSERT_EQ(changes.size(), 3U);
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    EXPECT_EQ(changes[k]["name"], again[k]["name"]);
+    EXPECT_EQ(changes[k]["value"], again[k]["value"]) << changes[k]["name"];
+  }
+  const Outcome shaft = fit_of("shaft");
+  EXPECT_THAT(shaft.err, HasSubstr("shaft.json: names no landmark head_centre and has no primitive \"head\""));
+  EXPECT_EQ(json::parse(shaft.out)["changes"], json::array());
+}
+
 TEST_F(SidedFitCommand, SaysWhatIsNotPreserved) {
   const Outcome outcome = fit_preserving({"--keep", "length_change=30,40"}, "0");
   EXPECT_EQ(outcome.status, 3);
