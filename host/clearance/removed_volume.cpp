@@ -11,7 +11,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "host/mesh/extent.hpp"
 #include "host/threads/parallel.hpp"
 #include "verify/containment/bone_around_cavity.hpp"
 #include "verify/containment/orientation.hpp"
