@@ -90,9 +90,12 @@ double draw_colour_bar(Drawing& drawing, const Report& report, const ColourScale
   const Drawing::Type plain{18.0 * unit, ink};
   const Drawing::Type faint{16.0 * unit, faint_ink};
   double y = layout.panel_top + 18.0 * unit;
-  drawing.write(layout.legend_left, y, layout.legend_width,
-                (report.path.empty() ? "distance to the " : "smallest distance to the ") + report.solid_name, heading);
+  drawing.write(layout.legend_left, y, layout.legend_width, "distance to the " + report.solid_name, heading);
   y += 26.0 * unit;
+  if (!report.path.empty()) {
+    drawing.write(layout.legend_left, y, layout.legend_width, "the smallest along its whole way;", faint);
+    y += 22.0 * unit;
+  }
   drawing.write(layout.legend_left, y, layout.legend_width,
                 report.units.empty() ? "proven lower bound" : "proven lower bound, in " + report.units, faint);
   y += 26.0 * unit;
