@@ -38,6 +38,7 @@ void tell_of_wider(const std::string& file, const ContactAreas& found, const Con
   tell_if_wider(file, "contact", found.of_mesh, claimed.of_mesh);
   for (std::size_t k = 0; k < names.size(); ++k)
     tell_if_wider(file, "contact:" + names[k], found.by_region[k], claimed.by_region[k]);
+  if (found.of_model && claimed.of_model) tell_if_wider(file, "implant_contact", *found.of_model, *claimed.of_model);
 }
 
 }  // namespace
@@ -85,6 +86,7 @@ ContactFile write_contact_certificate(const FitProblem& problem, const Fit& fit,
                        .regions = {},
                        .region_runs = runs_of(certified.terms.region_of),
                        .claims = std::move(certified.claims),
+                       .counted = std::move(certified.terms.counted),
                        .certificate = std::move(certified.certificate)};
   for (const Area& area : problem.cavity.areas) answer.regions.push_back(area.name);
   try {

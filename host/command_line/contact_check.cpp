@@ -2,6 +2,7 @@
 #include "host/command_line/contact_check.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -62,8 +63,9 @@ void refuse_other_subjects(const ContactAnswer& answer, const CheckArguments& ar
   refuse_other_file(arguments.inputs.mesh, "mesh", answer.mesh, certificate);
 }
 
-void refuse_other_sizes(const ContactAnswer& answer, const Mesh& mesh, const std::string& certificate) {
-  const auto& [vertices, divided] = answer.certificate;
+void refuse_other_sizes(const ContactAnswer& answer, const Model& model, const Mesh& mesh,
+                        const std::string& certificate) {
+  const auto& [vertices, divided, surface] = answer.certificate;
   const std::size_t triangles = mesh.triangles.size();
   if (vertices.size() != mesh.vertices.size())
     refuse(
@@ -73,6 +75,10 @@ void refuse_other_sizes(const ContactAnswer& answer, const Mesh& mesh, const std
   if (!answer.regions.empty() && points_of(answer.region_runs) != triangles)
     refuse(fmt::format("{}: region_runs: are of {} triangles, and the mesh has {}", certificate,
                        points_of(answer.region_runs), triangles));
+  if (surface && answer.counted.size() != model.primitives.size())
+    refuse(fmt::format("{}: has patches of {} primitives, and the model has {}", certificate, answer.counted.size(),
+                       model.primitives.size()));
+  if (surface && triangles == 0) refuse(fmt::format("{}: is of a mesh, and there are no triangles", certificate));
 }
 
 void add_claims(const std::string& of, const ContactClaim& claimed, const AreaWithin& proven,
@@ -97,7 +103,18 @@ ContactCheckReport checked(const ContactAnswer& answer, const Model& model, cons
   add_claims("contact", answer.claims.of_mesh, report.proven.of_mesh, report.claims);
   for (std::size_t r = 0; r < answer.regions.size(); ++r)
     add_claims("contact:" + answer.regions[r], answer.claims.by_region[r], report.proven.by_region[r], report.claims);
+  if (const auto& claimed = answer.claims.of_model)
+    add_claims("implant_contact", *claimed, *report.proven.of_model, report.claims);
   return report;
+}
+
+/// Whose surface the implant's own is, by name.
+std::vector<std::string> counted_primitives(const ContactAnswer& answer, const Model& model) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < answer.counted.size(); ++k) {
+    if (answer.counted[k]) names.push_back(name_of_primitive(model, k));
+  }
+  return names;
 }
 
 /// How many triangles each has.
@@ -131,23 +148,35 @@ std::string claims_in_words(const ContactAnswer& answer, const ContactCheckRepor
   return text;
 }
 
-std::string readable(const ContactAnswer& answer, const ContactCheckReport& report, const CheckArguments& arguments) {
+/// The line of what counts as the implant's own surface, if that is claimed.
+std::string own_surface_in_words(const std::vector<std::string>& primitives) {
+  if (primitives.empty()) return "not claimed          how much of the model's own surface is in contact\n";
+  return fmt::format(
+      "implant_contact      of what of the model's own surface is that of {}: no farther from the mesh\n",
+      fmt::join(primitives, ", "));
+}
+
+std::string readable(const ContactAnswer& answer, const Model& model, const ContactCheckReport& report,
+                     const CheckArguments& arguments) {
   std::string text = claims_in_words(answer, report);
   text += fmt::format("in contact           what is no farther than {} from the model's surface, inside or outside\n",
                       with_units(fmt::format("{}", answer.distance), answer.units));
   const std::vector<std::uint64_t> triangles = triangles_by_region(answer);
   for (std::size_t r = 0; r < answer.regions.size(); ++r)
     text += fmt::format("area {:<15} {} triangles, which the certificate names\n", answer.regions[r], triangles[r]);
-  text += "  are these the distance and the areas that were meant? That is not proved, but for you to see\n";
+  const std::vector<std::string> primitives = counted_primitives(answer, model);
+  text += own_surface_in_words(primitives);
+  text += fmt::format("  are these the distance{} that were meant? That is not proved, but for you to see\n",
+                      primitives.empty() ? " and the areas" : ", the areas and the primitives");
   text += fmt::format("samples              {}, of which {} say less than they claim\n", report.proven.samples,
                       report.proven.unproved_samples);
-  text += "not claimed          how much of the model's own surface is in contact\n";
   text += fmt::format("time                 {:.3g} s\n", report.seconds);
   return text + fmt::format("certificate          {}{}\n", arguments.certificate,
                             report.proven.interrupted ? " (interrupted)" : "");
 }
 
-std::string json(const ContactAnswer& answer, const ContactCheckReport& report, const CheckArguments& arguments) {
+std::string json(const ContactAnswer& answer, const Model& model, const ContactCheckReport& report,
+                 const CheckArguments& arguments) {
   JsonValue::Array claims;
   for (const auto& [of, what, value, finding] : report.claims) {
     claims.push_back(JsonObject{{"name", of},
@@ -160,11 +189,14 @@ std::string json(const ContactAnswer& answer, const ContactCheckReport& report, 
   const std::vector<std::uint64_t> triangles = triangles_by_region(answer);
   for (std::size_t r = 0; r < answer.regions.size(); ++r)
     areas.push_back(JsonObject{{"name", answer.regions[r]}, {"triangles", triangles[r]}});
+  JsonValue::Array primitives;
+  for (const std::string& name : counted_primitives(answer, model)) primitives.push_back(name);
   const JsonObject object{{"kind", "contact"},
                           {"claims", claims},
                           {"without_an_end", report.unbounded()},
                           {"distance", answer.distance},
                           {"areas", areas},
+                          {"implant_contact_of", primitives},
                           {"samples", report.proven.samples},
                           {"unproved_samples", report.proven.unproved_samples},
                           {"units", answer.units},
@@ -181,10 +213,11 @@ ExitStatus run_contact_check(const ContactAnswer& answer, const CheckArguments& 
   const Model model = read_model(arguments.models.front());
   refuse_other_units(model.units, "model", answer.units, arguments.certificate);
   const Mesh mesh = read_mesh(arguments.inputs.mesh);
-  refuse_other_sizes(answer, mesh, arguments.certificate);
+  refuse_other_sizes(answer, model, mesh, arguments.certificate);
   watch_for_interruption();
   const ContactCheckReport report = checked(answer, model, mesh, arguments);
-  fmt::print("{}", arguments.json ? json(answer, report, arguments) : readable(answer, report, arguments));
+  fmt::print("{}",
+             arguments.json ? json(answer, model, report, arguments) : readable(answer, model, report, arguments));
   if (report.proven.interrupted) return ExitStatus::interrupted;
   return report.all_proved() ? ExitStatus::verified : ExitStatus::unverified;
 }

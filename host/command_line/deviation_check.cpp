@@ -80,14 +80,17 @@ void refuse_other_sizes(const DeviationAnswer& answer, const Mesh& mesh, const C
                      vertices.size(), triangles.size(), mesh.vertices.size(), mesh.triangles.size()));
 }
 
+std::string percentile_in_words(const DeviationAnswer& answer, std::size_t i) {
+  return fmt::format("{} %", answer.percentiles[i]);
+}
+
 void add_claims(const DeviationAnswer& answer, const char* of, const DistanceSummary& claimed,
                 const DistanceSummary& proven, std::vector<Claim>& claims) {
   const std::vector<Finding> findings = check(claimed, proven);
   claims.push_back({of, "largest", claimed.largest, findings[0]});
   claims.push_back({of, "mean", claimed.mean, findings[1]});
   for (std::size_t i = 0; i < answer.percentiles.size(); ++i) {
-    const std::string what = fmt::format("{} %", answer.percentiles[i]);
-    claims.push_back({of, what, claimed.percentiles[i], findings[2 + i]});
+    claims.push_back({of, percentile_in_words(answer, i), claimed.percentiles[i], findings[2 + i]});
   }
 }
 
@@ -95,6 +98,12 @@ void add_claims(const DeviationAnswer& answer, const char* of, const DistanceSum
 void add_other_way(const DeviationAnswer& answer, const ProvenDeviation& proven, std::vector<Claim>& claims) {
   if (!proven.from_model) return;
   claims.push_back({"model", "largest", *answer.from_model, check(*answer.from_model, *proven.from_model)});
+  if (const auto& claimed = answer.statistics_from_model) {
+    const std::vector<Finding> findings = check(*claimed, *proven.statistics_from_model);
+    claims.push_back({"model", "mean", claimed->mean, findings[0]});
+    for (std::size_t i = 0; i < answer.percentiles.size(); ++i)
+      claims.push_back({"model", percentile_in_words(answer, i), claimed->percentiles[i], findings[1 + i]});
+  }
   claims.push_back({"both", "largest", *answer.hausdorff, check(*answer.hausdorff, *proven.hausdorff)});
 }
 
@@ -105,6 +114,7 @@ DeviationCheckReport checked(const DeviationAnswer& answer, const Model& model, 
   DeviationCheckReport report{.proven = DeviationChecker(model)(
                                   mesh, answer.certificate,
                                   {.percentiles = answer.percentiles,
+                                   .statistics_of_model = answer.statistics_from_model.has_value(),
                                    .check = {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
                                              .interrupted = interrupted,
                                              .progress = [&bar](double done) { bar.update_state("samples", done); }}}),
@@ -144,7 +154,7 @@ std::string readable(const DeviationAnswer& answer, const DeviationCheckReport& 
   text += fmt::format("samples              {}, of which {} say less than they claim\n", report.proven.samples,
                       report.proven.unproved_samples);
   if (answer.pose) text += fmt::format("model moved by       {}: translation, quaternion\n", option_text(*answer.pose));
-  text += fmt::format("not claimed          {}\n", not_claimed(answer));
+  if (!answer.statistics_from_model) text += fmt::format("not claimed          {}\n", not_claimed(answer));
   text += fmt::format("time                 {:.3g} s\n", report.seconds);
   return text + fmt::format("certificate          {}{}\n", arguments.certificate,
                             report.proven.interrupted ? " (interrupted)" : "");

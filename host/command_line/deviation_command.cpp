@@ -168,6 +168,7 @@ bool write_certificate(const Model& model, const Mesh& mesh, const DeviationArgu
                                      .of_vertices = certified.proven.of_vertices,
                                      .from_mesh = certified.proven.from_mesh,
                                      .from_model = certified.proven.from_model,
+                                     .statistics_from_model = certified.proven.statistics_from_model,
                                      .hausdorff = certified.proven.hausdorff,
                                      .certificate = std::move(certified.certificate)});
   report.certificate = file;

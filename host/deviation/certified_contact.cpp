@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/deviation/certified_cover.hpp"
+#include "host/deviation/certified_place.hpp"
 #include "host/deviation/certified_samples.hpp"
 #include "host/deviation/contact_tolerance.hpp"
 #include "host/deviation/deviation_check.hpp"
@@ -22,7 +24,9 @@
 #include "host/errors/refusal.hpp"
 #include "host/threads/parallel_steps.hpp"
 #include "verify/analysis/distance_up.hpp"
+#include "verify/deviation/chosen_cells.hpp"
 #include "verify/deviation/proven_triangle.hpp"
+#include "verify/deviation/triangle_tree.hpp"
 #include "verify/deviation/weighted_cells.hpp"
 #include "verify/numbers/rounding.hpp"
 
@@ -89,7 +93,7 @@ class ContactProver {
 
   /// Of all that was divided. Leaves nothing behind.
   [[nodiscard]] ContactCertificate certificate() {
-    ContactCertificate certificate{.vertices = std::move(vertices_), .triangles = {}};
+    ContactCertificate certificate{.vertices = std::move(vertices_), .triangles = {}, .surface = {}};
     for (std::uint32_t n = 0; n < mesh_.triangles.size(); ++n) {
       if (parts_[n].proof == PieceProof::corners) continue;
       certificate.triangles.push_back({n, {}});
@@ -286,6 +290,12 @@ class ContactProver {
   std::size_t bytes_ = 0;  ///< of the file, about
 };
 
+/// One a primitive, where the model's surface is asked about.
+std::vector<bool> counted_of(const Model& model, const ContactAreaOptions& options) {
+  if (!options.of_model) return {};
+  return options.counted.empty() ? std::vector<bool>(model.primitives.size(), true) : options.counted;
+}
+
 /// About, for the choice of vertices; nothing where they cannot be had.
 std::vector<Enclosure> approximate_distances(const Model& model, const Mesh& mesh, const ContactAreaOptions& options) {
   std::vector<Enclosure> rows(mesh.vertices.size(), {-infinity, infinity});
@@ -293,6 +303,27 @@ std::vector<Enclosure> approximate_distances(const Model& model, const Mesh& mes
       model, {.tolerance = contact_tolerance(model), .device = options.device, .interrupted = options.interrupted});
   if (!to_model(mesh.vertices, rows)) rows.assign(mesh.vertices.size(), {-infinity, infinity});
   return rows;
+}
+
+/// Of the model's own surface, of which as much shall be known as was `found`.
+SurfaceCover cover_of(const Model& model, const Mesh& mesh, const AreaWithin& found, const ContactAreaOptions& options,
+                      std::size_t bytes, const SeenInterruption& interrupted) {
+  const verify::TriangleTree tree(verify::triangles_of(mesh));
+  const PatchPlacer placer(model, interrupted);
+  const double allowed = std::max(options.share_width, found.share.width());
+  const CoverGoal choose = [&](std::span<const WeightedCell> cells, std::vector<bool>& chosen) {
+    verify::choose_for_share(cells, verify::area_within(cells, options.distance), options.distance, allowed, chosen);
+  };
+  const std::vector<bool> counted = counted_of(model, options);
+  return certified_cover({.model = model,
+                          .triangles = tree,
+                          .placer = placer,
+                          .counted = counted,
+                          .largest = infinity,
+                          .choose = choose,
+                          .bytes = bytes,
+                          .interrupted = interrupted},
+                         octants_of(model, counted));
 }
 
 /// Both hold the exact values, and so does all between.
@@ -312,8 +343,10 @@ CertifiedContact certified_contact(const Model& model, const Mesh& mesh, const C
   check_regions(mesh, options.region_of, options.regions);
   if (found.by_region.size() != options.regions)
     refuse(fmt::format("areas of {} regions are found, of {}", found.by_region.size(), options.regions));
-  CertifiedContact result{
-      .terms = {options.distance, options.region_of, options.regions}, .claims = {}, .certificate = {}, .proven = {}};
+  CertifiedContact result{.terms = {options.distance, options.region_of, options.regions, counted_of(model, options)},
+                          .claims = {},
+                          .certificate = {},
+                          .proven = {}};
   result.proven.interrupted = true;
   const SeenInterruption interrupted(options.interrupted);
   const auto part_of_progress = [&progress](double from, double to) {
@@ -329,6 +362,8 @@ CertifiedContact certified_contact(const Model& model, const Mesh& mesh, const C
   prover.divide(options.regions == 0 ? whole : found.by_region, bytes, part_of_progress(0.3, 0.8));
   if (interrupted()) return result;
   result.certificate = prover.certificate();
+  if (found.of_model) result.certificate.surface = cover_of(model, mesh, *found.of_model, options, bytes, interrupted);
+  if (interrupted()) return result;
   result.proven = ContactChecker(model)(mesh, result.terms, result.certificate,
                                         {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
                                          .interrupted = [&interrupted] { return interrupted(); },
@@ -337,6 +372,7 @@ CertifiedContact certified_contact(const Model& model, const Mesh& mesh, const C
   result.claims.of_mesh = claim_between(found.of_mesh, result.proven.of_mesh);
   for (std::size_t r = 0; r < found.by_region.size(); ++r)
     result.claims.by_region.push_back(claim_between(found.by_region[r], result.proven.by_region[r]));
+  if (found.of_model) result.claims.of_model = claim_between(*found.of_model, *result.proven.of_model);
   return result;
 }
 

@@ -176,8 +176,9 @@ class DeviationProver {
 /// About how much of a certificate file it takes.
 std::size_t size_of(const SurfaceProof& proof) {
   std::size_t size = 0;
-  for (const std::vector<PatchProof>& patches : proof.patches) size += patches.size();
-  for (const CertifiedPoint& point : proof.off) size += size_of(point);
+  for (const std::vector<PatchProof>& patches : proof.cover.patches) size += patches.size();
+  for (const CertifiedPoint& point : proof.cover.off) size += size_of(point);
+  for (const CertifiedPoint& point : proof.cover.on) size += size_of(point);
   return size;
 }
 
@@ -187,6 +188,7 @@ void leave_out_unbounded_surface(CertifiedDeviation& result) {
   if (!from_model || std::isfinite(from_model->hi)) return;
   result.certificate.surface.reset();
   result.proven.from_model.reset();
+  result.proven.statistics_from_model.reset();
   result.proven.hausdorff.reset();
   result.without_surface = "some of its patches are not bounded";
 }
@@ -225,6 +227,7 @@ CertifiedDeviation certified_deviation(const Model& model, const Mesh& mesh, con
   if (interrupted()) return result;
   result.proven = DeviationChecker(model)(mesh, result.certificate,
                                           {.percentiles = options.percentiles,
+                                           .statistics_of_model = found.from_model && found.from_model->mean,
                                            .check = {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
                                                      .interrupted = [&interrupted] { return interrupted(); },
                                                      .progress = progress(0.6, 1.0)}});

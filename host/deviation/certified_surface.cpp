@@ -4,24 +4,23 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <span>
-#include <tuple>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "host/deviation/allowed_width.hpp"
+#include "host/deviation/certified_cover.hpp"
+#include "host/deviation/certified_place.hpp"
 #include "host/deviation/sample_size.hpp"
 #include "host/threads/parallel_steps.hpp"
+#include "verify/deviation/chosen_cells.hpp"
 #include "verify/deviation/patch_distance.hpp"
-#include "verify/deviation/proven_surface.hpp"
 #include "verify/deviation/surface_patch.hpp"
 #include "verify/deviation/triangle_tree.hpp"
-#include "verify/proof/convex_union.hpp"
-#include "verify/proof/exact_checker.hpp"
+#include "verify/deviation/weighted_cells.hpp"
 #include "verisq/signed_distance.hpp"
 
 namespace verisq {
@@ -30,8 +29,6 @@ namespace {
 constexpr std::size_t octants = 8;
 /// Of how far patches may lie from the mesh: what other checkers, which round otherwise, may need more.
 constexpr double room = 0x1p-30;
-/// Of a patch's radius: how well the distance of its middle from the boundary has to be known.
-constexpr double share_of_radius = 0.25;
 
 struct OctantProof {
   std::vector<PatchProof> patches;
@@ -40,20 +37,15 @@ struct OctantProof {
 
 class SurfaceProver {
  public:
-  /// `interrupted` must outlive this.
-  SurfaceProver(const Model& model, const Mesh& mesh, double enough, double tolerance, std::size_t bytes,
-                const SeenInterruption& interrupted)
+  /// All must outlive this.
+  SurfaceProver(const Model& model, const verify::TriangleTree& tree, const PatchPlacer& placer, double enough,
+                std::size_t bytes, const SeenInterruption& interrupted)
       : primitives_(model.primitives),
-        tree_(verify::triangles_of(mesh)),
-        distance_(model),
-        checker_(model),
+        tree_(tree),
+        placer_(placer),
         enough_(enough),
-        tolerance_(tolerance),
         bytes_(bytes),
-        interrupted_(interrupted) {
-    if (!verify::is_union(model)) return;
-    for (const Primitive& primitive : model.primitives) each_.emplace_back(Model{model.units, {primitive}, {}});
-  }
+        interrupted_(interrupted) {}
 
   /// Of one octant of a primitive. Cut short where it is interrupted, or takes more than so many bytes with the others.
   [[nodiscard]] OctantProof operator()(std::size_t primitive, std::size_t octant) {
@@ -78,40 +70,13 @@ class SurfaceProver {
 
   [[nodiscard]] bool is_too_large() const { return used_ > bytes_ || patches_ >= most_patches; }
 
-  /// Of a point near the boundary.
-  [[nodiscard]] CertifiedPoint near_boundary(const Point& x) const {
-    CertifiedPoint point{x, distance_.certified(x, tolerance_, [this] { return interrupted_(); })};
-    const Enclosure& distance = point.signed_distance.distance;
-    if (!std::isfinite(distance.lo) || !std::isfinite(distance.hi)) point.signed_distance = between_both_sides(x);
-    return point;
-  }
-
  private:
-  /// By a point inside and one outside, both at a distance of about the tolerance. Set operations have no other
-  /// certificate of points as near to the boundary as rounding is.
-  [[nodiscard]] CertifiedEnclosure between_both_sides(const Point& x) const {
-    CertifiedEnclosure result{{-infinity, infinity}, {}};
-    constexpr std::size_t directions = 27;  // -1, 0 and 1 along each axis
-    for (std::size_t n = 0; n < directions; ++n) {
-      const std::array steps{n % 3, n / 3 % 3, n / 9};
-      Point p = x;
-      for (std::size_t i = 0; i < 3; ++i) p[i] += tolerance_ * (static_cast<double>(steps[i]) - 1.0) / std::sqrt(3.0);
-      Certificate by_point;
-      by_point.escape = p;
-      by_point.witness = p;
-      const auto [lo, hi] = checker_(x, {-2.0 * tolerance_, 2.0 * tolerance_}, by_point);
-      if (lo > result.distance.lo) std::tie(result.distance.lo, result.certificate.escape) = std::tie(lo, p);
-      if (hi < result.distance.hi) std::tie(result.distance.hi, result.certificate.witness) = std::tie(hi, p);
-    }
-    return result;
-  }
-
   /// Adds what becomes of the patch, or says how it is halved.
   [[nodiscard]] std::optional<verify::PatchHalving> prove(const verify::PatchedSurface& surface,
                                                           const verify::PatchCell& cell, OctantProof& proof) {
     const verify::Patch patch = surface.patch(cell);
     const bool is_near = verify::distance_from(patch, tree_, enough_).farthest <= enough_;
-    std::optional<CertifiedPoint> off = is_near ? std::nullopt : off_boundary(patch, cell.primitive);
+    std::optional<CertifiedPoint> off = is_near ? std::nullopt : placer_.off_boundary(patch, cell.primitive);
     if (off) {
       used_ += size_of(*off);
       proof.patches.push_back(PatchProof::off);
@@ -123,54 +88,10 @@ class SurfaceProver {
     return halving;
   }
 
-  /// What proves that no part of the patch is part of the boundary.
-  [[nodiscard]] std::optional<CertifiedPoint> off_boundary(const verify::Patch& patch, std::size_t primitive) const {
-    if (each_.empty()) return off_boundary_of_set(patch);
-    for (std::size_t other = 0; other < each_.size(); ++other) {
-      if (other == primitive) continue;
-      if (auto point = inside(patch, other)) return point;
-    }
-    return std::nullopt;
-  }
-
-  /// In a union what lies within another primitive; a ball in that is proven sooner than one in all of them together.
-  [[nodiscard]] std::optional<CertifiedPoint> inside(const verify::Patch& patch, std::size_t other) const {
-    const Point& x = patch.sample;
-    if (!std::visit([&](const auto& solid) { return solid.contains(x); }, checker_.primitives()[other])) {
-      return std::nullopt;
-    }
-    CertifiedEnclosure within = each_[other].certified(x, share_of_radius * patch.radius);
-    if (!(within.distance.hi < -patch.radius)) return std::nullopt;
-    // A smaller ball than the largest takes less to be proven.
-    const double depth =
-        within.certificate.cover.empty() ? 0.5 * (patch.radius - within.distance.hi) : -within.distance.hi;
-    within.distance = {-infinity, -depth};
-    within.certificate.escape.reset();
-    for (Normal& normal : within.certificate.normals) normal.primitive = static_cast<std::uint32_t>(other);
-    return proven_off(patch, {x, std::move(within)});
-  }
-
-  [[nodiscard]] std::optional<CertifiedPoint> off_boundary_of_set(const verify::Patch& patch) const {
-    const auto interrupted = [this] { return interrupted_(); };
-    const double tolerance = share_of_radius * patch.radius;
-    const Enclosure distance = distance_(patch.sample, tolerance, interrupted);
-    if (!verify::is_off_boundary(patch, patch.sample, distance)) return std::nullopt;
-    return proven_off(patch, {patch.sample, distance_.certified(patch.sample, tolerance, interrupted)});
-  }
-
-  [[nodiscard]] std::optional<CertifiedPoint> proven_off(const verify::Patch& patch, CertifiedPoint point) const {
-    const auto& [claimed, certificate] = point.signed_distance;
-    if (!verify::is_off_boundary(patch, point.point, checker_(point.point, claimed, certificate))) return std::nullopt;
-    return point;
-  }
-
   std::span<const Primitive> primitives_;
-  verify::TriangleTree tree_;
-  SignedDistance distance_;
-  std::vector<SignedDistance> each_;  ///< of a union
-  verify::ExactChecker checker_;
+  const verify::TriangleTree& tree_;
+  const PatchPlacer& placer_;
   double enough_;
-  double tolerance_;
   std::size_t bytes_;
   std::atomic<std::size_t> used_{0};  ///< bytes
   std::atomic<std::size_t> patches_{0};
@@ -178,15 +99,31 @@ class SurfaceProver {
 };
 
 /// Of each primitive its octants, one after the other.
-SurfaceProof joined(std::vector<OctantProof> proofs) {
-  SurfaceProof proof;
-  proof.patches.resize(proofs.size() / octants);
+SurfaceCover joined(std::vector<OctantProof> proofs) {
+  SurfaceCover cover;
+  cover.patches.resize(proofs.size() / octants);
   for (std::size_t i = 0; i < proofs.size(); ++i) {
-    std::vector<PatchProof>& patches = proof.patches[i / octants];
+    std::vector<PatchProof>& patches = cover.patches[i / octants];
     patches.insert(patches.end(), proofs[i].patches.begin(), proofs[i].patches.end());
-    std::ranges::move(proofs[i].off, std::back_inserter(proof.off));
+    std::ranges::move(proofs[i].off, std::back_inserter(cover.off));
   }
-  return proof;
+  return cover;
+}
+
+/// Mean and percentiles no wider than they were found, or than they had to be.
+CoverGoal goal_of(const DistanceStatistics& found, const DeviationOptions& options, double radius) {
+  return [&found, &options, radius](std::span<const verify::WeightedCell> cells, std::vector<bool>& chosen) {
+    const auto allowed = [&](const Enclosure& of) {
+      return std::max(of.hi - of.lo, allowed_width(of.lo, options, radius));
+    };
+    verify::choose_for_mean(cells, verify::mean_of(cells), allowed(*found.mean), chosen);
+    const verify::Distribution distribution(cells);
+    for (std::size_t i = 0; i < options.percentiles.size(); ++i) {
+      const double percent = options.percentiles[i];
+      verify::choose_for_percentile(cells, distribution.percentile(percent), percent / 100.0,
+                                    allowed(found.percentiles[i]), chosen);
+    }
+  };
 }
 
 }  // namespace
@@ -198,7 +135,9 @@ CertifiedSurface certified_surface(const Model& model, const Mesh& mesh, const D
   const double allowed = allowed_width(statistics.largest.lo, options, bounding_radius(model));
   const double enough = std::max(statistics.largest.hi, statistics.largest.lo + 0.25 * allowed);
   if (!std::isfinite(enough)) return {std::nullopt, "nothing was found from above"};
-  SurfaceProver prover(model, mesh, enough, share_of_samples * allowed, bytes, interrupted);
+  const verify::TriangleTree tree(verify::triangles_of(mesh));
+  const PatchPlacer placer(model, interrupted);
+  SurfaceProver prover(model, tree, placer, enough, bytes, interrupted);
   std::vector<OctantProof> proofs(octants * model.primitives.size());
   in_parallel_steps(proofs.size(), octants, interrupted, progress,
                     [&](std::size_t i) { proofs[i] = prover(i / octants, i % octants); });
@@ -207,9 +146,18 @@ CertifiedSurface certified_surface(const Model& model, const Mesh& mesh, const D
     return {std::nullopt, fmt::format("it takes more than {} patches, or than the {} bytes that there are for them",
                                       most_patches, bytes)};
   }
-  SurfaceProof proof = joined(std::move(proofs));
-  proof.within = enough * (1.0 + room);
-  proof.farthest = prover.near_boundary(statistics.farthest);
+  SurfaceProof proof{.within = enough * (1.0 + room), .cover = joined(std::move(proofs)), .farthest = {}};
+  proof.farthest = placer.near_boundary(statistics.farthest, share_of_samples * allowed);
+  if (!statistics.mean) return {std::move(proof), {}};
+  proof.cover = certified_cover({.model = model,
+                                 .triangles = tree,
+                                 .placer = placer,
+                                 .counted = {},
+                                 .largest = enough,
+                                 .choose = goal_of(statistics, options, bounding_radius(model)),
+                                 .bytes = bytes,
+                                 .interrupted = interrupted},
+                                std::move(proof.cover));
   return {std::move(proof), {}};
 }
 

@@ -198,10 +198,15 @@ void write_lines(const std::filesystem::path& path, const OrderedJson& head, con
   lines.write();
 }
 
+OrderedJson json_of(const std::vector<Enclosure>& claims) {
+  OrderedJson array = OrderedJson::array();
+  for (const Enclosure& claim : claims) array.push_back(json_of(claim));
+  return array;
+}
+
 OrderedJson json_of(const DistanceSummary& summary) {
   OrderedJson object{{"largest", json_of(summary.largest)}, {"mean", json_of(summary.mean)}};
-  object["percentiles"] = OrderedJson::array();
-  for (const Enclosure& percentile : summary.percentiles) object["percentiles"].push_back(json_of(percentile));
+  object["percentiles"] = json_of(summary.percentiles);
   return object;
 }
 
@@ -239,12 +244,32 @@ OrderedJson json_of(const CertifiedPoint& point) {
   return object;
 }
 
+OrderedJson json_of(const std::vector<CertifiedPoint>& points) {
+  OrderedJson array = OrderedJson::array();
+  for (const CertifiedPoint& point : points) array.push_back(json_of(point));
+  return array;
+}
+
+void add_cover(OrderedJson& object, const SurfaceCover& cover) {
+  object["patches"] = OrderedJson::array();
+  for (const std::vector<PatchProof>& patches : cover.patches) object["patches"].push_back(text_of(patches));
+  object["off"] = json_of(cover.off);
+  if (!cover.on.empty()) object["on"] = json_of(cover.on);
+}
+
 OrderedJson json_of(const SurfaceProof& proof) {
   OrderedJson object{{"within", proof.within}, {"farthest", json_of(proof.farthest)}};
-  object["patches"] = OrderedJson::array();
-  for (const std::vector<PatchProof>& patches : proof.patches) object["patches"].push_back(text_of(patches));
-  object["off"] = OrderedJson::array();
-  for (const CertifiedPoint& point : proof.off) object["off"].push_back(json_of(point));
+  add_cover(object, proof.cover);
+  return object;
+}
+
+/// Which primitives count, one by one.
+OrderedJson json_of(const SurfaceCover& cover, const std::vector<bool>& counted) {
+  OrderedJson object{{"primitives", OrderedJson::array()}};
+  for (std::size_t k = 0; k < counted.size(); ++k) {
+    if (counted[k]) object["primitives"].push_back(k);
+  }
+  add_cover(object, cover);
   return object;
 }
 
@@ -405,6 +430,10 @@ void write_answer(const std::filesystem::path& path, const DeviationAnswer& answ
   if (answer.from_mesh) head["from_mesh"] = json_of(*answer.from_mesh);
   if (const auto& surface = answer.certificate.surface) {
     head["from_model"] = {{"largest", json_of(*answer.from_model)}};
+    if (const auto& statistics = answer.statistics_from_model) {
+      head["from_model"]["mean"] = json_of(statistics->mean);
+      head["from_model"]["percentiles"] = json_of(statistics->percentiles);
+    }
     head["hausdorff"] = json_of(*answer.hausdorff);
     head["surface"] = json_of(*surface);
   }
@@ -427,12 +456,15 @@ void write_answer(const std::filesystem::path& path, const ContactAnswer& answer
   head["of_mesh"] = json_of(answer.claims.of_mesh);
   head["by_region"] = OrderedJson::array();
   for (const ContactClaim& claim : answer.claims.by_region) head["by_region"].push_back(json_of(claim));
-  const auto& [vertices, triangles] = answer.certificate;
+  if (const auto& surface = answer.certificate.surface) {
+    head["of_model"] = json_of(*answer.claims.of_model);
+    head["surface"] = json_of(*surface, answer.counted);
+  }
+  const std::vector<VertexProof>& vertices = answer.certificate.vertices;
+  const std::vector<DividedTriangle>& triangles = answer.certificate.triangles;
   LinesText lines(path, head);
-  lines.add("vertices", vertices.size(), "vertices",
-            [&vertices = vertices](std::size_t i) { return json_of(vertices[i]); });
-  lines.add("triangles", triangles.size(), "triangles",
-            [&triangles = triangles](std::size_t i) { return json_of(triangles[i]); });
+  lines.add("vertices", vertices.size(), "vertices", [&](std::size_t i) { return json_of(vertices[i]); });
+  lines.add("triangles", triangles.size(), "triangles", [&](std::size_t i) { return json_of(triangles[i]); });
   lines.write();
 }
 

@@ -32,7 +32,7 @@ ContactClaim read_contact_claim(const JsonValue& value) {
 }
 
 ContactClaims read_contact_claims(const JsonValue& root, std::size_t regions) {
-  ContactClaims claims{read_contact_claim(root.at("of_mesh")), {}};
+  ContactClaims claims{read_contact_claim(root.at("of_mesh")), {}, {}};
   const JsonValue by_region = root.at("by_region");
   if (by_region.size() != regions) by_region.fail(fmt::format("must be {} claims, one a region", regions));
   for (std::size_t i = 0; i < regions; ++i) claims.by_region.push_back(read_contact_claim(by_region.element(i)));
@@ -70,11 +70,38 @@ std::vector<DividedTriangle> read_divided_triangles(const JsonValue& value) {
   return triangles;
 }
 
+/// Of as many primitives as have patches: those that count are named in their order, and the others have none.
+std::vector<bool> read_counted(const JsonValue& value, const std::vector<std::vector<PatchProof>>& patches) {
+  std::vector<bool> counted(patches.size(), false);
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const std::uint32_t primitive = read_index(value.element(i));
+    if (primitive >= counted.size()) value.element(i).fail(fmt::format("must be below {}", counted.size()));
+    if (i > 0 && primitive <= read_index(value.element(i - 1))) value.element(i).fail("must be above those before");
+    counted[primitive] = true;
+  }
+  if (value.size() == 0) value.fail("must not be empty");
+  return counted;
+}
+
+/// Both the claim and its proof, or neither: files of before have none.
+void read_surface(const JsonValue& root, ContactAnswer& answer) {
+  const auto surface = root.find("surface");
+  const auto claim = root.find("of_model");
+  if (!surface) {
+    if (claim) claim->fail("must not be there without \"surface\"");
+    return;
+  }
+  surface->check_keys({"primitives", "patches", "off", "on"});
+  answer.claims.of_model = read_contact_claim(root.at("of_model"));
+  answer.certificate.surface = read_surface_cover(*surface);
+  answer.counted = read_counted(surface->at("primitives"), answer.certificate.surface->patches);
+}
+
 }  // namespace
 
 ContactAnswer read_contact(const JsonValue& root) {
   root.check_keys({"format", "kind", "models", "mesh", "units", "distance", "regions", "region_runs", "of_mesh",
-                   "by_region", "vertices", "triangles"});
+                   "by_region", "of_model", "vertices", "triangles", "surface"});
   const JsonValue models = root.at("models");
   if (models.size() != 1) models.fail("must be an array of one model");
   ContactAnswer answer{.model = read_subject_file(models.element(0)),
@@ -87,12 +114,14 @@ ContactAnswer read_contact(const JsonValue& root) {
                        .certificate = {}};
   answer.region_runs = read_area_runs(root.at("region_runs"), answer.regions.size());
   answer.claims = read_contact_claims(root, answer.regions.size());
-  answer.certificate = {read_vertex_proofs(root.at("vertices")), read_divided_triangles(root.at("triangles"))};
+  answer.certificate = {read_vertex_proofs(root.at("vertices")), read_divided_triangles(root.at("triangles")), {}};
+  read_surface(root, answer);
   return answer;
 }
 
 ContactTerms terms_of(const ContactAnswer& answer) {
-  return {answer.distance, areas_of(answer.region_runs), static_cast<std::uint32_t>(answer.regions.size())};
+  return {answer.distance, areas_of(answer.region_runs), static_cast<std::uint32_t>(answer.regions.size()),
+          answer.counted};
 }
 
 }  // namespace verisq

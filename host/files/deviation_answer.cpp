@@ -12,8 +12,8 @@
 namespace verisq {
 namespace {
 
-constexpr std::string_view letters = ".ch";            // of PieceProof
-constexpr std::string_view letters_of_patch = ".oar";  // of PatchProof
+constexpr std::string_view letters = ".ch";             // of PieceProof
+constexpr std::string_view letters_of_patch = ".oarw";  // of PatchProof
 
 CertifiedEnclosure distance_and_certificate(const JsonValue& value) {
   return {{value.at("lo").number_or_infinity(), value.at("hi").number_or_infinity()}, read_certificate(value)};
@@ -60,32 +60,40 @@ std::vector<double> read_percentiles(const JsonValue& value) {
   return percentiles;
 }
 
+std::vector<Enclosure> read_percentile_claims(const JsonValue& value, std::size_t percentiles) {
+  if (value.size() != percentiles) value.fail(fmt::format("must be {} claims", percentiles));
+  std::vector<Enclosure> claims;
+  for (std::size_t i = 0; i < percentiles; ++i) claims.push_back(read_claim(value.element(i)));
+  return claims;
+}
+
 DistanceSummary read_summary(const JsonValue& value, std::size_t percentiles) {
   value.check_keys({"largest", "mean", "percentiles"});
-  DistanceSummary summary{read_claim(value.at("largest")), read_claim(value.at("mean")), {}};
-  const JsonValue claims = value.at("percentiles");
-  if (claims.size() != percentiles) claims.fail(fmt::format("must be {} claims", percentiles));
-  for (std::size_t i = 0; i < percentiles; ++i) summary.percentiles.push_back(read_claim(claims.element(i)));
-  return summary;
+  return {read_claim(value.at("largest")), read_claim(value.at("mean")),
+          read_percentile_claims(value.at("percentiles"), percentiles)};
+}
+
+/// As many as the patches have this letter.
+std::vector<CertifiedPoint> read_points(const JsonValue& value, const std::vector<std::vector<PatchProof>>& patches,
+                                        PatchProof letter) {
+  std::size_t expected = 0;
+  for (const std::vector<PatchProof>& of_primitive : patches)
+    expected += static_cast<std::size_t>(std::ranges::count(of_primitive, letter));
+  if (value.size() != expected) {
+    value.fail(fmt::format("must be {} points, one for each {}", expected,
+                           letters_of_patch[static_cast<std::size_t>(letter)]));
+  }
+  std::vector<CertifiedPoint> points;
+  points.reserve(expected);
+  for (std::size_t i = 0; i < expected; ++i) points.push_back(read_point(value.element(i)));
+  return points;
 }
 
 SurfaceProof read_surface(const JsonValue& value) {
-  value.check_keys({"within", "farthest", "patches", "off"});
-  SurfaceProof proof;
-  proof.within = value.at("within").number();
-  proof.farthest = read_point(value.at("farthest"));
-  const JsonValue patches = value.at("patches");
-  std::size_t expected = 0;
-  for (std::size_t k = 0; k < patches.size(); ++k) {
-    proof.patches.push_back(
-        read_letters<PatchProof>(patches.element(k), letters_of_patch, "must consist of the letters a, r, o and ."));
-    expected += static_cast<std::size_t>(std::ranges::count(proof.patches.back(), PatchProof::off));
-  }
-  const JsonValue off = value.at("off");
-  if (off.size() != expected) off.fail(fmt::format("must be {} points, one for each o", expected));
-  proof.off.reserve(expected);
-  for (std::size_t i = 0; i < expected; ++i) proof.off.push_back(read_point(off.element(i)));
-  return proof;
+  value.check_keys({"within", "farthest", "patches", "off", "on"});
+  return {.within = value.at("within").number(),
+          .cover = read_surface_cover(value),
+          .farthest = read_point(value.at("farthest"))};
 }
 
 /// All of it, or nothing: files of before have none.
@@ -98,8 +106,14 @@ void read_other_way(const JsonValue& root, DeviationAnswer& answer) {
     return;
   }
   const JsonValue from_model = root.at("from_model");
-  from_model.check_keys({"largest"});
+  from_model.check_keys({"largest", "mean", "percentiles"});
   answer.from_model = read_claim(from_model.at("largest"));
+  if (const auto mean = from_model.find("mean")) {
+    answer.statistics_from_model = {read_claim(*mean),
+                                    read_percentile_claims(from_model.at("percentiles"), answer.percentiles.size())};
+  } else if (const auto percentiles = from_model.find("percentiles")) {
+    percentiles->fail("must not be there without \"mean\"");
+  }
   answer.hausdorff = read_claim(root.at("hausdorff"));
   answer.certificate.surface = read_surface(*surface);
 }
@@ -122,6 +136,21 @@ TriangleProof read_triangle_proof(const JsonValue& value) {
     samples.value_or(pieces).fail(fmt::format("must be of {} samples, one for each c and h", expected));
   }
   return proof;
+}
+
+SurfaceCover read_surface_cover(const JsonValue& value) {
+  SurfaceCover cover;
+  const JsonValue patches = value.at("patches");
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    cover.patches.push_back(
+        read_letters<PatchProof>(patches.element(k), letters_of_patch, "must consist of the letters a, r, o, w and ."));
+  }
+  cover.off = read_points(value.at("off"), cover.patches, PatchProof::off);
+  const auto on = value.find("on");
+  if (on) cover.on = read_points(*on, cover.patches, PatchProof::on);
+  const auto is_on = [](const std::vector<PatchProof>& of) { return std::ranges::count(of, PatchProof::on) > 0; };
+  if (!on && std::ranges::any_of(cover.patches, is_on)) patches.fail("must not have a w without \"on\"");
+  return cover;
 }
 
 DeviationAnswer read_deviation(const JsonValue& root) {

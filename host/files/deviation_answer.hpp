@@ -15,6 +15,9 @@ namespace verisq {
 /// The keys "pieces" and "samples" of an object: as many samples as pieces need. Fails likewise.
 [[nodiscard]] TriangleProof read_triangle_proof(const JsonValue& value);
 
+/// The keys "patches", "off" and "on" of an object: as many points as patches need. Fails likewise.
+[[nodiscard]] SurfaceCover read_surface_cover(const JsonValue& value);
+
 /// One letter each, as the format has them.
 [[nodiscard]] std::string text_of(const std::vector<PieceProof>& pieces);
 [[nodiscard]] std::string text_of(const std::vector<PatchProof>& patches);

@@ -148,6 +148,7 @@ struct DeviationAnswer {
   /// Of the model's surface the largest distance from the mesh, and of both ways the larger one; both are there if and
   /// only if there is a `SurfaceProof`.
   std::optional<Enclosure> from_model = {};
+  std::optional<AreaStatistics> statistics_from_model = {};  ///< may be missing; as many percentiles
   std::optional<Enclosure> hausdorff = {};
   DeviationCertificate certificate;
 };
@@ -161,6 +162,8 @@ struct ContactAnswer {
   std::vector<std::string> regions;  ///< names of the regions of triangles
   std::vector<AreaRun> region_runs;  ///< of all triangles in their order; none without regions
   ContactClaims claims;              ///< of as many regions
+  /// Of each primitive whether its surface counts, where there is a claim of the model's surface.
+  std::vector<bool> counted = {};
   ContactCertificate certificate;
 };
 

@@ -37,6 +37,7 @@ enum class PatchProof : std::uint8_t {
   off,            ///< it is no part of the boundary of the model's solid: a point of `SurfaceProof::off` says so
   halved_along,   ///< both halves: of its arc along the latitude
   halved_around,  ///< likewise, of its arc around
+  on,             ///< all of it is part of that boundary: a point of `SurfaceCover::on` says so; what it is follows
 };
 
 /// Of all primitives, halved ones included: what more would take to follow no checker need have.
@@ -48,13 +49,20 @@ struct CertifiedPoint {
   CertifiedEnclosure signed_distance;
 };
 
-/// How far the model's surface lies from the mesh, at most, and at least: all patches cover it (docs/mathematics.md
-/// §20).
-struct SurfaceProof {
-  double within = infinity;  ///< what the largest distance is shown to be at most, no harder is tried; need not be true
+/// Patches that together hold the model's surface (docs/mathematics.md §20).
+struct SurfaceCover {
   std::vector<std::vector<PatchProof>> patches;  ///< of each primitive: its eight octants with all parts in preorder
   /// In the order of `patches`: the patch is nearer to the point than the model's surface is.
   std::vector<CertifiedPoint> off;
+  /// Likewise: the patch is nearer to the point than all other primitives' surfaces are, by the normals; in a union
+  /// these are outside of it, else the model's surface is nearer to the point than the patch reaches, too.
+  std::vector<CertifiedPoint> on = {};
+};
+
+/// How far the model's surface lies from the mesh, at most, and at least, in the mean, and percentiles.
+struct SurfaceProof {
+  double within = infinity;  ///< what the largest distance is shown to be at most, no harder is tried; need not be true
+  SurfaceCover cover;
   /// Near the model's surface, and from the mesh at least as far as is claimed.
   CertifiedPoint farthest;
 };
@@ -80,15 +88,27 @@ struct DistanceSummary {
 /// Of one number.
 [[nodiscard]] Finding check(const Enclosure& claimed, const Enclosure& proven);
 
+/// Enclosures of the mean of a surface's distances by area, and of percentiles.
+struct AreaStatistics {
+  Enclosure mean{0.0, infinity};
+  std::vector<Enclosure> percentiles = {};
+
+  [[nodiscard]] bool operator==(const AreaStatistics&) const = default;
+};
+
+/// What is proven of the mean, then of the percentiles. Precondition: as many, of the same percents.
+[[nodiscard]] std::vector<Finding> check(const AreaStatistics& claimed, const AreaStatistics& proven);
+
 struct ProvenDeviation {
   DistanceSummary of_vertices;               ///< each of the same weight
   std::optional<DistanceSummary> from_mesh;  ///< of all points of all triangles, by area; nothing of a cloud
   /// The largest distance of the model's surface from the mesh; nothing without a `SurfaceProof`.
   std::optional<Enclosure> from_model;
-  std::optional<Enclosure> hausdorff;  ///< the larger of both largest distances; likewise
-  std::uint64_t samples = 0;           ///< signed distances that were looked at
-  std::uint64_t unproved_samples = 0;  ///< of these: they say less than they claim
-  bool interrupted = false;            ///< nothing is said then
+  std::optional<AreaStatistics> statistics_from_model;  ///< of these distances; nothing unless they are asked for, too
+  std::optional<Enclosure> hausdorff;                   ///< the larger of both largest distances; likewise
+  std::uint64_t samples = 0;                            ///< signed distances that were looked at
+  std::uint64_t unproved_samples = 0;                   ///< of these: they say less than they claim
+  bool interrupted = false;                             ///< nothing is said then
 };
 
 /// Proves deviations by MPFR alone. Immutable after construction: safe to call from many threads.
@@ -101,6 +121,7 @@ class DeviationChecker {
 
   struct Options {
     std::span<const double> percentiles = {};  ///< each above 0, at most 100
+    bool statistics_of_model = false;          ///< mean and percentiles of the model's surface, too
     CheckOptions check;
   };
 

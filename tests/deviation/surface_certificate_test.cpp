@@ -175,9 +175,9 @@ TEST(SurfaceCertificateTest, ProvesAboutWhatWasFound) {
 TEST(SurfaceCertificateTest, WhatIsNoBoundaryDoesNotCount) {
   for (const std::size_t i : with_hidden_parts) {
     const Answer& answer = answers()[i];
-    EXPECT_FALSE(answer.proof.off.empty()) << i;
+    EXPECT_FALSE(answer.proof.cover.off.empty()) << i;
     SurfaceProof all_of_it = answer.proof;
-    for (std::vector<PatchProof>& patches : all_of_it.patches)
+    for (std::vector<PatchProof>& patches : all_of_it.cover.patches)
       std::ranges::replace(patches, PatchProof::off, PatchProof::near);
     EXPECT_GT(proven_of(answer.model, answer.mesh, all_of_it).hi, answer.proof.within) << i;
   }
@@ -229,13 +229,14 @@ TEST(SurfaceCertificateTest, OfAProofThatIsCutShortNothingIsProvenFromAbove) {
     change(changed);
     return proven_of(answer.model, answer.mesh, changed).hi;
   };
-  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.patches.clear(); }), infinity);
-  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.patches.pop_back(); }), infinity);
-  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.patches[1].clear(); }), infinity);
-  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.patches[1].pop_back(); }), infinity);
-  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.patches[1].push_back(PatchProof::near); }), infinity);
-  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.patches[0].assign(100, PatchProof::halved_along); }), infinity);
-  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.off.pop_back(); }), infinity);
+  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.cover.patches.clear(); }), infinity);
+  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.cover.patches.pop_back(); }), infinity);
+  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.cover.patches[1].clear(); }), infinity);
+  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.cover.patches[1].pop_back(); }), infinity);
+  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.cover.patches[1].push_back(PatchProof::near); }), infinity);
+  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.cover.patches[0].assign(100, PatchProof::halved_along); }),
+            infinity);
+  EXPECT_EQ(upper_end_of([](SurfaceProof& of) { of.cover.off.pop_back(); }), infinity);
 }
 
 /// Whose sizes, and what is left out of their surfaces, are others.
@@ -270,15 +271,16 @@ void forge(CertifiedPoint& point, RandomCases& random) {
 
 /// A patch is told otherwise than it was, by something that is true of another one.
 void forge_patch(SurfaceProof& proof, RandomCases& random) {
-  std::vector<PatchProof>& patches = proof.patches[random.choice(proof.patches.size())];
+  std::vector<PatchProof>& patches = proof.cover.patches[random.choice(proof.cover.patches.size())];
   PatchProof& patch = patches[random.choice(patches.size())];
   patch = static_cast<PatchProof>(random.choice(4));
-  if (!proof.off.empty()) proof.off.insert(proof.off.begin(), proof.off[random.choice(proof.off.size())]);
+  if (!proof.cover.off.empty())
+    proof.cover.off.insert(proof.cover.off.begin(), proof.cover.off[random.choice(proof.cover.off.size())]);
 }
 
 /// A halving is left out, with what follows of its first half: what else there is belongs to other patches then.
 void leave_out(SurfaceProof& proof, RandomCases& random) {
-  std::vector<PatchProof>& patches = proof.patches[random.choice(proof.patches.size())];
+  std::vector<PatchProof>& patches = proof.cover.patches[random.choice(proof.cover.patches.size())];
   const auto at = patches.begin() + static_cast<std::ptrdiff_t>(random.choice(patches.size()));
   const auto last = std::min(patches.end(), at + 1 + static_cast<std::ptrdiff_t>(random.choice(8)));
   patches.erase(at, last);
@@ -286,8 +288,9 @@ void leave_out(SurfaceProof& proof, RandomCases& random) {
 }
 
 void swap_patches(SurfaceProof& proof, RandomCases& random) {
-  std::swap(proof.patches[random.choice(proof.patches.size())], proof.patches[random.choice(proof.patches.size())]);
-  for (std::vector<PatchProof>& patches : proof.patches) {
+  std::swap(proof.cover.patches[random.choice(proof.cover.patches.size())],
+            proof.cover.patches[random.choice(proof.cover.patches.size())]);
+  for (std::vector<PatchProof>& patches : proof.cover.patches) {
     std::swap(patches[random.choice(patches.size())], patches[random.choice(patches.size())]);
   }
 }
@@ -295,11 +298,11 @@ void swap_patches(SurfaceProof& proof, RandomCases& random) {
 /// Says that all near patches, or a half of them, are off the boundary.
 void claim_too_much(SurfaceProof& proof, RandomCases& random) {
   const std::size_t one_of = 1 + random.choice(2);
-  for (std::vector<PatchProof>& patches : proof.patches) {
+  for (std::vector<PatchProof>& patches : proof.cover.patches) {
     for (PatchProof& patch : patches) {
       if (patch == PatchProof::near && random.choice(one_of) == 0) {
         patch = PatchProof::off;
-        proof.off.push_back(proof.farthest);
+        proof.cover.off.push_back(proof.farthest);
       }
     }
   }
@@ -309,14 +312,14 @@ void forge(SurfaceProof& proof, RandomCases& random, std::size_t kind) {
   switch (kind) {
     case 0: forge(proof.farthest, random); break;
     case 1:
-      for (CertifiedPoint& point : proof.off) forge(point, random);
+      for (CertifiedPoint& point : proof.cover.off) forge(point, random);
       break;
     case 2: forge_patch(proof, random); break;
     case 3: leave_out(proof, random); break;
     case 4: swap_patches(proof, random); break;
     case 5: proof.within *= random.uniform(0.0, 1.0); break;
     case 6: claim_too_much(proof, random); break;
-    default: proof.farthest.point = proof.off.empty() ? Point{9.0, 9.0, 9.0} : proof.off.front().point;
+    default: proof.farthest.point = proof.cover.off.empty() ? Point{9.0, 9.0, 9.0} : proof.cover.off.front().point;
   }
 }
 
@@ -367,12 +370,12 @@ std::vector<PatchProof> evenly_halved(int depth) {
 TEST(SurfaceCertificateTest, OfTooManyPatchesNothingIsProvenFromAbove) {
   const Answer& answer = answers()[0];
   SurfaceProof proof = answer.proof;
-  proof.patches = {{}};
+  proof.cover.patches = {{}};
   for (int octant = 0; octant < 8; ++octant) {
     const std::vector<PatchProof> patches = evenly_halved(octant == 0 ? 19 : 18);
-    proof.patches[0].insert(proof.patches[0].end(), patches.begin(), patches.end());
+    proof.cover.patches[0].insert(proof.cover.patches[0].end(), patches.begin(), patches.end());
   }
-  ASSERT_GT(proof.patches[0].size(), most_patches);
+  ASSERT_GT(proof.cover.patches[0].size(), most_patches);
   EXPECT_EQ(proven_of(answer.model, answer.mesh, proof).hi, infinity);
 }
 
@@ -382,27 +385,27 @@ TEST(SurfaceCertificateTest, APatchBulgesBeyondItsCorners) {
   Model model{"", {superquadric({1, 1, 1}, {1, 1}, {}), superquadric({2.5, 2.5, 2.5}, {1, 1}, {-1, -1, -1})}};
   for (Primitive& primitive : model.primitives) primitive.pose.quaternion = {1, 0, 0, 0};
   const Mesh beyond{.vertices = {{-10, -10, -10}}, .triangles = {}};
-  SurfaceProof proof{0.0, {{PatchProof::off}, {}}, {}, {{}, {{-infinity, infinity}, {}}}};
+  SurfaceProof proof{0.0, {{{PatchProof::off}, {}}, {}}, {{}, {{-infinity, infinity}, {}}}};
   for (int octant = 0; octant < 15; ++octant) {
     const std::vector<PatchProof> patches = evenly_halved(8);
-    std::vector<PatchProof>& of = proof.patches[octant < 7 ? 0 : 1];
+    std::vector<PatchProof>& of = proof.cover.patches[octant < 7 ? 0 : 1];
     of.insert(of.end(), patches.begin(), patches.end());
   }
-  proof.off.push_back({{-1, -1, -1}, {{-infinity, -2.49}, {{{1, {1, 0, 0}}}, {}}}});
+  proof.cover.off.push_back({{-1, -1, -1}, {{-infinity, -2.49}, {{{1, {1, 0, 0}}}, {}}}});
   const double farthest = std::sqrt(3.0) * 10.0 + 1.0;
   EXPECT_GE(proven_of(model, beyond, proof).hi, farthest);
-  proof.patches[0].erase(proof.patches[0].begin());
+  proof.cover.patches[0].erase(proof.cover.patches[0].begin());
   const std::vector<PatchProof> first = evenly_halved(8);
-  proof.patches[0].insert(proof.patches[0].begin(), first.begin(), first.end());
+  proof.cover.patches[0].insert(proof.cover.patches[0].begin(), first.begin(), first.end());
   EXPECT_NEAR(proven_of(model, beyond, proof).hi, farthest, 0.02);
 }
 
 /// A point beside a patch whose ball is a little smaller than the patch is no proof.
 TEST(SurfaceCertificateTest, APatchIsOffTheBoundaryByALargeEnoughBallAlone) {
   const Answer& answer = answers()[4];
-  ASSERT_FALSE(answer.proof.off.empty());
+  ASSERT_FALSE(answer.proof.cover.off.empty());
   SurfaceProof changed = answer.proof;
-  for (CertifiedPoint& point : changed.off) point.signed_distance.distance.hi *= 0.25;
+  for (CertifiedPoint& point : changed.cover.off) point.signed_distance.distance.hi *= 0.25;
   const Enclosure proven = proven_of(answer.model, answer.mesh, changed);
   EXPECT_GT(proven.hi, answer.proof.within);
 }

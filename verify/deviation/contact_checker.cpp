@@ -3,7 +3,9 @@
 #include <utility>
 
 #include "verify/analysis/distance_up.hpp"
+#include "verify/deviation/patch_cover.hpp"
 #include "verify/deviation/proven_samples.hpp"
+#include "verify/deviation/proven_surface.hpp"
 #include "verify/deviation/proven_triangle.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/check_steps.hpp"
@@ -59,6 +61,18 @@ void add_up(const ContactTerms& terms, const std::vector<TriangleDistances>& tri
     result.by_region.push_back(verify::area_within(cells, terms.distance));
 }
 
+/// Of what of the model's boundary lies on the primitives that count.
+AreaWithin surface_within(const Mesh& mesh, const ContactTerms& terms, const SurfaceCover& cover,
+                          const verify::ProvenSamples& samples, const verify::ProvenSignedDistance& distance,
+                          verify::CheckSteps& steps) {
+  constexpr AreaWithin anything{{0.0, infinity}, {0.0, infinity}, {0.0, 1.0}};
+  const auto surface = verify::covered_surface(cover, terms.counted, samples, distance, steps);
+  if (!surface || mesh.triangles.empty()) return anything;
+  const verify::TriangleTree tree(verify::triangles_of(mesh));
+  const auto cells = verify::boundary_cells(*surface, tree, infinity, steps);
+  return cells ? verify::area_within(*cells, terms.distance) : anything;
+}
+
 Enclosure in_percent(const Enclosure& share) {
   return {std::max(0.0, verify::multiply(100.0, share.lo, Direction::down)),
           std::min(100.0, verify::multiply(100.0, share.hi, Direction::up))};
@@ -80,7 +94,8 @@ bool are_proved(const ContactClaims& claimed, const ProvenContact& proven) {
     return std::ranges::all_of(check(claim, of), [](const Finding& f) { return f.verdict == Verdict::proved; });
   };
   return !proven.interrupted && is_proved(claimed.of_mesh, proven.of_mesh) &&
-         std::ranges::equal(claimed.by_region, proven.by_region, is_proved);
+         std::ranges::equal(claimed.by_region, proven.by_region, is_proved) &&
+         (!claimed.of_model || (proven.of_model && is_proved(*claimed.of_model, *proven.of_model)));
 }
 
 struct ContactChecker::State {
@@ -98,7 +113,9 @@ ProvenContact ContactChecker::operator()(const Mesh& mesh, const ContactTerms& t
                                          const ContactCertificate& certificate, const CheckOptions& options) const {
   verify::SampleTally tally(state_->samples);
   const verify::SampleProofs proofs = tally.proofs();
-  verify::CheckSteps steps(mesh.vertices.size() + mesh.triangles.size(), options);
+  const std::optional<SurfaceCover>& surface = certificate.surface;
+  verify::CheckSteps steps(
+      mesh.vertices.size() + mesh.triangles.size() + (surface ? 2 * verify::parts_of(*surface) : 0), options);
   std::vector<Enclosure> rows(mesh.vertices.size(), {-infinity, infinity});
   steps.each(rows.size(), [&](std::size_t i) {
     if (const auto& own = certificate.vertices[i].own) rows[i] = tally(mesh.vertices[i], *own);
@@ -112,6 +129,7 @@ ProvenContact ContactChecker::operator()(const Mesh& mesh, const ContactTerms& t
                                         {rows[a], rows[b], rows[c]}, *of_triangles[n], proofs);
   });
   ProvenContact result;
+  if (surface) result.of_model = surface_within(mesh, terms, *surface, state_->samples, proofs.distance, steps);
   result.interrupted = options.interrupted();
   result.samples = tally.looked_at();
   result.unproved_samples = tally.unproved();

@@ -20,6 +20,11 @@ double norm_of(double x, double y, const NormExponent<Real>& p, Direction direct
   return norm_of_two<Real>(Real(x), Real(y), p, direction).to_double(direction);
 }
 
+/// From (1, 0) to (0, 1) x falls and y rises, either of which tells which point comes first.
+bool is_before(const CurvePoint& a, const CurvePoint& b) {
+  return b.x.upper() < a.x.lower() || a.y.upper() < b.y.lower();
+}
+
 }  // namespace
 
 ArcTree::ArcTree(double exponent) : primal_(primal_exponent<Real>(exponent)), dual_(dual_exponent<Real>(exponent)) {
@@ -52,12 +57,14 @@ void ArcTree::halve(Arc arc) {
   const CurvePoint middle = point_towards(middle_of(from.x, to.x), middle_of(from.y, to.y));
   arcs_[arc].first_half = static_cast<Arc>(arcs_.size());
   const CurvePoint normal = normal_at(middle);
-  arcs_.push_back({from, middle, arcs_[arc].normal_from, normal});
-  arcs_.push_back({middle, to, normal, arcs_[arc].normal_to});
+  const bool in_order = arcs_[arc].in_order && is_before(from, middle) && is_before(middle, to);
+  arcs_.push_back({from, middle, arcs_[arc].normal_from, normal, in_order});
+  arcs_.push_back({middle, to, normal, arcs_[arc].normal_to, in_order});
 }
 
 double ArcTree::bulge(Arc arc, double width, double height) const {
-  const auto& [from, to, normal_from, normal_to, half] = arcs_[arc];
+  const CurvePoint& from = arcs_[arc].from;
+  const CurvePoint& to = arcs_[arc].to;
   const Interval run = abs(from.x - to.x) * Interval(width);
   const Interval rise = abs(from.y - to.y) * Interval(height);
   const Interval chord = sqrt(square(run) + square(rise));

@@ -40,6 +40,11 @@ class ArcTree {
   /// The point where the arc is halved. Precondition: halved.
   [[nodiscard]] const CurvePoint& middle(Arc arc) const { return arcs_[first_half(arc)].to; }
 
+  /// Whether its halvings are proven to have cut off no more than it: arcs of which that is so, and neither of which is
+  /// a part of the other, have no more than ends in common. Where neighbours differ by rounding only, halves may
+  /// overlap.
+  [[nodiscard]] bool in_order(Arc arc) const { return arcs_[arc].in_order; }
+
   /// Whatever lies on the arc is, after x has been multiplied by `width` and y by `height`, no farther from the chord
   /// of its exact ends than this. Rounded up; infinite where the ends cannot be told apart.
   [[nodiscard]] double bulge(Arc arc, double width, double height) const;
@@ -50,6 +55,7 @@ class ArcTree {
     CurvePoint to;
     CurvePoint normal_from;
     CurvePoint normal_to;
+    bool in_order = true;
     Arc first_half = 0;  ///< 0: not made yet
   };
 

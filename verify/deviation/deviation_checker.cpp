@@ -71,6 +71,14 @@ std::vector<Finding> check(const DistanceSummary& claimed, const DistanceSummary
   return findings;
 }
 
+std::vector<Finding> check(const AreaStatistics& claimed, const AreaStatistics& proven) {
+  std::vector<Finding> findings{check(claimed.mean, proven.mean)};
+  for (std::size_t i = 0; i < claimed.percentiles.size(); ++i) {
+    findings.push_back(check(claimed.percentiles[i], proven.percentiles[i]));
+  }
+  return findings;
+}
+
 struct DeviationChecker::State {
   explicit State(const Model& of) : samples(of) {}
 
@@ -99,8 +107,10 @@ ProvenDeviation DeviationChecker::operator()(const Mesh& mesh, const DeviationCe
                                         {rows[a], rows[b], rows[c]}, certificate.triangles[n], proofs);
   });
   if (surface && !rows.empty()) {
-    result.from_model = verify::farthest_of_surface(state_->samples.model(), verify::triangles_of(mesh), *surface,
-                                                    proofs.distance, steps);
+    const verify::ProvenSurface proven =
+        verify::proven_surface(verify::triangles_of(mesh), *surface, options, state_->samples, proofs.distance, steps);
+    result.from_model = proven.largest;
+    if (options.statistics_of_model) result.statistics_from_model = proven.statistics;
   }
   result.interrupted = options.check.interrupted();
   result.samples = tally.looked_at();

@@ -3,24 +3,20 @@
 #include "verify/deviation/model_distances.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
+#include "verify/deviation/chosen_cells.hpp"
 #include "verify/deviation/surface_patch.hpp"
 #include "verify/deviation/triangle_piece.hpp"
 #include "verify/deviation/weighted_cells.hpp"
-#include "verify/numbers/interval.hpp"
-#include "verify/numbers/rounding.hpp"
-#include "verify/proof/intersection.hpp"
+#include "verify/deviation/weighted_patch.hpp"
 
 namespace verisq::verify {
 
 namespace {
 
 constexpr std::size_t parts_a_task = 256;
-/// One triangle alone is asked about where it is nearer than so many radii of the piece: elsewhere distances alone do.
-constexpr double thin_in_radii = 4.0;
 
 struct Part {
   PatchCell cell;
@@ -81,22 +77,10 @@ class PatchMeanSearch {
     return area_within(cells_, distance);
   }
 
-  /// Nothing is proven by what is chosen.
   [[nodiscard]] std::vector<std::size_t> chosen_for_share(const AreaWithin& within, double distance,
                                                           double width) const {
-    const double share = 0.5 * within.share.lo + 0.5 * within.share.hi;
-    double area = 0.0;
-    std::vector<std::pair<double, std::size_t>> widths;
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-      const Enclosure part = part_up_to(cells_[i], distance);
-      const Enclosure& weight = cells_[i].weight;
-      area += 0.5 * weight.lo + 0.5 * weight.hi;
-      const double open = weight.hi * (part.hi - part.lo) +
-                          weight.width() * std::max(std::abs(part.hi - share), std::abs(part.lo - share));
-      if (open > 0.0) widths.emplace_back(open, i);
-    }
     std::vector<bool> chosen(parts_.size(), false);
-    choose_widest(widths, width * area, chosen);
+    choose_for_share(cells_, within, distance, width, chosen);
     return divisible_of(chosen);
   }
 
@@ -126,50 +110,9 @@ class PatchMeanSearch {
     const PatchArea area = surface.area(part.cell);
     part.sample = patch.sample;
     part.radius = patch.radius;
-    part.weighted.weight = {part.whole ? area.area.lo : 0.0, std::min(part.weighted.weight.hi, area.area.hi)};
-
-    std::array<Enclosure, 4> at_corners{};
-    for (std::size_t i = 0; i < 4; ++i) at_corners[i] = triangles_.nearest(patch.corners[i]).distance;
-    const auto [first, second] = patch.halves();
-    const PieceDistances one = on_half(first, {at_corners[0], at_corners[1], at_corners[3]});
-    const PieceDistances other = on_half(second, {at_corners[0], at_corners[2], at_corners[3]});
-    const auto what = [] { return "distances on a patch and on its part"; };
-    const Enclosure flat{std::min(one.range.lo, other.range.lo), std::max(one.range.hi, other.range.hi)};
-    part.weighted.range = intersection(part.weighted.range, beyond(flat, patch.thickness), what);
-    part.weighted.mean = part.weighted.range;
-
-    // With shares distributed evenly the mean is that of both halves; with the patch's density it is off by the
-    // covariance, at most a quarter of the product of both ranges (Grüss).
-    const double width = subtract(part.weighted.range.hi, part.weighted.range.lo, Direction::up);
-    const double off =
-        add(area.correspondence, multiply(0.25, multiply(area.unevenness, width, Direction::up), Direction::up),
-            Direction::up);
-    if (!(off < width)) return;
-    const Enclosure even{0.5 * add(one.mean.lo, other.mean.lo, Direction::down),
-                         0.5 * add(one.mean.hi, other.mean.hi, Direction::up)};
-    part.weighted.mean = intersection(part.weighted.range, beyond(even, off), what);
-  }
-
-  [[nodiscard]] PieceDistances on_half(const Triangle& half, const std::array<Enclosure, 3>& at_corners) const {
-    const double off = displacement(half);
-    const PieceShape shape = shape_of(half, off);
-    const Point middle = centre(half);
-    const TriangleTree::Nearest nearest = triangles_.nearest(middle);
-    TrianglePiece piece{.corners = half, .triangle = 0, .at_corners = at_corners};
-    piece.at_centre = widened(nearest.distance, off);
-    // Where one triangle alone is near, the distance is that from a convex set: another one is no nearer to any point
-    // of the piece than the first is, if it is farther from the middle than that by two radii.
-    if (nearest.distance.hi < thin_in_radii * shape.radius) {
-      const double reach =
-          add(add(piece.at_centre.hi, off, Direction::up), multiply(2.0, shape.radius, Direction::up), Direction::up);
-      piece.convex = triangles_.alone(middle, reach, nearest.triangle);
-    }
-    return distances_on(piece, shape);
-  }
-
-  /// Distances that are off by no more.
-  [[nodiscard]] static Enclosure beyond(const Enclosure& distances, double off) {
-    return {std::max(0.0, subtract(distances.lo, off, Direction::down)), add(distances.hi, off, Direction::up)};
+    const double largest_weight = part.weighted.weight.hi;
+    part.weighted = weighted_patch(patch, area, triangles_, part.weighted.range);
+    part.weighted.weight = {part.whole ? area.area.lo : 0.0, std::min(largest_weight, area.area.hi)};
   }
 
   /// Which parts lie on the boundary, which do not. Where no other primitive's surface comes near, all of a part does
@@ -214,14 +157,7 @@ class PatchMeanSearch {
     return true;
   }
 
-  /// Of what of the part lies on the boundary: its points are no farther than `largest`, and where it may not be all of
-  /// the part the mean is any of the range.
-  [[nodiscard]] WeightedCell cell(const Part& part) const {
-    WeightedCell cell = part.weighted;
-    if (!part.whole) cell.mean = cell.range;
-    for (Enclosure* const e : {&cell.range, &cell.mean}) e->hi = std::min(e->hi, largest_);
-    return cell;
-  }
+  [[nodiscard]] WeightedCell cell(const Part& part) const { return on_boundary(part.weighted, part.whole, largest_); }
 
   void measure() {
     cells_.clear();
@@ -232,48 +168,15 @@ class PatchMeanSearch {
     for (const double percent : percentiles_) found_.percentiles.push_back(distribution.percentile(percent));
   }
 
-  [[nodiscard]] bool is_narrow(const Enclosure& result) const {
-    return result.hi - result.lo <= search_.allowed(result.lo);
-  }
-
   /// Nothing is proven by what is chosen.
   [[nodiscard]] std::vector<std::size_t> choose() const {
     std::vector<bool> chosen(parts_.size(), false);
-    choose_for_mean(chosen);
-    for (std::size_t i = 0; i < percentiles_.size(); ++i)
-      choose_for_percentile(found_.percentiles[i], percentiles_[i] / 100.0, chosen);
+    choose_for_mean(cells_, found_.mean, search_.allowed(found_.mean.lo), chosen);
+    for (std::size_t i = 0; i < percentiles_.size(); ++i) {
+      const Enclosure& value = found_.percentiles[i];
+      choose_for_percentile(cells_, value, percentiles_[i] / 100.0, search_.allowed(value.lo), chosen);
+    }
     return divisible_of(chosen);
-  }
-
-  void choose_for_mean(std::vector<bool>& chosen) const {
-    if (is_narrow(found_.mean)) return;
-    const double middle = 0.5 * found_.mean.lo + 0.5 * found_.mean.hi;
-    double weight = 0.0;
-    std::vector<std::pair<double, std::size_t>> widths;
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-      const WeightedCell& cell = cells_[i];
-      weight += 0.5 * cell.weight.lo + 0.5 * cell.weight.hi;
-      const double from_middle = std::max(cell.mean.hi - middle, middle - cell.mean.lo);
-      widths.emplace_back(cell.weight.hi * (cell.mean.hi - cell.mean.lo) + cell.weight.width() * from_middle, i);
-    }
-    choose_widest(widths, search_.allowed(found_.mean.lo) * weight, chosen);
-  }
-
-  void choose_for_percentile(const Enclosure& value, double part, std::vector<bool>& chosen) const {
-    if (is_narrow(value)) return;
-    const double middle = 0.5 * value.lo + 0.5 * value.hi;
-    double excess = 0.0;
-    std::vector<std::pair<double, std::size_t>> widths;
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-      const WeightedCell& cell = cells_[i];
-      const Enclosure reached = part_up_to(cell, middle);
-      const double width = cell.weight.hi * (reached.hi - reached.lo) +
-                           cell.weight.width() * std::max(std::abs(reached.hi - part), std::abs(reached.lo - part));
-      if (!(width > 0.0)) continue;
-      widths.emplace_back(width, i);
-      excess += width;
-    }
-    choose_widest(widths, excess * search_.allowed(value.lo) / (value.hi - value.lo), chosen);
   }
 
   /// False where it ended early: the parts are as before.
@@ -284,7 +187,6 @@ class PatchMeanSearch {
     for (const std::size_t i : chosen) {
       is_chosen[i] = true;
       Part half = parts_[i];
-      half.weighted.mean = {0.0, infinity};
       const auto halves = surfaces_[half.cell.primitive].halves(half.cell);
       for (const PatchCell& cell : *halves) {
         half.cell = cell;

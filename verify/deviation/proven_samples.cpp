@@ -15,7 +15,7 @@ ProvenSamples::ProvenSamples(const Model& model)
     : model_(model),
       checker_(model),
       primitives_(model),
-      is_union_(is_union(model)),
+      is_union_(verify::is_union(model)),
       convex_(is_one_convex_primitive(model)) {}
 
 Enclosure ProvenSamples::distance(const Point& x, const CertifiedEnclosure& claimed, bool& proved) const {
@@ -40,6 +40,26 @@ bool ProvenSamples::is_one_convex(const Point& x, double reach, const Certificat
     convex_one = std::holds_alternative<PosedSuperquadric>(all[i]);
   }
   return near == 1 && convex_one;
+}
+
+bool ProvenSamples::are_others_away(const Point& x, double reach, std::size_t primitive,
+                                    const Certificate& certificate) const {
+  if (!std::isfinite(reach)) return false;
+  const double beyond = std::nextafter(reach, infinity);  // the ball lies in the interior
+  const std::span<const PosedPrimitive> all = primitives_.primitives();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i == primitive || std::visit([&](const auto& solid) { return solid.lower_by_sphere(x); }, all[i]) > reach)
+      continue;
+    const bool is_away = std::ranges::any_of(certificate.normals, [&](const Normal& normal) {
+      const Proposal v{normal.vector[0], normal.vector[1], normal.vector[2]};
+      if (normal.primitive != i) return false;
+      if (lower_by_normal(all[i], x, v) > reach) return true;
+      return !is_union_ &&
+             std::visit([&](const auto& solid) { return solid.contains_ball_about(x, beyond, v); }, all[i]);
+    });
+    if (!is_away) return false;
+  }
+  return true;
 }
 
 Enclosure SampleTally::operator()(const Point& x, const CertifiedEnclosure& claimed) {

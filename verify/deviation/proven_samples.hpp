@@ -27,6 +27,15 @@ class ProvenSamples {
   /// As `SampleProofs`.
   [[nodiscard]] bool is_one_convex(const Point& x, double reach, const Certificate& certificate) const;
 
+  /// Whether the model is the union of its primitives.
+  [[nodiscard]] bool is_union() const { return is_union_; }
+
+  /// Whether nothing of the surface of any primitive but this one is proven to be within `reach` of the point, by
+  /// spheres and the normals of the certificate: all others are farther or, where the model is not their union, hold
+  /// all of that ball.
+  [[nodiscard]] bool are_others_away(const Point& x, double reach, std::size_t primitive,
+                                     const Certificate& certificate) const;
+
  private:
   Model model_;
   Checker checker_;

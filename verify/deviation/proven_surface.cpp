@@ -1,16 +1,15 @@
-/// Follows the halvings of the patches, then bounds each that is left by itself.
+/// Bounds each patch by itself, then all of them together.
 #include "verify/deviation/proven_surface.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
-#include <utility>
 
 #include "verify/analysis/finite_point.hpp"
 #include "verify/deviation/patch_distance.hpp"
 #include "verify/deviation/triangle_distance_bounds.hpp"
 #include "verify/deviation/triangle_piece.hpp"
+#include "verify/deviation/weighted_patch.hpp"
 #include "verify/numbers/rounding.hpp"
 #include "verify/proof/intersection.hpp"
 
@@ -18,71 +17,11 @@ namespace verisq::verify {
 
 namespace {
 
-/// A patch that is not halved any more.
-struct Leaf {
-  PatchCell cell;
-  const CertifiedPoint* off;  ///< what is said to prove that it is no part of the boundary
-};
-
-/// Makes the patches that a proof names: the octants cover the surface, and halves what is halved.
-class Walk {
- public:
-  Walk(const Model& model, const SurfaceProof& proof) : proof_(proof) {
-    for (std::uint32_t k = 0; k < model.primitives.size(); ++k) surfaces_.emplace_back(model.primitives[k], k);
-  }
-
-  /// Nothing where the leaves are not proven to cover all primitives' surfaces.
-  [[nodiscard]] std::optional<std::vector<Leaf>> leaves() {
-    if (proof_.patches.size() != surfaces_.size() || parts_of(proof_) > most_patches) return std::nullopt;
-    for (std::size_t k = 0; k < surfaces_.size(); ++k) {
-      if (!follow(surfaces_[k], proof_.patches[k])) return std::nullopt;
-    }
-    return std::move(leaves_);
-  }
-
-  [[nodiscard]] const PatchedSurface& surface_of(const PatchCell& cell) const { return surfaces_[cell.primitive]; }
-
- private:
-  [[nodiscard]] bool follow(PatchedSurface& surface, std::span<const PatchProof> steps) {
-    std::vector<PatchCell> open = surface.octants();
-    std::ranges::reverse(open);
-    for (const PatchProof step : steps) {
-      if (open.empty()) return false;
-      const PatchCell cell = open.back();
-      open.pop_back();
-      surface.prepare(cell);
-      if (step == PatchProof::near || step == PatchProof::off) {
-        if (!add_leaf(cell, step)) return false;
-        continue;
-      }
-      if (cell.halvings == most_halvings_of_patch) return false;
-      const bool is_along = step == PatchProof::halved_along;
-      const auto halves = surface.halves(cell, is_along ? PatchHalving::along : PatchHalving::around);
-      open.insert(open.end(), {halves[1], halves[0]});
-    }
-    return open.empty();
-  }
-
-  [[nodiscard]] bool add_leaf(const PatchCell& cell, PatchProof step) {
-    if (step == PatchProof::off && used_ == proof_.off.size()) return false;
-    leaves_.push_back({cell, step == PatchProof::off ? &proof_.off[used_++] : nullptr});
-    return true;
-  }
-
-  const SurfaceProof& proof_;
-  std::vector<PatchedSurface> surfaces_;  // one a primitive
-  std::vector<Leaf> leaves_;
-  std::size_t used_ = 0;  // of the points off the boundary
-};
-
 /// Of the boundary, whichever part of it lies on the patch. Infinite where numbers leave binary64.
-double farthest_of_leaf(const Leaf& leaf, const PatchedSurface& surface, const TriangleTree& tree, double enough,
-                        const ProvenSignedDistance& distance) try {
-  const Patch patch = surface.patch(leaf.cell);
-  if (leaf.off != nullptr && is_finite(leaf.off->point) &&
-      is_off_boundary(patch, leaf.off->point, distance(leaf.off->point, leaf.off->signed_distance)))
-    return 0.0;
-  const double farthest = distance_from(patch, tree, enough).farthest;
+double farthest_of_patch(const CoveredSurface& surface, const PlacedPatch& placed, const TriangleTree& tree,
+                         double enough) try {
+  if (placed.place == PatchPlace::off) return 0.0;
+  const double farthest = distance_from(surface.surface_of(placed.cell).patch(placed.cell), tree, enough).farthest;
   return farthest >= 0.0 ? farthest : infinity;  // NaN is no bound
 } catch (const std::domain_error&) {             // of an interval without numbers, where its ends overflow
   return infinity;
@@ -103,38 +42,79 @@ double lower_end(const CertifiedPoint& farthest, const std::vector<Triangle>& tr
   return std::max(0.0, subtract(distance_down(farthest.point, triangles), from_boundary.hi, Direction::down));
 }
 
+/// The boundary is part of the primitives' surfaces, which the patches cover. `within` only widens: what is proven does
+/// not depend on how its bounds are rounded then.
+double upper_end(const CoveredSurface& surface, const TriangleTree& tree, double within, CheckSteps& steps) {
+  std::vector<double> bounds(surface.patches.size(), infinity);
+  steps.each(bounds.size(),
+             [&](std::size_t i) { bounds[i] = farthest_of_patch(surface, surface.patches[i], tree, within); });
+  double upper = std::isnan(within) ? 0.0 : std::max(0.0, within);
+  for (const double bound : bounds) upper = std::max(upper, bound);
+  return upper;
+}
+
+/// Nothing where it is not known to be finite.
+std::optional<WeightedCell> cell_of(const CoveredSurface& surface, const PlacedPatch& placed, const TriangleTree& tree,
+                                    double largest) try {
+  const PatchedSurface& of = surface.surface_of(placed.cell);
+  const WeightedCell cell = on_boundary(weighted_patch(of.patch(placed.cell), of.area(placed.cell), tree),
+                                        placed.place == PatchPlace::on, largest);
+  const bool is_known = std::isfinite(cell.weight.hi) && cell.weight.lo >= 0.0 && cell.range.lo >= 0.0 &&
+                        cell.range.hi >= 0.0 && cell.mean.lo >= 0.0 && cell.mean.hi >= 0.0;  // no NaN
+  return is_known ? std::optional(cell) : std::nullopt;
+} catch (const std::domain_error&) {  // of an interval without numbers, where its ends overflow
+  return std::nullopt;
+}
+
+AreaStatistics statistics_of(const CoveredSurface& surface, const TriangleTree& tree, double largest,
+                             std::span<const double> percentiles, CheckSteps& steps) {
+  AreaStatistics result;
+  result.percentiles.resize(percentiles.size(), {0.0, infinity});
+  const auto cells = boundary_cells(surface, tree, largest, steps);
+  if (!cells) return result;
+  result.mean = mean_of(*cells);
+  const Distribution distribution(*cells);
+  std::ranges::transform(percentiles, result.percentiles.begin(),
+                         [&](double percent) { return distribution.percentile(percent); });
+  return result;
+}
+
 }  // namespace
 
-/// |sd(x)| is the distance of x from the boundary: in the ball of this radius about x there is none of it, and the
-/// patch lies in a smaller one.
-bool is_off_boundary(const Patch& patch, const Point& x, const Enclosure& signed_distance) {
-  return magnitude(signed_distance).lo > patch.radius_about(x);
+/// Of what is farther than any point of the boundary nothing is part of it.
+std::optional<std::vector<WeightedCell>> boundary_cells(const CoveredSurface& surface, const TriangleTree& tree,
+                                                        double largest, CheckSteps& steps) {
+  std::vector<std::optional<WeightedCell>> cells(surface.patches.size());
+  steps.each(cells.size(), [&](std::size_t i) {
+    if (surface.patches[i].place != PatchPlace::off) cells[i] = cell_of(surface, surface.patches[i], tree, largest);
+  });
+  std::vector<WeightedCell> known;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (surface.patches[i].place == PatchPlace::off) continue;
+    if (!cells[i]) return std::nullopt;
+    if (cells[i]->range.lo <= largest) known.push_back(*cells[i]);
+  }
+  return known.empty() ? std::nullopt : std::optional(std::move(known));
 }
 
 std::size_t parts_of(const SurfaceProof& proof) {
-  std::size_t parts = 1;  // the farthest point
-  for (const std::vector<PatchProof>& patches : proof.patches) parts += patches.size();
-  return parts;
+  return 1 + 3 * parts_of(proof.cover);  // the farthest point; where patches lie, how far, how far in the mean
 }
 
-Enclosure farthest_of_surface(const Model& model, const std::vector<Triangle>& triangles, const SurfaceProof& proof,
-                              const ProvenSignedDistance& distance, CheckSteps& steps) {
-  double lower = 0.0;
-  steps.each(1, [&](std::size_t) { lower = lower_end(proof.farthest, triangles, distance); });
-  Walk walk(model, proof);
-  const std::optional<std::vector<Leaf>> leaves = walk.leaves();
-  if (!leaves) return {lower, infinity};
+ProvenSurface proven_surface(const std::vector<Triangle>& triangles, const SurfaceProof& proof,
+                             const DeviationChecker::Options& options, const ProvenSamples& samples,
+                             const ProvenSignedDistance& distance, CheckSteps& steps) {
+  ProvenSurface result;
+  if (options.statistics_of_model) result.statistics.percentiles.resize(options.percentiles.size(), {0.0, infinity});
+  steps.each(1, [&](std::size_t) { result.largest.lo = lower_end(proof.farthest, triangles, distance); });
+  const std::optional<CoveredSurface> surface = covered_surface(proof.cover, {}, samples, distance, steps);
+  if (!surface) return result;
   const TriangleTree tree(triangles);
-  std::vector<double> bounds(leaves->size(), infinity);
-  steps.each(bounds.size(), [&](std::size_t i) {
-    const Leaf& leaf = (*leaves)[i];
-    bounds[i] = farthest_of_leaf(leaf, walk.surface_of(leaf.cell), tree, proof.within, distance);
-  });
-  // The boundary is part of the primitives' surfaces, which the leaves cover. `within` only widens: what is proven does
-  // not depend on how its bounds are rounded then.
-  double upper = std::isnan(proof.within) ? 0.0 : std::max(0.0, proof.within);
-  for (const double bound : bounds) upper = std::max(upper, bound);
-  return between(lower, upper, [] { return "the distance of the model's surface"; });
+  result.largest = between(result.largest.lo, upper_end(*surface, tree, proof.within, steps),
+                           [] { return "the distance of the model's surface"; });
+  if (options.statistics_of_model)
+    result.statistics = statistics_of(*surface, tree, result.largest.hi, options.percentiles, steps);
+  return result;
 }
 
 }  // namespace verisq::verify

@@ -2,33 +2,38 @@
 /// §20).
 #pragma once
 
-#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "verify/deviation/surface_patch.hpp"
+#include "verify/deviation/patch_cover.hpp"
 #include "verify/deviation/triangle_tree.hpp"
+#include "verify/deviation/weighted_cells.hpp"
 #include "verify/placement/check_steps.hpp"
 #include "verisq/deviation_certificate.hpp"
 #include "verisq/enclosure.hpp"
 #include "verisq/mesh.hpp"
-#include "verisq/model.hpp"
 
 namespace verisq::verify {
 
-/// What is proven of the signed distance at a finite point, whatever is claimed.
-using ProvenSignedDistance = std::function<Enclosure(const Point& x, const CertifiedEnclosure& claimed)>;
+/// What a proof says of the distance of the solid's boundary from triangles.
+struct ProvenSurface {
+  Enclosure largest{0.0, infinity};  ///< by patches no closer than `within`; from below alone where one is missing
+  AreaStatistics statistics = {};    ///< as far as patches say where they lie; of fewer percentiles, or none
+};
 
-/// Whether no point of the patch lies on the boundary of the model's solid, by what is proven of a point's distance.
-[[nodiscard]] bool is_off_boundary(const Patch& patch, const Point& x, const Enclosure& signed_distance);
+/// Mean and percentiles as `options` ask for them. Precondition: at least one triangle, finite.
+[[nodiscard]] ProvenSurface proven_surface(const std::vector<Triangle>& triangles, const SurfaceProof& proof,
+                                           const DeviationChecker::Options& options, const ProvenSamples& samples,
+                                           const ProvenSignedDistance& distance, CheckSteps& steps);
 
-/// Encloses the largest distance of the solid's boundary from the triangles, by patches no closer than `proof.within`.
-/// Of a proof that is cut short nothing follows from above. Precondition: at least one triangle, finite.
-[[nodiscard]] Enclosure farthest_of_surface(const Model& model, const std::vector<Triangle>& triangles,
-                                            const SurfaceProof& proof, const ProvenSignedDistance& distance,
-                                            CheckSteps& steps);
+/// The distances of what of each patch lies on the boundary, by area, no larger than `largest`. Nothing where numbers
+/// leave binary64, or no patch may lie there.
+[[nodiscard]] std::optional<std::vector<WeightedCell>> boundary_cells(const CoveredSurface& surface,
+                                                                      const TriangleTree& tree, double largest,
+                                                                      CheckSteps& steps);
 
-/// How many parts `farthest_of_surface` goes through, at most.
+/// How many parts `proven_surface` goes through, at most.
 [[nodiscard]] std::size_t parts_of(const SurfaceProof& proof);
 
 }  // namespace verisq::verify
