@@ -70,6 +70,14 @@ PlaneArc PatchedSurface::profile(const PatchCell& cell, const Interval& scale) c
   return {first.first, last.first, first.second, last.second};
 }
 
+/// By which the taper widens the sections at both ends of the profile: between them it is between these.
+std::array<Interval, 2> PatchedSurface::taper_scales(const PatchCell& cell) const {
+  if (!tapered_) return {Interval(1), Interval(1)};
+  const Interval sign((cell.octant & 4U) != 0 ? -1.0 : 1.0);
+  const auto scale = [&](const CurvePoint& point) { return fall_ / (Interval(1) - k_ * sign * point.y); };
+  return {scale(along_.from(cell.along)), scale(along_.to(cell.along))};
+}
+
 PlaneArc PatchedSurface::section(const PatchCell& cell) const {
   const auto& [a, b, c] = superquadric_.semi_axes;
   const Interval width(a);
@@ -95,13 +103,18 @@ PatchArea PatchedSurface::area(const PatchCell& cell) const {
   const PlaneArc around = section(cell);
   const std::optional<ArcBounds> of_profile = bounds_of(along);
   const std::optional<ArcBounds> of_section = bounds_of(around);
-  // The section falls: it is no longer than run and rise, and |β| at most √2 times `widest`. The profile's x, at most
-  // (1 + |k|) `widest`, rises and falls once, its z has one sense. dA <= C max(m, 1) |(dZ, |β| dC)| |dβ|.
-  const Interval largest_scale = Interval(1) + abs(k_);
+  // The section falls: it is no longer than run and rise, and |β| at most √2 times `widest`. The profile's z has one
+  // sense; its x is s C `widest`, C falls and s rises or falls. dA <= s C max(m, 1) |(dZ, |β| d(s C))| |dβ|.
+  const auto& [s_from, s_to] = taper_scales(cell);
+  const Interval& c_from = along_.from(cell.along).x;
+  const Interval& c_to = along_.to(cell.along).x;
+  const Interval largest_s(std::max(s_from.upper(), s_to.upper()));
+  const Interval largest_c(std::max(c_from.upper(), c_to.upper()));
   const Interval way_around = abs(around.to[0] - around.from[0]) + abs(around.to[1] - around.from[1]);
-  const Interval way_along = abs(along.to[1] - along.from[1]) + Interval(2) * widest * largest_scale;
+  const Interval way_out = widest * (largest_s * abs(c_from - c_to) + largest_c * abs(s_from - s_to));
+  const Interval way_along = abs(along.to[1] - along.from[1]) + way_out;
   const PatchArea coarse{
-      {0.0, (Interval(1.5) * largest_scale * way_around * way_along * Interval(bend_map_ ? 2 : 1)).upper()},
+      {0.0, (Interval(1.5) * largest_s * largest_c * way_around * way_along * Interval(bend_map_ ? 2 : 1)).upper()},
       no_bound,
       no_bound};
   if (!of_profile || !of_section) return coarse;

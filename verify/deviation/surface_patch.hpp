@@ -91,6 +91,7 @@ class PatchedSurface {
   /// The arc along the latitude after the taper, x scaled by `scale`; that around it.
   [[nodiscard]] PlaneArc profile(const PatchCell& cell, const Interval& scale) const;
   [[nodiscard]] PlaneArc section(const PatchCell& cell) const;
+  [[nodiscard]] std::array<Interval, 2> taper_scales(const PatchCell& cell) const;
   /// By how much the bend stretches the patch along z: 1 - k r.
   [[nodiscard]] Interval bend_stretch(const std::array<Placed, 4>& corners, double beyond) const;
   /// Of the section's arc of the cell, of what is farthest from the axis.
