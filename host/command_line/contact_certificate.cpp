@@ -44,9 +44,11 @@ void tell_of_wider(const std::string& file, const ContactAreas& found, const Con
 }  // namespace
 
 void declare_contact_certificate(Options& options, FitArguments& arguments) {
-  options.add("--contact-certificate-file", arguments.contact_certificate, "FILE",
-              "How much of the mesh's area, and of each area's, is in contact, with what proves it again, for `verisq "
-              "check --certificate` with the fitted model and the mesh: .json");
+  options.add(
+      "--contact-certificate-file", arguments.contact_certificate, "FILE",
+      "How much of the mesh's area, of each area's and, with --implant-contact, of the implant's own surface is "
+      "in contact, with what proves it again, for `verisq check --certificate` with the fitted model and the "
+      "mesh: .json");
 }
 
 void check_contact_certificate(const FitArguments& arguments) {

@@ -152,7 +152,7 @@ std::string claims_in_words(const ContactAnswer& answer, const ContactCheckRepor
 std::string own_surface_in_words(const std::vector<std::string>& primitives) {
   if (primitives.empty()) return "not claimed          how much of the model's own surface is in contact\n";
   return fmt::format(
-      "implant_contact      of what of the model's own surface is that of {}: no farther from the mesh\n",
+      "implant_contact      of the surface of {}, as far as it is the model's own: what is as near to the mesh\n",
       fmt::join(primitives, ", "));
 }
 

@@ -224,8 +224,8 @@ void declare_deviation(Options& options, DeviationArguments& arguments) {
   options.add("-o,--output", arguments.output, "FILE",
               fmt::format("{}: signed distances of the vertices or points", map_explanation));
   options.add("--certificate-file", arguments.certificate_file, "FILE",
-              "What is found, but for mean and percentiles of the model's surface, with what proves it again,\n"
-              "for `verisq check --certificate`: .json, up to 64 MiB");
+              "What is found, of the regions nothing, with what proves it again, for `verisq check --certificate`:\n"
+              ".json, up to 64 MiB");
   declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);

@@ -106,19 +106,49 @@ JsonValue json_of(const std::optional<DistanceStatistics>& statistics, const Dev
   return object;
 }
 
+JsonValue::Array json_of_percentiles(const std::vector<Enclosure>& values, const DeviationReport& report) {
+  JsonValue::Array percentiles;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto& [lo, hi] = values[i];
+    percentiles.push_back(JsonObject{{"percent", report.options.percentiles[i]}, {"lo", lo}, {"hi", hi}});
+  }
+  return percentiles;
+}
+
 JsonValue json_of_certified(const DeviationReport& report) {
   if (!report.certified) return {};
   const DistanceSummary& summary = certified_summary(*report.certified);
-  JsonValue::Array percentiles;
-  for (std::size_t i = 0; i < summary.percentiles.size(); ++i) {
-    const auto& [lo, hi] = summary.percentiles[i];
-    percentiles.push_back(JsonObject{{"percent", report.options.percentiles[i]}, {"lo", lo}, {"hi", hi}});
-  }
-  return JsonObject{{"largest", summary.largest},
+  JsonObject object{{"largest", summary.largest},
                     {"mean", summary.mean},
-                    {"percentiles", percentiles},
+                    {"percentiles", json_of_percentiles(summary.percentiles, report)},
                     {report.is_cloud ? "model_to_points" : "model_to_mesh", report.certified->from_model},
                     {"hausdorff", report.certified->hausdorff}};
+  if (const auto& statistics = report.certified->statistics_from_model) {
+    object.set("model_mean", statistics->mean);
+    object.set("model_percentiles", json_of_percentiles(statistics->percentiles, report));
+  }
+  return object;
+}
+
+std::string certified_in_words(const DeviationReport& report) {
+  const ProvenDeviation& certified = *report.certified;
+  const auto line = [&](const std::string& label, const Enclosure& value) {
+    return fmt::format("{:<23}{}\n", label, with_units(value, report));
+  };
+  const auto percentile_lines = [&](const char* label, const std::vector<Enclosure>& values) {
+    std::string text;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      text += line(fmt::format("  {}, {:g} %", label, report.options.percentiles[i]), values[i]);
+    return text;
+  };
+  const DistanceSummary& summary = certified_summary(certified);
+  std::string text = line("  proves, largest", summary.largest) + line("  proves, mean", summary.mean) +
+                     percentile_lines("proves", summary.percentiles);
+  if (!certified.from_model) return text;
+  text += line(report.is_cloud ? "  model to points" : "  model to mesh", *certified.from_model);
+  if (const auto& statistics = certified.statistics_from_model)
+    text += line("  model, mean", statistics->mean) + percentile_lines("model", statistics->percentiles);
+  return text + line("  both ways", *certified.hausdorff);
 }
 
 }  // namespace
@@ -136,19 +166,8 @@ std::string readable(const DeviationReport& report) {
   text += fmt::format("{:<23}{:.3g} s\n", "time", report.seconds);
   if (!report.output.empty()) text += fmt::format("{:<23}{}\n", "map", report.output);
   if (report.certified) {
-    const DistanceSummary& summary = certified_summary(*report.certified);
     text += fmt::format("{:<23}{}\n", "certificate", report.certificate);
-    text += fmt::format("{:<23}{}\n", "  proves, largest", with_units(summary.largest, report));
-    text += fmt::format("{:<23}{}\n", "  proves, mean", with_units(summary.mean, report));
-    for (std::size_t i = 0; i < summary.percentiles.size(); ++i) {
-      text += fmt::format("{:<23}{}\n", fmt::format("  proves, {:g} %", report.options.percentiles[i]),
-                          with_units(summary.percentiles[i], report));
-    }
-    if (report.certified->from_model) {
-      text += fmt::format("{:<23}{}\n", report.is_cloud ? "  model to points" : "  model to mesh",
-                          with_units(*report.certified->from_model, report));
-      text += fmt::format("{:<23}{}\n", "  both ways", with_units(*report.certified->hausdorff, report));
-    }
+    text += certified_in_words(report);
   }
   if (!report.files.html.empty()) text += fmt::format("{:<23}{}\n", "report", report.files.html);
   if (!report.files.png.empty()) text += fmt::format("{:<23}{}\n", "picture", report.files.png);

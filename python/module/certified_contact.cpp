@@ -28,6 +28,7 @@ py::dict claims_of(const PythonCertifiedContact& self) {
   result["contact"] = numbers_of(self.claims.of_mesh);
   for (std::size_t k = 0; k < self.areas.size(); ++k)
     result[py::str("contact:" + self.areas[k])] = numbers_of(self.claims.by_region[k]);
+  if (self.claims.of_model) result["implant_contact"] = numbers_of(*self.claims.of_model);
   return result;
 }
 
@@ -35,6 +36,7 @@ bool is_proved(const PythonCertifiedContact& self, const PythonModel& model, con
   const Model& exact = model.exact("is_proved");
   const ContactTerms& terms = self.terms;
   if (mesh.mesh.vertices.size() != self.certificate.vertices.size()) return false;
+  if (!terms.counted.empty() && terms.counted.size() != exact.primitives.size()) return false;
   if (terms.regions > 0 && terms.region_of.size() != mesh.mesh.triangles.size()) return false;
   Interruption interruption;
   const auto interrupted = interruption.poll();
@@ -53,8 +55,12 @@ void declare_class_of_certified_contacts(py::module_& module) {
           "distance", [](const PythonCertifiedContact& self) { return self.terms.distance; },
           "No farther from the model's surface is contact.")
       .def_property_readonly("claims", claims_of,
-                             "For the mesh and each area, by the names of `keep`, a dictionary of Enclosures: \"area\" "
-                             "of all,\n\"within\" of what is in contact, \"percent\".")
+                             "For the mesh, each area and, where it was asked for, the implant's own surface, by the "
+                             "names of `keep`,\na dictionary of Enclosures: \"area\" of all, \"within\" of what is in "
+                             "contact, \"percent\".")
+      .def_property_readonly(
+          "counted", [](const PythonCertifiedContact& self) { return self.terms.counted; },
+          "Of each primitive whether \"implant_contact\" is of its surface; empty without that.")
       .def("is_proved", is_proved, py::arg("model"), py::arg("mesh"),
            "is_proved(model, mesh) -> bool\n\n"
            "Proves every number again, of this model (Fit.model) and this mesh, by MPFR and the certificates alone.")

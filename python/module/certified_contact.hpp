@@ -9,21 +9,22 @@
 #include <verisq/contact_certificate.hpp>
 
 #include "python/module/pickling.hpp"
+#include "python/module/result_members.hpp"
 
 namespace verisq::python {
 
 template <>
-inline constexpr std::size_t member_count<ContactTerms> = 3;
+inline constexpr std::size_t member_count<ContactTerms> = 4;
 template <>
 inline constexpr std::size_t member_count<ContactClaim> = 3;
 template <>
-inline constexpr std::size_t member_count<ContactClaims> = 2;
+inline constexpr std::size_t member_count<ContactClaims> = 3;
 template <>
 inline constexpr std::size_t member_count<VertexProof> = 2;
 template <>
 inline constexpr std::size_t member_count<DividedTriangle> = 2;
 template <>
-inline constexpr std::size_t member_count<ContactCertificate> = 2;
+inline constexpr std::size_t member_count<ContactCertificate> = 3;
 
 struct PythonCertifiedContact {
   std::vector<std::string> areas;  ///< names of the regions

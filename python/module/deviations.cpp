@@ -30,9 +30,9 @@ inline constexpr std::size_t member_count<Deviation> = 12;
 template <>
 inline constexpr std::size_t member_count<DistanceSummary> = 3;
 template <>
-inline constexpr std::size_t member_count<CertifiedPoint> = 2;
+inline constexpr std::size_t member_count<SurfaceProof> = 3;
 template <>
-inline constexpr std::size_t member_count<SurfaceProof> = 4;
+inline constexpr std::size_t member_count<AreaStatistics> = 2;
 template <>
 inline constexpr std::size_t member_count<DeviationCertificate> = 3;
 
@@ -47,7 +47,7 @@ std::string representation(const Deviation& self) {
 
 Deviation deviation_of(const PythonModel& model, const py::handle& mesh, double relative_tolerance,
                        const std::optional<double>& tolerance, const std::vector<double>& percentiles, bool from_model,
-                       const std::string& device, const std::optional<double>& time_limit) {
+                       bool statistics_of_model, const std::string& device, const std::optional<double>& time_limit) {
   check_time_limit(time_limit);
   const Model& exact = model.exact("deviation");
   const Mesh measured = mesh_or_cloud(mesh);
@@ -56,6 +56,7 @@ Deviation deviation_of(const PythonModel& model, const py::handle& mesh, double 
                            .tolerance = tolerance,
                            .percentiles = percentiles,
                            .from_model = from_model,
+                           .statistics_of_model = statistics_of_model,
                            .device = device,
                            .interrupted = interruption.poll()};
   const auto start = std::chrono::steady_clock::now();
@@ -73,15 +74,16 @@ struct PythonCertifiedDeviation {
   DistanceSummary of_vertices;
   std::optional<DistanceSummary> from_mesh;
   std::optional<Enclosure> from_model;
+  std::optional<AreaStatistics> statistics_from_model;
   std::optional<Enclosure> hausdorff;
   DeviationCertificate certificate;
 
-  static constexpr std::size_t members = 6;
+  static constexpr std::size_t members = 7;
 };
 
 PythonCertifiedDeviation certified(const PythonModel& model, const py::handle& mesh, double relative_tolerance,
                                    const std::optional<double>& tolerance, const std::vector<double>& percentiles,
-                                   bool from_model, const std::string& device) {
+                                   bool from_model, bool statistics_of_model, const std::string& device) {
   const Model& exact = model.exact("certified_deviation");
   const Mesh measured = mesh_or_cloud(mesh);
   Interruption interruption;
@@ -89,6 +91,7 @@ PythonCertifiedDeviation certified(const PythonModel& model, const py::handle& m
                                  .tolerance = tolerance,
                                  .percentiles = percentiles,
                                  .from_model = from_model,
+                                 .statistics_of_model = statistics_of_model,
                                  .device = device,
                                  .interrupted = interruption.poll()};
   CertifiedDeviation found = without_lock(
@@ -97,6 +100,7 @@ PythonCertifiedDeviation certified(const PythonModel& model, const py::handle& m
           found.proven.of_vertices,
           found.proven.from_mesh,
           found.proven.from_model,
+          std::move(found.proven.statistics_from_model),
           found.proven.hausdorff,
           std::move(found.certificate)};
 }
@@ -106,7 +110,8 @@ bool is_claim_proved(const std::optional<Enclosure>& claimed, const std::optiona
   return !claimed || (proven && check(*claimed, *proven).verdict == Verdict::proved);
 }
 
-bool all_proved(const DistanceSummary& claimed, const DistanceSummary& proven) {
+template <class Summary>
+bool all_proved(const Summary& claimed, const Summary& proven) {
   return std::ranges::all_of(check(claimed, proven),
                              [](const Finding& finding) { return finding.verdict == Verdict::proved; });
 }
@@ -119,10 +124,14 @@ bool is_proved(const PythonCertifiedDeviation& self, const PythonModel& model, c
   Interruption interruption;
   const ProvenDeviation proven = without_lock(interruption, [&] {
     return DeviationChecker(exact)(measured, self.certificate,
-                                   {.percentiles = self.percents, .check = {.interrupted = interruption.poll()}});
+                                   {.percentiles = self.percents,
+                                    .statistics_of_model = self.statistics_from_model.has_value(),
+                                    .check = {.interrupted = interruption.poll()}});
   });
   return !proven.interrupted && all_proved(self.of_vertices, proven.of_vertices) &&
          (!self.from_mesh || all_proved(*self.from_mesh, *proven.from_mesh)) &&
+         (!self.statistics_from_model ||
+          (proven.statistics_from_model && all_proved(*self.statistics_from_model, *proven.statistics_from_model))) &&
          is_claim_proved(self.from_model, proven.from_model) && is_claim_proved(self.hausdorff, proven.hausdorff);
 }
 
@@ -149,11 +158,12 @@ void declare_deviations(py::module_& module) {
   module.def("deviation", deviation_of, py::arg("model"), py::arg("mesh"), py::kw_only(),
              py::arg("relative_tolerance") = 0.05, py::arg("tolerance") = py::none(),
              py::arg("percentiles") = std::vector<double>{50.0, 95.0}, py::arg("from_model") = true,
-             py::arg("device") = "auto", py::arg("time_limit") = py::none(),
+             py::arg("statistics_of_model") = false, py::arg("device") = "auto", py::arg("time_limit") = py::none(),
              "deviation(model, mesh, *, relative_tolerance=0.05, tolerance=None, percentiles=(50, 95),\n"
-             "    from_model=True, device=\"auto\", time_limit=None) -> Deviation\n\n"
+             "    from_model=True, statistics_of_model=False, device=\"auto\", time_limit=None) -> Deviation\n\n"
              "Encloses how far a mesh (a Mesh, or points of shape (N, 3)) and the model's surface lie apart, both\n"
-             "ways: the two-sided Hausdorff distance, means and percentiles. Enclosures are at most that share of\n"
+             "ways: the two-sided Hausdorff distance, means and percentiles (of the model's surface with\n"
+             "statistics_of_model, which takes longer). Enclosures are at most that share of\n"
              "their upper end wide, or the tolerance, in model units. Raises Error for models with intervals, meshes\n"
              "without vertices, and options out of range.");
   py::class_<DistanceSummary>(module, "DistanceSummary", "What is proven of the distances of a set of points.")
@@ -161,11 +171,17 @@ void declare_deviations(py::module_& module) {
       .def_readonly("mean", &DistanceSummary::mean, "Enclosure.")
       .def_readonly("percentiles", &DistanceSummary::percentiles, "Enclosures, as asked for.")
       .def(pickled<DistanceSummary>());
+  py::class_<AreaStatistics>(module, "AreaStatistics", "What is proven of a surface's distances by area.")
+      .def_readonly("mean", &AreaStatistics::mean, "Enclosure.")
+      .def_readonly("percentiles", &AreaStatistics::percentiles, "Enclosures, as asked for.")
+      .def(pickled<AreaStatistics>());
   py::class_<PythonCertifiedDeviation>(module, "CertifiedDeviation", "What certified_deviation() proves.")
       .def_readonly("of_vertices", &PythonCertifiedDeviation::of_vertices, "DistanceSummary of the vertices.")
       .def_readonly("from_mesh", &PythonCertifiedDeviation::from_mesh, "... of all points of all triangles, or None.")
       .def_readonly("from_model", &PythonCertifiedDeviation::from_model,
                     "Enclosure of the model's surface's largest distance from the mesh, or None.")
+      .def_readonly("statistics_from_model", &PythonCertifiedDeviation::statistics_from_model,
+                    "AreaStatistics: mean and percentiles of these distances, or None.")
       .def_readonly("hausdorff", &PythonCertifiedDeviation::hausdorff,
                     "Enclosure of the larger of both largest distances, or None.")
       .def("is_proved", is_proved, py::arg("model"), py::arg("mesh"),
@@ -181,11 +197,12 @@ void declare_deviations(py::module_& module) {
       "certified_deviation", certified, py::arg("model"), py::arg("mesh"), py::kw_only(),
       py::arg("relative_tolerance") = 0.05, py::arg("tolerance") = py::none(),
       py::arg("percentiles") = std::vector<double>{50.0, 95.0}, py::arg("from_model") = true,
-      py::arg("device") = "auto",
+      py::arg("statistics_of_model") = false, py::arg("device") = "auto",
       "certified_deviation(model, mesh, *, relative_tolerance=0.05, tolerance=None, percentiles=(50, 95),\n"
-      "    from_model=True, device=\"auto\") -> CertifiedDeviation\n\n"
+      "    from_model=True, statistics_of_model=False, device=\"auto\") -> CertifiedDeviation\n\n"
       "As deviation(), with what proves it again: from the mesh, or points of shape (N, 3), to the model's\n"
-      "surface, where means and percentiles may be wider, and how far that surface lies from the mesh, at most.");
+      "surface, where means and percentiles may be wider, and how far that surface lies from the mesh: at most,\n"
+      "and with statistics_of_model in the mean by area, and percentiles.");
 }
 
 }  // namespace verisq::python

@@ -559,9 +559,9 @@ void declare_class_of_fits(py::module_& module) {
           "bound", [](const PythonFit& self) { return self.solution.bound; }, "FitBound, or None.")
       .def_readonly("certified_bound", &PythonFit::certified_bound,
                     "CertifiedBound: the same with what proves it again; None without certificates=True or a bound.")
-      .def_readonly("certified_contact", &PythonFit::certified_contact,
-                    "CertifiedContact: contact with what proves it again, but for the implant's own surface; None\n"
-                    "without certificates=True, or triangles.")
+      .def_readonly(
+          "certified_contact", &PythonFit::certified_contact,
+          "CertifiedContact: contact with what proves it again; None without certificates=True, or triangles.")
       .def_property_readonly(
           "gap", [](const PythonFit& self) { return self.proof.gap; },
           "What the objective is below the bound at most, as a share of it, proven; None where that is not known.")

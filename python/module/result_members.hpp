@@ -79,6 +79,10 @@ template <>
 inline constexpr std::size_t member_count<CertifiedEnclosure> = 2;
 template <>
 inline constexpr std::size_t member_count<TriangleProof> = 2;
+template <>
+inline constexpr std::size_t member_count<CertifiedPoint> = 2;
+template <>
+inline constexpr std::size_t member_count<SurfaceCover> = 3;
 
 // Features of femurs
 

@@ -40,6 +40,7 @@ from . import _verisq
 from ._chunks import map_chunks
 from ._verisq import (
     AreaClearance,
+    AreaStatistics,
     AreaWithin,
     Bounce,
     Certificates,
@@ -145,6 +146,7 @@ class Verdict(_enum.IntEnum):
 
 __all__ = [
     "AreaClearance",
+    "AreaStatistics",
     "AreaWithin",
     "Bounce",
     "Certificates",

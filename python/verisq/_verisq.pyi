@@ -349,6 +349,7 @@ def deviation(
     tolerance: float | None = None,
     percentiles: Sequence[float] = (50.0, 95.0),
     from_model: bool = True,
+    statistics_of_model: bool = False,
     device: str = "auto",
     time_limit: float | None = None,
 ) -> Deviation: ...
@@ -356,6 +357,12 @@ def deviation(
 class DistanceSummary:
     @property
     def largest(self) -> Enclosure: ...
+    @property
+    def mean(self) -> Enclosure: ...
+    @property
+    def percentiles(self) -> list[Enclosure]: ...
+
+class AreaStatistics:
     @property
     def mean(self) -> Enclosure: ...
     @property
@@ -369,6 +376,8 @@ class CertifiedDeviation:
     @property
     def from_model(self) -> Enclosure | None: ...
     @property
+    def statistics_from_model(self) -> AreaStatistics | None: ...
+    @property
     def hausdorff(self) -> Enclosure | None: ...
     def is_proved(self, model: Model, mesh: Mesh | ArrayLike) -> bool: ...
 
@@ -380,6 +389,7 @@ def certified_deviation(
     tolerance: float | None = None,
     percentiles: Sequence[float] = (50.0, 95.0),
     from_model: bool = True,
+    statistics_of_model: bool = False,
     device: str = "auto",
 ) -> CertifiedDeviation: ...
 
@@ -689,6 +699,8 @@ class CertifiedContact:
     def distance(self) -> float: ...
     @property
     def claims(self) -> dict[str, dict[str, Enclosure]]: ...
+    @property
+    def counted(self) -> list[bool]: ...
     def is_proved(self, model: Model, mesh: Mesh) -> bool: ...
 
 class Fit:

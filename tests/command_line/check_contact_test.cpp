@@ -18,6 +18,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class CheckContact : public ProofFileTest {
  protected:
@@ -118,6 +119,34 @@ TEST_F(CheckContact, NeverProvesAForgery) {
   expect_not_proved("/region_runs", {{1, triangles}});
   expect_not_proved("/triangles", json::array());
   expect_not_proved("/triangles/0", {{"triangle", document()["triangles"][0]["triangle"]}, {"pieces", ""}});
+}
+
+TEST_F(CheckContact, ProvesTheImplantsOwnContact) {
+  const Outcome made = fit({"-o", fitted_, "--implant-contact", "--contact-certificate-file", proof_, "--json"});
+  ASSERT_TRUE(made.status == 0 || made.status == 3) << made.err;
+  const Outcome outcome = check(proof_);
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("claims               12\n  proved             12\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  proved   implant_contact, share: ["));
+  EXPECT_THAT(outcome.out, HasSubstr("\nimplant_contact      of the surface of egg"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("not claimed")));
+  const json summary = json::parse(check(proof_, {"--json"}).out);
+  EXPECT_EQ(summary["implant_contact_of"], (json{"egg"}));
+  const json of_fit = json::parse(made.out)["contact"]["shares"][3];
+  EXPECT_EQ(of_fit["name"], "implant_contact");
+  for (const std::size_t i : {9U, 10U, 11U}) {
+    const json& claim = summary["claims"][i];
+    EXPECT_EQ(claim["name"], "implant_contact");
+    EXPECT_LE(claim["claimed"]["lo"], of_fit[claim["what"].get<std::string>()]["lo"]);
+    const std::string pointer = "/of_model/" + claim["what"].get<std::string>();
+    expect_not_proved(pointer + "/lo", claim["proven"]["hi"].get<double>() * (1.0 + 1e-12));
+    expect_not_proved(pointer + "/hi", claim["proven"]["lo"].get<double>() * (1.0 - 1e-12));
+  }
+  expect_not_proved("/of_model/area/hi", "inf");
+  expect_not_proved("/surface/patches/0", "");
+  const Outcome other = check(forged("/surface/patches/1", ""));
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, HasSubstr("has patches of 2 primitives, and the model has 1"));
 }
 
 TEST_F(CheckContact, IsOfNoOtherModelMeshOrForm) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <verisq/mesh_file.hpp>
@@ -16,6 +17,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class CheckDeviation : public ProofFileTest {
  protected:
@@ -62,6 +64,41 @@ TEST_F(CheckDeviation, ProvesEveryClaim) {
   EXPECT_EQ(summary["claims"][8]["of"], "model");
   EXPECT_EQ(summary["claims"][8]["verdict"], "proved");
   EXPECT_EQ(summary["claims"][9]["of"], "both");
+}
+
+/// Two balls that overlap: what lies on the boundary is said of the others' patches.
+TEST_F(CheckDeviation, ProvesMeanAndPercentilesOfTheModelsSurface) {
+  (void)write("ball.json", R"({"format": "verisq-model/1", "units": "mm", "primitives": [
+    {"name": "ball", "superquadric": {"semi_axes": [0.8, 0.9, 1], "exponents": [1, 1]}},
+    {"name": "cap", "superquadric": {"semi_axes": [0.7, 0.7, 0.7], "exponents": [1, 1]},
+     "pose": {"translation": [0, 0, 0.6]}}]})");
+  const Outcome made =
+      deviation({"--mesh", mesh_, "--statistics-of-model", "--tol", "50%", "--certificate-file", proof_});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("\n  model, mean "));
+  const Outcome outcome = check(proof_, {"--mesh", mesh_});
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("claims               13\n  proved             13\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("proved   model to mesh, mean: ["));
+  EXPECT_THAT(outcome.out, HasSubstr("proved   model to mesh, 95 %: ["));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("not claimed")));
+  const json proven = json::parse(check(proof_, {"--mesh", mesh_, "--json"}).out)["claims"];
+  EXPECT_EQ(proven[9]["what"], "mean");
+  const std::array<std::string, 3> claims{"mean", "percentiles/0", "percentiles/1"};
+  for (std::size_t i = 0; i < claims.size(); ++i) {
+    const json& of = proven[9 + i]["proven"];
+    expect_not_proved("/from_model/" + claims[i] + "/lo", of["hi"].get<double>() * (1.0 + 1e-12));
+    expect_not_proved("/from_model/" + claims[i] + "/hi", of["lo"].get<double>() * (1.0 - 1e-12));
+  }
+  ASSERT_THAT(document()["surface"]["patches"][0].get<std::string>(), HasSubstr("w"));
+  json untold = document();
+  for (json& patches : untold["surface"]["patches"]) {
+    std::string letters = patches;
+    std::erase(letters, 'w');
+    patches = letters;
+  }
+  untold["surface"].erase("on");
+  EXPECT_EQ(check(write("untold.json", untold.dump()), {"--mesh", mesh_}).status, 3);
 }
 
 /// Files of before the other way had certificates.
@@ -117,10 +154,15 @@ TEST_F(CheckDeviation, IsOfNoOtherModelMeshOrForm) {
   expect_refused(check(forged("/triangles/0/pieces", "hcc"), {"--mesh", mesh_}), {"triangles[0]", "samples"});
   expect_refused(check(forged("/percentiles/0", 0), {"--mesh", mesh_}), {"percentiles[0] = 0: must be above 0"});
   expect_refused(check(forged("/surface/patches/0", "h"), {"--mesh", mesh_}),
-                 {"surface.patches[0]", "letters a, r, o and ."});
+                 {"surface.patches[0]", "letters a, r, o, w and ."});
   expect_refused(check(forged("/surface/patches/0", "o"), {"--mesh", mesh_}), {"surface.off", "must be 1 points"});
   expect_refused(check(forged("/surface/farthest/point/0", "inf"), {"--mesh", mesh_}), {"surface.farthest.point[0]"});
-  expect_refused(check(forged("/from_model/mean", {{"lo", 0}, {"hi", 1}}), {"--mesh", mesh_}), {"from_model", "mean"});
+  expect_refused(check(forged("/from_model/mean", {{"lo", 0}, {"hi", 1}}), {"--mesh", mesh_}),
+                 {"from_model", "percentiles"});
+  expect_refused(check(forged("/from_model/percentiles", json::array()), {"--mesh", mesh_}),
+                 {"from_model.percentiles", "must not be there without \"mean\""});
+  expect_refused(check(forged("/surface/patches/0", "w........"), {"--mesh", mesh_}),
+                 {"surface.patches", "must not have a w without \"on\""});
   json claim_alone = document();
   claim_alone.erase("surface");
   expect_refused(check(write("alone.json", claim_alone.dump()), {"--mesh", mesh_}),

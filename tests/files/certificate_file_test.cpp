@@ -366,15 +366,18 @@ TEST(CertificateFile, OfADeviationGivesTheSameBitsAgain) {
       .of_vertices = summary,
       .from_mesh = summary,
       .from_model = Enclosure{0.3, infinity},
+      .statistics_from_model = AreaStatistics{{0.2, 1.0 / 3.0}, {{0.1, infinity}}},
       .hausdorff = Enclosure{1.0 / 3.0, 0.5},
-      .certificate = {.vertices = {{{-infinity, 0.1}, certificate}, {{0.2, 0.3}, {}}},
-                      .triangles = {{{PieceProof::halved, PieceProof::corners, PieceProof::centre},
-                                     {{{0.1, 0.2}, {}}, {{0.3, 0.4}, certificate}}},
-                                    {{PieceProof::corners}, {}}},
-                      .surface = SurfaceProof{1.0 / 3.0,
-                                              {{PatchProof::halved_along, PatchProof::near, PatchProof::off}, {}},
-                                              {{{0.1, 0.2, 0.3}, {{-infinity, -0.1}, certificate}}},
-                                              {{1.0 / 3.0, 0.0, -1.0}, {{-0.0, 5e-324}, certificate}}}}};
+      .certificate = {
+          .vertices = {{{-infinity, 0.1}, certificate}, {{0.2, 0.3}, {}}},
+          .triangles = {{{PieceProof::halved, PieceProof::corners, PieceProof::centre},
+                         {{{0.1, 0.2}, {}}, {{0.3, 0.4}, certificate}}},
+                        {{PieceProof::corners}, {}}},
+          .surface = SurfaceProof{1.0 / 3.0,
+                                  {{{PatchProof::halved_along, PatchProof::on, PatchProof::near, PatchProof::off}, {}},
+                                   {{{0.1, 0.2, 0.3}, {{-infinity, -0.1}, certificate}}},
+                                   {{{0.4, 0.5, 0.6}, {{-infinity, infinity}, certificate}}}},
+                                  {{1.0 / 3.0, 0.0, -1.0}, {{-0.0, 5e-324}, certificate}}}}};
   write_answer(folder / "proof.json", written);
   const auto read = std::get<DeviationAnswer>(read_answer(folder / "proof.json"));
   EXPECT_EQ(read.mesh.sha256, written.mesh.sha256);
@@ -393,13 +396,17 @@ TEST(CertificateFile, OfADeviationGivesTheSameBitsAgain) {
   EXPECT_EQ(triangles[0].samples[1].certificate, certificate);
   EXPECT_TRUE(triangles[1].samples.empty());
   EXPECT_EQ(read.from_model, written.from_model);
+  EXPECT_EQ(read.statistics_from_model, written.statistics_from_model);
   EXPECT_EQ(read.hausdorff, written.hausdorff);
   const SurfaceProof& written_surface = *written.certificate.surface;
   EXPECT_EQ(surface->within, written_surface.within);
-  EXPECT_EQ(surface->patches, written_surface.patches);
-  ASSERT_EQ(surface->off.size(), 1U);
-  EXPECT_EQ(surface->off[0].point, written_surface.off[0].point);
-  EXPECT_EQ(surface->off[0].signed_distance.distance, (Enclosure{-infinity, -0.1}));
+  EXPECT_EQ(surface->cover.patches, written_surface.cover.patches);
+  ASSERT_EQ(surface->cover.off.size(), 1U);
+  EXPECT_EQ(surface->cover.off[0].point, written_surface.cover.off[0].point);
+  EXPECT_EQ(surface->cover.off[0].signed_distance.distance, (Enclosure{-infinity, -0.1}));
+  ASSERT_EQ(surface->cover.on.size(), 1U);
+  EXPECT_EQ(surface->cover.on[0].point, written_surface.cover.on[0].point);
+  EXPECT_EQ(surface->cover.on[0].signed_distance.certificate, certificate);
   EXPECT_EQ(surface->farthest.point, written_surface.farthest.point);
   EXPECT_EQ(surface->farthest.signed_distance.certificate, certificate);
 }
@@ -414,11 +421,15 @@ ContactAnswer contact_answer() {
           .distance = 1.0 / 3.0,
           .regions = {"upper", "elsewhere"},
           .region_runs = {{1, 2}, {0, 1}},
-          .claims = {claim, {claim, claim}},
+          .claims = {claim, {claim, claim}, claim},
+          .counted = {false, true},
           .certificate = {.vertices = {{{}, 2}, {{}, 2}, {CertifiedEnclosure{{-infinity, 0.1}, certificate}, 2}},
                           .triangles = {{1,
                                          {{PieceProof::halved, PieceProof::corners, PieceProof::centre},
-                                          {{{0.1, 0.2}, {}}, {{0.3, 0.4}, certificate}}}}}}};
+                                          {{{0.1, 0.2}, {}}, {{0.3, 0.4}, certificate}}}}},
+                          .surface = SurfaceCover{{{}, {PatchProof::on, PatchProof::near}},
+                                                  {},
+                                                  {{{0.4, 0.5, 0.6}, {{-infinity, infinity}, certificate}}}}}};
 }
 
 TEST(CertificateFile, OfContactGivesTheSameBitsAgain) {
@@ -433,7 +444,12 @@ TEST(CertificateFile, OfContactGivesTheSameBitsAgain) {
   EXPECT_THAT(terms_of(read).region_of, ::testing::ElementsAre(1, 1, 0));
   EXPECT_EQ(read.claims.of_mesh.percent, written.claims.of_mesh.percent);
   EXPECT_EQ(read.claims.by_region[1].within, written.claims.by_region[1].within);
-  const auto& [vertices, triangles] = read.certificate;
+  EXPECT_EQ(read.claims.of_model->within, written.claims.of_model->within);
+  EXPECT_EQ(terms_of(read).counted, (std::vector<bool>{false, true}));
+  const auto& [vertices, triangles, surface] = read.certificate;
+  EXPECT_EQ(surface->patches, written.certificate.surface->patches);
+  EXPECT_TRUE(surface->off.empty());
+  EXPECT_EQ(surface->on[0].signed_distance.certificate, written.certificate.surface->on[0].signed_distance.certificate);
   ASSERT_EQ(vertices.size(), 3U);
   EXPECT_FALSE(vertices[0].own.has_value());
   EXPECT_EQ(vertices[1].told_by, 2U);
@@ -465,6 +481,15 @@ TEST(CertificateFile, RefusesWhatIsNoContact) {
   refused("/triangles/0/samples", nlohmann::json::array(), "must be of 2 samples");
   refused("/triangles/0/pieces", "x", "must consist of the letters c, h and .");
   refused("/triangles/1", valid["triangles"][0], "must be above those before");
+  refused("/surface/primitives", nlohmann::json::array(), "must not be empty");
+  refused("/surface/primitives/0", 2, "must be below 2");
+  refused("/surface/primitives/1", 1, "must be above those before");
+  refused("/surface/on", nlohmann::json::array(), "must be 1 points, one for each w");
+  refused("/surface/off/0", valid["surface"]["on"][0], "must be 0 points, one for each o");
+  refused("/surface/within", 1, "unknown key");
+  nlohmann::json claim_alone = valid;
+  claim_alone.erase("surface");
+  EXPECT_THROW((void)parse_answer(claim_alone.dump(), "alone.json"), Error);
 }
 
 TEST(CertificateFile, OfFeaturesGivesTheSameBitsAgain) {

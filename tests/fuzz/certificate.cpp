@@ -124,6 +124,17 @@ void check_summary(const DistanceSummary& summary, std::size_t percentiles) {
   check(!std::isnan(summary.largest.lo) && !std::isnan(summary.mean.hi), "a claim has two ends");
 }
 
+void check_cover(const SurfaceCover& cover) {
+  std::ptrdiff_t off = 0;
+  std::ptrdiff_t on = 0;
+  for (const std::vector<PatchProof>& patches : cover.patches) {
+    off += std::ranges::count(patches, PatchProof::off);
+    on += std::ranges::count(patches, PatchProof::on);
+  }
+  check(cover.off.size() == static_cast<std::size_t>(off), "each patch off the boundary has a point");
+  check(cover.on.size() == static_cast<std::size_t>(on), "each patch on the boundary has a point");
+}
+
 void check_answer(const DeviationAnswer& answer) {
   const auto& [vertices, triangles, surface] = answer.certificate;
   check(!vertices.empty(), "there are vertices");
@@ -136,10 +147,8 @@ void check_answer(const DeviationAnswer& answer) {
   }
   check(answer.from_model.has_value() == surface.has_value() && answer.hausdorff.has_value() == surface.has_value(),
         "what is claimed of the model's surface has patches");
-  if (!surface) return;
-  std::ptrdiff_t off = 0;
-  for (const std::vector<PatchProof>& patches : surface->patches) off += std::ranges::count(patches, PatchProof::off);
-  check(surface->off.size() == static_cast<std::size_t>(off), "each patch off the boundary has a point");
+  check(!answer.statistics_from_model || surface, "so has what is claimed of its mean");
+  if (surface) check_cover(surface->cover);
 }
 
 void check_answer(const ContactAnswer& answer) {
@@ -148,7 +157,11 @@ void check_answer(const ContactAnswer& answer) {
   for (const AreaRun& run : answer.region_runs) check(run.area < answer.regions.size(), "a region is there");
   check(points_of(answer.region_runs) <= std::uint64_t{1} << 32U, "as many triangles as a mesh may have");
   check(!std::isnan(answer.claims.of_mesh.within.lo), "a claim has two ends");
-  const auto& [vertices, triangles] = answer.certificate;
+  const auto& [vertices, triangles, surface] = answer.certificate;
+  check(answer.claims.of_model.has_value() == surface.has_value(),
+        "what is claimed of the model's surface has patches");
+  if (surface) check_cover(*surface);
+  check(!surface || answer.counted.size() == surface->patches.size(), "each primitive counts, or does not");
   for (const auto& [own, told_by] : vertices)
     check(own || (told_by < vertices.size() && vertices[told_by].own), "a vertex is told");
   for (const auto& [triangle, proof] : triangles) {

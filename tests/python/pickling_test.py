@@ -46,7 +46,7 @@ def small_fit():
     return verisq.fit(ball(4.0, landmarks={"head_centre": [0, 0, 1]}), inward, surface="cavity", gap=2.0,
                       completion="cementless", device="host", samples=4, translation_range=0.1, rotation_range=0.1,
                       landmarks={"head_centre": [0, 0, 1], "shaft_proximal": [0, 0, 0], "shaft_distal": [0, 0, -100]},
-                      bound=99.0, bound_time=0.1, certificates=True)
+                      bound=99.0, bound_time=0.1, implant_contact=True, certificates=True)
 
 
 def rival_fit():
@@ -72,7 +72,7 @@ def one_of_each():
     certified = verisq.map(model, points, device="host", certificates=True)
     cloud = verisq.mesh_of_model(ball(3.0), 0.2).vertices
     deviation = verisq.deviation(model, mesh, device="host", relative_tolerance=0.5)
-    proven = verisq.certified_deviation(model, mesh, device="host", relative_tolerance=0.5)
+    proven = verisq.certified_deviation(model, mesh, device="host", relative_tolerance=0.5, statistics_of_model=True)
     stance = verisq.StanceModel.load(EXAMPLES / "standing.xml")
     features = verisq.femur_features({"head_centre": [0, 40, 40], "neck_centre": [0, 20, 20], "shaft_proximal": [0, 0, 0],
                                       "shaft_distal": [0, 0, -300]}, "left", landmark_radius=1.0)
@@ -85,7 +85,7 @@ def one_of_each():
         verisq.certified_distance(bent, bent, [0.2, 0.05, 0, 1, 0.2, 0.1, 0.05], tolerance=1e-3),
         verisq.distance_along(model, model, [[20, 0, 0, 1, 0, 0, 0], [0, 20, 0, 1, 0, 0, 0]]), deviation, deviation.of_vertices,
         verisq.certified_distance_along(model, model, [[20, 0, 0, 1, 0, 0, 0], [0, 20, 0, 1, 0, 0, 0]]),
-        proven, proven.of_vertices,
+        proven, proven.of_vertices, proven.statistics_from_model,
         verisq.mesh_clearance(ball(6.0), mesh, device="host", penetration_limit=1.0, most_samples=500), model, mesh,
         verisq.prove_containment(ball(3.0), mesh, "within", device="host"), verisq.octree(model, depth=3, device="host"),
         verisq.certified_map_along(ball(2.0), points, verisq.straight_path([0, 0, -1], length=1), device="host"),

@@ -141,6 +141,20 @@ class Fits(Files):
         self.assertFalse(contact.is_proved(found.model, verisq.Mesh(np.eye(3), [[0, 1, 2]])))
         self.assertIsNone(verisq.fit(self.implant, self.cavity, surface="any", on="vertices",
                                      **self.ARGUMENTS).certified_contact)
+        self.assertEqual(contact.counted, [])
+
+    def test_certificates_prove_the_implants_contact(self):
+        found = verisq.fit(self.implant, self.cavity, surface="any", on="vertices", implant_contact=True,
+                           certificates=True, **self.ARGUMENTS)
+        contact = found.certified_contact
+        self.assertEqual(contact.counted, [True])
+        claim, within = contact.claims["implant_contact"], found.contact["implant_contact"]
+        self.assertLessEqual(claim["percent"].lo, 100 * within.share.lo)
+        self.assertGreaterEqual(claim["percent"].hi, 100 * within.share.hi)
+        self.assertGreater(claim["area"].lo, 0)
+        self.assertTrue(contact.is_proved(found.model, self.cavity))
+        self.assertTrue(pickle.loads(pickle.dumps(contact)).is_proved(found.model, self.cavity))
+        self.assertFalse(contact.is_proved(verisq.Model.load(EXAMPLES / "stem.json"), self.cavity))
 
     def test_labels_bounds_and_features(self):
         labels = np.where(self.cavity.vertices[:, 0] > 0, 7, -1)

@@ -329,6 +329,16 @@ class Surfaces(unittest.TestCase):
         self.assertLess(proven.from_model.hi, 0.4)
         self.assertEqual(proven.hausdorff.hi, max(proven.from_model.hi, proven.from_mesh.largest.hi))
         self.assertTrue(proven.is_proved(ball, mesh))
+        self.assertIsNone(proven.statistics_from_model)
+        with_means = verisq.certified_deviation(ball, mesh, relative_tolerance=0.3, statistics_of_model=True,
+                                                device="host")
+        means = with_means.statistics_from_model
+        self.assertLessEqual(means.mean.lo, means.mean.hi)
+        self.assertLess(means.mean.hi, with_means.from_model.hi)
+        self.assertEqual(len(means.percentiles), 2)
+        self.assertTrue(with_means.is_proved(ball, mesh))
+        twice = verisq.Mesh(2.0 * mesh.vertices, mesh.triangles)
+        self.assertFalse(with_means.is_proved(ball, twice))
         self.assertFalse(proven.is_proved(model("soap.json"), mesh))
         self.assertFalse(proven.is_proved(ball, mesh.vertices))
         found = verisq.recover(mesh.vertices, units="mm")
