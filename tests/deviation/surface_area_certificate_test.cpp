@@ -197,6 +197,74 @@ TEST(SurfaceAreaCertificateTest, OfABallAndAPoint) {
   EXPECT_LE(within.share.width(), 1e-3);
 }
 
+/// All octants halved so often, in turn along and around.
+std::vector<PatchProof> evenly_halved(int depth) {
+  if (depth == 0) return {PatchProof::near};
+  std::vector<PatchProof> patches{depth % 2 == 0 ? PatchProof::halved_along : PatchProof::halved_around};
+  const std::vector<PatchProof> half = evenly_halved(depth - 1);
+  for (int i = 0; i < 2; ++i) patches.insert(patches.end(), half.begin(), half.end());
+  return patches;
+}
+
+std::vector<PatchProof> evenly_halved_octants(int depth) {
+  std::vector<PatchProof> octants;
+  const std::vector<PatchProof> octant = evenly_halved(depth);
+  for (int i = 0; i < 8; ++i) octants.insert(octants.end(), octant.begin(), octant.end());
+  return octants;
+}
+
+/// Large patches bulge, and cover their chords unevenly: what is proven by them is wide, and true. From a point at 3
+/// in several directions, of which one is nearest to the middle of a patch, one to a corner.
+TEST(SurfaceAreaCertificateTest, LargePatchesHoldTheTruth) {
+  const Model ball{"", {superquadric({1.0, 1.0, 1.0}, {1.0, 1.0}, {})}, {}};
+  Model upright = ball;
+  upright.primitives[0].pose = {};
+  for (const Point& direction : {Point{1, 1, 1}, Point{1, 0, 0}, Point{0, 0, 1}, Point{0.3, -0.2, 0.9}}) {
+    const double length = std::hypot(direction[0], direction[1], direction[2]);
+    const Mesh point{.vertices = {{3 * direction[0] / length, 3 * direction[1] / length, 3 * direction[2] / length}},
+                     .triangles = {{0, 0, 0}}};
+    for (int depth = 0; depth < 6; ++depth) {
+      SCOPED_TRACE(depth);
+      const SurfaceCover cover{.patches = {evenly_halved_octants(depth)}, .off = {}, .on = {}};
+      const auto statistics = proven_statistics(upright, point, cover);
+      EXPECT_TRUE(statistics.mean.contains(3.0 + 1.0 / 9.0));
+      for (const double share : {0.01, 0.03, 0.2, 0.5, 0.9, 0.99}) {
+        const ContactTerms terms{.distance = std::sqrt(10.0 - 6.0 * (1.0 - 2.0 * share))};
+        const AreaWithin within = proven_contact(upright, point, terms, cover);
+        EXPECT_TRUE(within.area.contains(4.0 * std::numbers::pi));
+        EXPECT_TRUE(within.within.contains(4.0 * std::numbers::pi * share)) << share;
+        EXPECT_TRUE(within.share.contains(share)) << share;
+      }
+    }
+  }
+}
+
+/// The lens of two unit balls, 1.5 apart, whose caps have the area 2 π · 0.25 each. The other half of the first ball is
+/// far from the second, too, and no part of the lens.
+TEST(SurfaceAreaCertificateTest, OfSetOperationsThereIsABoundaryInTheBall) {
+  Model lens{"", {superquadric({1, 1, 1}, {1, 1}, {}), superquadric({1, 1, 1}, {1, 1}, {1.5, 0, 0})}, {}};
+  for (Primitive& primitive : lens.primitives) primitive.pose.quaternion = {1, 0, 0, 0};
+  SurfaceCover cover{.patches = {{}, evenly_halved_octants(6)}, .off = {}, .on = {}};
+  const std::vector<PatchProof> octant = evenly_halved(6);
+  for (unsigned n = 0; n < 8; ++n) {
+    std::vector<PatchProof>& patches = cover.patches[0];
+    const bool is_left = (n & 1U) != 0;
+    for (const PatchProof patch : octant) {
+      if (is_left && patch == PatchProof::near) {
+        patches.push_back(PatchProof::on);
+        cover.on.push_back({{-3, 0, 0}, {{-infinity, infinity}, {{{1, {-1, 0, 0}}}, {}}}});
+      }
+      patches.push_back(patch);
+    }
+  }
+  const Mesh triangle{.vertices = {{9, 9, 9}}, .triangles = {{0, 0, 0}}};
+  const ContactTerms terms{.distance = 30.0, .counted = {true, true}};
+  // In the union it is so.
+  EXPECT_GE(proven_contact(lens, triangle, terms, cover).area.lo, 1.9 * std::numbers::pi);
+  lens.csg = SetExpression{{{.primitive = 0}, {.primitive = 1}}, SetOperation::intersect};
+  EXPECT_EQ(proven_contact(lens, triangle, terms, cover).area.lo, 0.0);
+}
+
 TEST(SurfaceAreaCertificateTest, OfAProofThatIsCutShortNothingIsProven) {
   const Case& of = cases()[3];
   const auto expect_nothing = [&](const auto& change) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "tests/deviation/brute_force.hpp"
@@ -228,6 +229,55 @@ TEST(PatchArea, IsTight) {
     }
     EXPECT_LE(total.width(), 0.05 * total.hi) << n;
   }
+}
+
+/// However far a patch is halved, along one way and another: beyond what binary64 tells apart nothing counts twice.
+TEST(PatchArea, OfHalvesAddsUpToNoMoreThanTheWhole) {
+  Random random(6);
+  const double of_octant = std::numbers::pi / 2;
+  for (int n = 0; n < 60; ++n) {
+    PatchedSurface surface({"", {{1, 1, 1}, {1, 1}}, {}, {}}, 0);
+    PatchCell cell = surface.octants()[0];
+    Enclosure total{0.0, 0.0};
+    const double along = n % 3 == 0 ? 1.0 : random.uniform(0.0, 1.0);
+    const double first = random.uniform(0.0, 1.0) < 0.5 ? random.uniform(0.0, 1.0) : 1.0;
+    const auto add = [&](const PatchCell& leaf) {
+      surface.prepare(leaf);
+      const Enclosure area = surface.area(leaf).area;
+      total = {total.lo + area.lo, total.hi + area.hi};
+    };
+    for (int depth = 0; depth < most_halvings_of_patch; ++depth) {
+      surface.prepare(cell);
+      const auto halves =
+          surface.halves(cell, random.uniform(0.0, 1.0) < along ? PatchHalving::along : PatchHalving::around);
+      const std::size_t next = random.uniform(0.0, 1.0) < first ? 0 : 1;
+      add(halves[1 - next]);
+      cell = halves[next];
+    }
+    add(cell);
+    EXPECT_LE(total.lo, of_octant * (1.0 + 1e-14)) << n;
+    EXPECT_GE(total.hi, of_octant * (1.0 - 1e-14)) << n;
+  }
+}
+
+/// Where the ends of arcs cannot be told apart, what is cut off may reach beyond them.
+TEST(ArcTree, IsInOrderAsLongAsEndsAreToldApart) {
+  ArcTree tree(1.0);
+  ArcTree::Arc arc = ArcTree::whole();
+  int ordered = 0;
+  for (int depth = 0; depth < most_halvings_of_patch; ++depth) {
+    tree.halve(arc);
+    arc = tree.first_half(arc) + 1;
+    if (tree.in_order(arc)) ++ordered;
+  }
+  EXPECT_GT(ordered, 40);
+  tree.halve(ArcTree::whole());
+  arc = tree.first_half(ArcTree::whole()) + 1;
+  for (int depth = 0; depth < most_halvings_of_patch; ++depth) {
+    tree.halve(arc);
+    arc = tree.first_half(arc);
+  }
+  EXPECT_FALSE(tree.in_order(arc));
 }
 
 TEST(SurfacePatch, ThicknessFallsWithTheSquareOfTheSize) {
