@@ -10,6 +10,7 @@
 
 #include "tests/deviation/brute_force.hpp"
 #include "tests/fixtures/random.hpp"
+#include "verify/deviation/weighted_patch.hpp"
 
 namespace verisq::verify {
 namespace {
@@ -202,6 +203,62 @@ TEST(PatchArea, HoldsAreaAndMeansOfItsPartOfTheSurface) {
     }
   }
   EXPECT_GT(known, 200);
+}
+
+/// The mean over the grid's triangles of the distance from a point.
+Long mean_distance(const CellGrid& grid, const Point& from) {
+  Long area = 0;
+  Long moment = 0;
+  const auto add = [&](const Point& a, const Point& b, const Point& c) {
+    const testing::LongPoint normal = testing::cross(testing::difference(testing::widened(b), testing::widened(a)),
+                                                     testing::difference(testing::widened(c), testing::widened(a)));
+    const Long of_triangle = std::sqrt(testing::dot(normal, normal)) / 2;
+    area += of_triangle;
+    for (const Point& corner : {a, b, c})
+      moment += of_triangle / 3 * testing::distance_to_triangle(from, {corner, corner, corner});
+  };
+  for (int i = 0; i < grid.steps; ++i) {
+    for (int j = 0; j < grid.steps; ++j) {
+      add(grid.at(i, j), grid.at(i + 1, j), grid.at(i, j + 1));
+      add(grid.at(i + 1, j + 1), grid.at(i, j + 1), grid.at(i + 1, j));
+    }
+  }
+  return moment / area;
+}
+
+/// Down a random way, from points far and near, of which distances are almost affine or not at all.
+TEST(WeightedPatch, HoldsDistancesAndTheirMean) {
+  Random random(8);
+  int narrow = 0;
+  for (int n = 0; n < 120; ++n) {
+    const Primitive primitive = random_primitive(random, n);
+    PatchedSurface surface(primitive, 0);
+    ArcTree along(primitive.superquadric.exponents[0]);
+    ArcTree around(primitive.superquadric.exponents[1]);
+    PatchCell cell = surface.octants()[static_cast<std::size_t>(random.uniform(0.0, 7.999))];
+    const Point from = random.point(n % 3 == 0 ? 1e4 : 12.0);
+    const TriangleTree triangles({{from, from, from}});
+    for (int depth = 0; depth < 9; ++depth) {
+      surface.prepare(cell);
+      along.halve(cell.along);
+      around.halve(cell.around);
+      const WeightedCell weighted = weighted_patch(surface.patch(cell), surface.area(cell), triangles);
+      const CellGrid grid = grid_of(primitive, along, around, cell, 24);
+      const Long fine = mean_distance(grid, from);
+      const Long missed =
+          2 * std::abs(fine - mean_distance(grid_of(primitive, along, around, cell, 12), from)) + 1e-11L;
+      ASSERT_LE(weighted.mean.lo, fine + missed) << n << ' ' << depth;
+      ASSERT_GE(weighted.mean.hi, fine - missed) << n << ' ' << depth;
+      for (const Point& point : grid.points) {
+        const Long distance = testing::distance_to_triangle(from, {point, point, point});
+        ASSERT_GE(distance, weighted.range.lo - 1e-11L);
+        ASSERT_LE(distance, weighted.range.hi + 1e-11L);
+      }
+      if (weighted.mean.width() < 0.5 * weighted.range.width()) ++narrow;
+      cell = (*surface.halves(cell))[random.uniform(0.0, 1.0) < 0.5 ? 0 : 1];
+    }
+  }
+  EXPECT_GT(narrow, 200);
 }
 
 /// Where the surface is smooth, what is lost falls with the square of the size.

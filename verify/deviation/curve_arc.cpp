@@ -30,7 +30,8 @@ bool is_before(const CurvePoint& a, const CurvePoint& b) {
 ArcTree::ArcTree(double exponent) : primal_(primal_exponent<Real>(exponent)), dual_(dual_exponent<Real>(exponent)) {
   const CurvePoint first{Interval(1), Interval(0)};
   const CurvePoint last{Interval(0), Interval(1)};
-  arcs_.push_back({first, last, normal_at(first), normal_at(last)});
+  points_ = {{first, normal_at(first)}, {last, normal_at(last)}};
+  arcs_.push_back({0, 1});
 }
 
 /// The gradient of x^p + y^p by p. Its product with the point, x^p + y^p, is 1.
@@ -51,20 +52,22 @@ CurvePoint ArcTree::point_towards(double x, double y) const {
 
 void ArcTree::halve(Arc arc) {
   if (arcs_[arc].first_half != 0) return;
-  const CurvePoint from = arcs_[arc].from;
-  const CurvePoint to = arcs_[arc].to;
+  const Entry whole = arcs_[arc];
+  const CurvePoint& from = points_[whole.from].point;
+  const CurvePoint& to = points_[whole.to].point;
   // Wherever on the curve this point is, what leads from one end to it and on to the other covers the arc.
   const CurvePoint middle = point_towards(middle_of(from.x, to.x), middle_of(from.y, to.y));
+  const bool in_order = whole.in_order && is_before(from, middle) && is_before(middle, to);
+  const auto place = static_cast<std::uint32_t>(points_.size());
+  points_.push_back({middle, normal_at(middle)});
   arcs_[arc].first_half = static_cast<Arc>(arcs_.size());
-  const CurvePoint normal = normal_at(middle);
-  const bool in_order = arcs_[arc].in_order && is_before(from, middle) && is_before(middle, to);
-  arcs_.push_back({from, middle, arcs_[arc].normal_from, normal, in_order});
-  arcs_.push_back({middle, to, normal, arcs_[arc].normal_to, in_order});
+  arcs_.push_back({whole.from, place, in_order});
+  arcs_.push_back({place, whole.to, in_order});
 }
 
 double ArcTree::bulge(Arc arc, double width, double height) const {
-  const CurvePoint& from = arcs_[arc].from;
-  const CurvePoint& to = arcs_[arc].to;
+  const CurvePoint& from = this->from(arc);
+  const CurvePoint& to = this->to(arc);
   const Interval run = abs(from.x - to.x) * Interval(width);
   const Interval rise = abs(from.y - to.y) * Interval(height);
   const Interval chord = sqrt(square(run) + square(rise));

@@ -26,19 +26,19 @@ class ArcTree {
 
   [[nodiscard]] static Arc whole() { return 0; }
 
-  [[nodiscard]] const CurvePoint& from(Arc arc) const { return arcs_[arc].from; }
-  [[nodiscard]] const CurvePoint& to(Arc arc) const { return arcs_[arc].to; }
+  [[nodiscard]] const CurvePoint& from(Arc arc) const { return points_[arcs_[arc].from].point; }
+  [[nodiscard]] const CurvePoint& to(Arc arc) const { return points_[arcs_[arc].to].point; }
 
   /// Normals of the curve at the ends, of any length, outward: between the ends they turn from one to the other.
-  [[nodiscard]] const CurvePoint& normal_from(Arc arc) const { return arcs_[arc].normal_from; }
-  [[nodiscard]] const CurvePoint& normal_to(Arc arc) const { return arcs_[arc].normal_to; }
+  [[nodiscard]] const CurvePoint& normal_from(Arc arc) const { return points_[arcs_[arc].from].normal; }
+  [[nodiscard]] const CurvePoint& normal_to(Arc arc) const { return points_[arcs_[arc].to].normal; }
 
   /// Makes the halves, where they are not made yet. Not while another thread asks anything.
   void halve(Arc arc);
   /// The halves are this arc and the next. Precondition: halved.
   [[nodiscard]] Arc first_half(Arc arc) const { return arcs_[arc].first_half; }
   /// The point where the arc is halved. Precondition: halved.
-  [[nodiscard]] const CurvePoint& middle(Arc arc) const { return arcs_[first_half(arc)].to; }
+  [[nodiscard]] const CurvePoint& middle(Arc arc) const { return to(first_half(arc)); }
 
   /// Whether its halvings are proven to have cut off no more than it: arcs of which that is so, and neither of which is
   /// a part of the other, have no more than ends in common. Where neighbours differ by rounding only, halves may
@@ -50,11 +50,13 @@ class ArcTree {
   [[nodiscard]] double bulge(Arc arc, double width, double height) const;
 
  private:
+  struct Node {
+    CurvePoint point;
+    CurvePoint normal;
+  };
   struct Entry {
-    CurvePoint from;
-    CurvePoint to;
-    CurvePoint normal_from;
-    CurvePoint normal_to;
+    std::uint32_t from;  ///< of `points_`, as `to`
+    std::uint32_t to;
     bool in_order = true;
     Arc first_half = 0;  ///< 0: not made yet
   };
@@ -64,6 +66,7 @@ class ArcTree {
 
   NormExponent<Real> primal_;
   NormExponent<Real> dual_;
+  std::vector<Node> points_;
   std::vector<Entry> arcs_;
 };
 
