@@ -359,10 +359,12 @@ CertifiedContact certified_contact(const Model& model, const Mesh& mesh, const C
       part_of_progress(0.0, 0.3));
   if (interrupted()) return result;
   const std::vector<AreaWithin> whole{found.of_mesh};
-  prover.divide(options.regions == 0 ? whole : found.by_region, bytes, part_of_progress(0.3, 0.8));
+  const std::size_t bytes_of_each = found.of_model ? bytes / 2 : bytes;
+  prover.divide(options.regions == 0 ? whole : found.by_region, bytes_of_each, part_of_progress(0.3, 0.8));
   if (interrupted()) return result;
   result.certificate = prover.certificate();
-  if (found.of_model) result.certificate.surface = cover_of(model, mesh, *found.of_model, options, bytes, interrupted);
+  if (found.of_model)
+    result.certificate.surface = cover_of(model, mesh, *found.of_model, options, bytes_of_each, interrupted);
   if (interrupted()) return result;
   result.proven = ContactChecker(model)(mesh, result.terms, result.certificate,
                                         {.in_parallel = in_parallel<std::function<void(std::size_t)>>,

@@ -44,7 +44,8 @@ class CoverProver {
 
   SurfaceCover operator()(SurfaceCover begun) {
     begin(std::move(begun));
-    while (!request_.interrupted() && bytes_ < request_.bytes && 2 * nodes_.size() < most_patches) {
+    // A generation may double what there is.
+    while (!request_.interrupted() && 2 * bytes_ < request_.bytes && 2 * nodes_.size() < most_patches) {
       const std::vector<std::uint32_t> chosen = choose();
       if (chosen.empty()) break;
       halve(chosen);

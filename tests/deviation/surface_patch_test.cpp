@@ -261,6 +261,20 @@ TEST(WeightedPatch, HoldsDistancesAndTheirMean) {
   EXPECT_GT(narrow, 200);
 }
 
+/// What is not all of the boundary may be none of it, and have any mean; nothing is farther than the farthest.
+TEST(WeightedPatch, CountsInPartWithAnyMean) {
+  const WeightedCell patch{{2.0, 3.0}, {1.0, 5.0}, {2.0, 2.5}};
+  const WeightedCell whole = on_boundary(patch, true, 4.0);
+  EXPECT_EQ(whole.weight, patch.weight);
+  EXPECT_EQ(whole.range, (Enclosure{1.0, 4.0}));
+  EXPECT_EQ(whole.mean, patch.mean);
+  const WeightedCell part = on_boundary(patch, false, 4.0);
+  EXPECT_EQ(part.weight, (Enclosure{0.0, 3.0}));
+  EXPECT_EQ(part.mean, (Enclosure{1.0, 4.0}));
+  const WeightedCell uncertain = on_boundary({{0.0, 3.0}, {1.0, 5.0}, {2.0, 2.5}}, true, 4.0);
+  EXPECT_EQ(uncertain.mean, (Enclosure{1.0, 4.0}));
+}
+
 /// Where the surface is smooth, what is lost falls with the square of the size.
 TEST(PatchArea, IsTight) {
   Random random(5);

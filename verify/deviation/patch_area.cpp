@@ -152,7 +152,7 @@ PatchArea PatchedSurface::area(const PatchCell& cell) const {
                                            rise_of(along.tangent_to), run_of(along.tangent_to));
   const Interval size = sqrt(square(stretch * steep) + square(flat));
   const double upper = widening < no_bound ? (size * Interval(widening)).upper() : no_bound;
-  // Of arcs that may overlap their neighbours what is told of each is no part of the whole.
+  // Of arcs that may overlap their neighbours nothing counts from below: it may be counted there.
   const bool is_apart = along_.in_order(cell.along) && around_.in_order(cell.around);
   const Enclosure area{is_apart ? std::max(0.0, size.lower()) : 0.0, std::min(upper, coarse.area.hi)};
 

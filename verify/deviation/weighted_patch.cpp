@@ -49,6 +49,8 @@ WeightedCell weighted_patch(const Patch& patch, const PatchArea& area, const Tri
   const PieceDistances other = on_half(second, {at_corners[0], at_corners[2], at_corners[3]}, triangles);
   const Enclosure flat{std::min(one.range.lo, other.range.lo), std::max(one.range.hi, other.range.hi)};
   const auto what = [] { return "distances on a patch"; };
+  // Where sizes leave binary64 nothing is known: what is no number would be taken for a contradiction.
+  if (!(patch.thickness < infinity) || !(flat.hi < infinity)) return {area.area, known, known};
   WeightedCell cell{area.area, intersection(known, beyond(flat, patch.thickness), what), {}};
   cell.mean = cell.range;
 
@@ -57,18 +59,17 @@ WeightedCell weighted_patch(const Patch& patch, const PatchArea& area, const Tri
   const double width = subtract(cell.range.hi, cell.range.lo, Direction::up);
   const double off = add(area.correspondence,
                          multiply(0.25, multiply(area.unevenness, width, Direction::up), Direction::up), Direction::up);
-  if (!(off < width)) return cell;
+  if (!(off < width) || !(one.mean.hi < infinity) || !(other.mean.hi < infinity)) return cell;
   const Enclosure even{0.5 * add(one.mean.lo, other.mean.lo, Direction::down),
                        0.5 * add(one.mean.hi, other.mean.hi, Direction::up)};
   cell.mean = intersection(cell.range, beyond(even, off), what);
   return cell;
 }
 
+/// Without an area from below the patch may reach into others that count all of theirs (PatchedSurface::area).
 WeightedCell on_boundary(WeightedCell patch, bool whole, double largest) {
-  if (!whole) {
-    patch.weight.lo = 0.0;
-    patch.mean = patch.range;
-  }
+  if (!whole) patch.weight.lo = 0.0;
+  if (!(patch.weight.lo > 0.0)) patch.mean = patch.range;
   for (Enclosure* const e : {&patch.range, &patch.mean}) e->hi = std::min(e->hi, largest);
   return patch;
 }
