@@ -119,7 +119,9 @@ struct CellGrid {
   int steps;
   std::vector<Point> points;
 
-  [[nodiscard]] const Point& at(int i, int j) const { return points[static_cast<std::size_t>(i * (steps + 1) + j)]; }
+  [[nodiscard]] const Point& at(int i, int j) const {
+    return points[static_cast<std::size_t>(i) * static_cast<std::size_t>(steps + 1) + static_cast<std::size_t>(j)];
+  }
 };
 
 CellGrid grid_of(const Primitive& primitive, const ArcTree& along, const ArcTree& around, const PatchCell& cell,
