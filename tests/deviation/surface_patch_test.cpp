@@ -233,7 +233,9 @@ TEST(WeightedPatch, HoldsDistancesAndTheirMean) {
   Random random(8);
   int narrow = 0;
   for (int n = 0; n < 120; ++n) {
-    const Primitive primitive = random_primitive(random, n);
+    Primitive primitive = random_primitive(random, n);
+    // An octahedron's octants are flat, and covered by the shares of their chords as unevenly as can be.
+    if (n % 8 == 0) primitive.superquadric = {primitive.superquadric.semi_axes, {2.0, 2.0}};
     PatchedSurface surface(primitive, 0);
     ArcTree along(primitive.superquadric.exponents[0]);
     ArcTree around(primitive.superquadric.exponents[1]);
