@@ -8,7 +8,7 @@
 #include <verisq/triangle_distance.hpp>
 
 #include "host/batches/rotation.hpp"
-#include "host/clearance/middle_of_way.hpp"
+#include "verify/placement/middle_of_way.hpp"
 #include "host/maps/summary_count.hpp"
 #include "host/threads/parallel_steps.hpp"
 #include "verify/numbers/rounding.hpp"
@@ -99,7 +99,7 @@ class InsertionProver {
       search.parts.push_back(std::move(best.part));
       return;
     }
-    const Moment half = moment(search.point, middle_of_way(begin.time, end.time));
+    const Moment half = moment(search.point, verify::middle_of_way(begin.time, end.time));
     if (search.goal < 0.0 && search.ways_out < most_ways_out) {
       ++search.ways_out;
       ProvenPart outward = before_the_way_out(search.goal, chord, half.place.centre);

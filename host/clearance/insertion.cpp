@@ -11,7 +11,7 @@
 #include <cmath>
 #include <map>
 
-#include "host/clearance/middle_of_way.hpp"
+#include "verify/placement/middle_of_way.hpp"
 #include "host/maps/summary_count.hpp"
 #include "host/mesh/extent.hpp"
 #include "verify/numbers/rounding.hpp"
@@ -145,7 +145,7 @@ class PathSearch {
         return true;
       });
       for (std::size_t i = 0; i < search.open.size(); ++i)
-        queries.push_back({n, i, middle_of_way(search.open[i].begin.time, search.open[i].end.time)});
+        queries.push_back({n, i, verify::middle_of_way(search.open[i].begin.time, search.open[i].end.time)});
     }
     return queries;
   }
@@ -156,7 +156,7 @@ class PathSearch {
     // What is left then is the width of the samples, which may be the tightest there are.
     const double widest = std::max(stretch.begin.distance.width(), stretch.end.distance.width());
     if (stretch.length <= std::max(widest, share_of_placements * options_.tolerance)) return false;
-    const double half = middle_of_way(stretch.begin.time, stretch.end.time);
+    const double half = verify::middle_of_way(stretch.begin.time, stretch.end.time);
     return search.samples < most_samples && stretch.begin.time < half && half < stretch.end.time;
   }
 

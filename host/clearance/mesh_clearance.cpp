@@ -267,6 +267,7 @@ class MeshSearch {
   void bound(Piece& piece, const Point& sample, const Enclosure& distance) {
     piece.bound = std::max(piece.bound, verify::subtract(distance.lo, radius_up(piece, sample), Direction::down));
     const double hi = verify::add(distance.hi, piece.displacement, Direction::up);
+    if (hi < smallest_hi_) found_.deepest = {sample, piece.triangle};
     smallest_hi_ = std::min(smallest_hi_, hi);
     TriangleState& triangle = triangles_[piece.triangle];
     if (hi >= triangle.deepest) return;

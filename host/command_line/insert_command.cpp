@@ -15,6 +15,7 @@
 #include <verisq/certificate_file.hpp>
 #include <verisq/certified_insertion.hpp>
 #include <verisq/certified_removed_volume.hpp>
+#include <verisq/certified_way_surface.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/least_removal.hpp>
 #include <verisq/map_file.hpp>
@@ -55,7 +56,8 @@ constexpr const char* closing_words =
     "With --search-cone or --search-turn the path is the one that takes least bone away of some 50 ways, spread over\n"
     "all directions and turns within those angles, then ever closer about the best one. What it takes away is proven,\n"
     "not that there is no better one. --along and --turn with what is printed give the same path again.\n"
-    "With --on triangles the deepest penetration of all that lies between the vertices is enclosed, too.\n"
+    "With --on triangles the deepest penetration of all that lies between the vertices is enclosed, too; with\n"
+    "--certificate-file that gets a certificate as well.\n"
     "With --cavity or --bone it is told how much bone is taken away, too: the volume of all that lies in the implant\n"
     "at some time of the path and is bone, which is outside of the cavity and inside the surface --within, or inside\n"
     "the --bone; and never beyond the --resection. An open mesh is closed over its rims, by fans about their means.\n"
@@ -70,7 +72,7 @@ constexpr const char* closing_words =
     "  verisq insert --implant fitted.json --mesh femur.stl --along 0,0,-1 --length 120 -o removal.vtp\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --poses path.csv --tol 0.05 -o removal.csv --json\n"
     "  verisq insert --implant fitted.json --mesh femur.stl --along 0,0,-1 --length 120 -o removal.vtp \\\n"
-    "    --certificate-file removal.json\n"
+    "    --on triangles --certificate-file removal.json\n"
     "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
     "    --along 0,0,-1 --length 100 -o removal.vtp --certificate-file removal.json\n"
     "  verisq insert --implant fitted.json --mesh canal.stl --cavity --within femur.stl \\\n"
@@ -286,6 +288,25 @@ MeshClearance surface_along(std::span<const Pose> path, const Model& implant, co
                               {.tolerance = options.tolerance, .device = options.device, .interrupted = interrupted});
 }
 
+/// Vertices by what their certificates prove. The surface's enclosure is its certificate's from here on, unless that is
+/// wider than asked for, and than what was found. Nothing where it was interrupted.
+std::optional<WaySurfaceAnswer> certify_surface(const InsertArguments& arguments, std::span<const Pose> path,
+                                                const Model& implant, const Mesh& bone, const InsertionAnswer& answer,
+                                                InsertionOptions options, InsertReport& report) {
+  ProgressBar bar(!arguments.no_progress, "triangles");
+  options.progress = [&bar](double done) { bar.update_state("certificate of the whole surface", done); };
+  std::vector<Enclosure> of_vertices;
+  for (const InsertionAnswer::Row& row : answer.rows) of_vertices.push_back(row.distance);
+  MeshClearance& found = *report.surface;
+  CertifiedWaySurface certified = certified_way_surface(path, implant, bone, of_vertices, found, options);
+  if (certified.interrupted) return std::nullopt;
+  const Enclosure& proven = certified.smallest_distance;
+  report.certified_surface = proven;
+  if (verified(proven, options.tolerance) || proven.width() <= found.smallest_distance.width())
+    found.smallest_distance = proven;
+  return WaySurfaceAnswer{proven, std::move(certified.certificate)};
+}
+
 struct Inserted {
   const Mesh& bone;
   const Model& implant;
@@ -360,8 +381,9 @@ void declare_insert(Options& options, InsertArguments& arguments) {
   options.require("-o,--output", arguments.output, "FILE", map_explanation);
   options.add(
       "--certificate-file", arguments.certificate_file, "FILE",
-      "The rows with what proves each again, and the volume of --cavity or --bone with what proves that, for "
-      "`verisq check --certificate`: .json. The map gets what these prove. With --resection of the volume alone");
+      "The rows with what proves each again, the deepest penetration of --on triangles and the volume of --cavity or "
+      "--bone with what proves these, for `verisq check --certificate`: .json. The map gets what these prove. With "
+      "--resection of the volume alone");
   declare_report_files(options, arguments.report);
   add_json_of_enclosures(options, arguments.json);
   add_no_progress(options, arguments.no_progress);
@@ -409,6 +431,8 @@ ExitStatus run_insert(const InsertArguments& arguments) {
   if (on_triangles && !insertion.summary.interrupted) {
     const Stopwatch surface_time;
     report.surface = surface_along(path, implant, bone, options);
+    if (certified && !certified->rows.empty() && !report.surface->interrupted)
+      certified->surface = certify_surface(arguments, path, implant, bone, *certified, options, report);
     report.surface_seconds = surface_time.seconds();
   }
   if (region && !report.removed && !report.interrupted()) {

@@ -75,9 +75,16 @@ std::optional<JsonObject> json_of_search(const InsertReport& report) {
                     {"proven_worse", report.search->worse}};
 }
 
-const char* subjects_of_certificate(const InsertReport& report) {
-  if (!report.certified_volume) return "the distances of the points alone";
-  return report.certified_points ? "the distances of the points, and of the removed bone" : "the removed bone alone";
+std::string subjects_of_certificate(const InsertReport& report) {
+  if (!report.certified_points) return "the removed bone alone";
+  std::string subjects = report.certified_surface ? "the distances of the points, and of the whole surface"
+                                                  : "the distances of the points";
+  if (report.certified_volume) return subjects + ", and of the removed bone";
+  return report.certified_surface ? subjects : subjects + " alone";
+}
+
+bool is_surface_certified_less(const InsertReport& report) {
+  return report.certified_surface && report.certified_surface->width() > report.surface->smallest_distance.width();
 }
 
 bool is_volume_certified_less(const InsertReport& report) {
@@ -131,6 +138,9 @@ std::string readable(const InsertReport& report) {
     text += fmt::format("certificate          {}, of {}\n", report.certificate, subjects_of_certificate(report));
     if (report.looser_certificates > 0)
       text += fmt::format("  proves less        of {} points than the map says\n", report.looser_certificates);
+    if (is_surface_certified_less(report))
+      text += fmt::format("  proves less        of the whole surface: smallest distance {}\n",
+                          outward_digits(*report.certified_surface));
     if (is_volume_certified_less(report))
       text += fmt::format("  proves less        of the removed bone: {}\n", outward_digits(*report.certified_volume));
   }
@@ -221,6 +231,7 @@ std::string json(const InsertReport& report) {
   if (!report.certificate.empty()) {
     object.set("certificate", report.certificate);
     object.set("looser_certificates", report.looser_certificates);
+    object.set("certified_surface", report.certified_surface ? JsonValue(*report.certified_surface) : JsonValue());
     object.set("certified_volume", report.certified_volume ? JsonValue(*report.certified_volume) : JsonValue());
   }
   if (!report.page.empty()) object.set("report", report.page);

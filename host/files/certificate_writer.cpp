@@ -46,11 +46,15 @@ OrderedJson json_of(const std::vector<Pose>& path) {
   return array;
 }
 
+OrderedJson json_of(const std::vector<Normal>& normals) {
+  OrderedJson array = OrderedJson::array();
+  for (const auto& [primitive, v] : normals) array.push_back(OrderedJson::array({primitive, v[0], v[1], v[2]}));
+  return array;
+}
+
 /// Of a point, or of a triangle without weights.
 void add_certificate(OrderedJson& object, const Certificate& certificate) {
-  object["normals"] = OrderedJson::array();
-  for (const auto& [primitive, v] : certificate.normals)
-    object["normals"].push_back(OrderedJson::array({primitive, v[0], v[1], v[2]}));
+  object["normals"] = json_of(certificate.normals);
   if (certificate.escape) object["escape"] = *certificate.escape;
   if (certificate.witness) object["witness"] = *certificate.witness;
   if (!certificate.cover.empty()) object["cover"] = digits_of_cover(certificate.cover);
@@ -68,6 +72,25 @@ OrderedJson json_of(const InsertionAnswer::Row& row) {
   add_certificate(object["deepest"], row.certificate.at_deepest);
   object["parts"] = OrderedJson::array();
   for (const WayPart& part : row.certificate.parts) object["parts"].push_back(json_of(part));
+  return object;
+}
+
+OrderedJson json_of(const WayTriangle& triangle) {
+  OrderedJson object{{"triangle", triangle.triangle}, {"cells", text_of(triangle.cells)}};
+  object["moved"] = OrderedJson::array();
+  for (const auto& [step, normals] : triangle.moved)
+    object["moved"].push_back({{"step", step}, {"normals", json_of(normals)}});
+  return object;
+}
+
+OrderedJson json_of(const WaySurfaceAnswer& surface) {
+  OrderedJson object = json_of(surface.distance);
+  if (const auto& witness = surface.certificate.deepest) {
+    object["deepest"] = {{"triangle", witness->triangle}, {"weights", witness->weights}, {"time", witness->time}};
+    add_certificate(object["deepest"], witness->certificate);
+  }
+  object["triangles"] = OrderedJson::array();
+  for (const WayTriangle& triangle : surface.certificate.triangles) object["triangles"].push_back(json_of(triangle));
   return object;
 }
 
@@ -402,6 +425,7 @@ void write_answer(const std::filesystem::path& path, const InsertionAnswer& answ
   if (!answer.units.empty()) head["units"] = answer.units;
   if (answer.pose) head["pose"] = json_of(*answer.pose);
   head["path"] = json_of(answer.path);
+  if (answer.surface) head["surface"] = json_of(*answer.surface);
   if (answer.removed) head["removed"] = json_of(*answer.removed);
   write_lines(path, head, "rows", answer.rows.size(), "vertices",
               [&](std::size_t i) { return json_of(answer.rows[i]); });

@@ -15,5 +15,6 @@ namespace verisq {
 
 /// One letter each, as the format has them.
 [[nodiscard]] std::string text_of(const std::vector<CubeDivision>& cubes);
+[[nodiscard]] std::string text_of(const std::vector<WayCell>& cells);
 
 }  // namespace verisq

@@ -27,6 +27,7 @@
 #include <verisq/plane.hpp>
 #include <verisq/removed_volume_certificate.hpp>
 #include <verisq/side_checker.hpp>
+#include <verisq/way_surface_certificate.hpp>
 
 namespace verisq {
 
@@ -119,8 +120,14 @@ struct RemovalAnswer {
   RemovedVolumeCertificate certificate;
 };
 
-/// The kind `insertion`: the smallest signed distance of each of a bone's vertices to an implant along its way in, how
-/// much bone it takes away, or both.
+/// The smallest signed distance of all points of all triangles of a bone along an implant's way in.
+struct WaySurfaceAnswer {
+  Enclosure distance;  ///< the claim
+  WaySurfaceCertificate certificate;
+};
+
+/// The kind `insertion`: the smallest signed distance of each of a bone's vertices to an implant along its way in, and
+/// of its whole surface, how much bone it takes away, or both.
 struct InsertionAnswer {
   struct Row {
     Enclosure distance;  ///< the claim
@@ -129,10 +136,11 @@ struct InsertionAnswer {
 
   SubjectFile model;
   SubjectFile mesh;
-  std::string units;         ///< free text; empty when not given
-  std::optional<Pose> pose;  ///< moves the model first (verisq/posed_model.hpp)
-  std::vector<Pose> path;    ///< at least one
-  std::vector<Row> rows;     ///< in the order of the vertices; none where only a volume is claimed
+  std::string units;                             ///< free text; empty when not given
+  std::optional<Pose> pose;                      ///< moves the model first (verisq/posed_model.hpp)
+  std::vector<Pose> path;                        ///< at least one
+  std::vector<Row> rows;                         ///< in the order of the vertices; none where only a volume is claimed
+  std::optional<WaySurfaceAnswer> surface = {};  ///< with rows alone
   std::optional<RemovalAnswer> removed = {};
 };
 

@@ -34,6 +34,7 @@ struct MeshClearance {
   std::uint64_t proven_too_deep = 0;  ///< some point of it does
   std::uint64_t undecided = 0;
   std::vector<PointOnTriangle> too_deep;  ///< of each triangle proven too deep the deepest point looked at
+  PointOnTriangle deepest = {};           ///< along a path: but for rounding of a distance no more than the upper end
   std::uint64_t samples = 0;              ///< distances asked for
   bool interrupted = false;               ///< what is told is proven all the same
 };

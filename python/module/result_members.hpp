@@ -56,7 +56,7 @@ inline constexpr std::size_t member_count<ClosestPoints> = 3;
 template <>
 inline constexpr std::size_t member_count<PointOnTriangle> = 2;
 template <>
-inline constexpr std::size_t member_count<MeshClearance> = 7;
+inline constexpr std::size_t member_count<MeshClearance> = 8;
 
 // Certificates of two models
 

@@ -10,8 +10,6 @@
 
 namespace verisq {
 
-using verify::Direction;
-using verify::PointBall;
 using verify::RigidPath;
 
 struct InsertionChecker::State {
@@ -37,11 +35,7 @@ struct InsertionChecker::State {
   [[nodiscard]] double upper(const Point& point, double asked, const InsertionCertificate& certificate) const {
     const double time = certificate.deepest;
     if (!(time >= 0.0 && time <= path.last_time())) return infinity;
-    const PointBall ball = verify::moment_of(path, point, time).place;
-    if (!verify::is_finite(ball)) return infinity;
-    const double of_centre = verify::subtract(asked, ball.radius, Direction::down);
-    const double proven = implant(ball.centre, {-infinity, of_centre}, certificate.at_deepest).proven.hi;
-    return verify::add(proven, ball.radius, Direction::up);
+    return verify::upper_end(implant, verify::moment_of(path, point, time).place, asked, certificate.at_deepest);
   }
 
   Checker implant;

@@ -74,4 +74,11 @@ double lower_end(const Checker& implant, const Chord& chord, const WayPart& part
   return proven > 0.0 ? subtract(proven, offset, Direction::down) : -infinity;
 }
 
+double upper_end(const Checker& implant, const PointBall& place, double asked, const Certificate& certificate) {
+  if (!is_finite(place)) return infinity;
+  const double of_centre = subtract(asked, place.radius, Direction::down);
+  const double proven = implant(place.centre, {-infinity, of_centre}, certificate).proven.hi;
+  return sum_up(proven, place.radius);
+}
+
 }  // namespace verisq::verify

@@ -39,4 +39,9 @@ struct Chord {
 /// certificate proves nothing; `asked` is what is to be proven.
 [[nodiscard]] double lower_end(const Checker& implant, const Chord& chord, const WayPart& part, double asked);
 
+/// No signed distance of a point of the ball is more than what is returned, by a certificate of its centre; infinite
+/// where that proves nothing. `asked` is what is to be proven.
+[[nodiscard]] double upper_end(const Checker& implant, const PointBall& place, double asked,
+                               const Certificate& certificate);
+
 }  // namespace verisq::verify

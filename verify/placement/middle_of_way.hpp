@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace verisq {
+namespace verisq::verify {
 
 /// Poses are the natural places to halve a path; between two of them, time. Such times have few digits.
 [[nodiscard]] inline double middle_of_way(double begin, double end) {
@@ -11,4 +11,4 @@ namespace verisq {
   return end - begin > 1.0 ? std::floor(half) : half;
 }
 
-}  // namespace verisq
+}  // namespace verisq::verify
