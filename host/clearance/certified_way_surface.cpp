@@ -30,8 +30,8 @@ constexpr std::size_t most_cells = 6000;
 /// Of the tolerance may be lost by how far ways leave the straight ones, and by the point that is the deepest.
 constexpr double share_of_bulge = 0.25;
 constexpr double share_of_witness = 0.05;
-/// Steps are rounded to so much of their length.
-constexpr double digits_of_step = 1e6;
+/// Steps are rounded to so many decimals of the power of ten above their length.
+constexpr double decimals_of_step = 6.0;
 /// Between which progress is told.
 constexpr std::size_t triangles_at_a_time = 64;
 
@@ -40,11 +40,12 @@ Triangle triangle_of(const Mesh& mesh, std::size_t triangle) {
   return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
 }
 
-/// As long as `length`, or a little less, and of few digits.
+/// As long as `length`, or a little less, and of few decimals.
 Point step_along(const Point& direction, double length) {
-  const double unit = std::pow(10.0, std::ceil(std::log10(length))) / digits_of_step;
+  const double digits = std::pow(10.0, decimals_of_step - std::ceil(std::log10(length)));
+  const double shortened = length - 2.0 / digits;
   Point step{};
-  for (std::size_t i = 0; i < 3; ++i) step[i] = std::round(direction[i] * (length - 2.0 * unit) / unit) * unit;
+  for (std::size_t i = 0; i < 3; ++i) step[i] = std::round(direction[i] * shortened * digits) / digits;
   return step;
 }
 

@@ -16,6 +16,7 @@
 #include <verisq/insertion_certificate.hpp>
 #include <verisq/mesh_file.hpp>
 #include <verisq/removed_volume_certificate.hpp>
+#include <verisq/way_surface_certificate.hpp>
 
 #include "host/command_line/certificate_check.hpp"
 #include "host/command_line/check_summary.hpp"
@@ -47,8 +48,22 @@ struct RemovalReport {
   }
 };
 
+/// What is claimed of all points of all triangles, and what became of it.
+struct SurfaceReport {
+  Enclosure claimed;
+  Finding finding;
+  bool interrupted;
+  double seconds;
+
+  [[nodiscard]] bool is_proved() const {
+    return finding.verdict == Verdict::proved && !interrupted && std::isfinite(claimed.width());
+  }
+};
+
 struct InsertionCheckReport {
   CheckReport rows;
+  std::vector<Enclosure> proven_of_vertices = {};
+  std::optional<SurfaceReport> surface = {};
   std::optional<RemovalReport> removed = {};
   // By what is proven, whatever is claimed.
   std::uint64_t proven_cut = 0;
@@ -56,10 +71,15 @@ struct InsertionCheckReport {
   std::uint64_t unbounded = 0;  ///< rows that claim nothing of an end
 
   [[nodiscard]] std::uint64_t undecided() const { return rows.rows() - proven_cut - proven_untouched; }
-  [[nodiscard]] bool interrupted() const { return rows.interrupted || (removed && removed->proven.interrupted); }
-  [[nodiscard]] double seconds() const { return rows.seconds + (removed ? removed->seconds : 0.0); }
+  [[nodiscard]] bool interrupted() const {
+    return rows.interrupted || (surface && surface->interrupted) || (removed && removed->proven.interrupted);
+  }
+  [[nodiscard]] double seconds() const {
+    return rows.seconds + (surface ? surface->seconds : 0.0) + (removed ? removed->seconds : 0.0);
+  }
   [[nodiscard]] bool all_proved() const {
-    return rows.all_proved() && unbounded == 0 && (!removed || removed->is_proved());
+    return rows.all_proved() && unbounded == 0 && (!surface || surface->is_proved()) &&
+           (!removed || removed->is_proved());
   }
   /// Of all vertices, and of no answer that is another one's.
   [[nodiscard]] bool tells_counts() const { return rows.rows() > 0 && rows.refuted == 0 && !rows.interrupted; }
@@ -92,6 +112,7 @@ void refuse_other_subjects(const InsertionAnswer& answer, const CheckArguments& 
 void count(const CheckedRow& row, InsertionCheckReport& report) {
   count(row, report.rows);
   const Enclosure& proven = row.finding.proven;
+  report.proven_of_vertices.push_back(proven);
   report.proven_cut += proven.hi < 0.0 ? 1 : 0;
   report.proven_untouched += proven.lo >= 0.0 ? 1 : 0;
   report.unbounded += std::isfinite(row.claimed.lo) && std::isfinite(row.claimed.hi) ? 0 : 1;
@@ -119,6 +140,20 @@ InsertionCheckReport checked(const InsertionAnswer& answer, const Model& implant
   report.rows.seconds = time.seconds();
   report.rows.interrupted = report.rows.rows() < bone.size();
   return report;
+}
+
+/// Of vertices of which all are done, by what is proven of each, whatever is claimed.
+SurfaceReport checked_surface(const InsertionAnswer& answer, const Model& implant, const Mesh& bone,
+                              std::span<const Enclosure> of_vertices, const CheckArguments& arguments) {
+  const WaySurfaceChecker checker(implant, answer.path, bone);
+  ProgressBar bar(!arguments.no_progress, "triangles");
+  const Stopwatch time;
+  const auto& [claimed, certificate] = *answer.surface;
+  const Finding finding = checker(of_vertices, claimed, certificate,
+                                  {.in_parallel = in_parallel<std::function<void(std::size_t)>>,
+                                   .interrupted = interrupted,
+                                   .progress = [&bar](double done) { bar.update_state("whole surface", done); }});
+  return {claimed, finding, interrupted(), time.seconds()};
 }
 
 BoneRegion region_of(const RemovalAnswer& removed, const Mesh& mesh, const CheckArguments& arguments) {
@@ -151,6 +186,33 @@ RemovalReport checked_removal(const InsertionAnswer& answer, const Model& implan
                                     .interrupted = interrupted,
                                     .progress = [&bar](double done) { bar.update_state("removed volume", done); }});
   return {removed.volume, check(removed.volume, proven.volume), proven, checker.rims(), time.seconds()};
+}
+
+/// How deep the surface is cut: bone that lies behind it is another question.
+std::string depth_in_words(const SurfaceReport& report, const std::string& units) {
+  if (report.claimed.lo >= 0.0) return ": it is cut nowhere";
+  return fmt::format(": it is cut nowhere deeper than {}{}", -report.claimed.lo, units);
+}
+
+std::string surface_in_words(const SurfaceReport& report, const std::string& units) {
+  const auto& [claimed, finding, is_interrupted, seconds] = report;
+  if (is_interrupted) return "whole surface        interrupted: nothing is said\n";
+  const bool tells = finding.verdict == Verdict::proved && std::isfinite(claimed.lo);
+  std::string text = fmt::format(
+      "whole surface        between the vertices, too: smallest distance {}{} along the whole way, {}{}\n",
+      exact_text(claimed), units, name_of(finding.verdict), tells ? depth_in_words(report, units) : std::string());
+  if (!std::isfinite(claimed.width())) text += "  WITHOUT AN END     nothing is claimed on one side at least\n";
+  if (finding.verdict != Verdict::proved)
+    text += fmt::format("  proven of it       {}{}\n", exact_text(finding.proven), units);
+  return text + fmt::format("  time               {:.3g} s\n", seconds);
+}
+
+JsonObject object_of(const SurfaceReport& report) {
+  return {{"verdict", name_of(report.finding.verdict)},
+          {"claimed", report.claimed},
+          {"proven", report.finding.proven},
+          {"without_an_end", !std::isfinite(report.claimed.width())},
+          {"seconds", report.seconds}};
 }
 
 std::string bone_in_words(const RemovalAnswer& removed) {
@@ -214,8 +276,10 @@ std::string rows_in_words(const InsertionCheckReport& report, const std::string&
 }
 
 const char* what_is_not_claimed(const InsertionAnswer& answer) {
+  if (answer.surface) return answer.removed ? nullptr : "how much bone is removed";
   if (!answer.removed) return "what lies between the vertices, how much bone is removed";
-  return answer.rows.empty() ? "distances" : "the distances of what lies between the vertices";
+  return answer.rows.empty() ? "distances, of the vertices and of the whole surface"
+                             : "the distances of what lies between the vertices";
 }
 
 std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& report,
@@ -223,11 +287,12 @@ std::string readable(const InsertionAnswer& answer, const InsertionCheckReport& 
   const CheckReport& rows = report.rows;
   const std::string units = rows.units.empty() ? std::string() : " " + rows.units;
   std::string text = answer.rows.empty() ? std::string() : rows_in_words(report, units);
+  if (report.surface) text += surface_in_words(*report.surface, units);
   if (report.removed) text += removal_in_words(*answer.removed, *report.removed, units);
   if (answer.pose) text += fmt::format("model moved by       {}: translation, quaternion\n", option_text(*answer.pose));
   text += path_in_words(answer.path, "way", "the implant's", units);
   text += meant_in_words(arguments.poses, "way");
-  text += fmt::format("not claimed          {}\n", what_is_not_claimed(answer));
+  if (const char* const open = what_is_not_claimed(answer)) text += fmt::format("not claimed          {}\n", open);
   text += fmt::format("time                 {:.3g} s\n", report.seconds());
   text +=
       fmt::format("certificate          {}{}\n", arguments.certificate, report.interrupted() ? " (interrupted)" : "");
@@ -238,31 +303,34 @@ std::string json(const InsertionAnswer& answer, const InsertionCheckReport& repo
   const CheckReport& rows = report.rows;
   const bool tells = report.tells_smallest();
   const bool counts = report.tells_counts();
-  const JsonObject object{{"kind", "insertion"},
-                          {"points", rows.rows()},
-                          {"proved", rows.proved},
-                          {"refuted", rows.refuted},
-                          {"unproved", rows.unproved},
-                          {"largest_width_proved", rows.largest_width},
-                          {"smallest_distance_proved", tells ? JsonValue(rows.smallest) : JsonValue()},
-                          {"without_an_end", report.unbounded},
-                          {"proven_cut", counts ? JsonValue(report.proven_cut) : JsonValue()},
-                          {"proven_untouched", counts ? JsonValue(report.proven_untouched) : JsonValue()},
-                          {"undecided", counts ? JsonValue(report.undecided()) : JsonValue()},
-                          {"removed_volume", report.removed && !report.removed->proven.interrupted
-                                                 ? JsonValue(object_of(*answer.removed, *report.removed))
-                                                 : JsonValue()},
-                          {"pose", answer.pose ? JsonValue(*answer.pose) : JsonValue()},
-                          {"path_begin", answer.path.front()},
-                          {"path_end", answer.path.back()},
-                          {"poses", answer.path.size()},
-                          {"path_length", length_of(answer.path)},
-                          {"path_degrees", degrees_of(answer.path)},
-                          {"first", rows.first ? JsonValue(object_of(*rows.first, rows.elements)) : JsonValue()},
-                          {"units", rows.units},
-                          {"seconds", report.seconds()},
-                          {"interrupted", report.interrupted()},
-                          {"certificate", arguments.certificate}};
+  const JsonObject object{
+      {"kind", "insertion"},
+      {"points", rows.rows()},
+      {"proved", rows.proved},
+      {"refuted", rows.refuted},
+      {"unproved", rows.unproved},
+      {"largest_width_proved", rows.largest_width},
+      {"smallest_distance_proved", tells ? JsonValue(rows.smallest) : JsonValue()},
+      {"without_an_end", report.unbounded},
+      {"proven_cut", counts ? JsonValue(report.proven_cut) : JsonValue()},
+      {"proven_untouched", counts ? JsonValue(report.proven_untouched) : JsonValue()},
+      {"undecided", counts ? JsonValue(report.undecided()) : JsonValue()},
+      {"whole_surface",
+       report.surface && !report.surface->interrupted ? JsonValue(object_of(*report.surface)) : JsonValue()},
+      {"removed_volume", report.removed && !report.removed->proven.interrupted
+                             ? JsonValue(object_of(*answer.removed, *report.removed))
+                             : JsonValue()},
+      {"pose", answer.pose ? JsonValue(*answer.pose) : JsonValue()},
+      {"path_begin", answer.path.front()},
+      {"path_end", answer.path.back()},
+      {"poses", answer.path.size()},
+      {"path_length", length_of(answer.path)},
+      {"path_degrees", degrees_of(answer.path)},
+      {"first", rows.first ? JsonValue(object_of(*rows.first, rows.elements)) : JsonValue()},
+      {"units", rows.units},
+      {"seconds", report.seconds()},
+      {"interrupted", report.interrupted()},
+      {"certificate", arguments.certificate}};
   return object.text() + "\n";
 }
 
@@ -280,6 +348,10 @@ ExitStatus run_insertion_check(const InsertionAnswer& answer, const CheckArgumen
   }
   watch_for_interruption();
   InsertionCheckReport report = checked(answer, implant, has_rows ? bone.vertices : std::vector<Point>(), arguments);
+  if (answer.surface && bone.triangles.empty())
+    refuse(fmt::format("{}: is of a whole surface: {} has no triangles", arguments.certificate, arguments.inputs.mesh));
+  if (answer.surface && !report.rows.interrupted)
+    report.surface = checked_surface(answer, implant, bone, report.proven_of_vertices, arguments);
   if (answer.removed) report.removed = checked_removal(answer, implant, bone, arguments);
   fmt::print("{}", arguments.json ? json(answer, report, arguments) : readable(answer, report, arguments));
   if (report.interrupted()) return ExitStatus::interrupted;
