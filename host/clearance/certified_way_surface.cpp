@@ -25,8 +25,10 @@ using verify::PiecesOnWay;
 using verify::WayPiece;
 using verify::WayPrism;
 
-/// Of a triangle: then what is open is bounded as it is.
-constexpr std::size_t most_cells = 6000;
+/// Of a triangle, and of all that are divided, about: then what is open is bounded as it is.
+constexpr std::size_t most_cells_of_triangle = 6000;
+constexpr std::size_t most_cells_of_all = std::size_t{1} << 18U;
+constexpr std::size_t least_cells_of_triangle = 16;
 /// Of the tolerance may be lost by how far ways leave the straight ones, and by the point that is the deepest.
 constexpr double share_of_bulge = 0.25;
 constexpr double share_of_witness = 0.05;
@@ -67,6 +69,7 @@ class TriangleDivision {
     const PrismEscape& escape;
     double goal;
     double tolerance;
+    std::size_t most_cells;  ///< of each triangle
   };
 
   TriangleDivision(const Terms& terms, const Triangle& whole, const std::array<double, 3>& at_vertices)
@@ -92,7 +95,7 @@ class TriangleDivision {
     const bool bends = bulge > share_of_bulge * terms_.tolerance;
     const std::vector<Point> ways = bends && may_halve(cell.piece) ? std::vector<Point>() : ways_out(cell, prism);
     if (!(bends && may_halve(cell.piece)) && reaches_goal(cell, prism, ways)) return;
-    const bool full = cells_.size() + 4 > most_cells;
+    const bool full = cells_.size() + 4 > terms_.most_cells;
     if (full || !divide(n, bends, ways.empty() ? cell.hint : ways.front())) bound_as_it_is(cells_[n], prism, ways);
   }
 
@@ -250,6 +253,11 @@ std::vector<verify::PosedSuperquadric> solids_of(const Model& model) {
   return solids;
 }
 
+std::size_t cells_of_each(std::size_t triangles) {
+  return std::clamp(most_cells_of_all / std::max<std::size_t>(triangles, 1), least_cells_of_triangle,
+                    most_cells_of_triangle);
+}
+
 }  // namespace
 
 CertifiedWaySurface certified_way_surface(std::span<const Pose> path, const Model& implant, const Mesh& bone,
@@ -271,8 +279,8 @@ CertifiedWaySurface certified_way_surface(std::span<const Pose> path, const Mode
     const verify::RigidPath way(path, verify::seat_of(implant, path));
     const std::vector<verify::PosedSuperquadric> solids = solids_of(implant);
     const PrismEscape escape(implant);
-    const TriangleDivision::Terms terms{way, solids, escape, goal, options.tolerance};
     const std::vector<std::uint32_t> open = open_triangles(bone, of_vertices, goal);
+    const TriangleDivision::Terms terms{way, solids, escape, goal, options.tolerance, cells_of_each(open.size())};
     certificate.triangles.resize(open.size());
     const std::size_t done = in_parallel_steps(
         open.size(), triangles_at_a_time, SeenInterruption(options.interrupted), options.progress, [&](std::size_t i) {

@@ -13,6 +13,7 @@
 #include <verisq/error.hpp>
 #include <verisq/signed_distance.hpp>
 
+#include "tests/clearance/way_scenes.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
 #include "verify/placement/rigid_path.hpp"
@@ -22,38 +23,6 @@ namespace verisq::oracle {
 namespace {
 
 using verify::RigidPath;
-
-const Model one{"mm", {{"shaft", {{1.0, 1.4, 6.0}, {0.7, 0.9}}, {{0.0, 0.0, -3.0}, {1.0, 0.1, 0.0, 0.0}}}}, {}};
-
-/// Of two solids that overlap, and one of them tapered.
-const Model stem{
-    "mm",
-    {one.primitives.front(), {"neck", {{0.8, 0.8, 3.0}, {0.4, 1.0}, 1.5}, {{1.0, 0.5, 3.0}, {0.9, 0.3, -0.2, 0.1}}}},
-    {}};
-
-struct Scene {
-  const char* name;
-  Model implant;
-  std::vector<Pose> path;
-};
-
-std::vector<Pose> turning_path() {
-  std::vector<Pose> path;
-  for (std::size_t k = 0; k <= 12; ++k) {
-    const double s = static_cast<double>(k) / 12.0;
-    path.push_back({{6.0 * (1.0 - s), 2.0 * std::sin(2.0 * s), 9.0 * (1.0 - s)},
-                    {1.0, 0.3 * (1.0 - s), -0.2 * s * s, 0.4 - 0.4 * s}});
-  }
-  return path;
-}
-
-std::vector<Scene> scenes() {
-  const Pose turned{{0.5, -0.3, 0.2}, {0.8, 0.1, -0.3, 0.2}};
-  return {{"straight", stem, straight_path({}, {0.2, 0.1, -1.0}, 20.0, 1)},
-          {"straight, of one solid", one, straight_path(turned, {0.0, 0.0, -1.0}, 12.0, 1)},
-          {"turning", stem, turning_path()},
-          {"at rest", stem, {turned}}};
-}
 
 std::vector<Point> bone_of(std::uint64_t seed, std::size_t count) {
   RandomCases random(seed);
@@ -69,7 +38,7 @@ struct Proven {
   CertifiedInsertion insertion;
 };
 
-Proven proven(const Scene& scene, std::uint64_t seed, std::size_t count) {
+Proven proven(const WayScene& scene, std::uint64_t seed, std::size_t count) {
   const std::vector<Point> bone = bone_of(seed, count);
   const InsertionOptions options{.tolerance = tolerance, .device = "host"};
   const Insertion found = smallest_distance_along(scene.path, scene.implant, bone, options);
@@ -77,7 +46,7 @@ Proven proven(const Scene& scene, std::uint64_t seed, std::size_t count) {
 }
 
 TEST(InsertionCertificate, ProvesRowsThatAreAsTightAsAskedFor) {
-  for (const Scene& scene : scenes()) {
+  for (const WayScene& scene : way_scenes()) {
     const auto [bone, insertion] = proven(scene, 3, 80);
     const InsertionChecker check(scene.implant, scene.path);
     std::size_t cut = 0;
@@ -96,7 +65,7 @@ TEST(InsertionCertificate, ProvesRowsThatAreAsTightAsAskedFor) {
 }
 
 TEST(InsertionCertificate, NeedsFewPartsOfStraightWays) {
-  const auto [bone, insertion] = proven(scenes().front(), 4, 80);
+  const auto [bone, insertion] = proven(way_scenes().front(), 4, 80);
   std::size_t parts = 0;
   for (const InsertionCertificate& certificate : insertion.certificates) parts += certificate.parts.size();
   EXPECT_LE(parts, 8 * bone.size());
@@ -108,7 +77,7 @@ TEST(InsertionCertificate, NeedsFewPartsOfStraightWays) {
 
 /// The distances at many times are none below.
 TEST(InsertionCertificate, ContainsWhatIsFoundAtManyTimes) {
-  for (const Scene& scene : scenes()) {
+  for (const WayScene& scene : way_scenes()) {
     const auto [bone, insertion] = proven(scene, 5, 30);
     const RigidPath path(scene.path);
     const SignedDistance distance(scene.implant);
@@ -127,7 +96,7 @@ TEST(InsertionCertificate, ContainsWhatIsFoundAtManyTimes) {
 /// Claims that do not contain the smallest distance, with evidence that is changed, too, or not.
 class Forger {
  public:
-  Forger(const Scene& scene, const Proven& proven)
+  Forger(const WayScene& scene, const Proven& proven)
       : check_(scene.implant, scene.path), last_(static_cast<double>(scene.path.size() - 1)), proven_(proven) {}
 
   std::size_t operator()(std::size_t n) {
@@ -216,7 +185,7 @@ class Forger {
 TEST(InsertionCertificate, NeverProvesAForgery) {
   const std::size_t points = requested_count("VERISQ_FORGED_INSERTIONS", 14);
   std::size_t tried = 0;
-  for (const Scene& scene : scenes()) {
+  for (const WayScene& scene : way_scenes()) {
     const Proven answer = proven(scene, 6, points);
     Forger forge(scene, answer);
     for (std::size_t n = 0; n < points; ++n) tried += forge(n);
@@ -226,13 +195,13 @@ TEST(InsertionCertificate, NeverProvesAForgery) {
 }
 
 TEST(InsertionCertificate, IsOfNoOtherWayOrImplant) {
-  const Scene scene = scenes().front();
+  const WayScene scene = way_scenes().front();
   const auto [bone, insertion] = proven(scene, 7, 40);
-  Scene moved = scene;
+  WayScene moved = scene;
   for (Pose& pose : moved.path) pose.translation[0] += 1e-9 + tolerance;
-  Scene larger = scene;
+  WayScene larger = scene;
   for (Primitive& primitive : larger.implant.primitives) primitive.superquadric.semi_axes[0] *= 1.05;
-  for (const Scene& other : {moved, larger}) {
+  for (const WayScene& other : {moved, larger}) {
     const InsertionChecker check(other.implant, other.path);
     const Insertion truth =
         smallest_distance_along(other.path, other.implant, bone, {.tolerance = 1e-4, .device = "host"});
@@ -249,7 +218,7 @@ TEST(InsertionCertificate, IsOfNoOtherWayOrImplant) {
 }
 
 TEST(InsertionCertificate, RefusesImplantsThatAreBent) {
-  Model bent = one;
+  Model bent = shaft;
   bent.primitives.front().superquadric.exponents = {1.0, 1.0};
   bent.primitives.front().bend = Bend{0.01, 0.0};
   const std::vector<Point> bone{{5.0, 0.0, 0.0}};
@@ -265,9 +234,9 @@ TEST(InsertionCertificate, BearsHugeWays) {
   const InsertionOptions options{.tolerance = tolerance, .device = "host"};
   for (const double length : {1e100, 1e200, 1e308}) {
     const std::vector<Pose> path = straight_path({}, {0.0, 0.0, -1.0}, length, 1);
-    const Insertion found = smallest_distance_along(path, stem, bone, options);
-    const CertifiedInsertion proven = certified_insertion(path, stem, bone, found, options);
-    const InsertionChecker check(stem, path);
+    const Insertion found = smallest_distance_along(path, shaft_with_neck, bone, options);
+    const CertifiedInsertion proven = certified_insertion(path, shaft_with_neck, bone, found, options);
+    const InsertionChecker check(shaft_with_neck, path);
     for (std::size_t n = 0; n < bone.size(); ++n) {
       EXPECT_EQ(check(bone[n], proven.rows[n].distance, proven.certificates[n]).verdict, Verdict::proved) << length;
       for (const WayPart& part : proven.certificates[n].parts)
@@ -277,7 +246,7 @@ TEST(InsertionCertificate, BearsHugeWays) {
 }
 
 TEST(InsertionCertificate, HasTheRowsBeforeAnInterruption) {
-  const Scene scene = scenes().front();
+  const WayScene scene = way_scenes().front();
   const std::vector<Point> bone = bone_of(8, 600);
   InsertionOptions options{.tolerance = tolerance, .device = "host"};
   const Insertion found = smallest_distance_along(scene.path, scene.implant, bone, options);

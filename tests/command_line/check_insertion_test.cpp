@@ -169,6 +169,76 @@ TEST_F(CheckInsertion, NeedsWhatHasCertificates) {
           "ways in of bent models");
 }
 
+/// Of the whole surface, too.
+class CheckWaySurface : public CheckInsertion {
+ protected:
+  void SetUp() override {
+    std::ifstream in(places::example("stem_mm.json"));
+    json stem = json::parse(in);
+    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
+    (void)write("stem.json", stem.dump());
+    const Outcome outcome =
+        run({"insert", "--implant", implant_, "--mesh", mesh_, "-o", map_, "--tol", "0.4", "--along", "0,0,-1",
+             "--length", "60", "--on", "triangles", "--json", "--no-progress", "--certificate-file", proof_});
+    ASSERT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+    made_ = json::parse(outcome.out);
+  }
+
+  json made_;
+};
+
+TEST_F(CheckWaySurface, ProvesTheDistanceOfTheWholeSurface) {
+  const json surface = document()["surface"];
+  EXPECT_EQ(made_["certified_surface"]["lo"], surface["lo"]);
+  EXPECT_EQ(made_["whole_surface"]["smallest_distance"]["hi"], surface["hi"]);
+  EXPECT_LT(surface["hi"], made_["smallest_distance"]["lo"]);  // between the vertices it is deeper
+  const Outcome outcome = check(proof_);
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("whole surface        between the vertices, too: smallest distance [-"));
+  EXPECT_THAT(outcome.out, HasSubstr(" mm along the whole way, proved: it is cut nowhere deeper than "));
+  EXPECT_THAT(outcome.out, HasSubstr("not claimed          how much bone is removed"));
+  const json told = json::parse(check(proof_, {"--json"}).out);
+  EXPECT_EQ(told["whole_surface"]["verdict"], "proved");
+  EXPECT_EQ(told["whole_surface"]["claimed"]["lo"], surface["lo"]);
+
+  const double lo = surface["lo"];
+  const double hi = surface["hi"];
+  expect_not_proved("/surface/lo", lo - 1e-12 * lo);
+  expect_not_proved("/surface/lo", made_["smallest_distance"]["lo"]);
+  expect_not_proved("/surface/lo", "-inf");
+  expect_not_proved("/surface/hi", lo - 1e-12);
+  expect_not_proved("/surface/triangles", json::array());
+  expect_not_proved("/surface/triangles/0/cells", ".");
+  expect_not_proved("/surface/triangles/0/moved", json::array());
+  expect_not_proved("/surface/deepest/triangle", 0);
+  expect_not_proved("/path/0/translation/0", 9.0);
+  EXPECT_GT(hi, lo);
+}
+
+/// What is not proven of vertices proves nothing of triangles, whatever is claimed of them.
+TEST_F(CheckWaySurface, BelievesNoVertexThatIsNotProven) {
+  json proof = document();
+  for (json& row : proof["rows"]) row["parts"] = json::array();
+  const Outcome outcome = check(write("forged.json", proof.dump()), {"--json"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(json::parse(outcome.out)["whole_surface"]["verdict"], "unproved");
+}
+
+TEST_F(CheckWaySurface, IsOfNoOtherForm) {
+  const auto refused = [&](const Outcome& outcome, const std::string& words) {
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  refused(check(forged("/surface/triangles/0/cells", "mx")), "must consist of the letters m, q, h and .");
+  refused(check(forged("/surface/triangles/0/cells", std::string(2097153, '.'))),
+          "must have no more than 2097152 cells");
+  refused(check(forged("/surface/triangles/0/moved/0/step", {0, 1})), "must be an array of 3 numbers");
+  refused(check(forged("/surface/deepest/weights", {0, 1, 2})), "must be an array of 2 numbers");
+  refused(check(forged("/surface/triangles", json(2, document()["surface"]["triangles"][0]))),
+          "must be above those before");
+  refused(check(forged("/rows", json::array())), "must not be there without");
+}
+
 /// A box about the cavity is the bone's outer surface.
 class CheckRemoval : public ProofFileTest {
  protected:
@@ -248,9 +318,10 @@ TEST_F(CheckRemoval, ProvesWhatIsRemovedWithinASurface) {
 }
 
 TEST_F(CheckRemoval, IsOfTheVolumeAloneWhereAResectionLeavesOutVertices) {
-  const Outcome made = insert({"--resection", "100,0,-70,0,0,2"});
+  const Outcome made = insert({"--resection", "100,0,-70,0,0,2", "--on", "triangles"});
   ASSERT_EQ(made.status, 0) << made.err << made.out;
   EXPECT_THAT(made.out, HasSubstr(", of the removed bone alone\n"));
+  EXPECT_FALSE(document().contains("surface"));
   EXPECT_EQ(document()["rows"].size(), 0U);
   const Outcome proved = check(proof_);
   EXPECT_EQ(proved.status, 0) << proved.err << proved.out;
