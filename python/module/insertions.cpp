@@ -13,6 +13,7 @@
 #include <verisq/bone_region.hpp>
 #include <verisq/certified_insertion.hpp>
 #include <verisq/certified_removed_volume.hpp>
+#include <verisq/certified_way_surface.hpp>
 #include <verisq/error.hpp>
 #include <verisq/insertion.hpp>
 #include <verisq/removed_volume.hpp>
@@ -38,6 +39,14 @@ template <>
 inline constexpr std::size_t member_count<WayPart> = 3;
 template <>
 inline constexpr std::size_t member_count<InsertionCertificate> = 3;
+template <>
+inline constexpr std::size_t member_count<MovedCell> = 2;
+template <>
+inline constexpr std::size_t member_count<WayTriangle> = 3;
+template <>
+inline constexpr std::size_t member_count<WayWitness> = 4;
+template <>
+inline constexpr std::size_t member_count<WaySurfaceCertificate> = 2;
 
 namespace {
 
@@ -114,6 +123,73 @@ bool is_proved(const CertifiedWay& self, const PythonModel& implant, const py::h
         return false;
     }
     return true;
+  });
+}
+
+/// That of the whole surface between the points, its vertices, too.
+struct CertifiedMeshClearance {
+  CertifiedWay vertices;
+  Enclosure smallest_distance;
+  WaySurfaceCertificate certificate;
+
+  static constexpr std::size_t members = 3;
+};
+
+std::vector<Enclosure> distances_of(const std::vector<MapResult>& rows) {
+  std::vector<Enclosure> distances;
+  distances.reserve(rows.size());
+  for (const MapResult& row : rows) distances.push_back(row.distance);
+  return distances;
+}
+
+CertifiedMeshClearance certified_clearance(const PythonModel& implant, const PythonMesh& mesh, const py::handle& path,
+                                           const std::optional<double>& tolerance, const std::string& device) {
+  const Model& exact = implant.exact("certified_mesh_clearance");
+  const Mesh& bone = mesh.mesh;
+  const std::vector<Pose> way = poses(path, "path");
+  const double width = tolerance_along_way(tolerance, implant.bounding_radius());
+  Interruption interruption;
+  const InsertionOptions options{.tolerance = width, .device = device, .interrupted = interruption.poll()};
+  CertifiedInsertion vertices;
+  const CertifiedWaySurface surface = without_lock(interruption, [&] {
+    const MeshClearance found = mesh_clearance_along(
+        way, exact, bone, {.tolerance = width, .device = device, .interrupted = options.interrupted});
+    vertices = certified_insertion(way, exact, bone.vertices,
+                                   smallest_distance_along(way, exact, bone.vertices, options), options);
+    if (vertices.summary.interrupted) return CertifiedWaySurface{.interrupted = true};
+    return certified_way_surface(way, exact, bone, distances_of(vertices.rows), found, options);
+  });
+  return {{map_of_rows(vertices.rows, vertices.summary, width), std::move(vertices.certificates)},
+          surface.smallest_distance,
+          surface.certificate};
+}
+
+bool is_clearance_proved(const CertifiedMeshClearance& self, const PythonModel& implant, const PythonMesh& mesh,
+                         const py::handle& path) {
+  const Model& exact = implant.exact("is_proved");
+  const Mesh& bone = mesh.mesh;
+  const std::vector<Pose> way = poses(path, "path");
+  const auto& [map, certificates] = self.vertices;
+  if (bone.vertices.size() != certificates.size())
+    throw py::value_error(fmt::format("mesh: has {} vertices, and the certificates are of {}", bone.vertices.size(),
+                                      certificates.size()));
+  const auto lo = map.lo.unchecked<1>();
+  const auto hi = map.hi.unchecked<1>();
+  Interruption interruption;
+  const auto interrupted = interruption.poll();
+  return without_lock(interruption, [&] {
+    const InsertionChecker checker(exact, way);
+    std::vector<Enclosure> proven;
+    for (std::size_t i = 0; i < bone.vertices.size() && !interrupted(); ++i) {
+      const auto row = static_cast<py::ssize_t>(i);
+      const Finding finding = checker(bone.vertices[i], {lo(row), hi(row)}, self.vertices.certificates[i]);
+      if (finding.verdict != Verdict::proved) return false;
+      proven.push_back(finding.proven);
+    }
+    if (interrupted()) return false;
+    const WaySurfaceChecker surface(exact, way, bone);
+    return surface(proven, self.smallest_distance, self.certificate, {.interrupted = interrupted}).verdict ==
+           Verdict::proved;
   });
 }
 
@@ -245,6 +321,27 @@ void declare_insertions(py::module_& module) {
       py::arg("tolerance") = py::none(), py::arg("device") = "auto",
       "certified_map_along(implant, points, path, *, tolerance=None, device=\"auto\") -> CertifiedWay\n\n"
       "As map_along(), of a union of convex primitives, with what proves each row again. Rows are mostly tighter.");
+  py::class_<CertifiedMeshClearance>(module, "CertifiedMeshClearance", "What certified_mesh_clearance() proves.")
+      .def_readonly("smallest_distance", &CertifiedMeshClearance::smallest_distance,
+                    "Enclosure: as MeshClearance.smallest_distance, along the whole path.")
+      .def_readonly("vertices", &CertifiedMeshClearance::vertices, "CertifiedWay: of the mesh's vertices.")
+      .def(
+          "is_proved", is_clearance_proved, py::arg("implant"), py::arg("mesh"), py::arg("path"),
+          "is_proved(implant, mesh, path) -> bool\n\n"
+          "Proves it, and every row of the vertices, again, of this implant, this mesh and this path, by MPFR and the\n"
+          "certificates alone. Raises ValueError for another number of vertices.")
+      .def("__repr__",
+           [](const CertifiedMeshClearance& self) {
+             return fmt::format("<verisq.CertifiedMeshClearance: smallest distance in [{}, {}]>",
+                                self.smallest_distance.lo, self.smallest_distance.hi);
+           })
+      .def(pickled<CertifiedMeshClearance>());
+  module.def(
+      "certified_mesh_clearance", certified_clearance, py::arg("implant"), py::arg("mesh"), py::arg("path"),
+      py::kw_only(), py::arg("tolerance") = py::none(), py::arg("device") = "auto",
+      "certified_mesh_clearance(implant, mesh, path, *, tolerance=None, device=\"auto\") -> CertifiedMeshClearance\n\n"
+      "The smallest distance of all points of all triangles along the path, as mesh_clearance(implant, mesh,\n"
+      "path=path), of a union of convex primitives, with what proves it again.");
   module.def(
       "removed_volume", volume, py::arg("implant"), py::arg("path"), py::kw_only(), py::arg("cavity") = py::none(),
       py::arg("within") = py::none(), py::arg("bone") = py::none(), py::arg("resection") = py::none(),

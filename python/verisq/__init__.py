@@ -22,7 +22,7 @@ What proves an answer again
 Whole surfaces and solids
     deviation, certified_deviation, mesh_clearance, prove_containment, octree, recover
 Implants
-    fit; map_along, certified_map_along, straight_path, removed_volume,
+    fit; map_along, certified_map_along, certified_mesh_clearance, straight_path, removed_volume,
     certified_removed_volume for their way in
 Stance
     StanceModel, Equilibrium, CertifiedEquilibrium, Stability, Motion, Bounce
@@ -48,6 +48,7 @@ from ._verisq import (
     CertifiedContact,
     CertifiedDeviation,
     CertifiedEquilibrium,
+    CertifiedMeshClearance,
     CertifiedPair,
     CertifiedPath,
     CertifiedRemovedVolume,
@@ -96,6 +97,7 @@ from ._verisq import (
     certified_distance,
     certified_distance_along,
     certified_map_along,
+    certified_mesh_clearance,
     certified_removed_volume,
     closest_pairs,
     closest_points,
@@ -154,6 +156,7 @@ __all__ = [
     "CertifiedContact",
     "CertifiedDeviation",
     "CertifiedEquilibrium",
+    "CertifiedMeshClearance",
     "CertifiedPair",
     "CertifiedPath",
     "CertifiedRemovedVolume",
@@ -205,6 +208,7 @@ __all__ = [
     "certified_distance",
     "certified_distance_along",
     "certified_map_along",
+    "certified_mesh_clearance",
     "certified_removed_volume",
     "closest_pairs",
     "closest_points",

@@ -580,6 +580,16 @@ class CertifiedWay:
 def certified_map_along(
     implant: Model, points: ArrayLike, path: ArrayLike, *, tolerance: float | None = None, device: str = "auto"
 ) -> CertifiedWay: ...
+class CertifiedMeshClearance:
+    @property
+    def smallest_distance(self) -> Enclosure: ...
+    @property
+    def vertices(self) -> CertifiedWay: ...
+    def is_proved(self, implant: Model, mesh: Mesh, path: ArrayLike) -> bool: ...
+
+def certified_mesh_clearance(
+    implant: Model, mesh: Mesh, path: ArrayLike, *, tolerance: float | None = None, device: str = "auto"
+) -> CertifiedMeshClearance: ...
 def removed_volume(
     implant: Model,
     path: ArrayLike,

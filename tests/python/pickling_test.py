@@ -89,6 +89,7 @@ def one_of_each():
         verisq.mesh_clearance(ball(6.0), mesh, device="host", penetration_limit=1.0, most_samples=500), model, mesh,
         verisq.prove_containment(ball(3.0), mesh, "within", device="host"), verisq.octree(model, depth=3, device="host"),
         verisq.certified_map_along(ball(2.0), points, verisq.straight_path([0, 0, -1], length=1), device="host"),
+        verisq.certified_mesh_clearance(ball(2.0), mesh, verisq.straight_path([0, 0, -1], length=1), device="host"),
         verisq.removed_volume(ball(2.0), verisq.straight_path([0, 0, -1], length=1), bone=mesh, relative_tolerance=0.5),
         verisq.certified_removed_volume(ball(2.0), verisq.straight_path([0, 0, -1], length=1), bone=mesh, relative_tolerance=0.5),
         stance.narrowed("mp", 41.0, 42.0), stance.equilibrium(uncertain=[]), stance.certified_equilibrium(uncertain=[]), stance.stability(uncertain=[]), stance.simulate(0.01, uncertain=[]),

@@ -236,6 +236,17 @@ class WaysIn(Files):
         with self.assertRaises(ValueError):
             way.is_proved(self.implant, points[1:], path)
 
+    def test_the_whole_surface_is_proved_again(self):
+        path = verisq.straight_path([0, 0.1, -1], 20.0)
+        way = verisq.certified_mesh_clearance(self.implant, self.cavity, path, tolerance=1.0, device="host")
+        self.assertLessEqual(way.smallest_distance.lo, way.vertices.map.hi.min())
+        self.assertLess(way.smallest_distance.hi - way.smallest_distance.lo, 1.5)
+        self.assertTrue(way.is_proved(self.implant, self.cavity, path))
+        moved = verisq.Mesh(self.cavity.vertices + 1.0, self.cavity.triangles)
+        self.assertFalse(way.is_proved(self.implant, moved, path))
+        with self.assertRaises(ValueError):
+            way.is_proved(self.implant, verisq.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]), path)
+
     def test_what_is_refused(self):
         path = verisq.straight_path([0, 0, -1], 1.0)
         with self.assertRaisesRegex(verisq.Error, "^--cavity: nothing says where the bone around it ends"):
