@@ -16,6 +16,7 @@
 #include <verisq/certified_insertion.hpp>
 #include <verisq/certified_path.hpp>
 #include <verisq/certified_removed_volume.hpp>
+#include <verisq/certified_way_surface.hpp>
 #include <verisq/check_options.hpp>
 #include <verisq/checker.hpp>
 #include <verisq/clearance.hpp>
@@ -98,3 +99,4 @@
 #include <verisq/triangle_search.hpp>
 #include <verisq/uncertain_model.hpp>
 #include <verisq/version.hpp>
+#include <verisq/way_surface_certificate.hpp>

@@ -156,7 +156,7 @@ CertifiedMeshClearance certified_clearance(const PythonModel& implant, const Pyt
         way, exact, bone, {.tolerance = width, .device = device, .interrupted = options.interrupted});
     vertices = certified_insertion(way, exact, bone.vertices,
                                    smallest_distance_along(way, exact, bone.vertices, options), options);
-    if (vertices.summary.interrupted) return CertifiedWaySurface{.interrupted = true};
+    if (vertices.summary.interrupted) return CertifiedWaySurface{{}, {}, true};
     return certified_way_surface(way, exact, bone, distances_of(vertices.rows), found, options);
   });
   return {{map_of_rows(vertices.rows, vertices.summary, width), std::move(vertices.certificates)},

@@ -18,6 +18,7 @@
 #include "tests/clearance/way_scenes.hpp"
 #include "tests/fixtures/requested_count.hpp"
 #include "tests/oracle/random_cases.hpp"
+#include "verify/placement/quartered_triangle.hpp"
 #include "verify/proposals/nearest_normal.hpp"
 #include "verify/proposals/support_mapping.hpp"
 #include "verisq/enclosure.hpp"
@@ -26,6 +27,8 @@ namespace verisq::oracle {
 namespace {
 
 constexpr double tolerance = 0.03;
+
+using WitnessWeights = std::array<double, 2>;
 
 /// Poses and distances in plain floating point, by other formulas than of the proof.
 class SampledWay {
@@ -312,6 +315,85 @@ TEST(WaySurfaceCertificate, CountsEachSolid) {
   WaySurfaceCertificate both = one_cell({1.0, 0.0, 0.0});
   both.triangles.front().moved.front().normals.push_back({0, {-1.0, 0.0, 0.0}});
   EXPECT_LE(WaySurfaceChecker(shaft, rest, across)(nothing, {-0.5, infinity}, both).proven.lo, -0.9);
+}
+
+/// Nothing is proven where a part of the triangle, or of the way, is left out, or there is more than one.
+TEST(WaySurfaceCertificate, IsOfAllPiecesAndParts) {
+  using enum WayCell;
+  const Mesh mesh{{{4.0, 0.0, -3.0}, {4.0, 1.0, -3.0}, {4.0, 0.0, -2.0}}, {{0, 1, 2}}};
+  const std::vector<Pose> path{Pose{}, {{0.0, 0.0, 1.0}, {1.0, 0.0, 0.0, 0.0}}};
+  const WaySurfaceChecker check(shaft, path, mesh);
+  const std::vector<Enclosure> nothing(3, {-infinity, infinity});
+  const auto lower = [&](const std::vector<WayCell>& cells) {
+    WaySurfaceCertificate certificate = one_cell({1.0, 0.0, 0.0});
+    WayTriangle& triangle = certificate.triangles.front();
+    triangle.cells = cells;
+    triangle.moved.resize(cells.size(), triangle.moved.front());
+    return check(nothing, {0.0, infinity}, certificate).proven.lo;
+  };
+  for (const std::vector<WayCell>& whole : {std::vector{moved},
+                                            {halved, moved, moved},
+                                            {quartered, moved, moved, moved, moved},
+                                            {halved, quartered, moved, moved, moved, moved, moved}})
+    EXPECT_GT(lower(whole), 1.0);
+  for (const std::vector<WayCell>& part : {std::vector<WayCell>{},
+                                           {moved, moved},
+                                           {halved, moved},
+                                           {quartered, moved, moved, moved},
+                                           {quartered},
+                                           {halved},
+                                           {halved, moved, moved, moved},
+                                           {quartered, moved, moved, moved, moved, moved}})
+    EXPECT_EQ(lower(part), -infinity);
+}
+
+/// A point beside the triangle is none of the surface.
+TEST(WaySurfaceCertificate, IsOfPointsOfTrianglesAlone) {
+  const Mesh mesh{{{4.0, 0.0, -3.0}, {5.0, 0.0, -3.0}, {4.0, 1.0, -3.0}}, {{0, 1, 2}}};
+  const std::vector<Pose> rest{Pose{}};
+  const WaySurfaceChecker check(shaft, rest, mesh);
+  const std::vector<Enclosure> nothing(3, {-infinity, infinity});
+  for (const WitnessWeights& weights :
+       {WitnessWeights{-4.0, 0.0}, WitnessWeights{-4.0, 0.1}, WitnessWeights{0.0, 0.5}, WitnessWeights{0.6, 0.6}}) {
+    const Point x = weighted({mesh.vertices[0], mesh.vertices[1], mesh.vertices[2]}, weights[0], weights[1]);
+    const CertifiedEnclosure there = SignedDistance(shaft).certified(x, 1e-3);
+    const WaySurfaceCertificate certificate{WayWitness{0, weights, 0.0, there.certificate}, {}};
+    const double hi = check(nothing, {-infinity, there.distance.hi + 1e-9}, certificate).proven.hi;
+    const bool is_in = weights[0] >= 0.0 && weights[0] + weights[1] <= 1.0;
+    EXPECT_EQ(hi < infinity, is_in) << weights[0];
+  }
+}
+
+/// Of functions that fall from the vertices as steeply as they may, no value on a piece is below what is said of it.
+TEST(WaySurfaceCertificate, KnowsHowFarAFunctionFallsBetweenVertices) {
+  RandomCases random(21);
+  for (int n = 0; n < 300; ++n) {
+    Triangle whole;
+    for (Point& corner : whole)
+      corner = {random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0), random.uniform(-1.0, 1.0)};
+    const double spread = n % 3 == 0 ? 0.0 : 2.0;
+    const std::array<double, 3> at{random.uniform(0.0, spread), random.uniform(0.0, spread),
+                                   random.uniform(0.0, spread)};
+    const auto least = [&](const Triangle& piece) {
+      double lowest = infinity;
+      for (int i = 0; i <= 12; ++i) {
+        for (int j = 0; i + j <= 12; ++j) {
+          const Point x = weighted(piece, i / 12.0, j / 12.0);
+          double value = -infinity;
+          for (std::size_t k = 0; k < 3; ++k)
+            value = std::max(value, at[k] - std::hypot(x[0] - whole[k][0], x[1] - whole[k][1], x[2] - whole[k][2]));
+          lowest = std::min(lowest, value);
+        }
+      }
+      return lowest;
+    };
+    EXPECT_LE(verify::least_on(whole, at), least(whole) + 1e-12);
+    Triangle piece = whole;
+    for (int depth = 0; depth < 4; ++depth) {
+      piece = verify::quarters(piece)[random.choice(4)];
+      EXPECT_LE(verify::least_on(piece, verify::quartering_error(whole), whole, at), least(piece) + 1e-12);
+    }
+  }
 }
 
 /// Claims that are false, or go beyond what is proven, with evidence that is changed, too, or not.
