@@ -307,6 +307,17 @@ std::optional<WaySurfaceAnswer> certify_surface(const InsertArguments& arguments
   return WaySurfaceAnswer{proven, std::move(certified.certificate)};
 }
 
+/// And certifies it, where the rows are certified.
+void enclose_surface(const InsertArguments& arguments, std::span<const Pose> path, const Model& implant,
+                     const Mesh& bone, std::optional<InsertionAnswer>& certified, const InsertionOptions& options,
+                     InsertReport& report) {
+  const Stopwatch time;
+  report.surface = surface_along(path, implant, bone, options);
+  if (certified && !certified->rows.empty() && !report.surface->interrupted)
+    certified->surface = certify_surface(arguments, path, implant, bone, *certified, options, report);
+  report.surface_seconds = time.seconds();
+}
+
 struct Inserted {
   const Mesh& bone;
   const Model& implant;
@@ -428,13 +439,8 @@ ExitStatus run_insert(const InsertArguments& arguments) {
     certified = certify_points(arguments, path, implant, bone, options, insertion, report);
 
   count(insertion, report);
-  if (on_triangles && !insertion.summary.interrupted) {
-    const Stopwatch surface_time;
-    report.surface = surface_along(path, implant, bone, options);
-    if (certified && !certified->rows.empty() && !report.surface->interrupted)
-      certified->surface = certify_surface(arguments, path, implant, bone, *certified, options, report);
-    report.surface_seconds = surface_time.seconds();
-  }
+  if (on_triangles && !insertion.summary.interrupted)
+    enclose_surface(arguments, path, implant, bone, certified, options, report);
   if (region && !report.removed && !report.interrupted()) {
     const Stopwatch volume_time;
     report.removed = removed_volume_of(arguments, path, implant, *region);
