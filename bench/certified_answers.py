@@ -109,6 +109,8 @@ def plans() -> list[Answer]:
         certified("… and what is removed of the bone", [*insertion, *walls[2:], "-o", "removed.csv"],
                   ["--model", stem, *walls[:4]], "removed.json"),
         certified("mesh and model, both ways", ["deviation", *of_stem], of_stem, "deviation.json"),
+        certified("… mean and percentiles of the model, too",
+                  ["deviation", *of_stem, "--statistics-of-model", "--tol", "20%"], of_stem, "statistics.json"),
         certified("a femur's features", ["features", "--landmarks", landmarks, "--landmark-radius", "1"], [],
                   "features.json"),
         certified("where a body stands",
