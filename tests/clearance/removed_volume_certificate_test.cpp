@@ -343,8 +343,8 @@ TEST(RemovedVolumeCertificate, RefusesWhatHasNone) {
   const Mesh beside = turned_box({2.0, 0.0, 0.0}, Eigen::Quaterniond::Identity(), {1.0, 1.0, 1.0});
   BoneRegion elsewhere = removal.bone;
   elsewhere.surfaces = {{cavity, BoneSide::outside}, {beside, BoneSide::inside}};
-  refused(removal.implant, removal.path, elsewhere, "the cavity",
-          " lies beside the bone's outer surface: nothing of it is inside. Are both of one bone, in the "
+  refused(removal.implant, removal.path, elsewhere, "nothing of the cavity's surface",
+          " is inside of the bone's outer surface: it lies beside the bone, or around it. Are both of one bone, in the "
           "same coordinates?");
 }
 

@@ -232,13 +232,18 @@ TEST(RemovedVolume, RefusesWhatHasNone) {
       [&] {
         (void)removed(rest, one, {{{cavity, BoneSide::outside}, {beside, BoneSide::inside}}, {}}, 0.1);
       },
-      "the cavity",
-      " lies beside the bone's outer surface: nothing of it is inside. Are both of one "
-      "bone, in the same coordinates?");
-  // A bar through the bone, whose corners are all outside of it.
+      "nothing of the cavity's surface",
+      " is inside of the bone's outer surface: it lies beside the bone, or around it. Are both of one bone, in the "
+      "same "
+      "coordinates?");
+  // A bar through the bone, whose corners are all outside of it; and through a plate, thin beside its triangles.
   const Mesh bar = turned_box({-4.0, -1.0, -1.0}, Eigen::Quaterniond::Identity(), {8.0, 2.0, 2.0});
-  const Mesh crossed = turned_box({-3.0, -3.0, -3.0}, Eigen::Quaterniond::Identity(), {6.0, 6.0, 6.0});
-  EXPECT_EQ(removed(rest, one, {{{bar, BoneSide::outside}, {crossed, BoneSide::inside}}, {}}, 0.1).volume.lo, 0.0);
+  for (const double thickness : {6.0, 1e-3}) {
+    const Mesh crossed =
+        turned_box({-0.5 * thickness, -3.0, -3.0}, Eigen::Quaterniond::Identity(), {thickness, 6.0, 6.0});
+    const BoneRegion bone{{{bar, BoneSide::outside}, {crossed, BoneSide::inside}}, {}};
+    EXPECT_EQ(removed(rest, one, bone, 0.1).volume.lo, 0.0) << thickness;
+  }
   const std::vector<Pose> far{{{1e200, 0.0, 0.0}}};
   refused([&] { (void)removed(far, one, {}, 0.1); }, "removed volume",
           ": the implant's size, its path or its place leave no exact cubes");

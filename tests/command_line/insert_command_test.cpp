@@ -259,7 +259,7 @@ TEST_F(RemovedBone, RefusesWhatHasNoMeaning) {
                                    "OFF\n4 4 0\n90 0 0\n99 0 0\n90 9 0\n90 0 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n"
                                    "3 1 2 3\n");
   expect_refused(insert_into(box, {"--cavity", "--within", beside}),
-                 {"--within", "beside.off", "the cavity lies beside"});
+                 {"--within", "beside.off", "nothing of the cavity's surface is inside"});
   expect_refused(insert_into(box, {"--volume-tol", "0.1"}), {"--volume-tol: nothing says where bone is"});
   expect_refused(insert_into(box, {"--bone", "--resection", "0,0,1,0,0,0"}), {"--resection: 0,0,1,0,0,0 has a zero"});
   expect_refused(insert_into(box, {"--bone", "--resection", "0,0,-20,0,0,1"}), {"all of", "lies beyond it"});

@@ -1,62 +1,88 @@
-/// A point of the cavity's surface that is inside, or that may be, ends the search for one.
+/// Branch and bound: where two surfaces have no point in common, one vertex of each part tells the side of all of it.
 #include "verify/containment/bone_around_cavity.hpp"
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
 #include <optional>
+#include <vector>
 
+#include "verify/analysis/distance_up.hpp"
+#include "verify/analysis/largest_coordinate.hpp"
 #include "verify/containment/closed_surface.hpp"
 #include "verify/containment/rims.hpp"
+#include "verify/deviation/triangle_piece.hpp"
+#include "verify/deviation/triangle_tree.hpp"
+#include "verify/placement/quartered_triangle.hpp"
 #include "verisq/error.hpp"
 
 namespace verisq::verify {
 namespace {
 
-constexpr double enough_points = 4096.0;
+/// Of the largest coordinate: pieces so small are taken to meet what is not proven to be apart from them. Far more than
+/// their corners round by.
+constexpr double least_piece = 1e-9;
+/// Of a cavity that crosses the bone's surface one of its vertices is inside as a rule, which is soon found.
+constexpr std::size_t vertices_before = 16;
 
-/// Corners, and points between them where triangles are few: a cylinder's may all end beyond the bone.
-class PointsOfMesh {
- public:
-  explicit PointsOfMesh(const Mesh& mesh)
-      : mesh_(mesh),
-        step_(1 + static_cast<std::size_t>(static_cast<double>(mesh.triangles.size()) / enough_points)),
-        parts_(std::ceil(std::sqrt(2.0 * enough_points / static_cast<double>(mesh.triangles.size())))) {}
+/// How far the piece's points are from its middle, at most, roundings included.
+double radius_of(const Triangle& piece, const Point& middle) {
+  double radius = 0.0;
+  for (const Point& corner : piece) radius = std::max(radius, distance_up(middle, corner));
+  return radius + 0x1p-40 * largest_coordinate(piece);
+}
 
-  /// No further ones once one is not `beside`.
-  template <class Predicate>
-  [[nodiscard]] bool all(const Predicate& beside) const {
-    for (std::size_t i = 0; i < mesh_.triangles.size(); i += step_) {
-      const auto& [a, b, c] = mesh_.triangles[i];
-      if (!all_of({mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]}, beside)) return false;
-    }
-    return true;
+/// Whether the triangle is proven to have no point in common with the others.
+bool is_apart(const Triangle& triangle, const TriangleTree& others) {
+  std::vector<Triangle> open{triangle};
+  while (!open.empty()) {
+    const Triangle piece = open.back();
+    open.pop_back();
+    const Point middle = centre(piece);
+    const double radius = radius_of(piece, middle);
+    if (others.nearest(middle).distance.lo > radius) continue;
+    if (radius < least_piece * largest_coordinate(triangle)) return false;
+    for (const Triangle& part : quarters(piece)) open.push_back(part);
   }
+  return true;
+}
 
- private:
-  template <class Predicate>
-  [[nodiscard]] bool all_of(const Triangle& corners, const Predicate& beside) const {
-    for (double i = 0.0; i <= parts_; ++i)
-      for (double j = 0.0; i + j <= parts_; ++j)
-        if (!beside(mean(corners, {i / parts_, j / parts_}))) return false;
-    return true;
+/// Of each part that is connected through vertices one of these.
+std::vector<std::uint32_t> one_vertex_of_each_part(const Mesh& mesh) {
+  std::vector<std::uint32_t> leader(mesh.vertices.size());
+  std::iota(leader.begin(), leader.end(), 0U);
+  const auto find = [&leader](std::uint32_t vertex) {
+    while (leader[vertex] != vertex) vertex = leader[vertex] = leader[leader[vertex]];
+    return vertex;
+  };
+  for (const auto& [a, b, c] : mesh.triangles)
+    for (const std::uint32_t other : {b, c}) leader[find(other)] = find(a);
+  std::vector<bool> is_told(mesh.vertices.size(), false);
+  std::vector<std::uint32_t> vertices;
+  for (const auto& corners : mesh.triangles) {
+    const std::uint32_t vertex = find(corners[0]);
+    if (!is_told[vertex]) vertices.push_back(vertex);
+    is_told[vertex] = true;
   }
+  return vertices;
+}
 
-  static Point mean(const Triangle& corners, const std::array<double, 2>& weights) {
-    Point result{};
-    for (std::size_t k = 0; k < 3; ++k)
-      result[k] =
-          weights[0] * corners[0][k] + weights[1] * corners[1][k] + (1.0 - weights[0] - weights[1]) * corners[2][k];
-    return result;
-  }
-
-  const Mesh& mesh_;
-  std::size_t step_;  ///< from one triangle that is looked at to the next
-  double parts_;      ///< of its sides
-};
-
+/// Whether every point of the cavity's surface is proven to be one about which the outer one does not wind.
 bool is_beside(const Mesh& cavity, const ClosedSurface& outer) {
-  return PointsOfMesh(cavity).all([&](const Point& x) { return outer.winding_number(x) == std::optional(0); });
+  const auto winds_about = [&](std::size_t vertex) {
+    return outer.winding_number(cavity.vertices[vertex]) != std::optional(0);
+  };
+  const std::size_t step = 1 + cavity.triangles.size() / vertices_before;
+  for (std::size_t n = 0; n < cavity.triangles.size(); n += step)
+    if (winds_about(cavity.triangles[n][0])) return false;
+  if (std::ranges::any_of(one_vertex_of_each_part(cavity), winds_about)) return false;
+  const TriangleTree others(outer.triangles());
+  return std::ranges::all_of(cavity.triangles, [&](const std::array<std::uint32_t, 3>& corners) {
+    const auto& [a, b, c] = corners;
+    return is_apart({cavity.vertices[a], cavity.vertices[b], cavity.vertices[c]}, others);
+  });
 }
 
 }  // namespace
@@ -68,8 +94,8 @@ void require_cavities_in_bone(const BoneRegion& bone) {
     for (const BoneSurface& cavity : bone.surfaces)
       if (cavity.bone == BoneSide::outside && is_beside(cavity.mesh, closed))
         throw Error(ErrorKind::input,
-                    "the cavity lies beside the bone's outer surface: nothing of it is inside. Are both of one bone, "
-                    "in the same coordinates?");
+                    "nothing of the cavity's surface is inside of the bone's outer surface: it lies beside the bone, "
+                    "or around it. Are both of one bone, in the same coordinates?");
   }
 }
 
