@@ -36,6 +36,7 @@ std::string readable_volume(const InsertReport& report) {
   const auto rims = std::accumulate(removed.rims.begin(), removed.rims.end(), std::size_t{0});
   return fmt::format("removed bone         {}{}{}\n", outward_digits(removed.volume), units,
                      removed.within_tolerance ? "" : ", wider than asked for") +
+         (removed.volume.hi > 0.0 ? "" : "  no bone lies in the implant's way: are both in the same coordinates?\n") +
          fmt::format("  width asked for    {:.3g} of its lower end{}\n", report.volume_tolerance,
                      report.least_volume_tolerance > 0.0
                          ? fmt::format(", or {:.3g}{}", report.least_volume_tolerance, units)

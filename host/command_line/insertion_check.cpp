@@ -235,6 +235,8 @@ std::string removal_in_words(const RemovalAnswer& removed, const RemovalReport& 
   if (!std::isfinite(claimed.width())) text += "  WITHOUT AN END     nothing is claimed on one side at least\n";
   if (finding.verdict != Verdict::proved)
     text += fmt::format("  proven of it       {}{}\n", exact_text(finding.proven), cubed);
+  else if (claimed.hi == 0.0)
+    text += "  no bone lies in the implant's way: are both in the same coordinates?\n";
   text += fmt::format("  bone is            {}\n", bone_in_words(removed));
   text += fmt::format("  closed over        {} rims\n", fmt::join(rims, " and "));
   return text + fmt::format("  cubes              {}, {:.3g} s\n", proven.cubes, seconds);

@@ -211,6 +211,12 @@ TEST_F(RemovedBone, IsToldOfACavityUpToAResectionOrAnOuterSurface) {
   }
 }
 
+TEST_F(RemovedBone, IsToldToBeElsewhere) {
+  const Outcome outcome = insert_into(write("below.off", box_up_to(-3.0)), {"--bone"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("removed bone         0 mm^3\n  no bone lies in the implant's way"));
+}
+
 /// Beside the box the ball takes nothing away of it.
 TEST_F(RemovedBone, IsLessOnTheBestOfManyWays) {
   const std::string wall = write("box.off", box_up_to(3.0));
