@@ -8,10 +8,10 @@
 #include <verisq/triangle_distance.hpp>
 
 #include "host/batches/rotation.hpp"
-#include "verify/placement/middle_of_way.hpp"
 #include "host/maps/summary_count.hpp"
 #include "host/threads/parallel_steps.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/placement/middle_of_way.hpp"
 #include "verify/placement/way_part.hpp"
 #include "verisq/enclosure.hpp"
 

@@ -11,10 +11,10 @@
 #include <cmath>
 #include <map>
 
-#include "verify/placement/middle_of_way.hpp"
 #include "host/maps/summary_count.hpp"
 #include "host/mesh/extent.hpp"
 #include "verify/numbers/rounding.hpp"
+#include "verify/placement/middle_of_way.hpp"
 #include "verify/placement/path_check.hpp"
 #include "verify/placement/rigid_path.hpp"
 #include "verify/proof/intersection.hpp"
