@@ -14,6 +14,7 @@
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/middle_of_way.hpp"
 #include "verify/placement/quartered_triangle.hpp"
+#include "verify/placement/surface_of_vertices.hpp"
 #include "verify/placement/way_triangle_proof.hpp"
 #include "verify/proposals/triangle.hpp"
 #include "verisq/enclosure.hpp"
@@ -36,11 +37,6 @@ constexpr double share_of_witness = 0.05;
 constexpr double decimals_of_step = 6.0;
 /// Between which progress is told.
 constexpr std::size_t triangles_at_a_time = 64;
-
-Triangle triangle_of(const Mesh& mesh, std::size_t triangle) {
-  const auto& [a, b, c] = mesh.triangles[triangle];
-  return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
-}
 
 /// As long as `length`, or a little less, and of few decimals.
 Point step_along(const Point& direction, double length) {
@@ -221,7 +217,7 @@ Point point_with(const Triangle& triangle, const std::array<double, 2>& weights)
 std::pair<WayWitness, double> witness_of(std::span<const Pose> path, const Model& implant, const Mesh& bone,
                                          const MeshClearance& found, const InsertionOptions& options) {
   WayWitness witness{found.deepest.triangle, {}, 0.0, {}};
-  const Triangle triangle = triangle_of(bone, witness.triangle);
+  const Triangle triangle = verify::triangle_of(bone, witness.triangle);
   witness.weights = weights_of(found.deepest.point, triangle);
   const std::vector<Point> point{point_with(triangle, witness.weights)};
   const double width = share_of_witness * options.tolerance;
@@ -234,23 +230,13 @@ std::pair<WayWitness, double> witness_of(std::span<const Pose> path, const Model
   return {std::move(witness), there.distance.hi + 4.0 * radius};
 }
 
-std::array<double, 3> lower_ends(const Mesh& bone, std::size_t triangle, std::span<const Enclosure> of_vertices) {
-  const auto& [a, b, c] = bone.triangles[triangle];
-  return {of_vertices[a].lo, of_vertices[b].lo, of_vertices[c].lo};
-}
-
 /// Of which the vertices do not prove the goal.
 std::vector<std::uint32_t> open_triangles(const Mesh& bone, std::span<const Enclosure> of_vertices, double goal) {
   std::vector<std::uint32_t> open;
   for (std::uint32_t n = 0; n < bone.triangles.size(); ++n)
-    if (!(verify::least_on(triangle_of(bone, n), lower_ends(bone, n, of_vertices)) >= goal)) open.push_back(n);
+    if (!(verify::least_on(verify::triangle_of(bone, n), verify::lower_ends(bone, n, of_vertices)) >= goal))
+      open.push_back(n);
   return open;
-}
-
-std::vector<verify::PosedSuperquadric> solids_of(const Model& model) {
-  std::vector<verify::PosedSuperquadric> solids;
-  for (const Primitive& primitive : model.primitives) solids.emplace_back(primitive);
-  return solids;
 }
 
 std::size_t cells_of_each(std::size_t triangles) {
@@ -266,9 +252,7 @@ CertifiedWaySurface certified_way_surface(std::span<const Pose> path, const Mode
   const WaySurfaceChecker checker(implant, path, bone);  // refuses what it does not know
   CertifiedWaySurface result;
   WaySurfaceCertificate& certificate = result.certificate;
-  double upper = infinity;
-  for (const auto& corners : bone.triangles)
-    for (const std::uint32_t vertex : corners) upper = std::min(upper, of_vertices[vertex].hi);
+  double upper = verify::least_upper_end(bone, of_vertices);
   auto [witness, deepest] = witness_of(path, implant, bone, found, options);
   if (deepest < upper) {
     certificate.deepest = std::move(witness);
@@ -277,14 +261,15 @@ CertifiedWaySurface certified_way_surface(std::span<const Pose> path, const Mode
   const double goal = std::min(found.smallest_distance.lo, upper - options.tolerance);
   if (std::isfinite(goal)) {
     const verify::RigidPath way(path, verify::seat_of(implant, path));
-    const std::vector<verify::PosedSuperquadric> solids = solids_of(implant);
+    const std::vector<verify::PosedSuperquadric> solids = verify::solids_of(implant);
     const PrismEscape escape(implant);
     const std::vector<std::uint32_t> open = open_triangles(bone, of_vertices, goal);
     const TriangleDivision::Terms terms{way, solids, escape, goal, options.tolerance, cells_of_each(open.size())};
     certificate.triangles.resize(open.size());
     const std::size_t done = in_parallel_steps(
         open.size(), triangles_at_a_time, SeenInterruption(options.interrupted), options.progress, [&](std::size_t i) {
-          TriangleDivision divide(terms, triangle_of(bone, open[i]), lower_ends(bone, open[i], of_vertices));
+          TriangleDivision divide(terms, verify::triangle_of(bone, open[i]),
+                                  verify::lower_ends(bone, open[i], of_vertices));
           certificate.triangles[i] = divide(open[i]);
         });
     result.interrupted = done < open.size();

@@ -138,7 +138,8 @@ class RemovalSearch {
       : options_(options), path_(path), resection_(bone.resection) {
     for (const Primitive& primitive : implant.primitives) primitives_.emplace_back(primitive, path_);
     for (const BoneSurface& surface : bone.surfaces) add(surface);
-    verify::require_cavities_in_bone(bone);
+    verify::require_cavities_in_bone(
+        bone, [this](std::size_t n) -> const auto& { return surfaces_[n].closed(); });
   }
 
   RemovedVolume operator()() {

@@ -13,9 +13,9 @@
 #include "host/features/head_sphere.hpp"
 #include "host/features/neck_section.hpp"
 #include "host/features/shaft_axis.hpp"
-#include "host/mesh/connected_parts.hpp"
 #include "host/mesh/eigen_points.hpp"
 #include "host/mesh/surface_moments.hpp"
+#include "verify/containment/connected_parts.hpp"
 
 namespace verisq {
 namespace {
@@ -52,7 +52,7 @@ Box box_of(const Mesh& mesh) {
 /// The largest of the mesh's connected parts, outward. Small crumbs and what lies within, such as a canal, are left
 /// out; a second bone is refused.
 Mesh one_bone(const Mesh& mesh) {
-  const std::vector<std::uint32_t> part = connected_parts(mesh);
+  const std::vector<std::uint32_t> part = verify::connected_parts(mesh);
   std::vector<double> area(mesh.vertices.size(), 0.0);
   std::vector<Box> boxes(mesh.vertices.size());
   for (const auto& triangle : mesh.triangles) {

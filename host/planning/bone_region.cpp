@@ -8,6 +8,7 @@
 
 #include "host/errors/refusal.hpp"
 #include "verify/containment/bone_around_cavity.hpp"
+#include "verify/containment/rims.hpp"
 
 namespace verisq {
 namespace {
@@ -48,9 +49,11 @@ BoneRegion bone_around(NamedMesh cavity, std::optional<NamedMesh> outer, const s
   region.surfaces.push_back({std::move(cavity.mesh), BoneSide::outside});
   if (!outer) return region;
   check_outer_surface("--within", *outer);
+  const verify::ClosedSurface closed(verify::closed_triangles(outer->mesh, verify::closing_over_rims(outer->mesh)));
   region.surfaces.push_back({std::move(outer->mesh), BoneSide::inside});
   try {
-    verify::require_cavities_in_bone(region);
+    verify::require_cavities_in_bone(
+        region, [&](std::size_t) -> const auto& { return closed; });
   } catch (const Error& error) {
     refuse(fmt::format("--within {}: {}", outer->name, error.what()));
   }

@@ -166,8 +166,10 @@ void tell_of_empty_areas(const Cavity& cavity, std::vector<std::string>& notices
 FemurLandmarks landmarks_of(const FitImplant& implant, FitProblem& problem) {
   if (!problem.bone) return implant.landmarks;
   std::vector<features::NamedCentre> centres;
-  for (const auto& [name, semi_axes, exponents, translation, quaternion, bend, taper] : implant.model.primitives)
-    centres.push_back({name, {translation[0].lo, translation[1].lo, translation[2].lo}});
+  for (const UncertainPrimitive& primitive : implant.model.primitives) {
+    const auto& [x, y, z] = primitive.translation;
+    centres.push_back({primitive.name, {x.lo, y.lo, z.lo}});
+  }
   const auto [points, notes] = features::implant_points(implant.landmarks, centres);
   if (points == implant.landmarks && points.head_centre) return points;
   for (const std::string& note : notes) problem.notices.push_back(fmt::format("{}: {}", implant.name, note));

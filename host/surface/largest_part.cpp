@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "host/mesh/connected_parts.hpp"
+#include "verify/containment/connected_parts.hpp"
 
 namespace verisq::surface {
 namespace {
@@ -24,7 +24,7 @@ double area(const Point& a, const Point& b, const Point& c) {
 LargestPart largest_part(const Mesh& mesh) {
   LargestPart result;
   if (mesh.triangles.empty()) return result;
-  const std::vector<std::uint32_t> part = connected_parts(mesh);
+  const std::vector<std::uint32_t> part = verify::connected_parts(mesh);
   std::unordered_map<std::uint32_t, double> areas;
   for (const auto& [a, b, c] : mesh.triangles)
     areas[part[a]] += area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);

@@ -19,10 +19,7 @@ using ::testing::HasSubstr;
 class CheckBestFit : public ProofFileTest {
  protected:
   void SetUp() override {
-    std::ifstream in(places::example("stem_mm.json"));
-    json stem = json::parse(in);
-    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
-    (void)write("stem.json", stem.dump());
+    write_short_stem();
     found_ = fit({"-o", path("fitted.json"), "--bound", "40", "--bound-certificate-file", proof_, "--json"});
     ASSERT_TRUE(found_.status == 0 || found_.status == 3) << found_.err;
   }

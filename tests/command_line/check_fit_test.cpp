@@ -21,11 +21,8 @@ using ::testing::Not;
 class CheckFit : public ProofFileTest {
  protected:
   void SetUp() override {
-    std::ifstream in(places::example("stem_mm.json"));
-    json stem = json::parse(in);
-    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
-    stem["areas"] = {{{"name", "upper"}, {"weight", 3}, {"box", {{-999, -999, -150}, {999, 999, 999}}}}};
-    (void)write("stem.json", stem.dump());
+    const json upper{{"name", "upper"}, {"weight", 3}, {"box", {{-999, -999, -150}, {999, 999, 999}}}};
+    write_short_stem({{"areas", json::array({upper})}});
     const Outcome outcome =
         fit({"-o", fitted_, "--map", map_, "--surface-map", surface_, "--certificate-file", proof_});
     ASSERT_TRUE(outcome.status == 0 || outcome.status == 3) << outcome.err;

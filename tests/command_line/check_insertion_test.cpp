@@ -20,10 +20,7 @@ using ::testing::Not;
 class CheckInsertion : public ProofFileTest {
  protected:
   void SetUp() override {
-    std::ifstream in(places::example("stem_mm.json"));
-    json stem = json::parse(in);
-    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
-    (void)write("stem.json", stem.dump());
+    write_short_stem();
     const Outcome outcome = insert({"--along", "0,0,-1", "--length", "60", "--certificate-file", proof_});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("certificate          " + proof_));
@@ -173,10 +170,7 @@ TEST_F(CheckInsertion, NeedsWhatHasCertificates) {
 class CheckWaySurface : public CheckInsertion {
  protected:
   void SetUp() override {
-    std::ifstream in(places::example("stem_mm.json"));
-    json stem = json::parse(in);
-    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
-    (void)write("stem.json", stem.dump());
+    write_short_stem();
     const Outcome outcome =
         run({"insert", "--implant", implant_, "--mesh", mesh_, "-o", map_, "--tol", "0.4", "--along", "0,0,-1",
              "--length", "60", "--on", "triangles", "--json", "--no-progress", "--certificate-file", proof_});
@@ -262,12 +256,7 @@ class CheckRemoval : public ProofFileTest {
     return checked(proof, {"--model", implant_, "--mesh", mesh_}, more);
   }
 
-  void SetUp() override {
-    std::ifstream in(places::example("stem_mm.json"));
-    json stem = json::parse(in);
-    stem["primitives"] = {stem["primitives"][1], stem["primitives"][2]};  // fewer are done sooner
-    (void)write("stem.json", stem.dump());
-  }
+  void SetUp() override { write_short_stem(); }
 
   std::string implant_ = path("stem.json");
   std::string mesh_ = places::example("cavity.off");

@@ -13,6 +13,7 @@
 #include "host/deviation/certified_place.hpp"
 #include "host/threads/parallel.hpp"
 #include "tests/deviation/sampled_surface.hpp"
+#include "tests/deviation/surface_scenes.hpp"
 #include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/forgeries.hpp"
 #include "tests/fixtures/requested_count.hpp"
@@ -116,21 +117,11 @@ Case case_of(const Model& model, const Mesh& mesh, double distance, double width
           sampled.of(terms.counted)};
 }
 
-Primitive superquadric(const std::array<double, 3>& axes, const std::array<double, 2>& exponents, const Point& centre,
-                       double taper = 1.0) {
-  return {"", {axes, exponents, taper}, {centre, {0.9, 0.2, -0.3, 0.1}}, {}};
-}
-
 /// Solids alone, straight, tapered, bent; unions with overlaps, one of them bent; a difference and an intersection.
 const std::vector<Case>& cases() {
   const Mesh torus = torus_mesh(3.0, 1.0, 6, 4);
-  const Primitive soap = superquadric({2.0, 1.6, 1.0}, {0.4, 0.7}, {0.1, 0.2, -0.1});
-  const Primitive side = superquadric({1.0, 1.0, 1.0}, {1.0, 1.0}, {1.8, 0.0, 0.2});
-  const Primitive sharp = superquadric({1.5, 1.0, 1.2}, {2.0, 1.4}, {-1.0, 0.5, 0.0}, 0.6);
-  Primitive bent = superquadric({0.6, 0.5, 2.0}, {0.8, 0.9}, {0.3, 0.0, 0.0});
-  bent.bend = Bend{0.2, 30.0};
-  const SetExpression difference{{{.primitive = 0}, {.primitive = 1}}, SetOperation::subtract};
-  const SetExpression intersection{{{.primitive = 0}, {.primitive = 1}}, SetOperation::intersect};
+  const SurfaceScene scene;
+  const auto& [soap, side, sharp, bent, difference, intersection] = scene;
   static const std::vector<Case> all{case_of({"", {soap}, {}}, torus, 0.7, 0.08),
                                      case_of({"", {sharp}, {}}, torus, 0.7, 0.08),
                                      case_of({"", {bent}, {}}, torus, 0.9, 0.1),

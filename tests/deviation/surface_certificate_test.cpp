@@ -13,6 +13,7 @@
 #include "host/deviation/certified_surface.hpp"
 #include "host/threads/parallel.hpp"
 #include "tests/deviation/brute_force.hpp"
+#include "tests/deviation/surface_scenes.hpp"
 #include "tests/fixtures/forged_numbers.hpp"
 #include "tests/fixtures/forgeries.hpp"
 #include "tests/fixtures/requested_count.hpp"
@@ -85,24 +86,14 @@ Answer certified(const Model& model, const Mesh& mesh, double relative_tolerance
   return {model, mesh, relative_tolerance, found.from_model->largest, surface.proof.value()};
 }
 
-Primitive superquadric(const std::array<double, 3>& axes, const std::array<double, 2>& exponents, const Point& centre,
-                       double taper = 1.0) {
-  return {"", {axes, exponents, taper}, {centre, {0.9, 0.2, -0.3, 0.1}}, {}};
-}
-
 /// A ball and a point; one convex solid, tapered or bent; unions, of which what is within another primitive is far from
 /// the mesh; a difference and an intersection.
 const std::vector<Answer>& answers() {
   const Mesh torus = torus_mesh(3.0, 1.0, 6, 4);
-  const Primitive soap = superquadric({2.0, 1.6, 1.0}, {0.4, 0.7}, {0.1, 0.2, -0.1});
-  const Primitive side = superquadric({1.0, 1.0, 1.0}, {1.0, 1.0}, {1.8, 0.0, 0.2});
+  const SurfaceScene scene;
+  const auto& [soap, side, sharp, bent, difference, intersection] = scene;
   const Primitive within = superquadric({0.4, 0.3, 1.0}, {0.9, 1.1}, {0.0, 0.2, -0.1});
-  const Primitive sharp = superquadric({1.5, 1.0, 1.2}, {2.0, 1.4}, {-1.0, 0.5, 0.0}, 0.6);
-  Primitive bent = superquadric({0.6, 0.5, 2.0}, {0.8, 0.9}, {0.3, 0.0, 0.0});
-  bent.bend = Bend{0.2, 30.0};
   const Primitive in_bent = superquadric({0.2, 0.2, 0.6}, {1.0, 1.0}, {0.3, 0.0, 0.0});
-  const SetExpression difference{{{.primitive = 0}, {.primitive = 1}}, SetOperation::subtract};
-  const SetExpression intersection{{{.primitive = 0}, {.primitive = 1}}, SetOperation::intersect};
   const Mesh points_of_soap{.vertices = surface_mesh(soap, 8).vertices, .triangles = {}};
   static const std::vector<Answer> all{
       certified({"", {superquadric({1, 1, 1}, {1, 1}, {})}}, {.vertices = {{3.0, 0.0, 0.0}}, .triangles = {}}, 1e-4),

@@ -45,6 +45,12 @@ double distance_of(const PosedSuperquadric& solid, const MovedPrism& hull, std::
 
 }  // namespace
 
+std::vector<PosedSuperquadric> solids_of(const Model& model) {
+  std::vector<PosedSuperquadric> solids;
+  for (const Primitive& primitive : model.primitives) solids.emplace_back(primitive);
+  return solids;
+}
+
 MovedPrism moved(const WayPrism& prism, const Point& step) {
   MovedPrism hull{};
   for (std::size_t i = 0; i < 3; ++i) {

@@ -3,13 +3,18 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "verify/placement/way_part.hpp"
 #include "verify/proof/posed_superquadric.hpp"
 #include "verisq/mesh.hpp"
+#include "verisq/model.hpp"
 #include "verisq/way_surface_certificate.hpp"
 
 namespace verisq::verify {
+
+/// A model's primitives. Precondition: a union of convex ones.
+[[nodiscard]] std::vector<PosedSuperquadric> solids_of(const Model& model);
 
 /// The ways of the piece's corners, all between the same times.
 struct WayPrism {

@@ -8,6 +8,7 @@
 #include "verify/numbers/rounding.hpp"
 #include "verify/placement/path_check.hpp"
 #include "verify/placement/quartered_triangle.hpp"
+#include "verify/placement/surface_of_vertices.hpp"
 #include "verify/placement/way_part.hpp"
 #include "verify/placement/way_triangle_proof.hpp"
 #include "verify/proof/convex_union.hpp"
@@ -34,12 +35,6 @@ const Model& required_union(const Model& model) {
   return model;
 }
 
-std::vector<verify::PosedSuperquadric> solids_of(const Model& model) {
-  std::vector<verify::PosedSuperquadric> solids;
-  for (const Primitive& primitive : model.primitives) solids.emplace_back(primitive);
-  return solids;
-}
-
 /// Each once, and in their order; and not too many cells.
 bool is_in_order(const std::vector<WayTriangle>& proofs, std::size_t triangles) {
   std::size_t next = 0;
@@ -59,24 +54,14 @@ struct WaySurfaceChecker::State {
   State(const Model& model, std::span<const Pose> poses, const Mesh& mesh)
       : bone(mesh),
         implant(required_union(model)),
-        solids(solids_of(model)),
+        solids(verify::solids_of(model)),
         path(poses, verify::seat_of(model, poses)) {}
-
-  [[nodiscard]] Triangle corners_of(std::size_t triangle) const {
-    const auto& [a, b, c] = bone.triangles[triangle];
-    return {bone.vertices[a], bone.vertices[b], bone.vertices[c]};
-  }
-
-  [[nodiscard]] std::array<double, 3> lower_ends(std::size_t triangle, std::span<const Enclosure> of_vertices) const {
-    const auto& [a, b, c] = bone.triangles[triangle];
-    return {of_vertices[a].lo, of_vertices[b].lo, of_vertices[c].lo};
-  }
 
   /// What the vertices say of each triangle.
   [[nodiscard]] std::vector<double> least_by_vertices(std::span<const Enclosure> of_vertices) const {
     std::vector<double> least(bone.triangles.size());
     for (std::size_t n = 0; n < least.size(); ++n)
-      least[n] = verify::least_on(corners_of(n), lower_ends(n, of_vertices));
+      least[n] = verify::least_on(verify::triangle_of(bone, n), verify::lower_ends(bone, n, of_vertices));
     return least;
   }
 
@@ -94,8 +79,9 @@ struct WaySurfaceChecker::State {
         if (options.interrupted()) {
           is_whole = false;
         } else {
-          const auto at_vertices = lower_ends(n, of_vertices);
-          least[n] = std::max(least[n], verify::least_on(path, solids, corners_of(n), at_vertices, proof));
+          const auto at_vertices = verify::lower_ends(bone, n, of_vertices);
+          least[n] =
+              std::max(least[n], verify::least_on(path, solids, verify::triangle_of(bone, n), at_vertices, proof));
         }
       });
       options.progress(static_cast<double>(first + now) / static_cast<double>(proofs.size()));
@@ -103,19 +89,11 @@ struct WaySurfaceChecker::State {
     return is_whole ? std::ranges::min(least) : -infinity;
   }
 
-  /// Vertices of no triangle are no part of the surface.
-  [[nodiscard]] double upper_by_vertices(std::span<const Enclosure> of_vertices) const {
-    double least = infinity;
-    for (const auto& corners : bone.triangles)
-      for (const std::uint32_t vertex : corners) least = std::min(least, of_vertices[vertex].hi);
-    return least;
-  }
-
   [[nodiscard]] double upper_by(const WayWitness& witness, double asked) const {
     const auto& [triangle, weights, time, certificate] = witness;
     if (triangle >= bone.triangles.size() || !verify::in_triangle(weights)) return infinity;
     if (!(time >= 0.0 && time <= path.last_time())) return infinity;
-    const auto& [a, b, c] = corners_of(triangle);
+    const auto& [a, b, c] = verify::triangle_of(bone, triangle);
     const verify::PreciseVector exact =
         verify::point_of({verify::precise(a), verify::precise(b), verify::precise(c)}, weights);
     const verify::Proposal middle = verify::midpoint(exact);
@@ -132,7 +110,7 @@ struct WaySurfaceChecker::State {
 
   [[nodiscard]] double upper(std::span<const Enclosure> of_vertices, double asked,
                              const WaySurfaceCertificate& certificate) const {
-    const double by_vertices = upper_by_vertices(of_vertices);
+    const double by_vertices = verify::least_upper_end(bone, of_vertices);
     return certificate.deepest ? std::min(by_vertices, upper_by(*certificate.deepest, asked)) : by_vertices;
   }
 

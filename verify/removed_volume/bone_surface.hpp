@@ -24,6 +24,7 @@ class BoundingSurface {
   explicit BoundingSurface(const BoneSurface& surface) : BoundingSurface(surface, closing_over_rims(surface.mesh)) {}
 
   [[nodiscard]] std::size_t rims() const { return rims_; }
+  [[nodiscard]] const ClosedSurface& closed() const { return surface_; }
 
   /// What is known of a cube.
   struct Piece {

@@ -133,7 +133,8 @@ struct RemovedVolumeChecker::State {
       surfaces.emplace_back(surface);
       rims.push_back(surfaces.back().rims());
     }
-    verify::require_cavities_in_bone(bone);
+    verify::require_cavities_in_bone(
+        bone, [this](std::size_t n) -> const auto& { return surfaces[n].closed(); });
   }
 
   /// Whether all that is swept lies there.

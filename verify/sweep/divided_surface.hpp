@@ -27,6 +27,8 @@ class DividedSurface {
   /// and every edge is run through as often one way as the other.
   DividedSurface(std::vector<Triangle> triangles, int orientation, Side side);
 
+  [[nodiscard]] const ClosedSurface& closed() const { return surface_; }
+
   /// What is known of a cube.
   struct Piece {
     std::vector<std::uint32_t> triangles;  ///< no others meet the cube

@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <numeric>
 #include <vector>
-#include <verisq/mesh.hpp>
 
-namespace verisq {
+#include "verisq/mesh.hpp"
+
+namespace verisq::verify {
 
 /// Of each vertex the one that stands for its part: the same for two just where triangles lead from one to the other.
 [[nodiscard]] inline std::vector<std::uint32_t> connected_parts(const Mesh& mesh) {
@@ -24,4 +25,4 @@ namespace verisq {
   return parent;
 }
 
-}  // namespace verisq
+}  // namespace verisq::verify
